@@ -1,0 +1,175 @@
+# make            the environment and every result of the study (also the command to restart with)
+# make fig06      one figure (fig01 to fig14)
+# make smoke      the same study, small, into its own results root
+# make test       the environment, every check and every test
+# make lock       requirements.lock anew; LOCK_FLAGS=--upgrade takes newer versions
+# make clean      everything generated, results included; `make distclean` the environment as well
+#
+# PYTHON=python3.13 chooses the Python to build the environment with, CORES=8 the cores to use,
+# SNAKEMAKE_FLAGS=... adds options to every run of the study.
+
+PYTHON ?= python3
+CORES ?= 2
+SNAKEMAKE_FLAGS ?=
+UV_VERSION := 0.13.8
+
+SHELL := /bin/sh
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+
+# The tools of the environment, and nothing from the caller's Python. Set for each command and not
+# for the whole file, because PYTHON is looked up outside the environment that it builds.
+in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
+unexport PYTHONHOME PYTHONPATH
+
+FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
+.PHONY: all $(FIGURES) smoke test lint types floors workflow unit environment python lock
+.PHONY: clean distclean
+
+# --------------------------------------------------------------------------------------- the study
+
+# Two runs in one directory, and the lock a crash leaves behind. Snakemake marks a run by files in
+# .snakemake/locks; after kill -9 or a power cut they stay, and it refuses to start until told
+# --unlock. Given while another run is alive, that same option would let both write the same files.
+# Hence the order: (1) take a lock of our own, which the system drops with the process that holds
+# it, however that dies; a second `make` is refused here. (2) Refuse if a Snakemake that was started
+# by hand is alive in this directory. (3) Wait for jobs that outlived a killed Snakemake, since they
+# still write. (4) Now whatever lock is left is a dead one: --unlock. Half-written files are then
+# made again by rerun-incomplete in the profile.
+#
+# $(call run_study,OPTIONS AND TARGETS)
+run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
+	export $(in_env); \
+	python -c "$$SETTLE"; \
+	run="snakemake -c$(CORES) $(SNAKEMAKE_FLAGS)"; \
+	if [ -n "$$(ls -A .snakemake/locks 2>/dev/null)" ]; then $$run --unlock $(1); fi; \
+	exec $$run $(1)'
+
+all: environment
+	$(call run_study,)
+
+$(FIGURES): environment
+	$(call run_study,$@)
+
+smoke: environment
+	$(call run_study,--configfile config/smoke.yaml)
+
+# Steps 2 and 3. A job is a script in workflow/scripts, run by Python from a shell.
+define SETTLE
+import os, psutil, sys
+
+here, this = os.getcwd(), psutil.Process()
+family = {this.pid, *(parent.pid for parent in this.parents())}
+
+def alive(matches):
+    for process in psutil.process_iter():
+        try:
+            words = process.cmdline()
+            if words and process.pid not in family and matches(words) and process.cwd() == here:
+                yield process
+        except psutil.Error:  # it has just ended, or is another user's
+            continue
+
+def is_snakemake(words):
+    return any(os.path.basename(word) == "snakemake" for word in words[:3])
+
+def is_job(words):
+    runner = os.path.basename(words[0]).startswith(("python", "sh", "bash"))
+    return runner and any("workflow/scripts/" in word for word in words[1:3])
+
+snakemakes = [str(process.pid) for process in alive(is_snakemake)]
+if snakemakes:
+    sys.exit("Snakemake already runs in this directory, process " + ", ".join(snakemakes))
+jobs = list(alive(is_job))
+if jobs:
+    print("waiting for", len(jobs), "processes of an interrupted run to end", file=sys.stderr)
+    psutil.wait_procs(jobs)
+endef
+export SETTLE
+
+# $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE. The standard library
+# has flock everywhere; the command of that name is missing on some systems.
+hold = $(PYTHON) -c "$$HOLD" $(1) $(2)
+define HOLD
+import fcntl, os, sys
+
+mode, path, *command = sys.argv[1:]
+handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+try:
+    fcntl.flock(handle, fcntl.LOCK_EX | (fcntl.LOCK_NB if mode == "refuse" else 0))
+except BlockingIOError:
+    sys.exit("another make runs the study in this directory; wait for it or stop it")
+os.set_inheritable(handle, True)  # the command keeps the lock until it ends
+os.execvp(command[0], command)
+endef
+export HOLD
+
+# --------------------------------------------------------------------------------------- the checks
+
+check = @echo "--- $(1)"; $(in_env) $(1)
+
+test: lint types floors workflow unit
+
+lint: environment
+	$(call check,ruff check .)
+	$(call check,ruff format --check .)
+
+types: environment
+	$(call check,mypy)
+
+floors: environment
+	$(call check,lint-imports)
+
+workflow: environment
+	$(call check,snakefmt --check Snakefile workflow)
+	$(call check,snakemake --lint)
+
+unit: environment
+	$(call check,pytest)
+
+# ---------------------------------------------------------------------------------- the environment
+
+# Built anew, from nothing, when the lock file, pyproject.toml or the version of Python changes. The
+# stamp is written last: an environment whose building was interrupted does not count.
+TAG := $(shell $(PYTHON) -c 'import sys; print("%d.%d.%d" % sys.version_info[:3])' 2>/dev/null)
+STAMP := .venv/.complete-$(TAG)
+
+# One make at a time; the one that waited finds the environment complete.
+environment: python
+	@$(call hold,wait,.make-environment.lock) $(MAKE) --silent --no-print-directory $(STAMP)
+
+$(STAMP): requirements.lock pyproject.toml
+	@echo "building the environment in .venv with Python $(TAG)"
+	@# Some systems split ensurepip from Python; their own pip can fill the environment as well.
+	@$(PYTHON) -m venv --clear .venv >/dev/null 2>&1 || $(PYTHON) -m venv --clear --without-pip .venv
+	@pip="$(PYTHON) -m pip --python .venv/bin/python"; \
+	if [ -x .venv/bin/pip ]; then pip=".venv/bin/python -m pip"; fi; \
+	export PIP_DISABLE_PIP_VERSION_CHECK=1; \
+	$$pip install --quiet --no-deps --use-pep517 --require-hashes --requirement requirements.lock && \
+	$$pip install --quiet --no-deps --no-build-isolation --editable . && \
+	$$pip check
+	@touch $@
+
+python:
+	@command -v $(PYTHON) >/dev/null || { \
+		echo "no $(PYTHON) here; name a Python of 3.11 or newer: make PYTHON=..." >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo "$(PYTHON) is Python $(TAG), vibralign needs 3.11 or newer: make PYTHON=..." >&2; exit 1; }
+
+# Every extra and the build backend, with the hashes of all platforms, valid for Python 3.11 and
+# newer; `fewest` keeps to one version of a package where newer Pythons would allow another.
+lock: python
+	$(PYTHON) -m venv --clear .lock-venv
+	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
+	UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
+		--quiet --all-extras --universal --python-version 3.11 --fork-strategy fewest \
+		--generate-hashes --no-config --no-annotate --no-emit-index-url --no-emit-find-links \
+		$(LOCK_FLAGS) --output-file requirements.lock
+	rm -rf .lock-venv
+
+clean:
+	rm -rf results results-* .snakemake build dist
+	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
+
+distclean: clean
+	rm -rf .venv .lock-venv .make-*.lock

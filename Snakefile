@@ -1,0 +1,42 @@
+"""The study of vibratory part alignment: `snakemake -c2` builds every result of the paper."""
+
+from pathlib import Path
+
+from snakemake.utils import min_version
+
+from model.study.config import CURVES, FIGURES, HISTORIES, MAPS, SCHEMATICS
+from model.study.config import ConfigError, check_study
+
+min_version("9.0")
+
+
+configfile: "config/config.yaml"
+
+
+try:
+    study = check_study(config, "config")
+except ConfigError as fault:
+    raise WorkflowError(f"the configuration breaks a rule\n{fault}")
+
+root = Path(study.results_root)
+gridded = CURVES + MAPS
+computed = HISTORIES + gridded
+
+
+wildcard_constraints:
+    figure=r"fig\d\d",
+    chunk=r"\d+",
+
+
+include: "workflow/rules/common.smk"
+
+
+rule all:
+    input:
+        root / "report.html",
+        [drawn(figure) for figure in FIGURES],
+        expand(root / "data/{figure}.nc", figure=computed),
+
+
+include: "workflow/rules/compute.smk"
+include: "workflow/rules/show.smk"

@@ -1,0 +1,1 @@
+"""Ground floor: what the device is. Notation, parameters, contact geometry, forces, scenes."""

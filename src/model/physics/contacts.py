@@ -1,0 +1,131 @@
+"""The three kinds of contact of the alignment scene: depth, closing rate, slip, and force rows.
+
+1. edge on the bottom face: A1 from the start, A2 when the part has jumped the slot;
+2. A2 on the left side face;
+3. a bottom corner on the flat base: B1 right of the slot, B2 left of it.
+
+A row is the triple (x, y, moment) that multiplies a force to give its share of the generalized
+force, and that multiplies (ẋ, ẏ, φ̇) to give the velocity of the touching point along that force
+(virtual work). Under a printed reading the force rows differ from the kinematic ones.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+from model.physics.compiled import kernel
+from model.physics.geometry import bottom_corner, edge_place, face_coordinate
+from model.physics.notation import LEFT_EDGE
+
+Row = tuple[float, float, float]
+
+
+class Contact(NamedTuple):
+    """One contact at one instant.
+
+    Attributes:
+        depth: penetration of the base, positive inside.
+        closing_rate: d depth / dτ.
+        slip: velocity of the part's touching point along the tangent.
+        slip_drift: the part of d slip / dτ that does not come from accelerations.
+        normal: row of the normal force n.
+        tangent: row of the friction force T.
+        slip_row: d slip / d(ẋ, ẏ, φ̇); equals ``tangent`` unless a reading is printed.
+    """
+
+    depth: float
+    closing_rate: float
+    slip: float
+    slip_drift: float
+    normal: Row
+    tangent: Row
+    slip_row: Row
+
+
+@kernel
+def dot(row, x, y, moment):
+    """Product of a row with a triple."""
+    return row[0] * x + row[1] * y + row[2] * moment
+
+
+@kernel
+def edge_on_face(side, q, p):
+    """Contact of edge A1 (``side`` = +1) or A2 (-1) with the bottom face, for the state ``q``.
+
+    d = b + r·e_n, force n e_n + T e_t, torque s n + (b - d) T (eq. 3 with arms R9; U1 R1).
+    """
+    place = edge_place(side, q.x, q.y, q.tilt, p)
+    c, s = place.cos, place.sin
+    along = q.x_rate * c + q.y_rate * s
+    across = -q.x_rate * s + q.y_rate * c
+    depth = p.half_height + place.along_axis
+    closing_rate = -(across + q.tilt_rate * place.along_face)
+    slip_row = (c, s, -place.along_axis)
+    slip = along - q.tilt_rate * place.along_axis
+    drift = q.tilt_rate * (across - closing_rate)
+    normal_arm, tangent_arm = place.along_face, -place.along_axis
+    if p.printed_moment_arms != 0.0:
+        normal_arm, tangent_arm = face_coordinate(side, q.x, q.tilt, p), p.half_height
+    x_sign = -1.0 if p.printed_normal_sign != 0.0 else 1.0
+    normal = (-x_sign * s, c, normal_arm)
+    tangent = (x_sign * c, s, tangent_arm)
+    return Contact(depth, closing_rate, slip, drift, normal, tangent, slip_row)
+
+
+@kernel
+def edge_on_side(q, p):
+    """Contact of edge A2 with the left side face, for the state ``q``.
+
+    w = s + a, force n e_t + T e_n, torque r × F. Printed readings: D2 as printed for w (R4), and
+    the force entering (3) as at A1 with A2's q (R5).
+    """
+    place = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    c, s = place.cos, place.sin
+    along = q.x_rate * c + q.y_rate * s
+    across = -q.x_rate * s + q.y_rate * c
+    depth = place.along_face + p.half_width
+    closing_rate = q.tilt_rate * place.along_axis - along
+    if p.printed_side_gap != 0.0:
+        corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
+        gap = corner_x + p.slot_half_width - corner_y
+        gap_rate = q.x_rate - q.y_rate - q.tilt_rate * (corner_y - q.y + corner_x - q.x)
+        depth, closing_rate = -gap * c, gap * s * q.tilt_rate - gap_rate * c
+    if p.printed_side_force != 0.0:
+        # The tangent is then the bottom face's too, so that friction opposes the slip it acts on.
+        as_face = edge_on_face(LEFT_EDGE, q, p)
+        x_sign = -1.0 if p.printed_normal_sign != 0.0 else 1.0
+        normal = (-x_sign * s, c, face_coordinate(LEFT_EDGE, q.x, q.tilt, p))
+        tangent = (x_sign * c, s, p.half_height)
+        return Contact(
+            depth, closing_rate, as_face.slip, as_face.slip_drift, normal, tangent, as_face.slip_row
+        )
+    normal = (c, s, -place.along_axis)
+    tangent = (-s, c, place.along_face)
+    slip = across + q.tilt_rate * place.along_face
+    true_closing_rate = q.tilt_rate * place.along_axis - along
+    drift = q.tilt_rate * (true_closing_rate - along)
+    return Contact(depth, closing_rate, slip, drift, normal, tangent, tangent)
+
+
+@kernel
+def corner_on_flat(side, q, p):
+    """Contact of corner B1 (``side`` = +1) or B2 (-1) with the flat base, for the state ``q``.
+
+    Depth -Y_B, force n (0, 1) + T (1, 0).
+    """
+    corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
+    r_x, r_y = corner_x - q.x, corner_y - q.y
+    normal = (0.0, 1.0, r_x)
+    tangent = (1.0, 0.0, -r_y)
+    closing_rate = -(q.y_rate + q.tilt_rate * r_x)
+    slip = q.x_rate - q.tilt_rate * r_y
+    drift = -q.tilt_rate * q.tilt_rate * r_x
+    return Contact(-corner_y, closing_rate, slip, drift, normal, tangent, tangent)
+
+
+@kernel
+def contact_load(depth, closing_rate, q, p):
+    """Normal force before clamping: k_a d + h_a ḋ, or as printed k_a d - h_a √(ẋ² + ẏ²) (R3)."""
+    if p.printed_contact_damping_law != 0.0:
+        speed = sqrt(q.x_rate * q.x_rate + q.y_rate * q.y_rate)
+        return p.contact_stiffness * depth - p.contact_damping * speed
+    return p.contact_stiffness * depth + p.contact_damping * closing_rate

@@ -1,0 +1,51 @@
+"""Where the part's corners and the slot's edges are. Lengths dimensionless, angles in radians."""
+
+from math import cos, sin
+from typing import NamedTuple
+
+from model.physics.compiled import kernel
+from model.physics.parameters import Constants
+
+
+class EdgePlace(NamedTuple):
+    """Where an edge A of the slot stands in the frame of the part, and that frame.
+
+    With r = A - C: ``along_face`` = s = r·e_t, ``along_axis`` = r·e_n, and ``cos``, ``sin`` of φ.
+    """
+
+    along_face: float
+    along_axis: float
+    cos: float
+    sin: float
+
+
+@kernel
+def edge_place(side, x, y, tilt, p):
+    """``EdgePlace`` of the edge A1 (``side`` = +1) or A2 (-1) for the mass centre at (x, y)."""
+    c, s = cos(tilt), sin(tilt)
+    r_x = side * p.slot_half_width - x
+    return EdgePlace(r_x * c - y * s, -r_x * s - y * c, c, s)
+
+
+@kernel
+def bottom_corner(side, x, y, tilt, p):
+    """(X, Y) of the bottom corner B1 (``side`` = +1) or B2 (-1): C ± a e_t - b e_n."""
+    c, s = cos(tilt), sin(tilt)
+    a, b = side * p.half_width, p.half_height
+    return x + a * c + b * s, y + a * s - b * c
+
+
+@kernel
+def face_coordinate(side, x, tilt, p):
+    """The paper's q, signed: where A1 or A2 stands on the bottom face when exactly on it.
+
+    (±l - x)/cos φ - b tan φ, among the paper's dimensionless parameters.
+    """
+    return (side * p.slot_half_width - x - p.half_height * sin(tilt)) / cos(tilt)
+
+
+@kernel
+def resting_height(p: Constants):
+    """Y at the start: the bottom face touches A1, d = b - (l - x) sin φ - y cos φ = 0."""
+    r_x = p.slot_half_width - p.misalignment
+    return (p.half_height - r_x * sin(p.initial_tilt)) / cos(p.initial_tilt)

@@ -1,0 +1,177 @@
+"""The equations of motion (3): in each mode, accelerations as a sum of named forces."""
+
+from typing import NamedTuple
+
+from model.physics.compiled import kernel
+from model.physics.contacts import (
+    contact_load,
+    corner_on_flat,
+    dot,
+    edge_on_face,
+    edge_on_side,
+)
+from model.physics.forces import (
+    axial_suspension,
+    excitation,
+    lateral_suspension,
+    press,
+    tilt_suspension,
+)
+from model.physics.scenes import CLOSED, STICKING
+
+NO_ROW = (0.0, 0.0, 0.0)
+
+
+class Support(NamedTuple):
+    """Contacts that share one friction state, taken together.
+
+    ``x``, ``y``, ``moment`` is the normal forces' share of (3); ``load`` their sum; ``tangent`` the
+    row of the common friction force; ``slip``, ``slip_row``, ``slip_drift`` as in ``Contact``.
+    """
+
+    load: float
+    x: float
+    y: float
+    moment: float
+    tangent: tuple[float, float, float]
+    slip: float
+    slip_row: tuple[float, float, float]
+    slip_drift: float
+
+
+class Motion(NamedTuple):
+    """Accelerations and contact forces at one instant.
+
+    ``support_drive`` and ``side_drive`` are d slip / dτ; ``mobility`` and ``side_mobility`` the
+    slip acceleration that a unit of friction force gives (positive, else friction has no solution).
+    """
+
+    x: float
+    y: float
+    tilt: float
+    support_load: float
+    support_friction: float
+    support_slip: float
+    support_drive: float
+    support_mobility: float
+    side_load: float
+    side_friction: float
+    side_slip: float
+    side_drive: float
+    side_mobility: float
+
+
+@kernel
+def support_contact(q, p, mode):
+    """The supporting edge's contact with the bottom face and its corner's with the flat base.
+
+    Where both press they share the friction in proportion to their normal forces.
+    """
+    load, x, y, moment = 0.0, 0.0, 0.0, 0.0
+    tangent, slip, slip_row, drift = NO_ROW, 0.0, NO_ROW, 0.0
+    if mode.face == CLOSED:
+        face = edge_on_face(mode.edge, q, p)
+        load = contact_load(face.depth, face.closing_rate, q, p)
+        normal = face.normal
+        x, y, moment = load * normal[0], load * normal[1], load * normal[2]
+        tangent, slip, slip_row, drift = face.tangent, face.slip, face.slip_row, face.slip_drift
+    if mode.corner == CLOSED:
+        corner = corner_on_flat(mode.edge, q, p)
+        corner_load = contact_load(corner.depth - mode.corner_offset, corner.closing_rate, q, p)
+        normal = corner.normal
+        x += corner_load * normal[0]
+        y += corner_load * normal[1]
+        moment += corner_load * normal[2]
+        total = load + corner_load
+        share = corner_load / total if load > 0.0 and total > 0.0 else 1.0
+        tangent = (
+            tangent[0] + share * (corner.tangent[0] - tangent[0]),
+            tangent[1] + share * (corner.tangent[1] - tangent[1]),
+            tangent[2] + share * (corner.tangent[2] - tangent[2]),
+        )
+        load = total
+        slip, slip_row, drift = corner.slip, corner.slip_row, corner.slip_drift
+    return Support(load, x, y, moment, tangent, slip, slip_row, drift)
+
+
+@kernel
+def side_contact(q, p, mode):
+    """The contact of A2 with the left side face."""
+    if mode.side != CLOSED:
+        return Support(0.0, 0.0, 0.0, 0.0, NO_ROW, 0.0, NO_ROW, 0.0)
+    side = edge_on_side(q, p)
+    load = contact_load(side.depth, side.closing_rate, q, p)
+    normal = side.normal
+    x, y, moment = load * normal[0], load * normal[1], load * normal[2]
+    return Support(load, x, y, moment, side.tangent, side.slip, side.slip_row, side.slip_drift)
+
+
+@kernel
+def mobility(slip_row, tangent, p):
+    """Slip acceleration along ``slip_row`` from a unit friction force along ``tangent``."""
+    return dot(slip_row, tangent[0], tangent[1], tangent[2] / p.inertia)
+
+
+@kernel
+def sticking_friction(support_sticks, side_sticks, drive, side_drive, g11, g12, g21, g22):
+    """Friction forces (T, T_side) that cancel the slip accelerations of what sticks.
+
+    Solves G T = -drive, G the matrix of mobilities; also used with velocities for impulses.
+    """
+    if support_sticks and side_sticks:
+        det = g11 * g22 - g12 * g21
+        return (g12 * side_drive - g22 * drive) / det, (g21 * drive - g11 * side_drive) / det
+    if support_sticks:
+        return -drive / g11, 0.0
+    if side_sticks:
+        return 0.0, -side_drive / g22
+    return 0.0, 0.0
+
+
+@kernel
+def motion(time, q, p, mode):
+    """``Motion`` for the state ``q`` at ``time`` in ``mode``: equations (3) as a sum of forces.
+
+    Friction is T = -μ n sign(slip) in sliding; in sticking it is what keeps the slip at zero. A
+    load is not clamped here: where it would turn negative the mode ends (see switching).
+    """
+    support = support_contact(q, p, mode)
+    side = side_contact(q, p, mode)
+    x = lateral_suspension(q, p) + support.x + side.x
+    y = axial_suspension(q, p) + press(p) + excitation(time, p) + support.y + side.y
+    moment = tilt_suspension(q, p) + support.moment + side.moment
+
+    support_sticks = mode.support_slip == STICKING and (
+        mode.face == CLOSED or mode.corner == CLOSED
+    )
+    side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
+    # Sliding friction first; sticking friction answers to all the rest.
+    friction = -p.friction * support.load * mode.support_slip
+    side_friction = -p.friction * side.load * mode.side_slip
+    t, u = support.tangent, side.tangent
+    x += friction * t[0] + side_friction * u[0]
+    y += friction * t[1] + side_friction * u[1]
+    moment += friction * t[2] + side_friction * u[2]
+
+    g11 = mobility(support.slip_row, t, p)
+    g12 = mobility(support.slip_row, u, p)
+    g21 = mobility(side.slip_row, t, p)
+    g22 = mobility(side.slip_row, u, p)
+    drive = dot(support.slip_row, x, y, moment / p.inertia) + support.slip_drift
+    side_drive = dot(side.slip_row, x, y, moment / p.inertia) + side.slip_drift
+    if support_sticks or side_sticks:
+        stick, side_stick = sticking_friction(
+            support_sticks, side_sticks, drive, side_drive, g11, g12, g21, g22
+        )
+        x += stick * t[0] + side_stick * u[0]
+        y += stick * t[1] + side_stick * u[1]
+        moment += stick * t[2] + side_stick * u[2]
+        drive += g11 * stick + g12 * side_stick
+        side_drive += g21 * stick + g22 * side_stick
+        friction += stick
+        side_friction += side_stick
+    return Motion(
+        x, y, moment / p.inertia,
+        support.load, friction, support.slip, drive, g11,
+        side.load, side_friction, side.slip, side_drive, g22,
+    )  # fmt: skip

@@ -1,0 +1,60 @@
+"""How runs are computed: reading, scene, method, tolerance and horizon, checked once."""
+
+import math
+from dataclasses import dataclass, field
+
+from model.physics.readings import Readings
+from model.physics.scenes import ALIGNMENT, Scene
+from model.solver.loop import Control
+from model.solver.tableaux import DOP853, Tableau
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Everything about a run that is not a parameter of the device.
+
+    Attributes:
+        readings: how the paper's equations are read.
+        scene: the contacts that are modelled.
+        horizon: latest time, > 0, dimensionless.
+        tolerance: local error admitted in a step, 1e-14 to 1e-2, relative to 1 + |state|.
+        max_evaluations: most right-hand-side evaluations of one integration, >= 1.
+        may_settle: stop a run whose motion repeats itself without aligning.
+        method: Runge-Kutta method with an error estimate.
+
+    Raises:
+        TypeError: a setting of the wrong type.
+        ValueError: a setting outside its range.
+    """
+
+    readings: Readings = field(default_factory=Readings)
+    scene: Scene = ALIGNMENT
+    horizon: float = 300.0
+    tolerance: float = 1e-10
+    max_evaluations: int = 20_000_000
+    may_settle: bool = True
+    method: Tableau = DOP853
+
+    def __post_init__(self) -> None:
+        kinds = {"readings": Readings, "scene": Scene, "method": Tableau}
+        for name, kind in kinds.items():
+            if not isinstance(getattr(self, name), kind):
+                raise TypeError(f"{name} = {getattr(self, name)!r}: must be a {kind.__name__}")
+        if not (self.horizon > 0.0 and math.isfinite(self.horizon)):
+            raise ValueError(f"horizon = {self.horizon!r}: must be a finite number > 0")
+        if not 1e-14 <= self.tolerance <= 1e-2:
+            raise ValueError(f"tolerance = {self.tolerance!r}: must be between 1e-14 and 1e-2")
+        if self.max_evaluations < 1:
+            raise ValueError(f"max_evaluations = {self.max_evaluations!r}: must be >= 1")
+        if self.method.error_order == 0:
+            raise ValueError(f"method {self.method.name} has no error estimate: choose another")
+
+    @property
+    def control(self) -> Control:
+        """The form that kernels take."""
+        return Control(
+            float(self.tolerance),
+            float(self.horizon),
+            int(self.max_evaluations),
+            float(self.may_settle),
+        )

@@ -1,0 +1,1 @@
+"""Top floor: what people see. Drawings, plots, the report, the command line."""

@@ -1,0 +1,155 @@
+"""The look that all figures of the study share, and how they are written to disk.
+
+Figures are made from ``matplotlib.figure.Figure``, never through pyplot, so that nothing is kept
+in global state. Draw inside ``context()``; ``save`` enters it again, since fonts and SVG ids are
+settled only when a figure is written.
+"""
+
+import contextlib
+import logging
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+CENTIMETRE = 1.0 / 2.54  # in inches, the unit of figure sizes
+FIGURE_WIDTH = 16.0 * CENTIMETRE  # the text width of an A4 page
+
+# Okabe and Ito's colours, which stay apart for colour-blind readers. Their yellow is left out: it
+# cannot be read on white.
+BLACK, GREY = "#000000", "#6E6E6E"
+BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
+PURPLE, ORANGE, SKY_BLUE = "#CC79A7", "#E69F00", "#56B4E9"
+
+# Each curve of a family differs in colour, line and marker, so that it survives a grey print.
+_CURVES: tuple[tuple[str, Any, str], ...] = (
+    (BLUE, "-", "o"),
+    (VERMILLION, (0, (5, 1.5)), "s"),
+    (GREEN, (0, (6, 1.5, 1, 1.5)), "^"),
+    (PURPLE, (0, (1.2, 1.2)), "D"),
+    (ORANGE, (0, (8, 1.5, 1, 1.5, 1, 1.5)), "v"),
+    (SKY_BLUE, (0, (3, 1)), "P"),
+    (BLACK, (0, (10, 2)), "X"),
+)
+
+# Keyword arguments of a patch: the area where the parts do not align, hatched as in the paper.
+NON_ALIGNING: Mapping[str, Any] = {
+    "facecolor": "#F4F4F4",
+    "edgecolor": GREY,
+    "hatch": "////",
+    "linewidth": 0.0,
+}
+# Lightness rises steadily through this map, for any colour vision and in grey.
+DURATION_COLOURS = "cividis"
+
+_RC: dict[Any, Any] = {
+    "font.family": ["DejaVu Sans"],  # comes with matplotlib: the same on every machine
+    "mathtext.fontset": "dejavusans",
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.labelsize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "legend.frameon": True,  # white behind the words, where curves pass
+    "legend.framealpha": 0.85,
+    "legend.edgecolor": "none",
+    "legend.handlelength": 3.2,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4.0,
+    "hatch.linewidth": 0.6,
+    "image.cmap": DURATION_COLOURS,
+    "figure.figsize": (FIGURE_WIDTH, 10.0 * CENTIMETRE),
+    "figure.constrained_layout.use": True,
+    "figure.facecolor": "white",
+    "savefig.dpi": 200.0,
+    "savefig.bbox": "standard",  # a figure keeps the size it was given
+    "svg.fonttype": "none",  # text stays text: it can be searched and copied
+    "svg.hashsalt": "vibralign",  # else ids are random and the bytes change with every run
+    "pdf.fonttype": 42,  # TrueType: text stays text
+}
+
+# What would make the bytes depend on the day or on the installed release.
+_METADATA: Mapping[str, dict[str, None]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+}
+FORMATS: tuple[str, ...] = tuple(_METADATA)
+
+
+@contextlib.contextmanager
+def context() -> Iterator[None]:
+    """Draw inside this: matplotlib's defaults with the study's settings, whatever the user's."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_RC)
+        yield
+
+
+def new_figure(width: float = FIGURE_WIDTH, height: float = 10.0 * CENTIMETRE) -> Figure:
+    """An empty figure of ``width`` by ``height`` inches; call inside ``context``."""
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def curve(index: int, points: int, markers: int = 8) -> dict[str, Any]:
+    """Keyword arguments of ``Axes.plot`` for curve ``index`` of a family.
+
+    About ``markers`` markers stand along its ``points`` points, shifted from curve to curve so
+    that those of neighbours do not hide each other.
+    """
+    colour, line, marker = _CURVES[index % len(_CURVES)]
+    stride = max(1, points // markers)
+    start = (index * stride) // len(_CURVES) % stride
+    return {"color": colour, "linestyle": line, "marker": marker, "markevery": (start, stride)}
+
+
+def save(figure: Figure, stem: Path) -> tuple[Path, ...]:
+    """Write ``stem``.png, .svg and .pdf and return their paths; the same figure, the same bytes.
+
+    Each file appears whole or not at all, so that an interrupted run leaves no half picture.
+    """
+    stem = Path(stem)
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    return tuple(_write(figure, stem, extension) for extension in FORMATS)
+
+
+def _write(figure: Figure, stem: Path, extension: str) -> Path:
+    target = stem.with_name(f"{stem.name}.{extension}")
+    handle, name = tempfile.mkstemp(dir=stem.parent, prefix=f".{stem.name}-", suffix=".part")
+    part = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as stream, context(), _quiet_fonts():
+            figure.savefig(stream, format=extension, metadata=_METADATA[extension])
+        part.chmod(0o644)  # mkstemp's files are for their owner only
+        part.replace(target)
+    except BaseException:
+        part.unlink()
+        raise
+    return target
+
+
+@contextlib.contextmanager
+def _quiet_fonts() -> Iterator[None]:
+    # fontTools warns of the age that matplotlib's own fonts state: nothing a reader could act on.
+    logger = logging.getLogger("fontTools.ttLib.tables._h_e_a_d")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)

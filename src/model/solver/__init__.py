@@ -1,0 +1,1 @@
+"""First floor: how the equations are integrated. Methods, steps, switches, the loop, outcomes."""

@@ -1,0 +1,70 @@
+"""How a run can end, why, and what to do about it."""
+
+from enum import IntEnum
+
+
+class Outcome(IntEnum):
+    """How a run ended; the values are the flags stored in datasets."""
+
+    ALIGNED = 0
+    SETTLED = 1
+    LEFT_SCENE = 2
+    HORIZON_REACHED = 3
+    FAILED = 4
+
+
+class Reason(IntEnum):
+    """How a run left the scene, or why it failed; NONE for the other outcomes."""
+
+    NONE = 0
+    MOVED_AWAY = 1
+    OVERSHOT = 2
+    CORNER_ON_WALL = 3
+    EDGE_ON_OTHER_FACE = 4
+    BOTH_SIDES = 5
+    OVERTURNED = 6
+    UNDECLARED_CONTACT = 7
+    IMPOSSIBLE_START = 8
+    STEP_TOO_SMALL = 9
+    TOO_MANY_EVALUATIONS = 10
+    CHATTER = 11
+    NOT_FINITE = 12
+    NO_FRICTION_SOLUTION = 13
+
+
+OUTCOME_TEXT: dict[Outcome, str] = {
+    Outcome.ALIGNED: "the part fell into the slot",
+    Outcome.SETTLED: "the motion repeats itself without aligning",
+    Outcome.LEFT_SCENE: "the part left the scene that the model describes",
+    Outcome.HORIZON_REACHED: "the part did not align within the horizon",
+    Outcome.FAILED: "the run could not be finished",
+}
+
+REASON_TEXT: dict[Reason, str] = {
+    Reason.NONE: "",
+    Reason.MOVED_AWAY: "it slid off the slot's edge, away from the slot",
+    Reason.OVERSHOT: "it jumped over the slot and passed the far edge",
+    Reason.CORNER_ON_WALL: "a bottom corner ran against a wall of the slot from inside",
+    Reason.EDGE_ON_OTHER_FACE: "an edge met a face on which the scene has no contact",
+    Reason.BOTH_SIDES: "the part stood on both sides of the slot at once",
+    Reason.OVERTURNED: "the tilt passed 90 degrees",
+    Reason.UNDECLARED_CONTACT: "it reached a contact that the scene does not declare",
+    Reason.IMPOSSIBLE_START: "the start has the part inside a wall of the slot",
+    Reason.STEP_TOO_SMALL: "the step size fell below the resolution of time",
+    Reason.TOO_MANY_EVALUATIONS: "the limit of right-hand-side evaluations was reached",
+    Reason.CHATTER: "two modes alternate without time passing",
+    Reason.NOT_FINITE: "the state is no longer finite",
+    Reason.NO_FRICTION_SOLUTION: "no friction force satisfies this reading's friction law",
+}
+
+REMEDY: dict[Outcome, str] = {
+    Outcome.ALIGNED: "none needed",
+    Outcome.SETTLED: "change press_force, tilt_stiffness or frequency: a longer horizon changes "
+    "nothing",
+    Outcome.LEFT_SCENE: "lower press_force or raise tilt_stiffness so that the part stays on the "
+    "edge, or declare the contact in the scene",
+    Outcome.HORIZON_REACHED: "raise the horizon, or change press_force, tilt_stiffness or "
+    "frequency",
+    Outcome.FAILED: "raise max_evaluations or loosen the tolerance; consistent readings always "
+    "have a friction solution",
+}

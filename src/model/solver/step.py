@@ -1,0 +1,110 @@
+"""One explicit Runge-Kutta step in a frozen mode, its error estimate, and its dense output."""
+
+from math import sqrt
+
+from model.physics.compiled import kernel
+from model.physics.motion import motion
+from model.physics.notation import State
+
+STATE_SIZE = 6
+
+
+@kernel
+def state_of(y):
+    """The state vector by name."""
+    return State(y[0], y[1], y[2], y[3], y[4], y[5])
+
+
+@kernel
+def right_hand_side(time, y, p, mode, out):
+    """Write dy/dτ into ``out``, shape (6,)."""
+    at = motion(time, state_of(y), p, mode)
+    out[0], out[1], out[2] = y[3], y[4], y[5]
+    out[3], out[4], out[5] = at.x, at.y, at.tilt
+
+
+@kernel
+def _stage(i, time, h, y, p, mode, method, k, trial):
+    """Evaluate stage ``i`` into ``k[i]``; its state stays in ``trial``."""
+    s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # sums kept out of memory
+    for j in range(i):
+        weight = method.a[i, j]
+        if weight != 0.0:
+            s0 += weight * k[j, 0]
+            s1 += weight * k[j, 1]
+            s2 += weight * k[j, 2]
+            s3 += weight * k[j, 3]
+            s4 += weight * k[j, 4]
+            s5 += weight * k[j, 5]
+    trial[0], trial[1], trial[2] = y[0] + h * s0, y[1] + h * s1, y[2] + h * s2
+    trial[3], trial[4], trial[5] = y[3] + h * s3, y[4] + h * s4, y[5] + h * s5
+    right_hand_side(time + method.c[i] * h, trial, p, mode, k[i])
+
+
+@kernel
+def take_step(time, h, y, p, mode, method, k, y_end):
+    """Fill stages 1..``method.stages`` of ``k`` from ``k[0]`` and write the step's end.
+
+    Shapes: y, y_end (6,); k (m, 6) with ``k[0]`` = dy/dτ at ``time``. The last stage filled is
+    dy/dτ at the end of the step.
+    """
+    for i in range(1, method.stages + 1):
+        _stage(i, time, h, y, p, mode, method, k, y_end)
+
+
+@kernel
+def error_estimate(h, y, y_end, method, k, tolerance):
+    """Local error over tolerance (root mean square over the state): a step stands if <= 1."""
+    fine, coarse = 0.0, 0.0
+    for n in range(STATE_SIZE):
+        scale = tolerance * (1.0 + max(abs(y[n]), abs(y_end[n])))
+        first, second = 0.0, 0.0
+        for j in range(method.stages + 1):
+            first += method.error[0, j] * k[j, n]
+            second += method.error[1, j] * k[j, n]
+        fine += (first / scale) ** 2
+        coarse += (second / scale) ** 2
+    if fine == 0.0:
+        return 0.0
+    return abs(h) * fine / sqrt((fine + 0.01 * coarse) * STATE_SIZE)
+
+
+@kernel
+def dense_output(time, h, y, p, mode, method, k, trial, dense):
+    """Fill ``dense``, shape (6, degree): y(θ) = y + h Σ_i dense[:, i] θ^(i+1)."""
+    for i in range(method.stages + 1, method.c.size):
+        _stage(i, time, h, y, p, mode, method, k, trial)
+    for i in range(dense.shape[1]):
+        s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for j in range(method.c.size):
+            weight = method.dense[j, i]
+            if weight != 0.0:
+                s0 += weight * k[j, 0]
+                s1 += weight * k[j, 1]
+                s2 += weight * k[j, 2]
+                s3 += weight * k[j, 3]
+                s4 += weight * k[j, 4]
+                s5 += weight * k[j, 5]
+        dense[0, i], dense[1, i], dense[2, i] = s0, s1, s2
+        dense[3, i], dense[4, i], dense[5, i] = s3, s4, s5
+
+
+@kernel
+def _component(n, theta, h, y, dense):
+    value = 0.0
+    for i in range(dense.shape[1] - 1, -1, -1):
+        value = (value + dense[n, i]) * theta
+    return y[n] + h * value
+
+
+@kernel
+def interpolate(theta, h, y, dense):
+    """``State`` at the fraction ``theta`` of the step."""
+    return State(
+        _component(0, theta, h, y, dense),
+        _component(1, theta, h, y, dense),
+        _component(2, theta, h, y, dense),
+        _component(3, theta, h, y, dense),
+        _component(4, theta, h, y, dense),
+        _component(5, theta, h, y, dense),
+    )

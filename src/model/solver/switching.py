@@ -1,0 +1,209 @@
+"""Where a mode ends: one scalar function for each switch, positive while the mode holds.
+
+A switch happens where its function falls through zero. Functions that do not apply in a mode are
+``NEVER``. What follows a switch stands in transitions.py.
+"""
+
+from math import pi
+
+from model.physics.compiled import kernel
+from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
+from model.physics.geometry import bottom_corner, edge_place
+from model.physics.motion import motion
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
+
+NEVER = 1e300
+
+# Index of each switching function.
+(
+    ALIGNED,  # in flight: A1 beyond B1, B2 inside the slot
+    CORNERS_INSIDE,  # the paper's four corner conditions
+    RIGHT_EDGE_ENTERS,  # A1 enters the part
+    LEFT_EDGE_ENTERS,  # A2 enters the part
+    RIGHT_CORNER_LANDS,  # B1 on the flat base
+    LEFT_CORNER_LANDS,  # B2 on the flat base
+    FACE_LOAD,  # the edge under the bottom face carries no load any more
+    FACE_GAP,  # the gap under the bottom face opens
+    FACE_RELOAD,  # the load returns before the gap has opened
+    FACE_END,  # the edge passes the face's end toward the slot
+    FACE_FAR_END,  # the edge passes the face's other end
+    SIDE_LOAD,
+    SIDE_GAP,
+    SIDE_RELOAD,
+    SIDE_END,  # A2 passes an end of the side face
+    CORNER_LOAD,
+    CORNER_GAP,
+    CORNER_RELOAD,
+    CORNER_END,  # the corner slides into the slot
+    SUPPORT_SLIP,  # slip reaches zero, or friction its limit, at the support
+    SIDE_SLIP,  # the same at the side face
+    RIGHT_WALL,  # B1 against the slot's wall from inside
+    LEFT_WALL,  # B2 against the slot's wall from inside
+    OVERTURNED,  # tilt through 90 degrees
+) = range(24)
+SWITCH_COUNT = 24
+
+
+@kernel
+def fallen_in(q, p):
+    """Positive once s >= a, X_B2 >= -l and Y_B2 < 0 (reading R8): A1 past B1, B2 in the slot."""
+    place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    return min(place.along_face - p.half_width, corner_x + p.slot_half_width, -corner_y)
+
+
+@kernel
+def corners_inside(q, p):
+    """Positive while X_B1 <= l, X_B2 >= -l, Y_B1 < 0, Y_B2 < 0 (paper, sect. 2)."""
+    right_x, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    left_x, left_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    return min(p.slot_half_width - right_x, left_x + p.slot_half_width, -right_y, -left_y)
+
+
+@kernel
+def edge_inside(edge, q, p):
+    """How far an edge is inside the part: (through bottom, left, right, top), all positive inside.
+
+    On the left edge the depth behind the left side is that of the reading in force.
+    """
+    place = edge_place(edge, q.x, q.y, q.tilt, p)
+    left = place.along_face + p.half_width
+    if edge == LEFT_EDGE and p.printed_side_gap != 0.0:
+        left = edge_on_side(q, p).depth
+    return (
+        p.half_height + place.along_axis,
+        left,
+        p.half_width - place.along_face,
+        p.half_height - place.along_axis,
+    )
+
+
+@kernel
+def edge_outside(edge, q, p):
+    """Distance-like measure of an edge outside the part; falls through zero as it enters."""
+    bottom, left, right, top = edge_inside(edge, q, p)
+    return -min(min(bottom, left), min(right, top))
+
+
+@kernel
+def corner_above(side, q, p):
+    """Falls through zero as a bottom corner starts to press on the flat beside the slot.
+
+    It must stand beside the slot, below the plane, be the lower corner of the bottom face (else
+    the edge carries the face) and move down.
+    """
+    corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
+    closing_rate = -(q.y_rate + q.tilt_rate * (corner_x - q.x))
+    return max(
+        max(p.slot_half_width - side * corner_x, corner_y), max(side * q.tilt, -closing_rate)
+    )
+
+
+@kernel
+def corner_off_wall(side, q, p):
+    """Falls through zero as a bottom corner runs against the slot's wall from inside."""
+    corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
+    return max(max(p.slot_half_width - side * corner_x, corner_y), -side * q.tilt)
+
+
+@kernel
+def friction_margin(sticks, slip_sign, slip, friction, load, p):
+    """Sliding: slip in its direction. Sticking: what is left of the friction limit."""
+    if sticks:
+        return p.friction * load - abs(friction)
+    return slip_sign * slip
+
+
+@kernel
+def _contact_switches(state, depth, load, base, out):
+    """Load, gap and reload functions of one contact at ``base``, ``base + 1``, ``base + 2``."""
+    if state == CLOSED:
+        out[base] = load
+    elif state == RELEASED:
+        out[base + 1] = depth
+        out[base + 2] = -load
+
+
+@kernel
+def _face_switches(q, p, mode, out):
+    if mode.face == OPEN:
+        return
+    face = edge_on_face(mode.edge, q, p)
+    load = contact_load(face.depth, face.closing_rate, q, p)
+    _contact_switches(mode.face, face.depth, load, FACE_LOAD, out)
+    along = mode.edge * edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face
+    out[FACE_END] = p.half_width - along
+    out[FACE_FAR_END] = p.half_width + along
+
+
+@kernel
+def _side_switches(q, p, mode, out):
+    if mode.side == OPEN:
+        return
+    side = edge_on_side(q, p)
+    load = contact_load(side.depth, side.closing_rate, q, p)
+    _contact_switches(mode.side, side.depth, load, SIDE_LOAD, out)
+    along = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p).along_axis
+    out[SIDE_END] = p.half_height - abs(along)
+
+
+@kernel
+def _corner_switches(q, p, mode, out):
+    if mode.corner == OPEN:
+        return
+    corner = corner_on_flat(mode.edge, q, p)
+    depth = corner.depth - mode.corner_offset
+    load = contact_load(depth, corner.closing_rate, q, p)
+    _contact_switches(mode.corner, depth, load, CORNER_LOAD, out)
+    corner_x, _ = bottom_corner(mode.edge, q.x, q.y, q.tilt, p)
+    out[CORNER_END] = mode.edge * corner_x - p.slot_half_width
+
+
+@kernel
+def _friction_switches(time, q, p, mode, out):
+    supported = mode.face == CLOSED or mode.corner == CLOSED
+    if p.printed_friction_law != 0.0 or not (supported or mode.side == CLOSED):
+        return
+    at = motion(time, q, p, mode)
+    if supported:
+        sticks = mode.support_slip == STICKING
+        out[SUPPORT_SLIP] = friction_margin(
+            sticks, mode.support_slip, at.support_slip, at.support_friction, at.support_load, p
+        )
+    if mode.side == CLOSED:
+        sticks = mode.side_slip == STICKING
+        out[SIDE_SLIP] = friction_margin(
+            sticks, mode.side_slip, at.side_slip, at.side_friction, at.side_load, p
+        )
+
+
+@kernel
+def switching_functions(time, q, p, mode, out):
+    """Write all switching functions for the state ``q`` in ``mode`` into ``out``, shape (24,)."""
+    out[:] = NEVER
+    right_face = mode.edge == RIGHT_EDGE and mode.face != OPEN
+    left_face = mode.edge == LEFT_EDGE and mode.face != OPEN
+    right_corner = mode.edge == RIGHT_EDGE and mode.corner != OPEN
+    left_corner = mode.edge == LEFT_EDGE and mode.corner != OPEN
+    _face_switches(q, p, mode, out)
+    _side_switches(q, p, mode, out)
+    _corner_switches(q, p, mode, out)
+    _friction_switches(time, q, p, mode, out)
+    if not right_face:
+        out[RIGHT_EDGE_ENTERS] = edge_outside(RIGHT_EDGE, q, p)
+        if mode.dropped:
+            out[CORNERS_INSIDE] = -corners_inside(q, p)
+        else:
+            out[ALIGNED] = -fallen_in(q, p)
+    if not left_face and mode.side == OPEN:
+        out[LEFT_EDGE_ENTERS] = edge_outside(LEFT_EDGE, q, p)
+    if not right_corner:
+        out[RIGHT_CORNER_LANDS] = corner_above(RIGHT_EDGE, q, p)
+        if not right_face and not mode.dropped:
+            out[RIGHT_WALL] = corner_off_wall(RIGHT_EDGE, q, p)
+    if not left_corner:
+        out[LEFT_CORNER_LANDS] = corner_above(LEFT_EDGE, q, p)
+        if not left_face:
+            out[LEFT_WALL] = corner_off_wall(LEFT_EDGE, q, p)
+    out[OVERTURNED] = 0.5 * pi - abs(q.tilt)

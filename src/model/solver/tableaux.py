@@ -1,0 +1,377 @@
+"""Runge-Kutta tableaux as frozen data that checks itself.
+
+Sources: the classical method of Kutta (1901); Dormand and Prince, J. Comput. Appl. Math. 6 (1980)
+19-26, with Shampine's continuous extension, Math. Comp. 46 (1986) 135-150; the method of order 8
+with error estimates of order 5 and 3 and continuous extension of order 7 of Hairer, Norsett and
+Wanner, Solving Ordinary Differential Equations I, sect. II.5 and II.6 (DOP853).
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Method(NamedTuple):
+    """A tableau as kernels take it; see ``Tableau`` for the shapes."""
+
+    stages: int
+    order: int
+    a: Array
+    c: Array
+    error: Array
+    dense: Array
+
+
+@dataclass(frozen=True)
+class Tableau:
+    """An explicit Runge-Kutta method with a continuous extension.
+
+    Row ``stages`` of ``a`` holds the weights of the step: the stage after the last is the end of
+    the step, and is the first of the next one. Later rows are stages of the continuous extension
+    only.
+
+    Attributes:
+        name: as used in the literature.
+        order: of the step.
+        error_order: of the error estimate.
+        stages: evaluations a step.
+        a: shape (m, m), strictly lower triangular, m >= stages + 1.
+        c: shape (m,), row sums of ``a``.
+        error: shape (2, m). Estimate h |E1|² / √(|E1|² + 0.01 |E2|²); E2 is zero for a plain pair.
+        dense: shape (m, degree). y(θ) = y0 + h Σ_j k_j Σ_i dense[j, i] θ^(i+1).
+
+    Raises:
+        ValueError: coefficients that contradict each other.
+    """
+
+    name: str
+    order: int
+    error_order: int
+    stages: int
+    a: Array
+    c: Array
+    error: Array
+    dense: Array
+
+    def __post_init__(self) -> None:
+        m = self.c.size
+        checks = {
+            "a is not strictly lower triangular": np.all(np.triu(self.a) == 0.0),
+            "c is not the row sums of a": np.allclose(self.a.sum(axis=1), self.c, atol=1e-13),
+            "error weights do not sum to zero": np.allclose(self.error.sum(axis=1), 0, atol=1e-13),
+            "dense output does not end at the step": np.allclose(
+                self.dense.sum(axis=1), self.a[self.stages], atol=1e-11
+            ),
+            "dense output does not start along k_1": np.allclose(
+                self.dense[:, 0], np.eye(m)[0], atol=1e-11
+            ),
+        }
+        for power in range(1, self.order + 1):  # quadrature conditions Σ b c^(k-1) = 1/k
+            moment = self.a[self.stages] @ self.c ** (power - 1)
+            checks[f"order condition {power} fails"] = abs(moment - 1.0 / power) < 1e-13
+        for message, holds in checks.items():
+            if not holds:
+                raise ValueError(f"tableau {self.name}: {message}")
+
+    @property
+    def method(self) -> Method:
+        """The form that kernels take."""
+        return Method(self.stages, self.order, self.a, self.c, self.error, self.dense)
+
+
+def _rows(rows: tuple[dict[int, float], ...]) -> Array:
+    matrix = np.zeros((len(rows), len(rows)))
+    for i, row in enumerate(rows):
+        for j, value in row.items():
+            matrix[i, j] = value
+    return matrix
+
+
+def _vector(size: int, entries: dict[int, float]) -> Array:
+    vector = np.zeros(size)
+    for j, value in entries.items():
+        vector[j] = value
+    return vector
+
+
+def _hermite(a: Array, stages: int) -> Array:
+    """Cubic Hermite interpolation of the step as a dense matrix, for methods without one."""
+    start, end = np.eye(len(a))[0], np.eye(len(a))[stages]
+    step = a[stages]
+    return np.column_stack([start, 3 * step - 2 * start - end, start + end - 2 * step])
+
+
+def _classical() -> Tableau:
+    a = _rows(
+        ({}, {0: 0.5}, {1: 0.5}, {2: 1.0}, {0: 1 / 6, 1: 1 / 3, 2: 1 / 3, 3: 1 / 6})
+    )  # fmt: skip
+    return Tableau(
+        "RK4", 4, 0, 4, a, np.array([0.0, 0.5, 0.5, 1.0, 1.0]), np.zeros((2, 5)), _hermite(a, 4)
+    )
+
+
+def _dormand_prince() -> Tableau:
+    a = _rows(
+        (
+            {},
+            {0: 1 / 5},
+            {0: 3 / 40, 1: 9 / 40},
+            {0: 44 / 45, 1: -56 / 15, 2: 32 / 9},
+            {0: 19372 / 6561, 1: -25360 / 2187, 2: 64448 / 6561, 3: -212 / 729},
+            {0: 9017 / 3168, 1: -355 / 33, 2: 46732 / 5247, 3: 49 / 176, 4: -5103 / 18656},
+            {0: 35 / 384, 2: 500 / 1113, 3: 125 / 192, 4: -2187 / 6784, 5: 11 / 84},
+        )
+    )
+    fourth = {
+        0: 5179 / 57600, 2: 7571 / 16695, 3: 393 / 640, 4: -92097 / 339200, 5: 187 / 2100, 6: 1 / 40
+    }  # fmt: skip
+    error = np.array([a[6] - _vector(7, fourth), np.zeros(7)])
+    dense = np.array(
+        [
+            [1, -8048581381 / 2820520608, 8663915743 / 2820520608, -12715105075 / 11282082432],
+            [0, 0, 0, 0],
+            [0, 131558114200 / 32700410799, -68118460800 / 10900136933, 87487479700 / 32700410799],
+            [0, -1754552775 / 470086768, 14199869525 / 1410260304, -10690763975 / 1880347072],
+            [0, 127303824393 / 49829197408, -318862633887 / 49829197408,
+             701980252875 / 199316789632],
+            [0, -282668133 / 205662961, 2019193451 / 616988883, -1453857185 / 822651844],
+            [0, 40617522 / 29380423, -110615467 / 29380423, 69997945 / 29380423],
+        ]
+    )  # fmt: skip
+    c = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
+    return Tableau("Dormand-Prince 5(4)", 5, 4, 6, a, c, error, dense)
+
+
+_DOP853_NODES = (
+    0.0,
+    0.05260015195876773,
+    0.0789002279381516,
+    0.1183503419072274,
+    0.2816496580927726,
+    0.3333333333333333,
+    0.25,
+    0.3076923076923077,
+    0.6512820512820513,
+    0.6,
+    0.8571428571428571,
+    1.0,
+    1.0,
+    0.1,
+    0.2,
+    0.7777777777777778,
+)
+_DOP853_STAGES: tuple[dict[int, float], ...] = (
+    {},
+    {
+        0: 0.05260015195876773,
+    },
+    {
+        0: 0.0197250569845379,
+        1: 0.0591751709536137,
+    },
+    {
+        0: 0.02958758547680685,
+        2: 0.08876275643042054,
+    },
+    {
+        0: 0.2413651341592667,
+        2: -0.8845494793282861,
+        3: 0.924834003261792,
+    },
+    {
+        0: 0.037037037037037035,
+        3: 0.17082860872947386,
+        4: 0.12546768756682242,
+    },
+    {
+        0: 0.037109375,
+        3: 0.17025221101954405,
+        4: 0.06021653898045596,
+        5: -0.017578125,
+    },
+    {
+        0: 0.03709200011850479,
+        3: 0.17038392571223998,
+        4: 0.10726203044637328,
+        5: -0.015319437748624402,
+        6: 0.008273789163814023,
+    },
+    {
+        0: 0.6241109587160757,
+        3: -3.3608926294469414,
+        4: -0.868219346841726,
+        5: 27.59209969944671,
+        6: 20.154067550477894,
+        7: -43.48988418106996,
+    },
+    {
+        0: 0.47766253643826434,
+        3: -2.4881146199716677,
+        4: -0.590290826836843,
+        5: 21.230051448181193,
+        6: 15.279233632882423,
+        7: -33.28821096898486,
+        8: -0.020331201708508627,
+    },
+    {
+        0: -0.9371424300859873,
+        3: 5.186372428844064,
+        4: 1.0914373489967295,
+        5: -8.149787010746927,
+        6: -18.52006565999696,
+        7: 22.739487099350505,
+        8: 2.4936055526796523,
+        9: -3.0467644718982196,
+    },
+    {
+        0: 2.273310147516538,
+        3: -10.53449546673725,
+        4: -2.0008720582248625,
+        5: -17.9589318631188,
+        6: 27.94888452941996,
+        7: -2.8589982771350235,
+        8: -8.87285693353063,
+        9: 12.360567175794303,
+        10: 0.6433927460157636,
+    },
+    {
+        0: 0.054293734116568765,
+        5: 4.450312892752409,
+        6: 1.8915178993145003,
+        7: -5.801203960010585,
+        8: 0.3111643669578199,
+        9: -0.1521609496625161,
+        10: 0.20136540080403034,
+        11: 0.04471061572777259,
+    },
+    {
+        0: 0.056167502283047954,
+        6: 0.25350021021662483,
+        7: -0.2462390374708025,
+        8: -0.12419142326381637,
+        9: 0.15329179827876568,
+        10: 0.00820105229563469,
+        11: 0.007567897660545699,
+        12: -0.008298,
+    },
+    {
+        0: 0.03183464816350214,
+        5: 0.028300909672366776,
+        6: 0.053541988307438566,
+        7: -0.05492374857139099,
+        10: -0.00010834732869724932,
+        11: 0.0003825710908356584,
+        12: -0.00034046500868740456,
+        13: 0.1413124436746325,
+    },
+    {
+        0: -0.42889630158379194,
+        5: -4.697621415361164,
+        6: 7.683421196062599,
+        7: 4.06898981839711,
+        8: 0.3567271874552811,
+        12: -0.0013990241651590145,
+        13: 2.9475147891527724,
+        14: -9.15095847217987,
+    },
+)
+_DOP853_ERROR_5 = {
+    0: 0.01312004499419488,
+    5: -1.2251564463762044,
+    6: -0.4957589496572502,
+    7: 1.6643771824549864,
+    8: -0.35032884874997366,
+    9: 0.3341791187130175,
+    10: 0.08192320648511571,
+    11: -0.022355307863886294,
+}
+_DOP853_ERROR_3 = {  # subtracted from the weights of the step
+    0: 0.244094488188976377952755905512,
+    8: 0.733846688281611857341361741547,
+    11: 0.0220588235294117647058823529412,
+}
+_DOP853_DENSE = (
+    {
+        0: -8.428938276109013,
+        5: 0.5667149535193777,
+        6: -3.0689499459498917,
+        7: 2.38466765651207,
+        8: 2.117034582445028,
+        9: -0.871391583777973,
+        10: 2.2404374302607883,
+        11: 0.6315787787694688,
+        12: -0.08899033645133331,
+        13: 18.148505520854727,
+        14: -9.194632392478356,
+        15: -4.436036387594894,
+    },
+    {
+        0: 10.427508642579134,
+        5: 242.28349177525817,
+        6: 165.20045171727028,
+        7: -374.5467547226902,
+        8: -22.113666853125306,
+        9: 7.733432668472264,
+        10: -30.674084731089398,
+        11: -9.332130526430229,
+        12: 15.697238121770845,
+        13: -31.139403219565178,
+        14: -9.35292435884448,
+        15: 35.81684148639408,
+    },
+    {
+        0: 19.985053242002433,
+        5: -387.0373087493518,
+        6: -189.17813819516758,
+        7: 527.8081592054236,
+        8: -11.57390253995963,
+        9: 6.8812326946963,
+        10: -1.0006050966910838,
+        11: 0.7777137798053443,
+        12: -2.778205752353508,
+        13: -60.19669523126412,
+        14: 84.32040550667716,
+        15: 11.99229113618279,
+    },
+    {
+        0: -25.69393346270375,
+        5: -154.18974869023643,
+        6: -231.5293791760455,
+        7: 357.6391179106141,
+        8: 93.40532418362432,
+        9: -37.45832313645163,
+        10: 104.0996495089623,
+        11: 29.8402934266605,
+        12: -43.53345659001114,
+        13: 96.32455395918828,
+        14: -39.17726167561544,
+        15: -149.72683625798564,
+    },
+)
+
+
+def _dop853() -> Tableau:
+    a = _rows(_DOP853_STAGES)
+    m, stages = len(a), 12
+    step = a[stages]
+    error = np.array([_vector(m, _DOP853_ERROR_5), step - _vector(m, _DOP853_ERROR_3)])
+    # The extension is a nested form in θ and 1 - θ; its coefficients, expanded to powers of θ.
+    start, end = np.eye(m)[0], np.eye(m)[stages]
+    nested = [step, start - step, 2 * step - start - end]
+    nested += [_vector(m, row) for row in _DOP853_DENSE]
+    theta, one_minus = np.poly1d([1.0, 0.0]), np.poly1d([-1.0, 1.0])
+    dense, basis = np.zeros((m, 7)), np.poly1d([1.0])
+    for i, vector in enumerate(nested):
+        basis = basis * (theta if i % 2 == 0 else one_minus)
+        powers = basis.coeffs[::-1][1:]  # θ divides every basis polynomial
+        dense[:, : powers.size] += np.outer(vector, powers)
+    return Tableau("DOP853", 8, 7, stages, a, np.array(_DOP853_NODES), error, dense)
+
+
+RK4 = _classical()
+DORMAND_PRINCE = _dormand_prince()
+DOP853 = _dop853()

@@ -1,0 +1,291 @@
+"""What follows a switch: the next mode, or the end of the run."""
+
+from model.physics.compiled import kernel
+from model.physics.contacts import corner_on_flat, edge_on_face, edge_on_side
+from model.physics.motion import mobility, motion, side_contact, sticking_friction, support_contact
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
+from model.solver.outcomes import Outcome, Reason
+from model.solver.switching import (
+    ALIGNED,
+    CORNER_LOAD,
+    CORNER_RELOAD,
+    CORNERS_INSIDE,
+    FACE_END,
+    FACE_FAR_END,
+    FACE_GAP,
+    FACE_LOAD,
+    FACE_RELOAD,
+    LEFT_CORNER_LANDS,
+    LEFT_EDGE_ENTERS,
+    LEFT_WALL,
+    OVERTURNED,
+    RIGHT_CORNER_LANDS,
+    RIGHT_EDGE_ENTERS,
+    RIGHT_WALL,
+    SIDE_END,
+    SIDE_GAP,
+    SIDE_LOAD,
+    SIDE_RELOAD,
+    SIDE_SLIP,
+    SUPPORT_SLIP,
+    edge_inside,
+    fallen_in,
+)
+
+# Plain integers for kernels; CONTINUES means the run goes on in the mode returned.
+CONTINUES = -1
+_ALIGNED = int(Outcome.ALIGNED)
+_LEFT_SCENE = int(Outcome.LEFT_SCENE)
+_FAILED = int(Outcome.FAILED)
+_NONE = int(Reason.NONE)
+_MOVED_AWAY = int(Reason.MOVED_AWAY)
+_OVERSHOT = int(Reason.OVERSHOT)
+_CORNER_ON_WALL = int(Reason.CORNER_ON_WALL)
+_EDGE_ON_OTHER_FACE = int(Reason.EDGE_ON_OTHER_FACE)
+_BOTH_SIDES = int(Reason.BOTH_SIDES)
+_OVERTURNED = int(Reason.OVERTURNED)
+_UNDECLARED_CONTACT = int(Reason.UNDECLARED_CONTACT)
+_NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
+
+# A slip below this is no slip: rounding of velocities of order one, with room.
+REST_SLIP = 1e-12
+
+
+@kernel
+def _with_face(mode, edge, state):
+    return Mode(
+        edge, state, mode.corner, mode.corner_offset, mode.support_slip, mode.side,
+        mode.side_slip, mode.dropped,
+    )  # fmt: skip
+
+
+@kernel
+def _with_corner(mode, edge, state, offset):
+    return Mode(
+        edge, mode.face, state, offset, mode.support_slip, mode.side, mode.side_slip, mode.dropped
+    )
+
+
+@kernel
+def _with_side(mode, state):
+    return Mode(
+        mode.edge, mode.face, mode.corner, mode.corner_offset, mode.support_slip, state,
+        mode.side_slip, mode.dropped,
+    )  # fmt: skip
+
+
+@kernel
+def _with_friction(mode, support_slip, side_slip):
+    return Mode(
+        mode.edge, mode.face, mode.corner, mode.corner_offset, support_slip, mode.side, side_slip,
+        mode.dropped,
+    )  # fmt: skip
+
+
+@kernel
+def _with_drop(mode):
+    return Mode(
+        mode.edge, OPEN, mode.corner, mode.corner_offset, mode.support_slip, mode.side,
+        mode.side_slip, True,
+    )  # fmt: skip
+
+
+@kernel
+def _friction_holds(slip_state, friction, load, drive, p):
+    """Whether a friction state at zero slip is consistent with what it causes."""
+    if slip_state == STICKING:
+        return load > 0.0 and abs(friction) <= p.friction * load
+    return drive * slip_state >= 0.0
+
+
+@kernel
+def _sign(value):
+    return -1 if value < 0.0 else 1
+
+
+@kernel
+def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
+    """The mode with friction states that fit the slips, and whether there are any.
+
+    A contact that slips keeps the sign of its slip. For a contact at rest every state is tried,
+    sticking first, and the first set of states that is consistent with its own accelerations holds.
+    """
+    if p.printed_friction_law != 0.0:
+        return _with_friction(mode, -1, -1), True
+    now = motion(time, q, p, mode)
+    supported = mode.face == CLOSED or mode.corner == CLOSED
+    beside = mode.side == CLOSED
+    support_at_rest = supported and (support_at_rest or abs(now.support_slip) <= REST_SLIP)
+    side_at_rest = beside and (side_at_rest or abs(now.side_slip) <= REST_SLIP)
+    for i in range(3 if support_at_rest else 1):
+        support = (STICKING, -1, 1)[i] if support_at_rest else _sign(now.support_slip)
+        for j in range(3 if side_at_rest else 1):
+            side = (STICKING, -1, 1)[j] if side_at_rest else _sign(now.side_slip)
+            trial = _with_friction(mode, support, side)
+            at = motion(time, q, p, trial)
+            holds = True
+            if support_at_rest:
+                holds = _friction_holds(
+                    support, at.support_friction, at.support_load, at.support_drive, p
+                )
+            if side_at_rest:
+                holds = holds and _friction_holds(
+                    side, at.side_friction, at.side_load, at.side_drive, p
+                )
+            if holds:
+                return trial, True
+    return mode, False
+
+
+@kernel
+def hold_sticking(q, p, mode):
+    """``q`` with the slip of what sticks removed by friction impulses: rounding must not drift."""
+    supported = mode.face == CLOSED or mode.corner == CLOSED
+    support_sticks = supported and mode.support_slip == STICKING
+    side_sticks = mode.side == CLOSED and mode.side_slip == STICKING
+    if not (support_sticks or side_sticks):
+        return q
+    support, side = support_contact(q, p, mode), side_contact(q, p, mode)
+    t, u = support.tangent, side.tangent
+    impulse, side_impulse = sticking_friction(
+        support_sticks, side_sticks, support.slip, side.slip,
+        mobility(support.slip_row, t, p), mobility(support.slip_row, u, p),
+        mobility(side.slip_row, t, p), mobility(side.slip_row, u, p),
+    )  # fmt: skip
+    return State(
+        q.x, q.y, q.tilt,
+        q.x_rate + impulse * t[0] + side_impulse * u[0],
+        q.y_rate + impulse * t[1] + side_impulse * u[1],
+        q.tilt_rate + (impulse * t[2] + side_impulse * u[2]) / p.inertia,
+    )  # fmt: skip
+
+
+@kernel
+def _decided(time, q, p, mode, support_at_rest, side_at_rest):
+    decided, possible = decide_friction(time, q, p, mode, support_at_rest, side_at_rest)
+    if possible:
+        return decided, CONTINUES, _NONE
+    return mode, _FAILED, _NO_FRICTION_SOLUTION
+
+
+@kernel
+def _edge_enters(edge, time, q, p, mode, declared):
+    """An edge enters the part: through the face of which it is least deep."""
+    bottom, left, right, top = edge_inside(edge, q, p)
+    if bottom <= min(left, min(right, top)):
+        if not declared.edge_on_face:
+            return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
+        if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
+            return mode, _LEFT_SCENE, _BOTH_SIDES
+        return _decided(time, q, p, _with_face(mode, edge, CLOSED), False, False)
+    if edge == LEFT_EDGE and left <= min(right, top):
+        if not declared.edge_on_side:
+            return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
+        return _decided(time, q, p, _with_side(mode, CLOSED), False, False)
+    return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
+
+
+@kernel
+def _corner_lands(edge, time, q, p, mode, declared):
+    """A bottom corner presses on the flat, from the depth at which it stands."""
+    if not declared.corner_on_flat:
+        return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
+    if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
+        return mode, _LEFT_SCENE, _BOTH_SIDES
+    corner = corner_on_flat(edge, q, p)
+    return _decided(time, q, p, _with_corner(mode, edge, CLOSED, corner.depth), False, False)
+
+
+@kernel
+def _face_ends(q, p, mode):
+    """The edge has passed the end of the bottom face toward the slot: alignment, or a free fall."""
+    if mode.edge == RIGHT_EDGE and fallen_in(q, p) > -1e-9:
+        return _with_drop(mode), _ALIGNED, _NONE
+    return _with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
+
+
+@kernel
+def _unloaded(depth, p):
+    """State of a contact whose load has gone: open, or released while the bodies still overlap.
+
+    Without damping load and depth vanish together, whatever rounding leaves of the depth.
+    """
+    return RELEASED if depth > 0.0 and p.contact_damping > 0.0 else OPEN
+
+
+@kernel
+def _contact_switch(which, time, q, p, mode):
+    """Loads that go and return, gaps that open, faces that end."""
+    if which == FACE_LOAD:
+        state = _unloaded(edge_on_face(mode.edge, q, p).depth, p)
+        return _decided(time, q, p, _with_face(mode, mode.edge, state), False, False)
+    if which == FACE_RELOAD:
+        return _decided(time, q, p, _with_face(mode, mode.edge, CLOSED), False, False)
+    if which == FACE_GAP:
+        return _with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
+    if which == SIDE_LOAD:
+        state = _unloaded(edge_on_side(q, p).depth, p)
+        return _decided(time, q, p, _with_side(mode, state), False, False)
+    if which == SIDE_RELOAD:
+        return _decided(time, q, p, _with_side(mode, CLOSED), False, False)
+    if which == SIDE_GAP:
+        return _with_side(mode, OPEN), CONTINUES, _NONE
+    if which == SIDE_END:
+        bottom, _, _, top = edge_inside(LEFT_EDGE, q, p)
+        if top < bottom:
+            return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
+        return _decided(time, q, p, _with_side(mode, OPEN), False, False)
+    if which == CORNER_LOAD:
+        state = _unloaded(corner_on_flat(mode.edge, q, p).depth - mode.corner_offset, p)
+        offset = mode.corner_offset if state == RELEASED else 0.0
+        return _decided(time, q, p, _with_corner(mode, mode.edge, state, offset), False, False)
+    if which == CORNER_RELOAD:
+        closed = _with_corner(mode, mode.edge, CLOSED, mode.corner_offset)
+        return _decided(time, q, p, closed, False, False)
+    # CORNER_GAP, CORNER_END
+    opened = _with_corner(mode, mode.edge, OPEN, 0.0)
+    return _decided(time, q, p, opened, False, False)
+
+
+@kernel
+def _friction_switch(which, time, q, p, mode):
+    """Slip that reaches zero reverses or sticks; sticking that reaches its limit slips."""
+    at = motion(time, q, p, mode)
+    if which == SUPPORT_SLIP:
+        if mode.support_slip == STICKING:
+            broken = _with_friction(mode, -_sign(at.support_friction), mode.side_slip)
+            return broken, CONTINUES, _NONE
+        return _decided(time, q, p, mode, True, False)
+    if mode.side_slip == STICKING:
+        broken = _with_friction(mode, mode.support_slip, -_sign(at.side_friction))
+        return broken, CONTINUES, _NONE
+    return _decided(time, q, p, mode, False, True)
+
+
+@kernel
+def switch(which, time, q, p, mode, declared):
+    """What follows switching function ``which``: (mode, outcome, reason)."""
+    if which == ALIGNED:
+        return _with_drop(mode), _ALIGNED, _NONE
+    if which == CORNERS_INSIDE:
+        return mode, _ALIGNED, _NONE
+    if which == RIGHT_EDGE_ENTERS:
+        return _edge_enters(RIGHT_EDGE, time, q, p, mode, declared)
+    if which == LEFT_EDGE_ENTERS:
+        return _edge_enters(LEFT_EDGE, time, q, p, mode, declared)
+    if which == RIGHT_CORNER_LANDS:
+        return _corner_lands(RIGHT_EDGE, time, q, p, mode, declared)
+    if which == LEFT_CORNER_LANDS:
+        return _corner_lands(LEFT_EDGE, time, q, p, mode, declared)
+    if which == FACE_END:
+        return _face_ends(q, p, mode)
+    if which == FACE_FAR_END:
+        return mode, _LEFT_SCENE, _MOVED_AWAY if mode.edge == RIGHT_EDGE else _OVERSHOT
+    if which == RIGHT_WALL or which == LEFT_WALL:
+        return mode, _LEFT_SCENE, _CORNER_ON_WALL
+    if which == OVERTURNED:
+        return mode, _LEFT_SCENE, _OVERTURNED
+    if which == SUPPORT_SLIP or which == SIDE_SLIP:
+        return _friction_switch(which, time, q, p, mode)
+    return _contact_switch(which, time, q, p, mode)

@@ -1,0 +1,327 @@
+"""The study as data: config.yaml, checked strictly before anything is computed.
+
+Every error names the key's path, the value, and the rule. The structural baseline stands in the
+configuration only; ``baseline`` reads it from there.
+"""
+
+import difflib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    ValidationError,
+    model_validator,
+)
+
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, Batch, Parameters, check_name
+from model.physics.readings import READING_NAMES, Readings
+from model.runs.settings import Settings
+
+SCHEMATICS = ("fig01", "fig02", "fig03", "fig04")
+HISTORIES = ("fig05",)
+CURVES = ("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12")
+MAPS = ("fig13", "fig14")
+FIGURES = SCHEMATICS + HISTORIES + CURVES + MAPS
+
+
+class ConfigError(ValueError):
+    """A configuration that breaks a rule; the message has one line for each fault."""
+
+
+def _parameter_name(name: str) -> str:
+    check_name(name, PARAMETER_NAMES, "parameter")
+    return name
+
+
+def _parameter_names(values: dict[str, float]) -> dict[str, float]:
+    for name in values:
+        _parameter_name(name)
+    return values
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+ParameterName = Annotated[str, AfterValidator(_parameter_name)]
+ParameterValues = Annotated[dict[str, float], AfterValidator(_parameter_names)]
+
+
+class Axis(_Strict):
+    """Equidistant values of one parameter, both ends included."""
+
+    parameter: ParameterName
+    start: float
+    stop: float
+    count: int = Field(ge=2)
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> "Axis":
+        if not self.start < self.stop:
+            raise ValueError(f"start = {self.start} must be smaller than stop = {self.stop}")
+        return self
+
+    @property
+    def values(self) -> list[float]:
+        """The values, rounded to 12 digits so that decimal steps read as decimals."""
+        step = (self.stop - self.start) / (self.count - 1)
+        return [float(f"{self.start + i * step:.12g}") for i in range(self.count)]
+
+
+class Family(_Strict):
+    """Values of the parameter that tells the curves of a figure apart."""
+
+    parameter: ParameterName
+    values: list[float] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _is_distinct(self) -> "Family":
+        if len(set(self.values)) < len(self.values):
+            raise ValueError(f"values = {self.values} must differ from each other")
+        return self
+
+
+class _Figure(_Strict):
+    title: str = Field(min_length=1)
+    sees: str = Field(min_length=1)
+    held: ParameterValues = {}
+
+
+class Schematic(_Figure):
+    """A drawing of the model (Figs. 1 to 4)."""
+
+    kind: Literal["schematic"]
+
+
+class History(_Figure):
+    """One trajectory over time (Fig. 5)."""
+
+    kind: Literal["history"]
+
+
+class Curves(_Figure):
+    """Alignment duration over one parameter, a curve for each value of another (Figs. 6 to 12)."""
+
+    kind: Literal["curves"]
+    swept: Axis
+    family: Family
+    chunks: int = Field(ge=1, le=64)
+
+
+class Map(_Figure):
+    """Outcome and duration over two parameters (Figs. 13 and 14)."""
+
+    kind: Literal["map"]
+    x: Axis
+    y: Axis
+    chunks: int = Field(ge=1, le=64)
+
+
+FigureSpec = Annotated[Schematic | History | Curves | Map, Discriminator("kind")]
+_KIND = dict.fromkeys(SCHEMATICS, "schematic") | dict.fromkeys(HISTORIES, "history")
+_KIND |= dict.fromkeys(CURVES, "curves") | dict.fromkeys(MAPS, "map")
+
+
+class RunSettings(_Strict):
+    """How every run of the study is computed."""
+
+    readings: Literal["consistent", "printed"] | dict[str, Literal["consistent", "printed"]]
+    horizon: float = Field(gt=0.0)
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+
+    @model_validator(mode="after")
+    def _readings_exist(self) -> "RunSettings":
+        if isinstance(self.readings, dict):
+            for name in self.readings:
+                check_name(name, READING_NAMES, "reading")
+        return self
+
+    @property
+    def settings(self) -> Settings:
+        """The form that ``simulate`` and ``align`` take."""
+        if isinstance(self.readings, dict):
+            readings = Readings(**self.readings)
+        else:
+            readings = getattr(Readings, self.readings)()
+        return Settings(readings=readings, horizon=self.horizon, tolerance=self.tolerance)
+
+
+class Study(_Strict):
+    """The whole study; see config/config.yaml."""
+
+    results_root: str = Field(min_length=1)
+    settings: RunSettings
+    structure: ParameterValues
+    operating_point: ParameterValues
+    figures: dict[str, FigureSpec]
+
+    @model_validator(mode="after")
+    def _figures_exist(self) -> "Study":
+        for name in self.figures:
+            check_name(name, FIGURES, "figure")
+        missing = [name for name in FIGURES if name not in self.figures]
+        if missing:
+            raise ValueError(f"figures: missing {', '.join(missing)}")
+        twice = sorted(set(self.structure) & set(self.operating_point))
+        if twice:
+            raise ValueError(f"{', '.join(twice)}: stated in both structure and operating_point")
+        return self
+
+    @property
+    def baseline(self) -> Parameters:
+        """The device at its default operating point."""
+        return Parameters(**self.structure, **self.operating_point)
+
+    def parameters(self, figure: str) -> Parameters:
+        """What a figure holds, before it sweeps anything."""
+        return self.baseline.replace(**self.figures[figure].held)
+
+
+def _line(source: str, error: Mapping[str, Any]) -> str:
+    """One fault in one line: path, value, rule."""
+    place = [str(part) for part in error["loc"] if _is_key(part)]
+    path = ".".join(place) or "(top level)"
+    if error["type"] == "extra_forbidden":
+        return f"{source}: {path}: unknown key"
+    if error["type"] == "missing":
+        return f"{source}: {path}: missing"
+    message = error["msg"].removeprefix("Value error, ")
+    value = error["input"]
+    shown = "" if isinstance(value, (dict, BaseModel)) else f" = {value!r}"
+    return f"{source}: {path}{shown}: {message}"
+
+
+def _is_key(part: int | str) -> bool:
+    """Whether a part of a fault's place is a key, and not pydantic's name of an alternative."""
+    return str(part) not in set(_KIND.values()) and "[" not in str(part)
+
+
+def _known_keys(path: tuple[Any, ...]) -> list[str]:
+    """Keys admissible beside an unknown one, for the hint."""
+    models: dict[int, type[BaseModel]] = {1: Study}
+    kinds: dict[str, type[BaseModel]] = {
+        "schematic": Schematic,
+        "history": History,
+        "curves": Curves,
+        "map": Map,
+    }
+    if path[0] == "settings":
+        models[2] = RunSettings
+    elif path[0] == "figures" and len(path) > 3:
+        models[4] = kinds[path[2]]
+        models[5] = Family if path[3] == "family" else Axis
+    model = models.get(len(path))
+    return list(model.model_fields) if model else []
+
+
+def _with_hint(line: str, error: Mapping[str, Any]) -> str:
+    if error["type"] != "extra_forbidden":
+        return line
+    known = _known_keys(error["loc"])
+    near = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"{line}{hint}" + (f" Valid: {', '.join(known)}" if known else "")
+
+
+def _value_faults(place: str, values: Mapping[str, float]) -> list[str]:
+    return [
+        f"{place}.{name} = {value!r}: {FIELDS[name].rule}"
+        for name, value in values.items()
+        if not FIELDS[name].admits(value)
+    ]
+
+
+def _check_figures(study: Study, source: str) -> list[str]:
+    """Faults that need the whole study: values against the rules of their parameters."""
+    faults = _value_faults(f"{source}: structure", study.structure)
+    faults += _value_faults(f"{source}: operating_point", study.operating_point)
+    stated = set(study.structure) | set(study.operating_point)
+    needed = [name for name in PARAMETER_NAMES if FIELDS[name].derived is None]
+    faults += [
+        f"{source}: structure.{name}: missing ({FIELDS[name].description})"
+        for name in needed
+        if name not in stated
+    ]
+    for name, figure in study.figures.items():
+        faults += _value_faults(f"{source}: figures.{name}.held", figure.held)
+    if faults:
+        return faults
+    for name, figure in study.figures.items():
+        if figure.kind != _KIND[name]:
+            faults.append(
+                f"{source}: figures.{name}.kind = {figure.kind!r}: must be {_KIND[name]!r}"
+            )
+        varied: dict[str, Axis | Family] = {}
+        if isinstance(figure, Curves):
+            varied = {"swept": figure.swept, "family": figure.family}
+        elif isinstance(figure, Map):
+            varied = {"x": figure.x, "y": figure.y}
+        names = [part.parameter for part in varied.values()]
+        if len(set(names)) < len(names):
+            faults.append(f"{source}: figures.{name}: {names[0]!r} is varied twice")
+        for held in set(names) & set(figure.held):
+            faults.append(f"{source}: figures.{name}.held.{held}: is varied in the same figure")
+        try:
+            parameters = study.parameters(name)
+        except (TypeError, ValueError) as error:
+            faults.append(f"{source}: figures.{name}.held: {error}")
+            continue
+        for key, part in varied.items():
+            try:
+                Batch.of(parameters, **{part.parameter: part.values})
+            except ValueError as error:
+                faults.append(f"{source}: figures.{name}.{key}: {error}")
+    return faults
+
+
+def check_study(mapping: Mapping[str, Any], source: str = "config") -> Study:
+    """The study in ``mapping``, checked.
+
+    Raises:
+        ConfigError: every fault found, each with the key's path, the value and the rule.
+    """
+    try:
+        study = Study.model_validate(mapping)
+    except ValidationError as invalid:
+        lines = [_with_hint(_line(source, error), error) for error in invalid.errors()]
+        raise ConfigError("\n".join(dict.fromkeys(lines))) from None
+    faults = _check_figures(study, source)
+    if faults:
+        raise ConfigError("\n".join(faults))
+    return study
+
+
+def load_study(path: Path) -> Study:
+    """The study in the YAML file ``path``, checked.
+
+    Raises:
+        ConfigError: a file that cannot be read, is not YAML, or breaks a rule.
+    """
+    try:
+        mapping = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ConfigError(f"{path}: cannot be read as YAML: {error}") from None
+    if not isinstance(mapping, dict):
+        raise ConfigError(f"{path}: must be a mapping of keys to values")
+    return check_study(mapping, str(path))
+
+
+def study_path() -> Path:
+    """config.yaml of the project: beside the sources, or as installed with the package."""
+    in_checkout = Path(__file__).resolve().parents[3] / "config" / "config.yaml"
+    if in_checkout.is_file():
+        return in_checkout
+    return Path(str(resources.files("model.study") / "config.yaml"))
+
+
+def baseline() -> Parameters:
+    """The study's device at its default operating point."""
+    return load_study(study_path()).baseline

@@ -1,0 +1,243 @@
+"""The study's datasets: chunks of a sweep, merged into one netCDF file a figure.
+
+Content is deterministic: the same sweep and code give the same bytes. Time stamps, versions and the
+like go into sidecars (provenance.py).
+"""
+
+import contextlib
+import json
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from model.physics.parameters import FIELDS
+from model.runs.batch import Alignments, align
+from model.runs.trajectory import simulate
+from model.solver.outcomes import Outcome, Reason
+from model.study.sweeps import Sweep
+
+POINT = "point"
+
+
+class DatasetError(ValueError):
+    """A dataset that is not what it should be: unreadable, incomplete, or of another study."""
+
+
+def _flags(values: type[IntEnum]) -> dict[str, Any]:
+    return {
+        "flag_values": np.array([value.value for value in values], dtype=np.int8),
+        "flag_meanings": " ".join(value.name.lower() for value in values),
+    }
+
+
+_SENSITIVE_FLAGS = {
+    "flag_values": np.array([0, 1], dtype=np.int8),
+    "flag_meanings": "regular sensitive",
+}
+
+VARIABLES: dict[str, dict[str, Any]] = {
+    "tau_align": {"long_name": "alignment duration", "symbol": "τ"},
+    "tau_error": {"long_name": "estimated error of the alignment duration"},
+    "tau_corners_inside": {"long_name": "time at which all four corner conditions hold"},
+    "outcome": {"long_name": "how the run ended", **_flags(Outcome)},
+    "reason": {"long_name": "how the run left the scene, or why it failed", **_flags(Reason)},
+    "sensitive": {
+        "long_name": "whether another tolerance ends differently or at another time",
+        **_SENSITIVE_FLAGS,
+    },
+    "tilt_at_alignment": {"long_name": "tilt at alignment", "units": "rad", "symbol": "φ"},
+    "tilt_max": {"long_name": "largest tilt, absolute", "units": "rad"},
+    "separations": {"long_name": "times the part lost the base before it aligned"},
+    "contact_force_max": {"long_name": "largest normal force at one place", "symbol": "n"},
+    "sticking_share": {"long_name": "share of the time in which the support sticks"},
+    "rhs_evaluations": {"long_name": "evaluations of the equations of motion"},
+    "period": {"long_name": "period of a settled motion, in excitation periods"},
+}
+HISTORY_VARIABLES: dict[str, dict[str, Any]] = {
+    "x": {"long_name": "abscissa of the mass centre", "symbol": "x"},
+    "y": {"long_name": "ordinate of the mass centre", "symbol": "y"},
+    "tilt": {"long_name": "tilt", "symbol": "φ", "units": "rad"},
+    "x_rate": {"long_name": "velocity along x"},
+    "y_rate": {"long_name": "velocity along y"},
+    "tilt_rate": {"long_name": "tilt velocity"},
+    "contact_force": {"long_name": "normal force under the part", "symbol": "n"},
+    "side_force": {"long_name": "normal force of A2 on the side face"},
+}
+
+
+def _attributes(name: str, known: dict[str, Any]) -> dict[str, Any]:
+    return {"units": "1", **known} if known else {"units": "1", "long_name": name}
+
+
+def _parameter_attributes(name: str) -> dict[str, Any]:
+    field = FIELDS[name]
+    return {"long_name": field.description, "symbol": field.symbol, "units": "1"}
+
+
+def _columns(results: Alignments) -> dict[str, np.ndarray]:
+    """Arrays as they are stored: one-byte flags, four-byte counts."""
+    stored = {}
+    for field in fields(results):
+        values = getattr(results, field.name)
+        if values.dtype == np.bool_:
+            values = values.astype(np.int8)
+        elif values.dtype == np.int64 and field.name != "rhs_evaluations":
+            values = values.astype(np.int32)
+        stored[field.name] = values
+    return stored
+
+
+def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.Dataset:
+    """Run one chunk of a sweep: variables over ``point``, the flat index into the grid."""
+    points = sweep.points_of_chunk(chunk, chunks)
+    results = align(sweep.batch(points), sweep.settings.settings, cores=cores)
+    return xr.Dataset(
+        {name: (POINT, values) for name, values in _columns(results).items()},
+        coords={POINT: points},
+        attrs={"figure": sweep.figure, "sweep": sweep.identity, "chunk": chunk, "chunks": chunks},
+    )
+
+
+def merge_chunks(sweep: Sweep, title: str, summary: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """The figure's dataset from all chunks of its sweep.
+
+    Raises:
+        DatasetError: a chunk of another sweep, or points that are missing or stand twice.
+    """
+    for part in parts:
+        if part.attrs.get("sweep") != sweep.identity:
+            raise DatasetError(
+                f"{sweep.figure}: a chunk belongs to sweep {part.attrs.get('sweep')!r}, not "
+                f"{sweep.identity!r}: delete the chunks of this figure and run again"
+            )
+    size = int(np.prod(sweep.shape))
+    points = np.concatenate([part[POINT].values for part in parts])
+    if not np.array_equal(np.sort(points), np.arange(size)):
+        raise DatasetError(
+            f"{sweep.figure}: the chunks do not hold each of {size} points once: delete the "
+            "chunks of this figure and run again"
+        )
+    order = np.argsort(points)
+    names = [dimension.parameter for dimension in sweep.dimensions]
+    variables = {}
+    for name, known in VARIABLES.items():
+        flat = np.concatenate([part[name].values for part in parts])[order]
+        variables[name] = (names, flat.reshape(sweep.shape), _attributes(name, known))
+    return xr.Dataset(variables, _coordinates(sweep), _global(sweep, title, summary))
+
+
+def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
+    """One trajectory over time, with its results as scalars."""
+    run = simulate(sweep.baseline, sweep.settings.settings)
+    courses = [*run.state.T, run.contact_force, run.side_force]
+    columns = dict(zip(HISTORY_VARIABLES, courses, strict=True))
+    variables: dict[str, Any] = {
+        name: ("time", values, _attributes(name, HISTORY_VARIABLES[name]))
+        for name, values in columns.items()
+    }
+    for name, known in VARIABLES.items():
+        value = np.asarray(getattr(run, name))
+        if value.dtype == np.bool_ or name in ("outcome", "reason"):
+            value = value.astype(np.int8)
+        variables[name] = ((), value, _attributes(name, known))
+    time = ("time", run.time, {"units": "1", "long_name": "time", "symbol": "τ"})
+    coordinates = {"time": time, **_coordinates(sweep)}
+    return xr.Dataset(variables, coordinates, _global(sweep, title, summary))
+
+
+def _coordinates(sweep: Sweep) -> dict[str, Any]:
+    """Swept parameters as dimension coordinates, held ones as scalar coordinates."""
+    swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
+    coordinates: dict[str, Any] = {
+        name: (name, values, _parameter_attributes(name)) for name, values in swept.items()
+    }
+    for name, value in sweep.parameters.items():
+        attributes = _parameter_attributes(name)
+        if name in swept:
+            continue
+        if value is None:
+            attributes["comment"] = f"NaN stands for {FIELDS[name].derived}"
+        coordinates[name] = ((), np.nan if value is None else value, attributes)
+    return coordinates
+
+
+def _global(sweep: Sweep, title: str, summary: str) -> dict[str, Any]:
+    settings = sweep.settings.settings
+    return {
+        "Conventions": "CF-1.11 ACDD-1.3",
+        "title": title,
+        "summary": summary,
+        "source": "vibralign, numerical integration of the equations of motion",
+        "references": "Numerical simulation of parts alignment under kinematical excitation, "
+        "Mechanika (2007)",
+        "license": "MIT",
+        "comment": "All quantities are dimensionless unless their units say otherwise: lengths in "
+        "units of the excitation amplitude F1/K_Y, time in 1/p with p^2 = K_Y/M, forces in F1.",
+        "figure": sweep.figure,
+        "kind": sweep.kind,
+        "sweep": sweep.identity,
+        "readings": json.dumps(asdict(settings.readings)),
+        "scene": settings.scene.name,
+        "horizon": settings.horizon,
+        "tolerance": settings.tolerance,
+    }
+
+
+def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:
+    """Trajectories in a dataset by outcome, sensitive ones, and evaluations."""
+    outcomes = np.atleast_1d(dataset["outcome"].values).ravel()
+    counts = {each.name.lower(): int((outcomes == each).sum()) for each in Outcome}
+    return {
+        "trajectories": int(outcomes.size),
+        **counts,
+        "sensitive": int(dataset["sensitive"].values.sum()),
+        "rhs_evaluations": int(dataset["rhs_evaluations"].values.sum()),
+    }
+
+
+def write_dataset(dataset: xr.Dataset, path: Path) -> None:
+    """Write ``dataset`` as netCDF-4, whole or not at all.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    encoding: dict[str, dict[str, Any]] = {}
+    for name, variable in dataset.variables.items():
+        # NaN is data here (it does not align), never a fill value.
+        encoding[str(name)] = {"_FillValue": None}
+        if variable.ndim:
+            encoding[str(name)] |= {"zlib": True, "complevel": 4, "shuffle": True}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(suffix=".nc.part", dir=path.parent)
+    os.close(handle)
+    try:
+        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            Path(temporary).unlink()
+        raise
+
+
+def read_dataset(path: Path) -> xr.Dataset:
+    """A dataset of the study, whole in memory.
+
+    Raises:
+        DatasetError: a file that is missing, not netCDF, truncated, or not of this study.
+    """
+    try:
+        with xr.open_dataset(path, engine="netcdf4", decode_timedelta=False) as stored:
+            dataset = stored.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise DatasetError(f"{path}: cannot be read as netCDF ({error}): build it again") from None
+    if "figure" not in dataset.attrs or "sweep" not in dataset.attrs:
+        raise DatasetError(f"{path}: is not a dataset of this study: build it again")
+    return dataset

@@ -1,0 +1,174 @@
+"""Where results came from: hashes of the code they depend on, and a sidecar for every job."""
+
+import ast
+import hashlib
+import importlib.metadata
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_TRACKED = ("numpy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
+
+
+def _module_file(name: str) -> Path | None:
+    """Source of a module of this package, or None for anything else."""
+    if name.split(".", maxsplit=1)[0] != _PACKAGE.name:
+        return None
+    base = _PACKAGE.parent.joinpath(*name.split("."))
+    for candidate in (base.with_suffix(".py"), base / "__init__.py"):
+        if candidate.is_file():
+            return candidate
+    return None
+
+
+def _without_docstrings(tree: ast.Module) -> ast.Module:
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+            first = node.body[0] if node.body else None
+            if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+                node.body = node.body[1:]
+    return tree
+
+
+def _imports(tree: ast.Module) -> Iterator[str]:
+    """Names of modules that ``tree`` imports, as far as they can be modules of this package."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+@cache
+def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
+    """(hash of the syntax tree, package files imported) of one source file."""
+    tree = _without_docstrings(ast.parse(source.read_text(encoding="utf-8")))
+    digest = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+    return digest, tuple(file for name in _imports(tree) if (file := _module_file(name)))
+
+
+def import_closure(source: Path) -> list[Path]:
+    """``source`` and every file of this package that it imports, directly or not, sorted.
+
+    A package's ``__init__`` counts only where names are imported from it: what it gathers for its
+    users is not what the importing file runs.
+    """
+    found: set[Path] = set()
+    waiting = [source.resolve()]
+    while waiting:
+        file = waiting.pop()
+        if file not in found:
+            found.add(file)
+            waiting.extend(_parsed(file)[1])
+    return sorted(found)
+
+
+def closure_hash(source: Path) -> str:
+    """Hash of the code that ``source`` runs: syntax trees of its import closure.
+
+    Comments, layout and docstrings do not count, so that a reformat reruns nothing.
+    """
+    digest = hashlib.sha256()
+    for file in import_closure(source):
+        digest.update(file.name.encode() + _parsed(file)[0].encode())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def _lock_hash(project: Path) -> str:
+    return file_hash(project / "requirements.lock")
+
+
+def code_hash(project: Path, script: str) -> str:
+    """Hash of what a script of the project depends on: its code's closure and the pinned packages.
+
+    ``project`` is the folder that holds requirements.lock, ``script`` a path below it.
+    """
+    combined = closure_hash(project / script) + _lock_hash(project)
+    return hashlib.sha256(combined.encode()).hexdigest()[:16]
+
+
+def file_hash(path: Path) -> str:
+    """sha256 of a file's content."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages that results depend on, where installed."""
+    found = {"python": platform.python_version()}
+    for name in ("vibralign", *_TRACKED):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+def git_state() -> dict[str, Any]:
+    """Commit of the checkout and whether it has changes; empty outside a checkout."""
+
+    def git(*arguments: str) -> str:
+        command = ["git", "-C", str(_PACKAGE.parent), *arguments]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+    try:
+        return {"commit": git("rev-parse", "HEAD"), "dirty": bool(git("status", "--porcelain"))}
+    except (OSError, subprocess.CalledProcessError):
+        return {}
+
+
+def sidecar(
+    started: datetime, output: Path, identity: Mapping[str, Any], counts: Mapping[str, int]
+) -> dict[str, Any]:
+    """The record of one job, written beside its output."""
+    return {
+        **identity,
+        "counts": dict(counts),
+        "code": closure_hash(Path(sys.argv[0])) if sys.argv[0].endswith(".py") else None,
+        "output": output.name,
+        "output_sha256": file_hash(output),
+        "started": started.isoformat(timespec="seconds"),
+        "wall_seconds": round((datetime.now(UTC) - started).total_seconds(), 3),
+        "host": platform.node(),
+        "processor": platform.machine(),
+        "versions": versions(),
+        "git": git_state(),
+    }
+
+
+def report_provenance(root: Path) -> dict[str, str]:
+    """What the report says of its making: versions, commit, and the jobs' own records."""
+    records = [json.loads(path.read_text()) for path in sorted(root.glob("data/**/*.run.json"))]
+    state = git_state()
+    commit = state.get("commit", "not a git checkout")
+    return {
+        "commit": f"{commit} with changes" if state.get("dirty") else commit,
+        **versions(),
+        "processor": platform.machine(),
+        "computing jobs": str(len(records)),
+        "time of computing jobs": f"{sum(record['wall_seconds'] for record in records):.0f} s",
+        "trajectories": str(sum(record["counts"]["trajectories"] for record in records)),
+        "rendered": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def write_json(record: Mapping[str, Any], path: Path) -> None:
+    """Write ``record`` as JSON, whole or not at all."""
+    write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", path)
+
+
+def write_text(text: str, path: Path) -> None:
+    """Write ``text``, whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.part")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)

@@ -1,0 +1,91 @@
+"""What a figure computes: a grid over one or two parameters, or one trajectory.
+
+A sweep holds numbers only, no wording, so that a change of a caption computes nothing anew.
+"""
+
+import hashlib
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from model.physics.parameters import Batch, Parameters
+from model.study.config import Axis, Curves, Family, Map, RunSettings, Study
+
+
+class Sweep(BaseModel):
+    """One figure's computation; its JSON is its identity.
+
+    Attributes:
+        figure: "fig06", ….
+        kind: "history" (no dimensions), "curves" (family, swept) or "map" (y, x).
+        parameters: every parameter, None where it is derived; swept ones hold the baseline's.
+        settings: how runs are computed.
+        dimensions: slowest first.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    figure: str
+    kind: Literal["history", "curves", "map"]
+    parameters: dict[str, float | None]
+    settings: RunSettings
+    dimensions: list[Axis | Family]
+
+    @property
+    def baseline(self) -> Parameters:
+        """What is held, with the baseline's values of what is swept."""
+        return Parameters(**self.parameters)  # type: ignore[arg-type]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values in each dimension."""
+        return tuple(len(dimension.values) for dimension in self.dimensions)
+
+    @property
+    def identity(self) -> str:
+        """Hash of everything that the results depend on besides the code."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
+
+    def points_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
+        """Flat indices of a chunk: every ``chunks``-th point, so that chunks cost alike.
+
+        Raises:
+            ValueError: a chunk that is not one of ``chunks``.
+        """
+        if not 0 <= chunk < chunks:
+            raise ValueError(f"chunk = {chunk}: must be 0 to {chunks - 1}")
+        return np.arange(chunk, int(np.prod(self.shape)), chunks, dtype=np.int64)
+
+    def batch(self, points: NDArray[np.int64]) -> Batch:
+        """The parameter sets at flat indices ``points``."""
+        places = np.unravel_index(points, self.shape)
+        swept = {
+            dimension.parameter: np.array(dimension.values)[place]
+            for dimension, place in zip(self.dimensions, places, strict=True)
+        }
+        return Batch.of(self.baseline, **swept)
+
+
+def sweep_of(study: Study, figure: str) -> Sweep:
+    """The sweep of a figure.
+
+    Raises:
+        ValueError: a figure that computes nothing.
+    """
+    spec = study.figures[figure]
+    dimensions: list[Axis | Family] = []
+    if isinstance(spec, Curves):
+        dimensions = [spec.family, spec.swept]
+    elif isinstance(spec, Map):
+        dimensions = [spec.y, spec.x]
+    elif spec.kind == "schematic":
+        raise ValueError(f"{figure} is a drawing: it has no sweep")
+    return Sweep(
+        figure=figure,
+        kind=spec.kind,
+        parameters=study.parameters(figure).given(),
+        settings=study.settings,
+        dimensions=dimensions,
+    )

@@ -1,0 +1,26 @@
+"""What the rules share: how a figure's parts are named and described."""
+
+from pathlib import Path
+
+from model.study.provenance import code_hash
+from model.study.sweeps import sweep_of
+
+
+def code(script):
+    """Hash of what a rule's script runs: an edit reruns exactly what depends on it."""
+    return code_hash(Path(workflow.basedir), f"workflow/scripts/{script}.py")
+
+
+def sweep(figure):
+    """A figure's computation as JSON: it changes only when the numbers do."""
+    return sweep_of(study, figure).model_dump_json()
+
+
+def label(figure):
+    """A figure's wording, which computes nothing."""
+    return {"title": study.figures[figure].title, "summary": study.figures[figure].sees}
+
+
+def drawn(figure):
+    """A figure's pictures."""
+    return expand(root / f"figures/{figure}.{{kind}}", kind=["png", "svg", "pdf"])

@@ -1,0 +1,90 @@
+"""Trajectories: compiled kernels, chunks of each figure's sweep, and one dataset a figure."""
+
+
+# Compiled once, before the jobs that would otherwise all compile at the same time.
+rule kernels:
+    output:
+        root / "data/kernels.json",
+    log:
+        root / "logs/kernels.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("compile_kernels"),
+    message:
+        "compiling the kernels"
+    shell:
+        "python workflow/scripts/compile_kernels.py --output {output} > {log} 2>&1"
+
+
+rule chunk:
+    input:
+        kernels=ancient(root / "data/kernels.json"),
+    output:
+        data=root / "data/chunks/{figure}/{chunk}.nc",
+        record=root / "data/chunks/{figure}/{chunk}.run.json",
+    log:
+        root / "logs/chunks/{figure}-{chunk}.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("compute_chunk"),
+        sweep=lambda wildcards: sweep(wildcards.figure),
+        chunks=lambda wildcards: study.figures[wildcards.figure].chunks,
+    message:
+        "{wildcards.figure}: computing chunk {wildcards.chunk} of 0 to {params.chunks}"
+    shell:
+        "python workflow/scripts/compute_chunk.py --sweep {params.sweep:q}"
+        " --chunk {wildcards.chunk} --chunks {params.chunks}"
+        " --output {output.data} --record {output.record} > {log} 2>&1"
+
+
+rule merge:
+    input:
+        lambda wildcards: expand(
+            root / "data/chunks/{figure}/{chunk}.nc",
+            figure=wildcards.figure,
+            chunk=range(study.figures[wildcards.figure].chunks),
+        ),
+    output:
+        root / "data/{figure}.nc",
+    log:
+        root / "logs/merge/{figure}.log",
+    wildcard_constraints:
+        figure="|".join(gridded),
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("merge_chunks"),
+        sweep=lambda wildcards: sweep(wildcards.figure),
+        label=lambda wildcards: label(wildcards.figure),
+    message:
+        "{wildcards.figure}: merging its chunks"
+    shell:
+        "python workflow/scripts/merge_chunks.py --sweep {params.sweep:q}"
+        " --title {params.label[title]:q} --summary {params.label[summary]:q}"
+        " --output {output} {input} > {log} 2>&1"
+
+
+rule history:
+    input:
+        kernels=ancient(root / "data/kernels.json"),
+    output:
+        data=root / "data/{figure}.nc",
+        record=root / "data/{figure}.run.json",
+    log:
+        root / "logs/history/{figure}.log",
+    wildcard_constraints:
+        figure="|".join(HISTORIES),
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("compute_history"),
+        sweep=lambda wildcards: sweep(wildcards.figure),
+        label=lambda wildcards: label(wildcards.figure),
+    message:
+        "{wildcards.figure}: computing the trajectory"
+    shell:
+        "python workflow/scripts/compute_history.py --sweep {params.sweep:q}"
+        " --title {params.label[title]:q} --summary {params.label[summary]:q}"
+        " --output {output.data} --record {output.record} > {log} 2>&1"
