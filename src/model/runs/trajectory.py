@@ -10,7 +10,7 @@ from model.physics.parameters import Batch, Parameters
 from model.runs.errors import COLUMNS, Record, run_rows
 from model.runs.settings import Settings
 from model.solver.loop import TRACK_COLUMNS
-from model.solver.outcomes import OUTCOME_TEXT, REASON_TEXT, REMEDY, Outcome, Reason
+from model.solver.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Trajectory:
     @property
     def remedy(self) -> str:
         """What to do about it, in words."""
-        return REMEDY[self.outcome]
+        return remedy(self.outcome, self.reason)
 
 
 def simulate(

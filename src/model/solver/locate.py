@@ -8,7 +8,12 @@ state has the step's full order.
 
 from model.physics.compiled import kernel
 from model.solver.step import interpolate
-from model.solver.switching import NEVER, SWITCH_COUNT, switching_functions
+from model.solver.switching import (
+    COMBINED_COUNT,
+    NEVER,
+    SWITCH_COUNT,
+    switching_functions,
+)
 
 NODES = 4
 NO_SWITCH = 2.0  # a fraction of the step beyond its end
@@ -22,8 +27,8 @@ _HALVINGS = 30
 def sample_step(time, h, y, dense, p, mode, nodes, samples):
     """Sample the step at its start and ``NODES`` equal parts.
 
-    Fills ``nodes``, shape (NODES + 1, 6), with states and ``samples``, shape (NODES + 1, 24), with
-    switching functions.
+    Fills ``nodes``, shape (NODES + 1, 6), with states and ``samples``, shape (NODES + 1,
+    SAMPLE_SIZE), with switching functions.
     """
     for i in range(NODES + 1):
         q = interpolate(i / NODES, h, y, dense)
@@ -118,10 +123,28 @@ def _dip(
 
 
 @kernel
+def _instant(which, low, high, place, time, h, y, dense, p, mode, scratch):
+    """Where a combined function is negative though it is not at either end: θ, or ``NO_SWITCH``.
+
+    Its largest quantity is another at the two ends. Where it changes the function is lowest: the
+    change is bisected from ``place``, the largest quantity's place at ``low``.
+    """
+    for _ in range(_HALVINGS):
+        theta = 0.5 * (low + high)
+        if _value(which, theta, time, h, y, dense, p, mode, scratch) < 0.0:
+            return theta
+        if scratch[SWITCH_COUNT + which] == place:
+            low = theta
+        else:
+            high = theta
+    return NO_SWITCH
+
+
+@kernel
 def first_switch(time, h, y, dense, p, mode, samples, scratch):
     """(which, θ) of the earliest switch in the step; θ = ``NO_SWITCH`` if there is none.
 
-    ``scratch``, shape (24,), is overwritten.
+    ``scratch``, shape (SAMPLE_SIZE,), is overwritten.
     """
     first, which_first = NO_SWITCH, -1
     for which in range(SWITCH_COUNT):
@@ -141,16 +164,21 @@ def first_switch(time, h, y, dense, p, mode, samples, scratch):
                 if theta < first:
                     first, which_first = theta, which
                 break
-            if i < NODES and f_high <= f_low and f_high <= samples[i + 1, which]:
+            theta = NO_SWITCH
+            place = samples[i - 1, SWITCH_COUNT + which] if which < COMBINED_COUNT else 0.0
+            if which < COMBINED_COUNT and place != samples[i, SWITCH_COUNT + which]:
+                theta = _instant(which, low, high, place, time, h, y, dense, p, mode, scratch)
+            elif i < NODES and f_high <= f_low and f_high <= samples[i + 1, which]:
                 right, f_right = (i + 1) / NODES, samples[i + 1, which]
                 theta = _dip(
                     which, low, high, right, f_low, f_high, f_right,
                     time, h, y, dense, p, mode, scratch,
                 )  # fmt: skip
-                if theta != NO_SWITCH:
-                    f = _value(which, theta, time, h, y, dense, p, mode, scratch)
+            if theta != NO_SWITCH:
+                f = _value(which, theta, time, h, y, dense, p, mode, scratch)
+                if f_low > 0.0:
                     theta = _root(which, low, f_low, theta, f, time, h, y, dense, p, mode, scratch)
-                    if theta < first:
-                        first, which_first = theta, which
-                    break
+                if theta < first:
+                    first, which_first = theta, which
+                break
     return which_first, first

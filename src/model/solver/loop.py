@@ -29,6 +29,7 @@ from model.solver.switching import (
     LEFT_WALL,
     NEVER,
     OVERTURNED,
+    SAMPLE_SIZE,
     SIDE_LOAD,
     SWITCH_COUNT,
     switching_functions,
@@ -113,7 +114,7 @@ def _workspace(method):
     return Workspace(
         np.empty((m, STATE_SIZE)), np.empty(STATE_SIZE), np.empty(STATE_SIZE),
         np.empty((STATE_SIZE, degree)), np.empty((NODES + 1, STATE_SIZE)),
-        np.empty((NODES + 1, SWITCH_COUNT)),
+        np.empty((NODES + 1, SAMPLE_SIZE)),
     )  # fmt: skip
 
 
@@ -136,7 +137,7 @@ def start(p):
 
 @kernel
 def _start_is_impossible(q, p, mode):
-    functions = np.empty(SWITCH_COUNT)
+    functions = np.empty(SAMPLE_SIZE)
     switching_functions(0.0, q, p, mode, functions)
     return (
         functions[LEFT_EDGE_ENTERS] < -_START_TOLERANCE
@@ -266,7 +267,7 @@ def integrate(p, declared, method, control, track):
             support and of the side; ``Ending.tracked`` is the number of rows a full track has.
     """
     work = _workspace(method)
-    scratch, closest = np.empty(SWITCH_COUNT), np.full(SWITCH_COUNT, NEVER)
+    scratch, closest = np.empty(SAMPLE_SIZE), np.full(SWITCH_COUNT, NEVER)
     made = np.zeros(SWITCH_COUNT, dtype=np.bool_)
     states, lowest = new_history()
     printed_criterion = p.printed_alignment_criterion != 0.0

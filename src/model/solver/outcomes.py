@@ -57,14 +57,27 @@ REASON_TEXT: dict[Reason, str] = {
     Reason.NO_FRICTION_SOLUTION: "no friction force satisfies this reading's friction law",
 }
 
-REMEDY: dict[Outcome, str] = {
+_REMEDY_OF_OUTCOME: dict[Outcome, str] = {
     Outcome.ALIGNED: "none needed",
     Outcome.SETTLED: "change press_force, tilt_stiffness or frequency: a longer horizon changes "
     "nothing",
     Outcome.LEFT_SCENE: "lower press_force or raise tilt_stiffness so that the part stays on the "
-    "edge, or declare the contact in the scene",
+    "edge",
     Outcome.HORIZON_REACHED: "raise the horizon, or change press_force, tilt_stiffness or "
     "frequency",
-    Outcome.FAILED: "raise max_evaluations or loosen the tolerance; consistent readings always "
-    "have a friction solution",
+    Outcome.FAILED: "loosen the tolerance, or change what is extreme among the parameters",
 }
+
+_REMEDY_OF_REASON: dict[Reason, str] = {
+    Reason.UNDECLARED_CONTACT: "declare the contact in the scene",
+    Reason.IMPOSSIBLE_START: "lower initial_tilt or raise clearance",
+    Reason.TOO_MANY_EVALUATIONS: "raise max_evaluations, or lower contact_stiffness or the horizon",
+    Reason.CHATTER: "change the tolerance; report the parameters if it stays",
+    Reason.NO_FRICTION_SOLUTION: "use the consistent readings normal_sign and side_force, under "
+    "which friction always has a solution",
+}
+
+
+def remedy(outcome: Outcome, reason: Reason) -> str:
+    """What to do about a run that ended like this."""
+    return _REMEDY_OF_REASON.get(reason, _REMEDY_OF_OUTCOME[outcome])

@@ -2,6 +2,11 @@
 
 A switch happens where its function falls through zero. Functions that do not apply in a mode are
 ``NEVER``. What follows a switch stands in transitions.py.
+
+A condition that several quantities must meet at once is the largest of them, each negative where
+its part is met. Such a function is not smooth, and may be negative for an instant only, between two
+samples; which quantity is the largest is therefore sampled with it, so that locate.py can look
+where that changes.
 """
 
 from math import pi
@@ -14,6 +19,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 NEVER = 1e300
+_NOTHING = -1e300  # a quantity that a condition does not have
 
 # Index of each switching function.
 (
@@ -23,6 +29,8 @@ NEVER = 1e300
     LEFT_EDGE_ENTERS,  # A2 enters the part
     RIGHT_CORNER_LANDS,  # B1 on the flat base
     LEFT_CORNER_LANDS,  # B2 on the flat base
+    RIGHT_WALL,  # B1 against the slot's wall from inside
+    LEFT_WALL,  # B2 against the slot's wall from inside
     FACE_LOAD,  # the edge under the bottom face carries no load any more
     FACE_GAP,  # the gap under the bottom face opens
     FACE_RELOAD,  # the load returns before the gap has opened
@@ -38,27 +46,42 @@ NEVER = 1e300
     CORNER_END,  # the corner slides into the slot
     SUPPORT_SLIP,  # slip reaches zero, or friction its limit, at the support
     SIDE_SLIP,  # the same at the side face
-    RIGHT_WALL,  # B1 against the slot's wall from inside
-    LEFT_WALL,  # B2 against the slot's wall from inside
     OVERTURNED,  # tilt through 90 degrees
 ) = range(24)
 SWITCH_COUNT = 24
+COMBINED_COUNT = 8  # the first ones are the largest of several quantities; which one, stands behind
+SAMPLE_SIZE = SWITCH_COUNT + COMBINED_COUNT
 
 
 @kernel
-def fallen_in(q, p):
-    """Positive once s >= a, X_B2 >= -l and Y_B2 < 0 (reading R8): A1 past B1, B2 in the slot."""
+def _largest(a, b, c, d):
+    """(largest of four, its place)."""
+    value, place = a, 0.0
+    if b > value:
+        value, place = b, 1.0
+    if c > value:
+        value, place = c, 2.0
+    if d > value:
+        value, place = d, 3.0
+    return value, place
+
+
+@kernel
+def not_fallen_in(q, p):
+    """Falls through zero once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
     place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
-    return min(place.along_face - p.half_width, corner_x + p.slot_half_width, -corner_y)
+    return _largest(
+        p.half_width - place.along_face, -corner_x - p.slot_half_width, corner_y, _NOTHING
+    )
 
 
 @kernel
-def corners_inside(q, p):
-    """Positive while X_B1 <= l, X_B2 >= -l, Y_B1 < 0, Y_B2 < 0 (paper, sect. 2)."""
+def corners_outside(q, p):
+    """Falls through zero once X_B1 <= l, X_B2 >= -l, Y_B1 < 0 and Y_B2 < 0 (paper, sect. 2)."""
     right_x, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     left_x, left_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
-    return min(p.slot_half_width - right_x, left_x + p.slot_half_width, -right_y, -left_y)
+    return _largest(right_x - p.slot_half_width, -left_x - p.slot_half_width, right_y, left_y)
 
 
 @kernel
@@ -81,9 +104,9 @@ def edge_inside(edge, q, p):
 
 @kernel
 def edge_outside(edge, q, p):
-    """Distance-like measure of an edge outside the part; falls through zero as it enters."""
+    """Falls through zero as an edge enters the part."""
     bottom, left, right, top = edge_inside(edge, q, p)
-    return -min(min(bottom, left), min(right, top))
+    return _largest(-bottom, -left, -right, -top)
 
 
 @kernel
@@ -95,16 +118,14 @@ def corner_above(side, q, p):
     """
     corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
     closing_rate = -(q.y_rate + q.tilt_rate * (corner_x - q.x))
-    return max(
-        max(p.slot_half_width - side * corner_x, corner_y), max(side * q.tilt, -closing_rate)
-    )
+    return _largest(p.slot_half_width - side * corner_x, corner_y, side * q.tilt, -closing_rate)
 
 
 @kernel
 def corner_off_wall(side, q, p):
     """Falls through zero as a bottom corner runs against the slot's wall from inside."""
     corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    return max(max(p.slot_half_width - side * corner_x, corner_y), -side * q.tilt)
+    return _largest(p.slot_half_width - side * corner_x, corner_y, -side * q.tilt, _NOTHING)
 
 
 @kernel
@@ -179,8 +200,16 @@ def _friction_switches(time, q, p, mode, out):
 
 
 @kernel
+def _combined(which, largest, out):
+    out[which], out[SWITCH_COUNT + which] = largest
+
+
+@kernel
 def switching_functions(time, q, p, mode, out):
-    """Write all switching functions for the state ``q`` in ``mode`` into ``out``, shape (24,)."""
+    """Write a sample for the state ``q`` in ``mode`` into ``out``, shape (SAMPLE_SIZE,).
+
+    The switching functions, and behind them which quantity is the largest in the combined ones.
+    """
     out[:] = NEVER
     right_face = mode.edge == RIGHT_EDGE and mode.face != OPEN
     left_face = mode.edge == LEFT_EDGE and mode.face != OPEN
@@ -191,19 +220,19 @@ def switching_functions(time, q, p, mode, out):
     _corner_switches(q, p, mode, out)
     _friction_switches(time, q, p, mode, out)
     if not right_face:
-        out[RIGHT_EDGE_ENTERS] = edge_outside(RIGHT_EDGE, q, p)
+        _combined(RIGHT_EDGE_ENTERS, edge_outside(RIGHT_EDGE, q, p), out)
         if mode.dropped:
-            out[CORNERS_INSIDE] = -corners_inside(q, p)
+            _combined(CORNERS_INSIDE, corners_outside(q, p), out)
         else:
-            out[ALIGNED] = -fallen_in(q, p)
+            _combined(ALIGNED, not_fallen_in(q, p), out)
     if not left_face and mode.side == OPEN:
-        out[LEFT_EDGE_ENTERS] = edge_outside(LEFT_EDGE, q, p)
+        _combined(LEFT_EDGE_ENTERS, edge_outside(LEFT_EDGE, q, p), out)
     if not right_corner:
-        out[RIGHT_CORNER_LANDS] = corner_above(RIGHT_EDGE, q, p)
+        _combined(RIGHT_CORNER_LANDS, corner_above(RIGHT_EDGE, q, p), out)
         if not right_face and not mode.dropped:
-            out[RIGHT_WALL] = corner_off_wall(RIGHT_EDGE, q, p)
+            _combined(RIGHT_WALL, corner_off_wall(RIGHT_EDGE, q, p), out)
     if not left_corner:
-        out[LEFT_CORNER_LANDS] = corner_above(LEFT_EDGE, q, p)
+        _combined(LEFT_CORNER_LANDS, corner_above(LEFT_EDGE, q, p), out)
         if not left_face:
-            out[LEFT_WALL] = corner_off_wall(LEFT_EDGE, q, p)
+            _combined(LEFT_WALL, corner_off_wall(LEFT_EDGE, q, p), out)
     out[OVERTURNED] = 0.5 * pi - abs(q.tilt)

@@ -1,7 +1,7 @@
 """What follows a switch: the next mode, or the end of the run."""
 
 from model.physics.compiled import kernel
-from model.physics.contacts import corner_on_flat, edge_on_face, edge_on_side
+from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.motion import mobility, motion, side_contact, sticking_friction, support_contact
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
@@ -30,7 +30,7 @@ from model.solver.switching import (
     SIDE_SLIP,
     SUPPORT_SLIP,
     edge_inside,
-    fallen_in,
+    not_fallen_in,
 )
 
 # Plain integers for kernels; CONTINUES means the run goes on in the mode returned.
@@ -170,6 +170,16 @@ def _decided(time, q, p, mode, support_at_rest, side_at_rest):
 
 
 @kernel
+def _touching(contact, q, p):
+    """State of a contact that begins: released if the base would have to pull at once.
+
+    That happens under the printed damping law (R3), whose load starts below zero.
+    """
+    pulls = contact_load(0.0, contact.closing_rate, q, p) <= 0.0 and p.contact_damping > 0.0
+    return RELEASED if pulls else CLOSED
+
+
+@kernel
 def _edge_enters(edge, time, q, p, mode, declared):
     """An edge enters the part: through the face of which it is least deep."""
     bottom, left, right, top = edge_inside(edge, q, p)
@@ -178,11 +188,13 @@ def _edge_enters(edge, time, q, p, mode, declared):
             return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
         if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
             return mode, _LEFT_SCENE, _BOTH_SIDES
-        return _decided(time, q, p, _with_face(mode, edge, CLOSED), False, False)
+        state = _touching(edge_on_face(edge, q, p), q, p)
+        return _decided(time, q, p, _with_face(mode, edge, state), False, False)
     if edge == LEFT_EDGE and left <= min(right, top):
         if not declared.edge_on_side:
             return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
-        return _decided(time, q, p, _with_side(mode, CLOSED), False, False)
+        state = _touching(edge_on_side(q, p), q, p)
+        return _decided(time, q, p, _with_side(mode, state), False, False)
     return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
 
 
@@ -194,13 +206,14 @@ def _corner_lands(edge, time, q, p, mode, declared):
     if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
         return mode, _LEFT_SCENE, _BOTH_SIDES
     corner = corner_on_flat(edge, q, p)
-    return _decided(time, q, p, _with_corner(mode, edge, CLOSED, corner.depth), False, False)
+    landed = _with_corner(mode, edge, _touching(corner, q, p), corner.depth)
+    return _decided(time, q, p, landed, False, False)
 
 
 @kernel
 def _face_ends(q, p, mode):
     """The edge has passed the end of the bottom face toward the slot: alignment, or a free fall."""
-    if mode.edge == RIGHT_EDGE and fallen_in(q, p) > -1e-9:
+    if mode.edge == RIGHT_EDGE and not_fallen_in(q, p)[0] < 1e-9:
         return _with_drop(mode), _ALIGNED, _NONE
     return _with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
 

@@ -50,10 +50,17 @@ def _imports(tree: ast.Module) -> Iterator[str]:
 
 @cache
 def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
-    """(hash of the syntax tree, package files imported) of one source file."""
+    """(hash of the syntax tree and templates, package files imported) of one source file.
+
+    A template is a file beside the source with its stem, such as report.html.j2.
+    """
     tree = _without_docstrings(ast.parse(source.read_text(encoding="utf-8")))
-    digest = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
-    return digest, tuple(file for name in _imports(tree) if (file := _module_file(name)))
+    digest = hashlib.sha256(ast.dump(tree).encode())
+    for template in sorted(source.parent.glob(f"{source.stem}.*.j2")):
+        digest.update(template.read_bytes())
+    return digest.hexdigest(), tuple(
+        file for name in _imports(tree) if (file := _module_file(name))
+    )
 
 
 def import_closure(source: Path) -> list[Path]:

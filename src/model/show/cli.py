@@ -1,0 +1,329 @@
+"""The command ``vibralign``: the model at the prompt.
+
+Whatever the user gives is checked before anything is computed, and refused in one line that names
+the value, the rule and the valid choices. What is slow to import is imported where it is needed.
+"""
+
+import argparse
+import importlib.metadata
+import io
+import json
+import math
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NoReturn
+
+from model.physics.compiled import cache_folder
+from model.physics.notation import State
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
+from model.physics.readings import READING_NAMES, Readings
+from model.runs.settings import Settings
+from model.runs.trajectory import Trajectory, simulate
+from model.solver.outcomes import Outcome
+from model.study.config import Study, load_study, study_path
+
+DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
+
+_READINGS = ("consistent", "printed")
+# Formats of matplotlib that are no pictures, or that need a LaTeX installation.
+_NOT_PICTURES = {"pgf", "raw", "rgba"}
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """One line instead of the usage and the line."""
+        self.exit(REFUSED, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+
+class _SimulateParser(_Parser):
+    def format_help(self) -> str:
+        """Help with the table of parameters, which takes reading the study."""
+        return f"{super().format_help()}\n{_parameter_table(_study().baseline)}"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; the exit code is 0 done, 1 failed, 2 bad input, 130 interrupted."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a terminal that cannot show τ gets a ? for it
+        sys.stdout.reconfigure(errors="replace")
+    try:
+        return _run(argv)
+    except SystemExit as ending:  # argparse: help, version, a refusal
+        return ending.code if isinstance(ending.code, int) else DONE
+    except ValueError as refusal:
+        print(f"vibralign: error: {refusal}", file=sys.stderr)
+        return REFUSED
+    except KeyboardInterrupt:
+        print("vibralign: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # `vibralign … | head`: nobody reads on, so nothing is left to say
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+
+
+def _run(argv: Sequence[str] | None) -> int:
+    arguments = _parser().parse_args(argv)
+    code = int(arguments.run(arguments))
+    sys.stdout.flush()  # here, where a broken pipe can still be handled
+    return code
+
+
+def _parser() -> _Parser:
+    parser = _Parser(
+        prog="vibralign",
+        description="Vibratory alignment of a peg with a hole: choose press force, tilt stiffness "
+        "and excitation frequency.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"%(prog)s {_version()}")
+    commands = parser.add_subparsers(required=True, metavar="command", parser_class=_SimulateParser)
+    _add_simulate(commands)
+    return parser
+
+
+def _version() -> str:
+    try:
+        return importlib.metadata.version("vibralign")
+    except importlib.metadata.PackageNotFoundError:
+        return "(not installed)"
+
+
+def _study() -> Study:
+    return load_study(study_path())
+
+
+# --- vibralign simulate -------------------------------------------------------------------------
+
+
+def _add_simulate(commands: Any) -> None:
+    words = "run one device and say whether, when and how it aligns"
+    parser = commands.add_parser(
+        "simulate",
+        help=words,
+        description=f"{words[0].upper()}{words[1:]}. All values are dimensionless.",
+        epilog="exit code: 0 the run was done, whatever its outcome; 1 it failed; 2 bad input",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    words = "set a parameter of the table below; may be repeated"
+    add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
+    words = "how the paper's equations are read, all switches together (default: as in the study)"
+    add("--readings", choices=_READINGS, help=words)
+    words = f"one switch, consistent or printed; may be repeated: {', '.join(READING_NAMES)}"
+    add(
+        "--reading",
+        action="append",
+        default=[],
+        metavar="NAME=READING",
+        dest="switches",
+        help=words,
+    )
+    add("--horizon", metavar="H", help="latest time (default: that of the study)")
+    add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
+    words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
+    add("--plot", type=Path, metavar="FILE", help=words)
+    add("--json", action="store_true", help="print everything as JSON")
+    parser.set_defaults(run=_simulate)
+
+
+def _simulate(arguments: argparse.Namespace) -> int:
+    study = _study()
+    parameters = _parameters(study.baseline, arguments.changes)
+    settings = _settings(study.settings.settings, arguments)
+    if arguments.plot is not None:
+        _check_picture(arguments.plot)
+    if sys.stderr.isatty() and not any(cache_folder().rglob("*.nbi")):
+        print("compiling the model, this once: about half a minute …", file=sys.stderr)
+    run = simulate(parameters, settings)
+    if arguments.json:
+        print(json.dumps(_record(run, settings), indent=2))
+    else:
+        print("\n".join(_report(run)))
+    if arguments.plot is not None and not _draw(run, arguments.plot):
+        return FAILED
+    return FAILED if run.outcome == Outcome.FAILED else DONE
+
+
+def _pairs(given: Sequence[str], option: str) -> dict[str, str]:
+    """NAME=VALUE, …: as a dictionary."""
+    pairs: dict[str, str] = {}
+    for pair in given:
+        name, equals, value = pair.partition("=")
+        if not equals:
+            raise ValueError(f"{option} {pair!r}: must be NAME=VALUE")
+        if name in pairs:
+            raise ValueError(f"{option} {name}: given twice, as {pairs[name]!r} and {value!r}")
+        pairs[name] = value
+    return pairs
+
+
+def _number(name: str, text: str, rule: str = "must be a number") -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"{name} = {text!r}: {rule}") from None
+
+
+def _parameters(baseline: Parameters, given: Sequence[str]) -> Parameters:
+    changes: dict[str, float | None] = {}
+    for name, text in _pairs(given, "--set").items():
+        check_name(name, PARAMETER_NAMES, "parameter")
+        field = FIELDS[name]
+        if field.derived and text.lower() == "none":
+            changes[name] = None
+        else:
+            changes[name] = _number(name, text, field.rule)
+    return baseline.replace(**changes)
+
+
+def _settings(of_study: Settings, arguments: argparse.Namespace) -> Settings:
+    switches: dict[str, Any] = asdict(of_study.readings)
+    if arguments.readings:
+        switches = dict.fromkeys(READING_NAMES, arguments.readings)
+    for name, value in _pairs(arguments.switches, "--reading").items():
+        check_name(name, READING_NAMES, "reading")
+        switches[name] = value
+    horizon, tolerance = of_study.horizon, of_study.tolerance
+    if arguments.horizon is not None:
+        horizon = _number("horizon", arguments.horizon)
+    if arguments.tolerance is not None:
+        tolerance = _number("tolerance", arguments.tolerance)
+    return Settings(readings=Readings(**switches), horizon=horizon, tolerance=tolerance)
+
+
+def _check_picture(path: Path) -> None:
+    """Refuse a picture that could not be written, before the run is computed."""
+    try:
+        # Half a second that only a plot is worth, and a package that only a plot needs.
+        from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+    except ImportError:
+        raise ValueError(
+            "--plot needs matplotlib, which is not installed: pip install 'vibralign[plot]'"
+        ) from None
+    valid = sorted(set(FigureCanvasBase.get_supported_filetypes()) - _NOT_PICTURES)
+    if path.suffix.lower().lstrip(".") not in valid:
+        raise ValueError(f"--plot {path}: must end in one of .{', .'.join(valid)}")
+    if not path.parent.is_dir():
+        raise ValueError(f"--plot {path}: the folder {path.parent} does not exist")
+    if path.is_dir():
+        raise ValueError(f"--plot {path}: is a folder, must be a file")
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise ValueError(f"--plot {path}: cannot be written, permission denied")
+
+
+def _draw(run: Trajectory, path: Path) -> bool:
+    from model.show import plots, style  # noqa: PLC0415  (as in _check_picture)
+
+    figure = plots.trajectory(run)
+    try:
+        with style.context():
+            figure.savefig(path)
+    except (OSError, ValueError) as error:  # a full disk, a picture library that is missing
+        print(f"vibralign: error: --plot {path}: {error}", file=sys.stderr)
+        return False
+    return True
+
+
+# --- What is printed ----------------------------------------------------------------------------
+
+
+def _parameter_table(baseline: Parameters) -> str:
+    """Name, symbol, baseline value and meaning of every parameter."""
+    rows = [("name", "symbol", "baseline", "meaning")]
+    for name, field in FIELDS.items():
+        value = getattr(baseline, name)
+        shown = f"as {field.derived}" if value is None else f"{value:g}"
+        rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
+        rows.append((name, field.symbol, shown, field.description + (f"; {rule}" if rule else "")))
+    widths = [max(len(row[i]) for row in rows) for i in range(3)]
+    lines = [
+        "  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[3]])
+        for row in rows
+    ]
+    return "parameters that --set takes, each a finite number:\n  " + "\n  ".join(lines) + "\n"
+
+
+def _name(outcome: Any) -> str:
+    return str(outcome.name).lower()
+
+
+def _within(value: float, error: float) -> str:
+    """``value`` with as many digits as ``error`` leaves certain."""
+    if math.isnan(error):
+        return f"{value:.6g} (error unknown)"
+    places = min(max(-math.floor(math.log10(error)), 0), 13) if error > 0.0 else 13
+    return f"{value:.{places}f} ± {error:.1g}"
+
+
+def _report(run: Trajectory) -> list[str]:
+    aligned = run.outcome == Outcome.ALIGNED
+    rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
+    if aligned:
+        rows += [
+            ("tau_align", _within(run.tau_align, run.tau_error)),
+            ("tau_error", f"{run.tau_error:.3g}"),
+            ("tau_corners_inside", f"{run.tau_corners_inside:.9g}"),
+            ("tilt_at_alignment", f"{run.tilt_at_alignment:.6g} rad"),
+        ]
+    else:
+        rows += [("what to do", run.remedy), ("tau_align", "none: it does not align")]
+    if run.period:
+        rows.append(("period", f"{run.period} of the excitation"))
+    rows += [
+        ("tilt_max", f"{run.tilt_max:.6g} rad"),
+        ("separations", f"{run.separations} (times the part lost the base)"),
+        ("contact_force_max", f"{run.contact_force_max:.6g}"),
+        ("sticking_share", f"{100.0 * run.sticking_share:.3g} % of the time"),
+        ("rhs_evaluations", f"{run.rhs_evaluations} in {run.steps} steps, {run.switches} switches"),
+        ("final state", f"at τ = {run.time[-1]:.9g}"),
+    ]
+    rows += [(f"  {name}", f"{value: .9g}") for name, value in _final_state(run).items()]
+    lines = [f"{name:<20}{value}" for name, value in rows]
+    if run.sensitive:
+        lines.append(
+            "note: sensitive: at another tolerance this run ends differently or at another time; "
+            "do not rely on its digits"
+        )
+    return lines
+
+
+def _final_state(run: Trajectory) -> dict[str, float]:
+    return dict(zip(State._fields, run.state[-1].tolist(), strict=True))
+
+
+def _or_null(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+_RESULTS = (
+    "tau_align", "tau_error", "tau_corners_inside", "sensitive", "tilt_at_alignment", "tilt_max",
+    "separations", "contact_force_max", "sticking_share", "period", "rhs_evaluations", "steps",
+    "switches",
+)  # fmt: skip
+
+
+def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
+    """Everything about a run, as JSON can hold it: what is not a number is null."""
+    final_state = {name: _or_null(value) for name, value in _final_state(run).items()}
+    return {
+        "outcome": _name(run.outcome),
+        "reason": _name(run.reason),
+        "message": run.message,
+        "remedy": run.remedy,
+        **{name: _or_null(getattr(run, name)) for name in _RESULTS},
+        "final_time": float(run.time[-1]),
+        "final_state": final_state,
+        "parameters": asdict(run.parameters),
+        "readings": asdict(settings.readings),
+        "scene": settings.scene.name,
+        "method": settings.method.name,
+        "horizon": settings.horizon,
+        "tolerance": settings.tolerance,
+        "version": _version(),
+    }
+
+
+if __name__ == "__main__":
+    sys.exit(main())

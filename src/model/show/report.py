@@ -1,0 +1,283 @@
+"""The report: one page with every figure, what it shows, and what it was computed with.
+
+The page holds its pictures, asks for nothing from outside, and is the same text for the same
+inputs. Its wording and layout are in ``report.html.j2``; this module prepares what it prints.
+"""
+
+import base64
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
+from numpy.typing import NDArray
+
+from model.physics.parameters import FIELDS, PARAMETER_NAMES
+from model.physics.readings import READING_NAMES
+from model.show.schematics import CAPTIONS
+from model.show.style import FORMATS
+from model.solver.outcomes import OUTCOME_TEXT, Outcome
+from model.study.config import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_MEDIA_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
+
+# R number and subject of every switch; model.physics.readings says what each value does.
+READING_WORDS: Mapping[str, tuple[str, str]] = {
+    "normal_sign": ("R1", "sign of the horizontal component of the contact force"),
+    "friction_law": ("R2", "Coulomb friction with sticking, or one fixed direction"),
+    "contact_damping_law": ("R3", "damping by the closing rate, or by the speed of the part"),
+    "side_gap": ("R4", "distance of the edge A2 from the side face"),
+    "side_force": ("R5", "direction of the force on the side face"),
+    "preload": ("R6", "whether the axial spring is relaxed at the start, or at y = 0"),
+    "alignment_criterion": ("R8", "loss of the contact over the slot, or the four corners inside"),
+    "moment_arms": ("R9", "arms of the deformed or of the undeformed contact"),
+}
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One line of a table of parameters."""
+
+    symbol: Markup
+    name: str
+    value: str
+    meaning: str
+    varied: bool
+
+
+@dataclass(frozen=True)
+class _Counts:
+    """How the runs of a figure ended, and how well their alignment times are known."""
+
+    runs: int
+    outcomes: Mapping[str, int]
+    sensitive: int
+    error_median: float
+    error_largest: float
+    error_largest_sensitive: float
+
+    @property
+    def aligned_share(self) -> float:
+        """Share of the runs that align."""
+        return self.outcomes["aligned"] / self.runs
+
+
+@dataclass(frozen=True)
+class _Section:
+    """What the page says of one figure."""
+
+    name: str
+    number: int
+    kind: str
+    title: str
+    sees: str
+    explained: Markup
+    varied: Markup
+    held: Markup
+    rows: tuple[_Row, ...]
+    counts: _Counts | None
+    moment: tuple[float, float] | None
+    picture: Markup
+    size: tuple[int, int] | None
+    alternative: str
+
+
+def render_report(
+    study: Study,
+    datasets: Mapping[str, "xr.Dataset"],
+    figures: Mapping[str, Path],
+    provenance: Mapping[str, object],
+) -> str:
+    """The page.
+
+    Links to datasets (``data/fig06.nc``) and figures (``figures/fig06.svg``) are relative to the
+    results root, where the page belongs.
+
+    Args:
+        study: the study that was run.
+        datasets: of every figure that computes something, by its name ("fig06").
+        figures: a picture of every figure, PNG or SVG, by its name.
+        provenance: what to say of the making of the page; a value may be a mapping itself.
+
+    Raises:
+        ValueError: a dataset or a picture is missing, or a picture is neither PNG nor SVG.
+    """
+    computed = [name for name, spec in study.figures.items() if spec.kind != "schematic"]
+    missing = [f"the dataset of {name}" for name in computed if name not in datasets]
+    missing += [f"the picture of {name}" for name in study.figures if name not in figures]
+    if missing:
+        raise ValueError(f"the report needs {', '.join(missing)}")
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(number=number, power=_power)
+    sections = [_section(study, name, datasets.get(name), figures[name]) for name in study.figures]
+    settings = study.settings.settings
+    return environment.get_template("report.html.j2").render(
+        sections=sections,
+        structure=[_row(name, number(value)) for name, value in study.structure.items()],
+        readings=[
+            (*READING_WORDS[name], name, getattr(settings.readings, name)) for name in READING_NAMES
+        ],
+        outcomes=[(outcome.name.lower(), OUTCOME_TEXT[outcome]) for outcome in Outcome],
+        settings=settings,
+        provenance=[
+            (key, list(value.items()) if isinstance(value, Mapping) else [("", value)])
+            for key, value in provenance.items()
+        ],
+        formats=FORMATS,
+    )
+
+
+# --- What is said of one figure -----------------------------------------------------------------
+
+
+def _section(study: Study, name: str, dataset: "xr.Dataset | None", picture: Path) -> _Section:
+    spec = study.figures[name]
+    if dataset is None:
+        parameters = study.parameters(name)
+        values = {each: getattr(parameters, each) for each in PARAMETER_NAMES}
+        rows = tuple(_row(each, _value(each, value)) for each, value in values.items())
+        varied, counts, moment = Markup(""), None, None
+    else:
+        rows = tuple(_dataset_row(dataset, each) for each in PARAMETER_NAMES)
+        varied, counts = _varied(dataset), _counts(dataset)
+        moment = None
+        if spec.kind == "history" and counts.outcomes["aligned"]:
+            moment = float(dataset["tau_align"]), float(dataset["tau_error"])
+    operating = {*study.operating_point, *spec.held}
+    held = Markup(", ").join(
+        _equals(row) for row in rows if row.name in operating and not row.varied
+    )
+    number_of = int(name.removeprefix("fig"))
+    data, size = _embedded(picture)
+    return _Section(
+        name=name,
+        number=number_of,
+        kind=spec.kind,
+        title=spec.title,
+        sees=spec.sees.strip(),
+        explained=_with_subscripts(CAPTIONS.get(name, "")),
+        varied=varied,
+        held=held,
+        rows=rows,
+        counts=counts,
+        moment=moment,
+        picture=data,
+        size=size,
+        alternative=f"Figure {number_of}: {spec.title}. {spec.sees.strip()}",
+    )
+
+
+def _row(name: str, value: str, varied: bool = False) -> _Row:
+    field = FIELDS[name]
+    return _Row(symbol(field.symbol), name, value, field.description, varied)
+
+
+def _value(name: str, value: float | None) -> str:
+    if value is None or math.isnan(value):
+        return f"as {FIELDS[name].derived}"
+    return number(value)
+
+
+def _dataset_row(dataset: "xr.Dataset", name: str) -> _Row:
+    values = dataset[name].values
+    if values.ndim == 0:
+        return _row(name, _value(name, float(values)))
+    if values.size <= 8:
+        return _row(name, ", ".join(number(value) for value in values), varied=True)
+    return _row(
+        name, f"{number(values[0])} to {number(values[-1])}, {values.size} values", varied=True
+    )
+
+
+def _equals(row: _Row) -> Markup:
+    return Markup("<span class=nobreak>{} = {}</span>").format(row.symbol, row.value)
+
+
+def _varied(dataset: "xr.Dataset") -> Markup:
+    """The varied parameters in words, the one along the curves or the abscissa first."""
+    parts = []
+    for name in reversed([str(each) for each in dataset["tau_align"].dims]):
+        row = _dataset_row(dataset, name)
+        link = "from" if dataset[name].size > 8 else "="
+        words = re.split(r"; | \(", row.meaning, maxsplit=1)[0]  # what follows explains
+        parts.append(Markup("{} {} {} {}").format(words, row.symbol, link, row.value))
+    return Markup("; ").join(parts)
+
+
+def _counts(dataset: "xr.Dataset") -> _Counts:
+    outcome = dataset["outcome"].values.ravel()
+    sensitive = dataset["sensitive"].values.ravel() == 1
+    error = dataset["tau_error"].values.ravel()
+    found = np.bincount(outcome, minlength=len(Outcome))
+    return _Counts(
+        runs=outcome.size,
+        outcomes={each.name.lower(): int(found[each]) for each in Outcome},
+        sensitive=int(sensitive.sum()),
+        error_median=_summary(error[~sensitive], 0.5),
+        error_largest=_summary(error[~sensitive], 1.0),
+        error_largest_sensitive=_summary(error[sensitive], 1.0),
+    )
+
+
+def _summary(values: NDArray[np.float64], share: float) -> float:
+    known = values[~np.isnan(values)]
+    return float(np.quantile(known, share)) if known.size else math.nan
+
+
+# --- How it is written --------------------------------------------------------------------------
+
+
+def symbol(text: str) -> Markup:
+    """A symbol as it stands in FIELDS, as HTML: f0 and k_φ get a subscript."""
+    head, rest = text[0], text[1:]
+    if rest.startswith("_") or rest.isdigit():
+        return Markup("<i>{}</i><sub>{}</sub>").format(head, rest.lstrip("_"))
+    return Markup("<i>{}</i>").format(text)
+
+
+def _with_subscripts(text: str) -> Markup:
+    """Plain text as HTML in which K_X1 has a subscript."""
+    return Markup(re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", str(escape(text))))  # noqa: S704
+
+
+def number(value: float) -> str:
+    """A number as short as it can be written."""
+    return f"{value:.6g}"
+
+
+def _power(value: float) -> Markup:
+    """An error to one digit: 3 × 10⁻⁹."""
+    if math.isnan(value):
+        return Markup("–")
+    mantissa, exponent = f"{value:.0e}".split("e")
+    if value == 0.0 or -3 <= int(exponent) <= 3:
+        return escape(f"{value:.1g}")
+    power = str(int(exponent)).replace("-", "\N{MINUS SIGN}")
+    return Markup("{} × 10<sup>{}</sup>").format(mantissa, power)
+
+
+def _embedded(picture: Path) -> tuple[Markup, tuple[int, int] | None]:
+    """The picture as a data address, and its width and height in pixels where it has any."""
+    media_type = _MEDIA_TYPES.get(picture.suffix)
+    if media_type is None:
+        raise ValueError(f"{picture}: must be one of {', '.join(_MEDIA_TYPES)}")
+    content = picture.read_bytes()
+    size = None
+    if picture.suffix == ".png":  # the header chunk of every PNG starts at byte 16 with its size
+        size = int.from_bytes(content[16:20], "big"), int.from_bytes(content[20:24], "big")
+    data = base64.b64encode(content).decode("ascii")
+    return Markup(f"data:{media_type};base64,{data}"), size  # noqa: S704  (base64 needs no escape)

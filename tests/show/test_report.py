@@ -1,0 +1,272 @@
+"""The report: one page that holds its pictures and says of every figure what its dataset says."""
+
+import base64
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from model.physics.parameters import PARAMETER_NAMES
+from model.physics.readings import READING_NAMES
+from model.show import report
+from model.show.report import READING_WORDS, render_report
+from model.solver.outcomes import Outcome
+from model.study.config import Curves, Family, Map, load_study, study_path
+from model.study.datasets import compute_chunk, history_dataset, merge_chunks
+from model.study.sweeps import sweep_of
+
+# The smallest picture there is: one transparent pixel.
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
+)
+VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+
+class Page(HTMLParser):
+    """Elements of a page with their attributes, and whether every element was closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def all(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.elements if name == tag]
+
+
+@pytest.fixture(scope="module")
+def study():
+    """The study of the project, with few points."""
+    full = load_study(study_path())
+    small = dict(full.figures)
+    for name, spec in full.figures.items():
+        if isinstance(spec, Curves):
+            swept = spec.swept.model_copy(update={"count": 10})
+            few = Family(parameter=spec.family.parameter, values=spec.family.values[:2])
+            small[name] = spec.model_copy(update={"swept": swept, "family": few})
+        elif isinstance(spec, Map):
+            x, y = (axis.model_copy(update={"count": 5}) for axis in (spec.x, spec.y))
+            small[name] = spec.model_copy(update={"x": x, "y": y})
+    return full.model_copy(update={"figures": small})
+
+
+@pytest.fixture(scope="module")
+def datasets(study):
+    found = {}
+    for name, spec in study.figures.items():
+        if spec.kind == "history":
+            found[name] = history_dataset(sweep_of(study, name), spec.title, spec.sees)
+        elif spec.kind != "schematic":
+            sweep = sweep_of(study, name)
+            parts = [compute_chunk(sweep, 0, 1)]
+            found[name] = merge_chunks(sweep, spec.title, spec.sees, parts)
+    return found
+
+
+@pytest.fixture(scope="module")
+def pictures(study, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("figures")
+    paths = {name: folder / f"{name}.png" for name in study.figures}
+    for path in paths.values():
+        path.write_bytes(PIXEL)
+    return paths
+
+
+@pytest.fixture(scope="module")
+def rendered(study, datasets, pictures):
+    provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
+    return render_report(study, datasets, pictures, provenance)
+
+
+def article(text: str, name: str) -> str:
+    """What the page says of one figure, without tags and with single spaces."""
+    part = re.search(rf'<article aria-labelledby="{name}">.*?</article>', text, re.DOTALL)
+    assert part
+    return plain(part[0])
+
+
+def plain(html: str) -> str:
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", html)).replace("&#39;", "'")
+
+
+def test_the_page_is_well_formed_and_asks_for_nothing_from_outside(rendered):
+    page = Page(rendered)
+    assert page.open == []
+    assert not page.all("script")
+    assert not page.all("link")
+    assert "@import" not in rendered
+    assert "url(" not in rendered
+    for image in page.all("img"):
+        assert image["src"].startswith("data:image/")
+    for anchor in page.all("a"):
+        assert not re.match(r"[a-z]+:|/", anchor["href"])
+
+
+def test_every_link_inside_the_page_leads_somewhere(rendered):
+    page = Page(rendered)
+    places = [attributes["id"] for _, attributes in page.elements if "id" in attributes]
+    assert len(set(places)) == len(places)
+    inside = [each["href"][1:] for each in page.all("a") if each["href"].startswith("#")]
+    assert set(inside) <= set(places)
+    assert set(inside) >= {f"fig{number:02d}" for number in range(1, 15)}
+
+
+def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
+    images = Page(rendered).all("img")
+    assert len(images) == 14
+    for image, spec in zip(images, study.figures.values(), strict=True):
+        assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
+        assert spec.title in image["alt"]
+        assert spec.sees.strip() in image["alt"]
+        assert (image["width"], image["height"]) == ("1", "1")
+
+
+def test_every_figure_says_what_one_sees(rendered, study):
+    for name, spec in study.figures.items():
+        text = article(rendered, name)
+        assert spec.title in text
+        assert spec.sees.strip() in text
+
+
+def test_files_are_linked_relative_to_the_results(rendered, study):
+    links = {each["href"] for each in Page(rendered).all("a")}
+    for name, spec in study.figures.items():
+        assert {f"figures/{name}.{each}" for each in ("png", "svg", "pdf")} <= links
+        assert (f"data/{name}.nc" in links) == (spec.kind != "schematic")
+
+
+def test_outcomes_are_counted_from_the_datasets(rendered, datasets):
+    for name, dataset in datasets.items():
+        if name == "fig05":
+            continue
+        outcome, text = dataset["outcome"].values, article(rendered, name)
+        assert f"{outcome.size} runs: {(outcome == Outcome.ALIGNED).sum()} aligned" in text
+        for each, words in (
+            (Outcome.SETTLED, "settled"),
+            (Outcome.LEFT_SCENE, "left the scene"),
+            (Outcome.HORIZON_REACHED, "reached the horizon"),
+            (Outcome.FAILED, "failed"),
+        ):
+            assert f", {(outcome == each).sum()} {words}" in text
+        assert f"{int(dataset['sensitive'].sum())} sensitive" in text
+
+
+def test_errors_are_summed_up_without_the_sensitive_points(datasets):
+    dataset = datasets["fig08"].copy(deep=True)
+    errors = np.full(dataset["tau_error"].shape, np.nan)
+    errors[0, :5] = [1e-9, 2e-9, 3e-9, 4e-9, 2.0]
+    dataset["tau_error"][:] = errors
+    dataset["sensitive"][:] = 0
+    dataset["sensitive"][0, 4] = 1
+    counts = report._counts(dataset)
+    assert counts.error_median == pytest.approx(2.5e-9)
+    assert counts.error_largest == 4e-9
+    assert counts.error_largest_sensitive == 2.0
+
+
+def test_a_figure_says_what_is_varied_and_what_is_held(rendered, study):
+    text = article(rendered, "fig06")
+    swept = study.figures["fig06"].swept
+    assert (
+        f"Varied: initial pressing force f0 from {swept.start:g} to {swept.stop:g}, 10 values; "
+        "tilt stiffness of the suspension kφ = 5, 7." in text
+    )
+    held = re.search(r"Held: (.*?), and the device", text)[1]
+    assert held == "μ = 0.12, ν = 10"
+
+
+def test_every_parameter_of_a_figure_is_in_its_table(rendered, study):
+    for name in study.figures:
+        part = re.search(rf'<article aria-labelledby="{name}">.*?</article>', rendered, re.DOTALL)[
+            0
+        ]
+        codes = re.findall(r"<td><code>(\w+)</code></td>", part)
+        assert codes == list(PARAMETER_NAMES)
+
+
+def test_the_moment_of_alignment_of_a_trajectory_is_told(rendered, datasets):
+    moment = float(datasets["fig05"]["tau_align"])
+    assert f"aligns at τ = {moment:.6g}" in article(rendered, "fig05")
+
+
+def test_provenance_is_printed_and_escaped(rendered):
+    text = rendered[rendered.index('id="provenance"') :]
+    assert "<code>0123abc</code>" in text
+    assert "numpy <code>2.1.0</code>" in text
+    assert "&lt;numba&gt; <code>0.61</code>" in text
+
+
+def test_every_switch_of_the_readings_is_explained(rendered):
+    assert set(READING_WORDS) == set(READING_NAMES)
+    assert all(f"<code>{name}</code>" in rendered for name in READING_NAMES)
+
+
+def test_words_from_the_configuration_are_escaped(study, datasets, pictures):
+    spec = study.figures["fig06"].model_copy(update={"title": "<b>τ</b> & f0", "sees": '"<i>"'})
+    hostile = study.model_copy(update={"figures": {**study.figures, "fig06": spec}})
+    text = render_report(hostile, datasets, pictures, {})
+    assert "<b>τ</b>" not in text
+    assert "&lt;b&gt;τ&lt;/b&gt; &amp; f0" in text
+    assert Page(text).open == []
+
+
+def test_the_same_inputs_give_the_same_page(rendered, study, datasets, pictures):
+    provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
+    assert render_report(study, datasets, pictures, provenance) == rendered
+
+
+def test_a_vector_picture_is_embedded_too(study, datasets, pictures, tmp_path):
+    path = tmp_path / "fig06.svg"
+    path.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
+    text = render_report(study, datasets, {**pictures, "fig06": path}, {})
+    assert "data:image/svg+xml;base64," in text
+
+
+def test_a_picture_of_another_kind_is_refused(study, datasets, pictures, tmp_path):
+    path = tmp_path / "fig06.pdf"
+    with pytest.raises(ValueError, match=r"fig06\.pdf: must be one of \.png, \.svg"):
+        render_report(study, datasets, {**pictures, "fig06": path}, {})
+
+
+def test_what_is_missing_is_named(study, datasets, pictures):
+    some = {name: each for name, each in datasets.items() if name != "fig07"}
+    few = {name: each for name, each in pictures.items() if name != "fig01"}
+    with pytest.raises(ValueError, match="the dataset of fig07, the picture of fig01"):
+        render_report(study, some, few, {})
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (3.2e-9, "3 × 10<sup>\N{MINUS SIGN}9</sup>"),
+        (0.02, "0.02"),
+        (0.0, "0"),
+        (float("nan"), "–"),
+    ],
+)
+def test_errors_are_written_with_one_digit(value, text):
+    assert str(report._power(value)) == text
+
+
+@pytest.mark.parametrize(
+    ("symbol", "text"),
+    [
+        ("f0", "<i>f</i><sub>0</sub>"),
+        ("k_φ", "<i>k</i><sub>φ</sub>"),
+        ("x_st", "<i>x</i><sub>st</sub>"),
+        ("x(0)", "<i>x(0)</i>"),
+    ],
+)
+def test_symbols_are_set_as_in_the_paper(symbol, text):
+    assert str(report.symbol(symbol)) == text

@@ -1,0 +1,147 @@
+"""The configuration is refused with the key's path, the value and the rule."""
+
+import copy
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from model.physics.parameters import PARAMETER_NAMES
+from model.study.config import (
+    CURVES,
+    FIGURES,
+    MAPS,
+    ConfigError,
+    baseline,
+    check_study,
+    load_study,
+    study_path,
+)
+
+PROJECT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def mapping() -> dict[str, Any]:
+    return yaml.safe_load(study_path().read_text(encoding="utf-8"))
+
+
+def changed(mapping: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
+    result = copy.deepcopy(mapping)
+    part = result
+    *parents, last = path.split(".")
+    for key in parents:
+        part = part[key]
+    part[last] = value
+    return result
+
+
+REFUSED = [
+    ("results_rot", "x", ["results_rot", "unknown key", "results_root"]),
+    ("results_root", "", ["results_root = ''", "at least 1"]),
+    ("settings.horizn", 1.0, ["settings.horizn", "unknown key", "horizon"]),
+    ("settings.horizon", 0.0, ["settings.horizon = 0.0", "greater than 0"]),
+    ("settings.horizon", "long", ["settings.horizon = 'long'", "number"]),
+    ("settings.tolerance", 1.0, ["settings.tolerance = 1.0", "0.01"]),
+    ("settings.readings", "prinetd", ["settings.readings = 'prinetd'", "'printed'"]),
+    ("settings.readings", {"friction_lw": "printed"}, ["friction_lw", "friction_law"]),
+    ("structure.inertia", -1.0, ["structure.inertia = -1.0", "> 0"]),
+    ("structure.half_width", True, ["structure.half_width = True", "number"]),
+    ("structure.inrtia", 1.0, ["structure", "inrtia", "'inertia'"]),
+    ("structure.friction", 0.1, ["friction", "both structure and operating_point"]),
+    ("operating_point.friction", -0.1, ["operating_point.friction = -0.1", ">= 0"]),
+    ("figures.fig15", {"kind": "schematic", "title": "t", "sees": "s"}, ["fig15", "fig14"]),
+    ("figures.fig06.kind", "mapp", ["figures.fig06", "mapp", "'curves'"]),
+    ("figures.fig06.title", "", ["figures.fig06.title = ''"]),
+    ("figures.fig06.swept.cout", 3, ["figures.fig06.swept.cout", "unknown key", "count"]),
+    ("figures.fig06.swept.count", 1, ["figures.fig06.swept.count = 1", "equal to 2"]),
+    ("figures.fig06.swept.count", 10.5, ["figures.fig06.swept.count = 10.5", "integer"]),
+    ("figures.fig06.swept.start", 10.0, ["figures.fig06.swept", "start = 10.0", "stop = 10.0"]),
+    ("figures.fig07.swept.start", -1.0, ["figures.fig07.swept", "friction", "-1.0", ">= 0"]),
+    ("figures.fig06.swept.parameter", "press", ["figures.fig06.swept.parameter", "press_force"]),
+    ("figures.fig06.family.values", [], ["figures.fig06.family.values = []"]),
+    ("figures.fig06.family.values", [5.0, 5.0], ["figures.fig06.family", "differ"]),
+    ("figures.fig06.held.frequency", -1.0, ["figures.fig06.held.frequency = -1.0", ">= 0"]),
+    ("figures.fig06.held.press_force", 1.0, ["figures.fig06.held.press_force", "varied"]),
+    ("figures.fig06.held.misalignment", 9.0, ["figures.fig06.held", "misalignment = 9.0"]),
+    ("figures.fig06.chunks", 0, ["figures.fig06.chunks = 0", "equal to 1"]),
+    ("figures.fig13.y.parameter", "tilt_stiffness", ["figures.fig13", "varied twice"]),
+]
+
+
+@pytest.mark.parametrize(("path", "value", "named"), REFUSED)
+def test_a_fault_is_named_with_its_path_value_and_rule(
+    mapping: dict[str, Any], path: str, value: Any, named: list[str]
+) -> None:
+    with pytest.raises(ConfigError) as refused:
+        check_study(changed(mapping, path, value), "config")
+    message = str(refused.value)
+    assert message.startswith("config: ")
+    for part in named:
+        assert part in message
+
+
+def test_a_missing_parameter_and_a_missing_figure_are_named(mapping: dict[str, Any]) -> None:
+    without = copy.deepcopy(mapping)
+    del without["structure"]["inertia"]
+    with pytest.raises(ConfigError, match=r"structure\.inertia: missing"):
+        check_study(without)
+    without = copy.deepcopy(mapping)
+    del without["figures"]["fig09"]
+    with pytest.raises(ConfigError, match="missing fig09"):
+        check_study(without)
+
+
+def test_every_fault_is_reported_at_once(mapping: dict[str, Any]) -> None:
+    mapping["structure"]["inertia"] = -1.0
+    mapping["figures"]["fig08"]["held"]["friction"] = -2.0
+    with pytest.raises(ConfigError) as refused:
+        check_study(mapping)
+    assert len(str(refused.value).splitlines()) == 2
+
+
+def test_a_file_that_is_no_study_is_refused(tmp_path: Path) -> None:
+    for name, content in {"list": "- 1", "broken": "a: [", "binary": "\x00"}.items():
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(content)
+        with pytest.raises(ConfigError, match=name):
+            load_study(path)
+    with pytest.raises(ConfigError, match="absent"):
+        load_study(tmp_path / "absent.yaml")
+
+
+def test_the_study_is_as_large_as_it_must_be() -> None:
+    """The floors set for the study: 4 curves of 200 points, maps of 200 x 200 cells."""
+    study = load_study(study_path())
+    assert tuple(study.figures) == FIGURES
+    for name in CURVES:
+        assert len(study.figures[name].family.values) >= 4
+        assert study.figures[name].swept.count >= 200
+    for name in MAPS:
+        assert min(study.figures[name].x.count, study.figures[name].y.count) >= 200
+
+
+def test_an_axis_has_both_ends_and_equal_steps() -> None:
+    axis = load_study(study_path()).figures["fig07"].swept
+    assert axis.values[0] == axis.start
+    assert axis.values[-1] == axis.stop
+    steps = {round(b - a, 9) for a, b in zip(axis.values, axis.values[1:], strict=False)}
+    assert len(steps) == 1
+
+
+def test_the_baseline_is_the_configuration_and_states_every_parameter() -> None:
+    study = load_study(study_path())
+    assert baseline() == study.baseline
+    stated = {**study.structure, **study.operating_point}
+    for name in PARAMETER_NAMES:
+        assert getattr(baseline(), name) == stated.get(name)
+
+
+def test_smoke_changes_only_sizes() -> None:
+    """config/smoke.yaml laid over config.yaml: the same study but for counts and chunks."""
+    smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
+    assert set(smoke) == {"results_root", "figures"}
+    for spec in smoke["figures"].values():
+        for key, value in spec.items():
+            assert key == "chunks" or set(value) == {"count"}

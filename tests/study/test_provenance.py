@@ -1,0 +1,78 @@
+"""Code hashes follow what runs: not comments, not layout, not what is not imported."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from model.study import provenance
+from model.study.provenance import closure_hash, code_hash, import_closure, write_json
+
+PROJECT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of the package whose files a test may edit."""
+    copy = tmp_path / "src" / "model"
+    shutil.copytree(PROJECT / "src" / "model", copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(provenance, "_PACKAGE", copy)
+    return copy
+
+
+def hashes(package: Path) -> dict[str, str]:
+    provenance._parsed.cache_clear()
+    files = {"runs": "runs/batch.py", "datasets": "study/datasets.py", "style": "show/style.py"}
+    return {name: closure_hash(package / path) for name, path in files.items()}
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_comments_layout_and_docstrings_change_nothing(package: Path) -> None:
+    before = hashes(package)
+    forces = package / "physics" / "forces.py"
+    edit(forces, "from math import sin", "# a comment\n\n\nfrom math import sin")
+    edit(forces, "-f0, the initial pressing force, downward.", "Other words.")
+    assert hashes(package) == before
+
+
+def test_an_edit_changes_what_depends_on_it_and_nothing_else(package: Path) -> None:
+    before = hashes(package)
+    edit(package / "physics" / "forces.py", "return -p.press_force", "return -1.01 * p.press_force")
+    after = hashes(package)
+    assert after["runs"] != before["runs"]
+    assert after["datasets"] != before["datasets"]
+    assert after["style"] == before["style"]
+
+
+def test_a_plotting_script_does_not_depend_on_the_integrator() -> None:
+    closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/draw_schematic.py")}
+    assert {"draw_schematic.py", "schematics.py", "geometry.py"} <= closure
+    assert "loop.py" not in closure
+
+
+def test_a_computing_script_depends_on_all_that_it_computes_with() -> None:
+    closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/compute_chunk.py")}
+    assert {"forces.py", "contacts.py", "loop.py", "tableaux.py", "sweeps.py"} <= closure
+    assert not {"plots.py", "schematics.py", "report.py", "cli.py"} & closure
+
+
+def test_a_new_pin_changes_every_code_hash(tmp_path: Path) -> None:
+    shutil.copytree(PROJECT / "workflow", tmp_path / "workflow")
+    (tmp_path / "requirements.lock").write_text("numpy==1")
+    before = code_hash(tmp_path, "workflow/scripts/draw_plot.py")
+    provenance._lock_hash.cache_clear()
+    (tmp_path / "requirements.lock").write_text("numpy==2")
+    assert code_hash(tmp_path, "workflow/scripts/draw_plot.py") != before
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "record.json"
+    write_json({"a": 1}, target)
+    with pytest.raises(TypeError):
+        write_json({"a": object()}, target)
+    assert target.read_text(encoding="utf-8") == '{\n "a": 1\n}\n'
