@@ -1,6 +1,7 @@
 """vibralign: vibratory alignment of a peg with a hole, simulated, mapped and reproduced.
 
->>> from model import baseline, simulate
+>>> from model import simulate
+>>> from model.study.config import baseline
 >>> simulate(baseline().replace(press_force=2.0, tilt_stiffness=10.0)).outcome
 <Outcome.ALIGNED: 0>
 """
