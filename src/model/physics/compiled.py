@@ -63,6 +63,17 @@ def _numba_cache_in(folder: str) -> Iterator[None]:
 
 def kernel(function: Function) -> Function:
     """Compile ``function`` on first call: no Python objects, no GIL, IEEE arithmetic, cached."""
+    return _compiled(function, forceinline=False)
+
+
+def inlined_kernel(function: Function) -> Function:
+    """A kernel that becomes part of its callers: a call would copy some forty numbers."""
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Function, forceinline: bool) -> Function:
     with _numba_cache_in(_CACHE_FOLDER):
-        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        compiled: Any = numba.njit(
+            cache=True, nogil=True, error_model="numpy", forceinline=forceinline
+        )(function)
     return compiled

@@ -12,7 +12,7 @@ force, and that multiplies (ẋ, ẏ, φ̇) to give the velocity of the touching
 from math import sqrt
 from typing import NamedTuple
 
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel
 from model.physics.geometry import bottom_corner, edge_place, face_coordinate
 from model.physics.notation import LEFT_EDGE
 
@@ -41,13 +41,13 @@ class Contact(NamedTuple):
     slip_row: Row
 
 
-@kernel
+@inlined_kernel
 def dot(row, x, y, moment):
     """Product of a row with a triple."""
     return row[0] * x + row[1] * y + row[2] * moment
 
 
-@kernel
+@inlined_kernel
 def edge_on_face(side, q, p):
     """Contact of edge A1 (``side`` = +1) or A2 (-1) with the bottom face, for the state ``q``.
 
@@ -71,7 +71,7 @@ def edge_on_face(side, q, p):
     return Contact(depth, closing_rate, slip, drift, normal, tangent, slip_row)
 
 
-@kernel
+@inlined_kernel
 def edge_on_side(q, p):
     """Contact of edge A2 with the left side face, for the state ``q``.
 
@@ -106,7 +106,7 @@ def edge_on_side(q, p):
     return Contact(depth, closing_rate, slip, drift, normal, tangent, tangent)
 
 
-@kernel
+@inlined_kernel
 def corner_on_flat(side, q, p):
     """Contact of corner B1 (``side`` = +1) or B2 (-1) with the flat base, for the state ``q``.
 
@@ -122,7 +122,7 @@ def corner_on_flat(side, q, p):
     return Contact(-corner_y, closing_rate, slip, drift, normal, tangent, tangent)
 
 
-@kernel
+@inlined_kernel
 def contact_load(depth, closing_rate, q, p):
     """Normal force before clamping: k_a d + h_a ḋ, or as printed k_a d - h_a √(ẋ² + ẏ²) (R3)."""
     if p.printed_contact_damping_law != 0.0:

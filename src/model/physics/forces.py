@@ -5,34 +5,34 @@ Forces in units of F1, moments in units of F1²/K_Y. Contact forces stand in con
 
 from math import sin
 
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel
 
 
-@kernel
+@inlined_kernel
 def lateral_suspension(q, p):
     """-h_x ẋ - k_x (x - x_st), the reaction R_X."""
     return -p.lateral_damping * q.x_rate - p.lateral_stiffness * (q.x - p.rest_x)
 
 
-@kernel
+@inlined_kernel
 def axial_suspension(q, p):
     """-h_y ẏ - (y - y_st), the reaction R_Y; K_Y scales to 1."""
     return -p.axial_damping * q.y_rate - (q.y - p.rest_y)
 
 
-@kernel
+@inlined_kernel
 def tilt_suspension(q, p):
     """-h_φ φ̇ - k_φ (φ - φ_st), the moment T_φ."""
     return -p.tilt_damping * q.tilt_rate - p.tilt_stiffness * (q.tilt - p.rest_tilt)
 
 
-@kernel
+@inlined_kernel
 def press(p):
     """-f0, the initial pressing force, downward."""
     return -p.press_force
 
 
-@kernel
+@inlined_kernel
 def excitation(time, p):
     """-sin(ντ + phase), the kinematic excitation through the axial spring, of amplitude 1."""
     return -sin(p.frequency * time + p.phase)

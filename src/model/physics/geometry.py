@@ -3,7 +3,7 @@
 from math import cos, sin
 from typing import NamedTuple
 
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel
 from model.physics.parameters import Constants
 
 
@@ -19,7 +19,7 @@ class EdgePlace(NamedTuple):
     sin: float
 
 
-@kernel
+@inlined_kernel
 def edge_place(side, x, y, tilt, p):
     """``EdgePlace`` of the edge A1 (``side`` = +1) or A2 (-1) for the mass centre at (x, y)."""
     c, s = cos(tilt), sin(tilt)
@@ -27,7 +27,7 @@ def edge_place(side, x, y, tilt, p):
     return EdgePlace(r_x * c - y * s, -r_x * s - y * c, c, s)
 
 
-@kernel
+@inlined_kernel
 def bottom_corner(side, x, y, tilt, p):
     """(X, Y) of the bottom corner B1 (``side`` = +1) or B2 (-1): C ± a e_t - b e_n."""
     c, s = cos(tilt), sin(tilt)
@@ -35,7 +35,7 @@ def bottom_corner(side, x, y, tilt, p):
     return x + a * c + b * s, y + a * s - b * c
 
 
-@kernel
+@inlined_kernel
 def face_coordinate(side, x, tilt, p):
     """The paper's q, signed: where A1 or A2 stands on the bottom face when exactly on it.
 
@@ -44,7 +44,7 @@ def face_coordinate(side, x, tilt, p):
     return (side * p.slot_half_width - x - p.half_height * sin(tilt)) / cos(tilt)
 
 
-@kernel
+@inlined_kernel
 def resting_height(p: Constants):
     """Y at the start: the bottom face touches A1, d = b - (l - x) sin φ - y cos φ = 0."""
     r_x = p.slot_half_width - p.misalignment

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel
 from model.physics.contacts import (
     contact_load,
     corner_on_flat,
@@ -61,7 +61,7 @@ class Motion(NamedTuple):
     side_mobility: float
 
 
-@kernel
+@inlined_kernel
 def support_contact(q, p, mode):
     """The supporting edge's contact with the bottom face and its corner's with the flat base.
 
@@ -90,11 +90,12 @@ def support_contact(q, p, mode):
             tangent[2] + share * (corner.tangent[2] - tangent[2]),
         )
         load = total
-        slip, slip_row, drift = corner.slip, corner.slip_row, corner.slip_drift
+        if mode.slip_at_corner:
+            slip, slip_row, drift = corner.slip, corner.slip_row, corner.slip_drift
     return Support(load, x, y, moment, tangent, slip, slip_row, drift)
 
 
-@kernel
+@inlined_kernel
 def side_contact(q, p, mode):
     """The contact of A2 with the left side face."""
     if mode.side != CLOSED:
@@ -106,13 +107,19 @@ def side_contact(q, p, mode):
     return Support(load, x, y, moment, side.tangent, side.slip, side.slip_row, side.slip_drift)
 
 
-@kernel
+@inlined_kernel
+def never_sticks(p):
+    """Whether the friction state never changes: printed friction (R2), or none at all."""
+    return p.printed_friction_law != 0.0 or p.friction == 0.0
+
+
+@inlined_kernel
 def mobility(slip_row, tangent, p):
     """Slip acceleration along ``slip_row`` from a unit friction force along ``tangent``."""
     return dot(slip_row, tangent[0], tangent[1], tangent[2] / p.inertia)
 
 
-@kernel
+@inlined_kernel
 def sticking_friction(support_sticks, side_sticks, drive, side_drive, g11, g12, g21, g22):
     """Friction forces (T, T_side) that cancel the slip accelerations of what sticks.
 
@@ -128,7 +135,7 @@ def sticking_friction(support_sticks, side_sticks, drive, side_drive, g11, g12, 
     return 0.0, 0.0
 
 
-@kernel
+@inlined_kernel
 def motion(time, q, p, mode):
     """``Motion`` for the state ``q`` at ``time`` in ``mode``: equations (3) as a sum of forces.
 

@@ -74,7 +74,10 @@ class Mode(NamedTuple):
         corner: normal state of that side's bottom corner on the flat base.
         corner_offset: how deep the corner stood when it began to press. Not 0 only where the tilt
             changed sign while the edge pressed: the base is then already down at the corner too.
-        support_slip: friction state of edge and corner; the corner's slip counts while it presses.
+        slip_at_corner: whether the corner's slip counts for both, else the edge's; it changes only
+            when the one that counts no longer presses, so that friction is continuous as the other
+            comes and goes.
+        support_slip: friction state of edge and corner.
         side: normal state of A2 on the left side face.
         side_slip: friction state of A2 on the left side face.
         dropped: the contact has been lost past the corner B1, the part falls into the slot.
@@ -84,11 +87,12 @@ class Mode(NamedTuple):
     face: int
     corner: int
     corner_offset: float
+    slip_at_corner: bool
     support_slip: int
     side: int
     side_slip: int
     dropped: bool
 
 
-START = Mode(RIGHT_EDGE, CLOSED, OPEN, 0.0, STICKING, OPEN, STICKING, False)
+START = Mode(RIGHT_EDGE, CLOSED, OPEN, 0.0, False, STICKING, OPEN, STICKING, False)
 """At rest with the bottom face touching A1."""

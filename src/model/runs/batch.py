@@ -3,7 +3,7 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -82,12 +82,12 @@ def align(
         batch: a ``Batch``, or a sequence of ``Parameters``.
         settings: how to run.
         cores: threads to use, all by default.
-        **changes: fields of ``Settings`` by name, instead of ``settings`` (``horizon=100``).
+        **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:
         ValueError: an empty batch, fewer than one core, or a setting outside its range.
     """
-    settings = Settings(**changes) if settings is None else settings
+    settings = replace(settings or Settings(), **changes)
     rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)
     if len(rows_of) == 0:
         raise ValueError("the batch is empty: give at least one parameter set")

@@ -1,6 +1,6 @@
 """One trajectory, with its whole course."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -64,12 +64,12 @@ def simulate(
     Args:
         parameters: the device, its excitation and its start.
         settings: how to run.
-        **changes: fields of ``Settings`` by name, instead of ``settings`` (``horizon=100``).
+        **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:
         ValueError: a setting outside its range.
     """
-    settings = Settings(**changes) if settings is None else settings
+    settings = replace(settings or Settings(), **changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
     no_track = np.empty((0, TRACK_COLUMNS))
     out = np.empty((1, len(COLUMNS)))

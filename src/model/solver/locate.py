@@ -1,12 +1,15 @@
 """Where, inside a step, a switching function first falls through zero.
 
-The step is sampled at ``NODES`` equal parts of its dense output. A sign change between two samples
-brackets a switch; a sampled minimum that could hide a double crossing is followed down. The switch
+The step's dense output is sampled at its quarters, and close to its ends, where the slope is
+wanted. A sign change between two samples brackets a switch; a sampled minimum that could hide a
+double crossing is followed down. The switch
 is first found on the dense output; the loop then repeats the step up to it, so that the switched
 state has the step's full order.
 """
 
-from model.physics.compiled import kernel
+import numpy as np
+
+from model.physics.compiled import inlined_kernel, kernel
 from model.solver.step import interpolate
 from model.solver.switching import (
     COMBINED_COUNT,
@@ -15,7 +18,8 @@ from model.solver.switching import (
     switching_functions,
 )
 
-NODES = 4
+NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
+NODES = len(NODE_PLACES)
 NO_SWITCH = 2.0  # a fraction of the step beyond its end
 
 _ROOT_ITERATIONS = 60
@@ -23,17 +27,17 @@ _DIP_ITERATIONS = 12
 _HALVINGS = 30
 
 
-@kernel
+@inlined_kernel
 def sample_step(time, h, y, dense, p, mode, nodes, samples):
-    """Sample the step at its start and ``NODES`` equal parts.
+    """Sample the step at ``NODE_PLACES``.
 
-    Fills ``nodes``, shape (NODES + 1, 6), with states and ``samples``, shape (NODES + 1,
-    SAMPLE_SIZE), with switching functions.
+    Fills ``nodes``, shape (NODES, 6), with states and ``samples``, shape (NODES, SAMPLE_SIZE), with
+    switching functions.
     """
-    for i in range(NODES + 1):
-        q = interpolate(i / NODES, h, y, dense)
+    for i in range(NODES):
+        q = interpolate(NODE_PLACES[i], h, y, dense)
         nodes[i] = q
-        switching_functions(time + i / NODES * h, q, p, mode, samples[i])
+        switching_functions(time + NODE_PLACES[i] * h, q, p, mode, samples[i])
 
 
 @kernel
@@ -123,24 +127,30 @@ def _dip(
 
 
 @kernel
-def _instant(which, low, high, place, time, h, y, dense, p, mode, scratch):
+def _instant(which, low, f_low, high, f_high, place, time, h, y, dense, p, mode, scratch):
     """Where a combined function is negative though it is not at either end: θ, or ``NO_SWITCH``.
 
     Its largest quantity is another at the two ends. Where it changes the function is lowest: the
-    change is bisected from ``place``, the largest quantity's place at ``low``.
+    change is bisected from ``place``, the largest quantity's place at ``low``, and given up when
+    twice the slope of neither side would reach zero in what is left of the bracket.
     """
     for _ in range(_HALVINGS):
         theta = 0.5 * (low + high)
-        if _value(which, theta, time, h, y, dense, p, mode, scratch) < 0.0:
+        f = _value(which, theta, time, h, y, dense, p, mode, scratch)
+        if f < 0.0:
             return theta
         if scratch[SWITCH_COUNT + which] == place:
-            low = theta
+            if f + 2.0 * min(f - f_low, 0.0) > 0.0:
+                return NO_SWITCH
+            low, f_low = theta, f
         else:
-            high = theta
+            if f - 2.0 * max(f_high - f, 0.0) > 0.0:
+                return NO_SWITCH
+            high, f_high = theta, f
     return NO_SWITCH
 
 
-@kernel
+@inlined_kernel
 def first_switch(time, h, y, dense, p, mode, samples, scratch):
     """(which, θ) of the earliest switch in the step; θ = ``NO_SWITCH`` if there is none.
 
@@ -150,8 +160,8 @@ def first_switch(time, h, y, dense, p, mode, samples, scratch):
     for which in range(SWITCH_COUNT):
         if samples[0, which] == NEVER:
             continue
-        for i in range(1, NODES + 1):
-            low, high = (i - 1) / NODES, i / NODES
+        for i in range(1, NODES):
+            low, high = NODE_PLACES[i - 1], NODE_PLACES[i]
             if low >= first:
                 break
             f_low, f_high = samples[i - 1, which], samples[i, which]
@@ -167,9 +177,11 @@ def first_switch(time, h, y, dense, p, mode, samples, scratch):
             theta = NO_SWITCH
             place = samples[i - 1, SWITCH_COUNT + which] if which < COMBINED_COUNT else 0.0
             if which < COMBINED_COUNT and place != samples[i, SWITCH_COUNT + which]:
-                theta = _instant(which, low, high, place, time, h, y, dense, p, mode, scratch)
-            elif i < NODES and f_high <= f_low and f_high <= samples[i + 1, which]:
-                right, f_right = (i + 1) / NODES, samples[i + 1, which]
+                theta = _instant(
+                    which, low, f_low, high, f_high, place, time, h, y, dense, p, mode, scratch
+                )
+            elif i < NODES - 1 and f_high <= f_low and f_high <= samples[i + 1, which]:
+                right, f_right = NODE_PLACES[i + 1], samples[i + 1, which]
                 theta = _dip(
                     which, low, high, right, f_low, f_high, f_right,
                     time, h, y, dense, p, mode, scratch,

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel, kernel
 from model.physics.geometry import bottom_corner, resting_height
 from model.physics.notation import RIGHT_EDGE
-from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
-from model.solver.locate import NO_SWITCH, NODES, first_switch, sample_step
+from model.physics.scenes import CLOSED, OPEN, START, STICKING
+from model.solver.locate import NO_SWITCH, NODE_PLACES, NODES, first_switch, sample_step
 from model.solver.outcomes import Outcome, Reason
 from model.solver.settling import new_history, record_period, settled_period
 from model.solver.step import (
@@ -34,7 +34,15 @@ from model.solver.switching import (
     SWITCH_COUNT,
     switching_functions,
 )
-from model.solver.transitions import CONTINUES, decide_friction, hold_sticking, switch
+from model.solver.transitions import (
+    CONTINUES,
+    decide_friction,
+    hold_sticking,
+    switch,
+    with_corner,
+    with_face,
+    without_residual_slip,
+)
 
 _ALIGNED = int(Outcome.ALIGNED)
 _SETTLED = int(Outcome.SETTLED)
@@ -113,26 +121,27 @@ def _workspace(method):
     m, degree = method.dense.shape
     return Workspace(
         np.empty((m, STATE_SIZE)), np.empty(STATE_SIZE), np.empty(STATE_SIZE),
-        np.empty((STATE_SIZE, degree)), np.empty((NODES + 1, STATE_SIZE)),
-        np.empty((NODES + 1, SAMPLE_SIZE)),
+        np.empty((STATE_SIZE, degree)), np.empty((NODES, STATE_SIZE)),
+        np.empty((NODES, SAMPLE_SIZE)),
     )  # fmt: skip
 
 
 @kernel
-def start(p):
+def start(p, declared):
     """State and mode at τ = 0: at rest, touching the base without pressing.
 
-    The bottom face stands on the edge A1; a part tilted the other way stands on its corner B1.
+    The bottom face stands on the edge A1; a part tilted the other way stands on its corner B1. A
+    contact that is not declared starts open: the run leaves the scene if the part presses there.
     """
     y = np.zeros(STATE_SIZE)
     y[0], y[2] = p.misalignment, p.initial_tilt
     y[1] = resting_height(p)
     corner_x, corner_y = bottom_corner(RIGHT_EDGE, y[0], y[1], y[2], p)
-    face, corner = CLOSED, OPEN
     if y[2] < 0.0 and corner_x > p.slot_half_width:
         y[1] -= corner_y
-        face, corner = OPEN, CLOSED
-    return y, Mode(RIGHT_EDGE, face, corner, 0.0, STICKING, OPEN, STICKING, False)
+        standing = CLOSED if declared.corner_on_flat else OPEN
+        return y, with_corner(with_face(START, RIGHT_EDGE, OPEN), RIGHT_EDGE, standing, 0.0)
+    return y, with_face(START, RIGHT_EDGE, CLOSED if declared.edge_on_face else OPEN)
 
 
 @kernel
@@ -146,7 +155,7 @@ def _start_is_impossible(q, p, mode):
     )
 
 
-@kernel
+@inlined_kernel
 def _accepted_step(time, h, y, p, mode, method, control, work):
     """Shrink ``h`` until a step stands: (h, next h, steps rejected); h = 0 if none does."""
     rejected = 0
@@ -189,28 +198,30 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work,
     return length, taken
 
 
-@kernel
-def _peak(left, middle, right):
-    """Highest value of the parabola through three equidistant samples around a sampled maximum."""
-    curvature = left - 2.0 * middle + right
-    if middle < left or middle < right or curvature >= 0.0:
+@inlined_kernel
+def _peak(i, left, middle, right):
+    """Highest value of the parabola through the samples around a maximum at node ``i``."""
+    d1, d2 = NODE_PLACES[i] - NODE_PLACES[i - 1], NODE_PLACES[i + 1] - NODE_PLACES[i]
+    rise, fall = (middle - left) / d1, (right - middle) / d2
+    if rise < 0.0 or fall > 0.0 or rise == fall:
         return max(left, max(middle, right))
-    return middle - (right - left) ** 2 / (8.0 * curvature)
+    slope = (rise * d2 + fall * d1) / (d1 + d2)
+    return middle + 0.25 * slope * slope * (d1 + d2) / (rise - fall)
 
 
-@kernel
+@inlined_kernel
 def _support_force(sample):
     face = sample[FACE_LOAD] if sample[FACE_LOAD] != NEVER else 0.0
     corner = sample[CORNER_LOAD] if sample[CORNER_LOAD] != NEVER else 0.0
     return face + corner
 
 
-@kernel
+@inlined_kernel
 def _side_force(sample):
     return sample[SIDE_LOAD] if sample[SIDE_LOAD] != NEVER else 0.0
 
 
-@kernel
+@inlined_kernel
 def _largest(nodes, samples, last):
     """(largest |tilt|, largest normal force) over samples 0..``last`` of a step."""
     tilt, force = 0.0, 0.0
@@ -218,20 +229,21 @@ def _largest(nodes, samples, last):
         tilt = max(tilt, abs(nodes[i, 2]))
         force = max(force, max(_support_force(samples[i]), _side_force(samples[i])))
         if 0 < i < last:
-            tilt = max(tilt, _peak(abs(nodes[i - 1, 2]), abs(nodes[i, 2]), abs(nodes[i + 1, 2])))
+            tilt = max(tilt, _peak(i, abs(nodes[i - 1, 2]), abs(nodes[i, 2]), abs(nodes[i + 1, 2])))
             support = _peak(
+                i,
                 _support_force(samples[i - 1]),
                 _support_force(samples[i]),
                 _support_force(samples[i + 1]),
             )
             side = _peak(
-                _side_force(samples[i - 1]), _side_force(samples[i]), _side_force(samples[i + 1])
+                i, _side_force(samples[i - 1]), _side_force(samples[i]), _side_force(samples[i + 1])
             )
             force = max(force, max(support, side))
     return tilt, force
 
 
-@kernel
+@inlined_kernel
 def _write_track(track, row, time, y, sample):
     if row < track.shape[0]:
         track[row, 0] = time
@@ -241,12 +253,12 @@ def _write_track(track, row, time, y, sample):
     return row + 1
 
 
-@kernel
+@inlined_kernel
 def _keep(q, y):
     y[0], y[1], y[2], y[3], y[4], y[5] = q.x, q.y, q.tilt, q.x_rate, q.y_rate, q.tilt_rate
 
 
-@kernel
+@inlined_kernel
 def _opened(before, after):
     """Whether a switch left the part without support: a separation."""
     return (before.face != OPEN or before.corner != OPEN) and (
@@ -271,7 +283,7 @@ def integrate(p, declared, method, control, track):
     made = np.zeros(SWITCH_COUNT, dtype=np.bool_)
     states, lowest = new_history()
     printed_criterion = p.printed_alignment_criterion != 0.0
-    y, mode = start(p)
+    y, mode = start(p, declared)
     time, h = 0.0, _FIRST_STEP
     period_length = 2.0 * pi / p.frequency if p.frequency > 0.0 else 2.0 * pi
     periods, deadline = 0, control.horizon
@@ -308,9 +320,10 @@ def integrate(p, declared, method, control, track):
         sample_step(time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
         which, theta = first_switch(time, h_step, y, work.dense, p, mode, work.samples, scratch)
         switches_here = theta != NO_SWITCH
-        length, last = h_step, NODES
+        length, last = h_step, NODES - 1
         if switches_here:
-            last = int(theta * NODES)
+            while NODE_PLACES[last] > theta:
+                last -= 1
             length = 0.0
             if theta > 0.0:
                 length, taken = _step_to_switch(
@@ -324,7 +337,7 @@ def integrate(p, declared, method, control, track):
             if mode.support_slip == STICKING and (mode.face == CLOSED or mode.corner == CLOSED):
                 sticking += length
         for i in range(1, last + (0 if switches_here else 1)):
-            node_time = time + i / NODES * h_step
+            node_time = time + NODE_PLACES[i] * h_step
             row = _write_track(track, row, node_time, work.nodes[i], work.samples[i])
         for i in range(1, last + 1):
             for j in range(SWITCH_COUNT):
@@ -344,6 +357,7 @@ def integrate(p, declared, method, control, track):
             made[which] = True
             at_once = at_once + 1 if length <= 1e-13 * max(1.0, time) else 0
             before = mode
+            _keep(without_residual_slip(which, state_of(y), p, mode), y)
             switching_functions(time, state_of(y), p, mode, scratch)
             row = _write_track(track, row, time, y, scratch)
             mode, outcome, reason = switch(which, time, state_of(y), p, mode, declared)
@@ -354,9 +368,9 @@ def integrate(p, declared, method, control, track):
                 if printed_criterion:
                     tau_align, tilt_at_alignment = time, y[2]
             elif outcome == _ALIGNED:
-                deadline = min(deadline, time + _FALL_TIME)
                 if not printed_criterion:
                     tau_align, tilt_at_alignment = time, y[2]
+                    deadline = min(deadline, time + _FALL_TIME)
                 outcome = CONTINUES
         _keep(hold_sticking(state_of(y), p, mode), y)
         if switches_here:

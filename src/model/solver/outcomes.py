@@ -47,7 +47,7 @@ REASON_TEXT: dict[Reason, str] = {
     Reason.CORNER_ON_WALL: "a bottom corner ran against a wall of the slot from inside",
     Reason.EDGE_ON_OTHER_FACE: "an edge met a face on which the scene has no contact",
     Reason.BOTH_SIDES: "the part stood on both sides of the slot at once",
-    Reason.OVERTURNED: "the tilt passed 90 degrees",
+    Reason.OVERTURNED: "the tilt reached 90 degrees",
     Reason.UNDECLARED_CONTACT: "it reached a contact that the scene does not declare",
     Reason.IMPOSSIBLE_START: "the start has the part inside a wall of the slot",
     Reason.STEP_TOO_SMALL: "the step size fell below the resolution of time",

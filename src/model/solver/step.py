@@ -2,20 +2,20 @@
 
 from math import sqrt
 
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import motion
 from model.physics.notation import State
 
 STATE_SIZE = 6
 
 
-@kernel
+@inlined_kernel
 def state_of(y):
     """The state vector by name."""
     return State(y[0], y[1], y[2], y[3], y[4], y[5])
 
 
-@kernel
+@inlined_kernel
 def right_hand_side(time, y, p, mode, out):
     """Write dy/dτ into ``out``, shape (6,)."""
     at = motion(time, state_of(y), p, mode)
@@ -23,7 +23,7 @@ def right_hand_side(time, y, p, mode, out):
     out[3], out[4], out[5] = at.x, at.y, at.tilt
 
 
-@kernel
+@inlined_kernel
 def _stage(i, time, h, y, p, mode, method, k, trial):
     """Evaluate stage ``i`` into ``k[i]``; its state stays in ``trial``."""
     s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # sums kept out of memory
@@ -52,7 +52,7 @@ def take_step(time, h, y, p, mode, method, k, y_end):
         _stage(i, time, h, y, p, mode, method, k, y_end)
 
 
-@kernel
+@inlined_kernel
 def error_estimate(h, y, y_end, method, k, tolerance):
     """Local error over tolerance (root mean square over the state): a step stands if <= 1."""
     fine, coarse = 0.0, 0.0
@@ -89,7 +89,7 @@ def dense_output(time, h, y, p, mode, method, k, trial, dense):
         dense[3, i], dense[4, i], dense[5, i] = s3, s4, s5
 
 
-@kernel
+@inlined_kernel
 def _component(n, theta, h, y, dense):
     value = 0.0
     for i in range(dense.shape[1] - 1, -1, -1):
@@ -97,7 +97,7 @@ def _component(n, theta, h, y, dense):
     return y[n] + h * value
 
 
-@kernel
+@inlined_kernel
 def interpolate(theta, h, y, dense):
     """``State`` at the fraction ``theta`` of the step."""
     return State(

@@ -11,14 +11,15 @@ where that changes.
 
 from math import pi
 
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
-from model.physics.motion import motion
+from model.physics.motion import motion, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 NEVER = 1e300
+LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
 _NOTHING = -1e300  # a quantity that a condition does not have
 
 # Index of each switching function.
@@ -46,14 +47,14 @@ _NOTHING = -1e300  # a quantity that a condition does not have
     CORNER_END,  # the corner slides into the slot
     SUPPORT_SLIP,  # slip reaches zero, or friction its limit, at the support
     SIDE_SLIP,  # the same at the side face
-    OVERTURNED,  # tilt through 90 degrees
+    OVERTURNED,  # tilt to 90 degrees
 ) = range(24)
 SWITCH_COUNT = 24
 COMBINED_COUNT = 8  # the first ones are the largest of several quantities; which one, stands behind
 SAMPLE_SIZE = SWITCH_COUNT + COMBINED_COUNT
 
 
-@kernel
+@inlined_kernel
 def _largest(a, b, c, d):
     """(largest of four, its place)."""
     value, place = a, 0.0
@@ -66,7 +67,7 @@ def _largest(a, b, c, d):
     return value, place
 
 
-@kernel
+@inlined_kernel
 def not_fallen_in(q, p):
     """Falls through zero once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
     place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
@@ -76,7 +77,7 @@ def not_fallen_in(q, p):
     )
 
 
-@kernel
+@inlined_kernel
 def corners_outside(q, p):
     """Falls through zero once X_B1 <= l, X_B2 >= -l, Y_B1 < 0 and Y_B2 < 0 (paper, sect. 2)."""
     right_x, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
@@ -84,7 +85,7 @@ def corners_outside(q, p):
     return _largest(right_x - p.slot_half_width, -left_x - p.slot_half_width, right_y, left_y)
 
 
-@kernel
+@inlined_kernel
 def edge_inside(edge, q, p):
     """How far an edge is inside the part: (through bottom, left, right, top), all positive inside.
 
@@ -102,14 +103,14 @@ def edge_inside(edge, q, p):
     )
 
 
-@kernel
+@inlined_kernel
 def edge_outside(edge, q, p):
     """Falls through zero as an edge enters the part."""
     bottom, left, right, top = edge_inside(edge, q, p)
     return _largest(-bottom, -left, -right, -top)
 
 
-@kernel
+@inlined_kernel
 def corner_above(side, q, p):
     """Falls through zero as a bottom corner starts to press on the flat beside the slot.
 
@@ -121,14 +122,14 @@ def corner_above(side, q, p):
     return _largest(p.slot_half_width - side * corner_x, corner_y, side * q.tilt, -closing_rate)
 
 
-@kernel
+@inlined_kernel
 def corner_off_wall(side, q, p):
     """Falls through zero as a bottom corner runs against the slot's wall from inside."""
     corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
     return _largest(p.slot_half_width - side * corner_x, corner_y, -side * q.tilt, _NOTHING)
 
 
-@kernel
+@inlined_kernel
 def friction_margin(sticks, slip_sign, slip, friction, load, p):
     """Sliding: slip in its direction. Sticking: what is left of the friction limit."""
     if sticks:
@@ -136,7 +137,7 @@ def friction_margin(sticks, slip_sign, slip, friction, load, p):
     return slip_sign * slip
 
 
-@kernel
+@inlined_kernel
 def _contact_switches(state, depth, load, base, out):
     """Load, gap and reload functions of one contact at ``base``, ``base + 1``, ``base + 2``."""
     if state == CLOSED:
@@ -146,7 +147,7 @@ def _contact_switches(state, depth, load, base, out):
         out[base + 2] = -load
 
 
-@kernel
+@inlined_kernel
 def _face_switches(q, p, mode, out):
     if mode.face == OPEN:
         return
@@ -158,7 +159,7 @@ def _face_switches(q, p, mode, out):
     out[FACE_FAR_END] = p.half_width + along
 
 
-@kernel
+@inlined_kernel
 def _side_switches(q, p, mode, out):
     if mode.side == OPEN:
         return
@@ -169,7 +170,7 @@ def _side_switches(q, p, mode, out):
     out[SIDE_END] = p.half_height - abs(along)
 
 
-@kernel
+@inlined_kernel
 def _corner_switches(q, p, mode, out):
     if mode.corner == OPEN:
         return
@@ -181,10 +182,10 @@ def _corner_switches(q, p, mode, out):
     out[CORNER_END] = mode.edge * corner_x - p.slot_half_width
 
 
-@kernel
+@inlined_kernel
 def _friction_switches(time, q, p, mode, out):
     supported = mode.face == CLOSED or mode.corner == CLOSED
-    if p.printed_friction_law != 0.0 or not (supported or mode.side == CLOSED):
+    if never_sticks(p) or not (supported or mode.side == CLOSED):
         return
     at = motion(time, q, p, mode)
     if supported:
@@ -199,7 +200,7 @@ def _friction_switches(time, q, p, mode, out):
         )
 
 
-@kernel
+@inlined_kernel
 def _combined(which, largest, out):
     out[which], out[SWITCH_COUNT + which] = largest
 
@@ -235,4 +236,4 @@ def switching_functions(time, q, p, mode, out):
         _combined(LEFT_CORNER_LANDS, corner_above(LEFT_EDGE, q, p), out)
         if not left_face:
             _combined(LEFT_WALL, corner_off_wall(LEFT_EDGE, q, p), out)
-    out[OVERTURNED] = 0.5 * pi - abs(q.tilt)
+    out[OVERTURNED] = LARGEST_TILT - abs(q.tilt)

@@ -2,7 +2,15 @@
 
 from model.physics.compiled import kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
-from model.physics.motion import mobility, motion, side_contact, sticking_friction, support_contact
+from model.physics.geometry import bottom_corner
+from model.physics.motion import (
+    mobility,
+    motion,
+    never_sticks,
+    side_contact,
+    sticking_friction,
+    support_contact,
+)
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
 from model.solver.outcomes import Outcome, Reason
@@ -30,7 +38,6 @@ from model.solver.switching import (
     SIDE_SLIP,
     SUPPORT_SLIP,
     edge_inside,
-    not_fallen_in,
 )
 
 # Plain integers for kernels; CONTINUES means the run goes on in the mode returned.
@@ -53,41 +60,54 @@ REST_SLIP = 1e-12
 
 
 @kernel
-def _with_face(mode, edge, state):
+def with_face(mode, edge, state):
+    """The mode with another normal state of ``edge`` on the bottom face."""
     return Mode(
-        edge, state, mode.corner, mode.corner_offset, mode.support_slip, mode.side,
+        edge, state, mode.corner, mode.corner_offset, mode.slip_at_corner, mode.support_slip,
+        mode.side, mode.side_slip, mode.dropped,
+    )  # fmt: skip
+
+
+@kernel
+def with_corner(mode, edge, state, offset):
+    """The mode with another normal state of the corner on the side of ``edge``."""
+    return Mode(
+        edge, mode.face, state, offset, mode.slip_at_corner, mode.support_slip, mode.side,
         mode.side_slip, mode.dropped,
     )  # fmt: skip
 
 
 @kernel
-def _with_corner(mode, edge, state, offset):
-    return Mode(
-        edge, mode.face, state, offset, mode.support_slip, mode.side, mode.side_slip, mode.dropped
-    )
-
-
-@kernel
 def _with_side(mode, state):
     return Mode(
-        mode.edge, mode.face, mode.corner, mode.corner_offset, mode.support_slip, state,
-        mode.side_slip, mode.dropped,
+        mode.edge, mode.face, mode.corner, mode.corner_offset, mode.slip_at_corner,
+        mode.support_slip, state, mode.side_slip, mode.dropped,
     )  # fmt: skip
 
 
 @kernel
 def _with_friction(mode, support_slip, side_slip):
     return Mode(
-        mode.edge, mode.face, mode.corner, mode.corner_offset, support_slip, mode.side, side_slip,
-        mode.dropped,
+        mode.edge, mode.face, mode.corner, mode.corner_offset, mode.slip_at_corner, support_slip,
+        mode.side, side_slip, mode.dropped,
     )  # fmt: skip
 
 
 @kernel
 def _with_drop(mode):
     return Mode(
-        mode.edge, OPEN, mode.corner, mode.corner_offset, mode.support_slip, mode.side,
-        mode.side_slip, True,
+        mode.edge, OPEN, mode.corner, mode.corner_offset, mode.slip_at_corner, mode.support_slip,
+        mode.side, mode.side_slip, True,
+    )  # fmt: skip
+
+
+@kernel
+def _with_slip_place(mode):
+    """The mode whose slip is that of a contact that presses: the one that counted, if it does."""
+    at_corner = mode.corner == CLOSED and (mode.slip_at_corner or mode.face != CLOSED)
+    return Mode(
+        mode.edge, mode.face, mode.corner, mode.corner_offset, at_corner, mode.support_slip,
+        mode.side, mode.side_slip, mode.dropped,
     )  # fmt: skip
 
 
@@ -111,7 +131,8 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     A contact that slips keeps the sign of its slip. For a contact at rest every state is tried,
     sticking first, and the first set of states that is consistent with its own accelerations holds.
     """
-    if p.printed_friction_law != 0.0:
+    mode = _with_slip_place(mode)
+    if never_sticks(p):
         return _with_friction(mode, -1, -1), True
     now = motion(time, q, p, mode)
     supported = mode.face == CLOSED or mode.corner == CLOSED
@@ -162,6 +183,20 @@ def hold_sticking(q, p, mode):
 
 
 @kernel
+def without_residual_slip(which, q, p, mode):
+    """``q`` with exactly no slip where a sliding contact has come to rest.
+
+    A switch is located to the accuracy of a step; the slip left over would contradict the friction
+    state decided for rest.
+    """
+    if which == SUPPORT_SLIP and mode.support_slip != STICKING:
+        return hold_sticking(q, p, _with_friction(mode, STICKING, mode.side_slip))
+    if which == SIDE_SLIP and mode.side_slip != STICKING:
+        return hold_sticking(q, p, _with_friction(mode, mode.support_slip, STICKING))
+    return q
+
+
+@kernel
 def _decided(time, q, p, mode, support_at_rest, side_at_rest):
     decided, possible = decide_friction(time, q, p, mode, support_at_rest, side_at_rest)
     if possible:
@@ -189,7 +224,7 @@ def _edge_enters(edge, time, q, p, mode, declared):
         if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
             return mode, _LEFT_SCENE, _BOTH_SIDES
         state = _touching(edge_on_face(edge, q, p), q, p)
-        return _decided(time, q, p, _with_face(mode, edge, state), False, False)
+        return _decided(time, q, p, with_face(mode, edge, state), False, False)
     if edge == LEFT_EDGE and left <= min(right, top):
         if not declared.edge_on_side:
             return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
@@ -206,16 +241,17 @@ def _corner_lands(edge, time, q, p, mode, declared):
     if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
         return mode, _LEFT_SCENE, _BOTH_SIDES
     corner = corner_on_flat(edge, q, p)
-    landed = _with_corner(mode, edge, _touching(corner, q, p), corner.depth)
+    landed = with_corner(mode, edge, _touching(corner, q, p), corner.depth)
     return _decided(time, q, p, landed, False, False)
 
 
 @kernel
 def _face_ends(q, p, mode):
     """The edge has passed the end of the bottom face toward the slot: alignment, or a free fall."""
-    if mode.edge == RIGHT_EDGE and not_fallen_in(q, p)[0] < 1e-9:
+    corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    if mode.edge == RIGHT_EDGE and corner_x >= -p.slot_half_width and corner_y < 0.0:
         return _with_drop(mode), _ALIGNED, _NONE
-    return _with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
+    return with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
 
 
 @kernel
@@ -232,11 +268,11 @@ def _contact_switch(which, time, q, p, mode):
     """Loads that go and return, gaps that open, faces that end."""
     if which == FACE_LOAD:
         state = _unloaded(edge_on_face(mode.edge, q, p).depth, p)
-        return _decided(time, q, p, _with_face(mode, mode.edge, state), False, False)
+        return _decided(time, q, p, with_face(mode, mode.edge, state), False, False)
     if which == FACE_RELOAD:
-        return _decided(time, q, p, _with_face(mode, mode.edge, CLOSED), False, False)
+        return _decided(time, q, p, with_face(mode, mode.edge, CLOSED), False, False)
     if which == FACE_GAP:
-        return _with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
+        return with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
     if which == SIDE_LOAD:
         state = _unloaded(edge_on_side(q, p).depth, p)
         return _decided(time, q, p, _with_side(mode, state), False, False)
@@ -252,12 +288,12 @@ def _contact_switch(which, time, q, p, mode):
     if which == CORNER_LOAD:
         state = _unloaded(corner_on_flat(mode.edge, q, p).depth - mode.corner_offset, p)
         offset = mode.corner_offset if state == RELEASED else 0.0
-        return _decided(time, q, p, _with_corner(mode, mode.edge, state, offset), False, False)
+        return _decided(time, q, p, with_corner(mode, mode.edge, state, offset), False, False)
     if which == CORNER_RELOAD:
-        closed = _with_corner(mode, mode.edge, CLOSED, mode.corner_offset)
+        closed = with_corner(mode, mode.edge, CLOSED, mode.corner_offset)
         return _decided(time, q, p, closed, False, False)
     # CORNER_GAP, CORNER_END
-    opened = _with_corner(mode, mode.edge, OPEN, 0.0)
+    opened = with_corner(mode, mode.edge, OPEN, 0.0)
     return _decided(time, q, p, opened, False, False)
 
 
