@@ -8,6 +8,8 @@ import pytest
 from model import Batch, Parameters, Readings
 from model.physics.parameters import Constants
 
+CONSISTENT = Readings.consistent()
+
 
 @pytest.fixture(autouse=True)
 def _floating_point_errors() -> Iterator[None]:
@@ -37,7 +39,7 @@ def device() -> Parameters:
 def constants() -> Callable[..., Constants]:
     """What kernels compute with: ``constants(parameters, readings)``."""
 
-    def make(parameters: Parameters, readings: Readings = Readings.consistent()) -> Constants:
+    def make(parameters: Parameters, readings: Readings = CONSISTENT) -> Constants:
         return Constants(*Batch.stack([parameters]).constants(readings)[0].tolist())
 
     return make

@@ -193,8 +193,8 @@ def test_force_rows_are_the_direction_and_its_torque(kind, side, p, random_state
 
 
 def test_pressing_face_pushes_the_part_up_and_to_the_slot(p):
-    # The physical sign: tilted counter-clockwise on A1, the normal force has a component to the left
-    # (R1) and turns the part further counter-clockwise, since A1 stands right of C (s > 0).
+    # The physical sign: tilted counter-clockwise on A1, the normal force has a component to the
+    # left (R1) and turns the part further counter-clockwise, since A1 stands right of C (s > 0).
     contact = edge_on_face(RIGHT_EDGE, State(0.2, p.half_height, 0.1, 0.0, 0.0, 0.0), p)
     assert contact.normal[0] < 0.0 < contact.normal[1]
     assert contact.normal[2] > 0.0
@@ -216,7 +216,7 @@ def test_mirror_image_swaps_the_sides(kind, p, random_states):
         assert left.tangent == pytest.approx(np.multiply(right.tangent, (1, -1, 1)), abs=ROUNDING)
 
 
-# ------------------------------------------------------------------------------ the load and its laws
+# ---------------------------------------------------------------------------- the load and its laws
 
 
 def test_load_is_stiffness_times_depth_plus_damping_times_closing_rate(device, constants):
@@ -234,7 +234,7 @@ def test_printed_load_is_damped_by_the_centres_speed(device, constants):
         assert contact_load(2.0, closing_rate, q, p) == pytest.approx(100.0 - 20.0, rel=ROUNDING)
 
 
-# ------------------------------------------------------------- the printed formulas, letter by letter
+# ----------------------------------------------------------- the printed formulas, letter by letter
 
 
 def printed_d1(part):

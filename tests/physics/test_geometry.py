@@ -27,7 +27,7 @@ def test_upright_corners_stand_half_a_side_away(square):
 
 
 def test_quarter_turn_counter_clockwise_carries_the_bottom_face_to_the_right(square):
-    # φ = 90°: e_t = (0, 1), e_n = (-1, 0), so B1 = C + (0, 3) + (4, 0) and B2 = C - (0, 3) + (4, 0).
+    # φ = 90°: e_t = (0, 1), e_n = (-1, 0): B1 = C + (0, 3) + (4, 0), B2 = C - (0, 3) + (4, 0).
     right = bottom_corner(RIGHT_EDGE, 1.0, 10.0, pi / 2, square)
     left = bottom_corner(LEFT_EDGE, 1.0, 10.0, pi / 2, square)
     assert right == pytest.approx((5.0, 13.0), abs=10 * EXACT)

@@ -22,6 +22,7 @@ from model.physics.scenes import (
 
 ROUNDING = 1e-13  # relative to forces of order 1 to 100, a few hundred roundings
 FREE = START._replace(face=OPEN)
+ON_CORNER = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
 NOTHING = Parameters(
     half_width=1.0, half_height=4.0, inertia=2.0, lateral_stiffness=0.0, tilt_stiffness=0.0,
     lateral_damping=0.0, axial_damping=0.0, tilt_damping=0.0, friction=0.0, press_force=0.0,
@@ -284,7 +285,7 @@ def test_sum_of_forces_on_the_sliding_corner(device, constants, random_states, r
         here = Reference(2.0, state, device, readings)
         corner = here.corner(edge)
         sign = slip_sign(readings, corner[1])
-        mode = FREE._replace(edge=edge, corner=CLOSED, support_slip=sign)
+        mode = ON_CORNER._replace(edge=edge, support_slip=sign)
         at = motion(2.0, State(*state), p, mode)
         assert accelerations(at) == pytest.approx(here.accelerations(corner), rel=1e-11, abs=1e-11)
 
@@ -293,7 +294,7 @@ def test_corner_that_began_pressing_below_the_plane_carries_only_what_is_deeper(
     # The corner stands 0.05 deep and began at 0.03: n = 100 (0.05 - 0.03) = 2, upright and at rest.
     p = constants(device.replace(friction=0.0))
     q = State(1.0, p.half_height - 0.05, 0.0, 0.0, 0.0, 0.0)
-    mode = FREE._replace(corner=CLOSED, corner_offset=0.03, support_slip=SLIP_POSITIVE)
+    mode = ON_CORNER._replace(corner_offset=0.03, support_slip=SLIP_POSITIVE)
     assert motion(0.0, q, p, mode).support_load == pytest.approx(2.0, abs=1e-12)
 
 
@@ -313,7 +314,21 @@ def test_edge_and_corner_under_one_face_share_friction_by_their_loads(device, co
     assert at.tilt == pytest.approx(moment / p.inertia, abs=1e-12)
 
 
-# -------------------------------------------------------------------------------------------- sticking
+@pytest.mark.parametrize("slip_at_corner", [False, True])
+def test_under_one_face_the_slip_is_that_of_the_contact_that_counts(
+    device, constants, random_states, slip_at_corner
+):
+    p = constants(device)
+    for state in random_states(10, seed=9):
+        q = State(*state)
+        mode = START._replace(corner=CLOSED, slip_at_corner=slip_at_corner)
+        counts = corner_on_flat(1.0, q, p) if slip_at_corner else edge_on_face(1.0, q, p)
+        at = motion(0.2, q, p, mode)
+        assert at.support_slip == counts.slip
+        assert at.support_drive == pytest.approx(0.0, abs=1e-9)  # and it sticks
+
+
+# ----------------------------------------------------------------------------------------- sticking
 
 
 def slip_acceleration(slip, state, at, h=1e-5):
@@ -337,7 +352,7 @@ STICKY = [
         START._replace(edge=LEFT_EDGE),
         lambda p: lambda q: edge_on_face(-1.0, q, p).slip,
     ),
-    ("corner", FREE._replace(corner=CLOSED), lambda p: lambda q: corner_on_flat(1.0, q, p).slip),
+    ("corner", ON_CORNER, lambda p: lambda q: corner_on_flat(1.0, q, p).slip),
 ]
 
 
@@ -405,7 +420,7 @@ def test_mirrored_states_accelerate_in_mirror_image(
     p = constants(device.replace(rest_x=0.3, rest_tilt=0.1))
     mirrored = p._replace(rest_x=-0.3, rest_tilt=-0.1)
     flip = np.array([-1, 1, -1])
-    at_edge = START if contact == "face" else FREE._replace(corner=CLOSED)
+    at_edge = START if contact == "face" else ON_CORNER
     for state in random_states(10, seed=8):
         right = motion(0.9, State(*state), p, at_edge._replace(support_slip=friction))
         left = motion(

@@ -95,7 +95,7 @@ def test_slot_half_width_is_derived_and_cannot_be_set(device):
         device.replace(slot_half_width=2.0)
 
 
-# ------------------------------------------------------------------------------------------- batches
+# ------------------------------------------------------------------------------------------ batches
 
 
 def test_batch_varies_its_columns_together_over_the_baseline(device):
@@ -147,7 +147,7 @@ def test_batch_refuses_what_parameters_refuse_and_says_where(device, swept, mess
         Batch.of(device, **swept)
 
 
-# ----------------------------------------------------------------------------------------- constants
+# ---------------------------------------------------------------------------------------- constants
 
 
 def test_rests_default_to_the_start_and_the_half_height(device, constants):
@@ -170,7 +170,7 @@ def test_printed_preload_relaxes_the_axial_spring_at_zero(device, constants):
     assert (p.rest_x, p.rest_y) == (device.misalignment, 0.0)
 
 
-def test_constants_carry_each_parameter_and_switch_in_its_own_place(device, constants):
+def test_constants_carry_each_parameter_and_switch_in_its_own_place(constants):
     distinct = {name: 1.0 + 0.01 * i for i, name in enumerate(PARAMETER_NAMES)}
     p = constants(Parameters(**distinct), Readings(side_gap="printed"))
     for name, value in distinct.items():

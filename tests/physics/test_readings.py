@@ -32,7 +32,7 @@ def test_each_switch_is_set_by_name_alone(name):
 
 @pytest.mark.parametrize("value", ["print", "", True, None])
 def test_another_value_is_refused(value):
-    with pytest.raises(ValueError, match="readings.preload = .* 'consistent' or 'printed'"):
+    with pytest.raises(ValueError, match=r"readings\.preload = .* 'consistent' or 'printed'"):
         Readings(preload=value)
 
 

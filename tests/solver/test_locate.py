@@ -1,7 +1,8 @@
 """Switches located inside one step whose dense output is written by hand.
 
-The part hangs high above the base and only the switch OVERTURNED, π/2 - |φ|, can come near zero; φ
-is chosen so that this function is any polynomial g < π/2 we like, with roots known beforehand.
+The part hangs high above the base and only the switch OVERTURNED, a limit near π/2 less |φ|, can
+come near zero; φ is chosen so that this function is any polynomial g < 1.5 we like, with roots
+known beforehand.
 """
 
 from math import pi
@@ -11,9 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from model.physics.notation import State
 from model.physics.scenes import OPEN, START
-from model.solver.locate import NO_SWITCH, NODES, first_switch, sample_step
-from model.solver.switching import OVERTURNED, SAMPLE_SIZE
+from model.solver.locate import NO_SWITCH, NODE_PLACES, first_switch, sample_step
+from model.solver.switching import OVERTURNED, SAMPLE_SIZE, switching_functions
 
 FREE = START._replace(face=OPEN)
 DEGREE = 7
@@ -23,18 +25,22 @@ ROUNDING = 1e-14
 
 @pytest.fixture(scope="module")
 def locate(device, constants):
-    """(which, θ) for π/2 - φ = g(θ), g given as a ``numpy.poly1d``."""
+    """(which, θ) for limit - φ = g(θ), g given as a ``numpy.poly1d``."""
     p = constants(device)
+    upright = np.empty(SAMPLE_SIZE)
+    switching_functions(0.0, State(0.0, 100.0, 0.0, 0.0, 0.0, 0.0), p, FREE, upright)
+    limit = upright[OVERTURNED]
+    assert limit == pytest.approx(0.5 * pi, abs=0.01)
 
     def make(g, time=0.0, h=1.0):
         coefficients = g.coeffs[::-1]
-        y = np.array([0.0, 100.0, 0.5 * pi - coefficients[0], 0.0, 0.0, 0.0])
+        y = np.array([0.0, 100.0, limit - coefficients[0], 0.0, 0.0, 0.0])
         dense = np.zeros((6, DEGREE))
         dense[2, : coefficients.size - 1] = -coefficients[1:] / h
-        nodes, samples = np.empty((NODES + 1, 6)), np.empty((NODES + 1, SAMPLE_SIZE))
+        count = len(NODE_PLACES)
+        nodes, samples = np.empty((count, 6)), np.empty((count, SAMPLE_SIZE))
         sample_step(time, h, y, dense, p, FREE, nodes, samples)
-        at_nodes = [g(i / NODES) for i in range(NODES + 1)]
-        assert samples[:, OVERTURNED] == pytest.approx(at_nodes, abs=1e-15)
+        assert samples[:, OVERTURNED] == pytest.approx(g(NODE_PLACES), abs=1e-15)
         return first_switch(time, h, y, dense, p, FREE, samples, np.empty(SAMPLE_SIZE))
 
     return make
@@ -121,7 +127,7 @@ def test_the_first_of_well_separated_roots_is_found(locate, roots, pair):
     apart = [r for i, r in enumerate(apart) if i == 0 or r - apart[i - 1] > 0.26]
     real, imaginary = pair
     g = with_roots(*apart) * np.poly1d([1.0, -2.0 * real, real**2 + imaginary**2])
-    g = g * (np.sign(g(0.0)) / np.abs(g(np.linspace(0.0, 1.0, 201))).max())  # within ±π/2
+    g = g * (np.sign(g(0.0)) / np.abs(g(np.linspace(0.0, 1.0, 201))).max())  # within ±1
     which, theta = locate(g)
     if apart[0] < 1.0 - 1e-9:
         assert which == OVERTURNED

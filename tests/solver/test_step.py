@@ -146,7 +146,7 @@ def test_dense_output_runs_from_the_start_to_the_end_of_the_step(tableau, p):
     assert len(at_end) == STATE_SIZE
 
 
-# Order of the extension (Hermite's, Shampine's, Hairer's), and steps that keep its error over 1e-13.
+# Order of the extension (Hermite's, Shampine's, Hairer's), steps that keep its error over 1e-13.
 DENSE = [
     (RK4, 3, [0.01, 0.02, 0.04]),
     (DORMAND_PRINCE, 4, [0.01, 0.02, 0.04]),

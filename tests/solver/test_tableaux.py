@@ -1,7 +1,7 @@
 """Order of the steps, of their error estimates and of their dense outputs, by rooted trees.
 
-Butcher's conditions: a Runge-Kutta method has order p if Σ b_i Φ_i(t) = 1/γ(t) for every rooted tree
-t of at most p nodes, and a continuous extension has order p if Σ b_i(θ) Φ_i(t) = θ^|t| / γ(t).
+Butcher's conditions: a Runge-Kutta method has order p if Σ b_i Φ_i(t) = 1/γ(t) for every rooted
+tree t of at most p nodes, and a continuous extension has order p if Σ b_i(θ) Φ_i(t) = θ^|t| / γ(t).
 """
 
 import dataclasses

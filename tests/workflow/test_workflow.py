@@ -2,7 +2,6 @@
 
 import hashlib
 import os
-import random
 import shutil
 import signal
 import subprocess
@@ -11,6 +10,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
@@ -116,7 +116,7 @@ def test_an_interrupted_build_ends_with_the_same_bytes(
     project: Path, started: subprocess.Popen[bytes], signal_sent: signal.Signals
 ) -> None:
     deadline = time.monotonic() + 120.0
-    moment = random.Random(int(signal_sent)).uniform(0.0, 3.0)
+    moment = np.random.default_rng(int(signal_sent)).uniform(0.0, 3.0)
     while not (project / "tiny" / "data" / "kernels.json").exists():
         assert time.monotonic() < deadline
         assert started.poll() is None, "it ended before it could be interrupted"

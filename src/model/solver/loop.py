@@ -24,6 +24,7 @@ from model.solver.step import (
 from model.solver.switching import (
     CORNER_LOAD,
     CORNERS_INSIDE,
+    FACE_FAR_END,
     FACE_LOAD,
     LEFT_EDGE_ENTERS,
     LEFT_WALL,
@@ -151,6 +152,7 @@ def _start_is_impossible(q, p, mode):
     return (
         functions[LEFT_EDGE_ENTERS] < -_START_TOLERANCE
         or functions[LEFT_WALL] < -_START_TOLERANCE
+        or functions[FACE_FAR_END] < -_START_TOLERANCE
         or functions[OVERTURNED] < 0.0
     )
 

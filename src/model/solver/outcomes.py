@@ -49,7 +49,7 @@ REASON_TEXT: dict[Reason, str] = {
     Reason.BOTH_SIDES: "the part stood on both sides of the slot at once",
     Reason.OVERTURNED: "the tilt reached 90 degrees",
     Reason.UNDECLARED_CONTACT: "it reached a contact that the scene does not declare",
-    Reason.IMPOSSIBLE_START: "the start has the part inside a wall of the slot",
+    Reason.IMPOSSIBLE_START: "the start has the part inside the base, or not on the edge",
     Reason.STEP_TOO_SMALL: "the step size fell below the resolution of time",
     Reason.TOO_MANY_EVALUATIONS: "the limit of right-hand-side evaluations was reached",
     Reason.CHATTER: "two modes alternate without time passing",

@@ -57,6 +57,9 @@ _NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
 
 # A slip below this is no slip: rounding of velocities of order one, with room.
 REST_SLIP = 1e-12
+# A load below this is none, and how far to look ahead then.
+NO_LOAD = 1e-12
+_MOMENT = 1e-5
 
 
 @kernel
@@ -125,11 +128,26 @@ def _sign(value):
 
 
 @kernel
+def _advanced(q, at):
+    """The state a moment later, under the accelerations of ``at``."""
+    return State(
+        q.x + _MOMENT * (q.x_rate + 0.5 * _MOMENT * at.x),
+        q.y + _MOMENT * (q.y_rate + 0.5 * _MOMENT * at.y),
+        q.tilt + _MOMENT * (q.tilt_rate + 0.5 * _MOMENT * at.tilt),
+        q.x_rate + _MOMENT * at.x,
+        q.y_rate + _MOMENT * at.y,
+        q.tilt_rate + _MOMENT * at.tilt,
+    )
+
+
+@kernel
 def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     """The mode with friction states that fit the slips, and whether there are any.
 
     A contact that slips keeps the sign of its slip. For a contact at rest every state is tried,
     sticking first, and the first set of states that is consistent with its own accelerations holds.
+    Where a contact at rest carries no load yet, nothing decides at this instant: the states are
+    tried on what follows a moment later.
     """
     mode = _with_slip_place(mode)
     if never_sticks(p):
@@ -139,12 +157,17 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     beside = mode.side == CLOSED
     support_at_rest = supported and (support_at_rest or abs(now.support_slip) <= REST_SLIP)
     side_at_rest = beside and (side_at_rest or abs(now.side_slip) <= REST_SLIP)
+    no_load = (support_at_rest and now.support_load <= NO_LOAD) or (
+        side_at_rest and now.side_load <= NO_LOAD
+    )
     for i in range(3 if support_at_rest else 1):
         support = (STICKING, -1, 1)[i] if support_at_rest else _sign(now.support_slip)
         for j in range(3 if side_at_rest else 1):
             side = (STICKING, -1, 1)[j] if side_at_rest else _sign(now.side_slip)
             trial = _with_friction(mode, support, side)
             at = motion(time, q, p, trial)
+            if no_load:
+                at = motion(time + _MOMENT, _advanced(q, at), p, trial)
             holds = True
             if support_at_rest:
                 holds = _friction_holds(

@@ -1,0 +1,52 @@
+"""What a run's settings accept and refuse."""
+
+import pytest
+
+from model import Readings, Settings, simulate
+from model.solver.tableaux import RK4
+
+
+def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
+    settings = Settings()
+    assert settings.readings == Readings.consistent()
+    assert all(settings.scene.declared)
+    assert settings.control.tolerance == settings.tolerance == 1e-10
+    assert settings.control.may_settle == 1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"horizon": 0.0}, r"horizon = 0\.0: must be a finite number > 0"),
+        ({"horizon": float("inf")}, "horizon = inf: must be a finite number > 0"),
+        ({"horizon": float("nan")}, "horizon = nan: must be a finite number > 0"),
+        ({"tolerance": 0.0}, r"tolerance = 0\.0: must be between 1e-14 and 1e-2"),
+        ({"tolerance": 0.1}, r"tolerance = 0\.1: must be between 1e-14 and 1e-2"),
+        ({"tolerance": float("nan")}, "tolerance = nan: must be between"),
+        ({"max_evaluations": 0}, "max_evaluations = 0: must be >= 1"),
+        ({"method": RK4}, "method RK4 has no error estimate"),
+    ],
+)
+def test_values_outside_their_range_are_refused(device, change, message):
+    with pytest.raises(ValueError, match=message):
+        Settings(**change)
+    with pytest.raises(ValueError, match=message):
+        simulate(device, **change)
+
+
+@pytest.mark.parametrize(
+    ("change", "kind"),
+    [
+        ({"readings": "printed"}, "Readings"),
+        ({"scene": "alignment"}, "Scene"),
+        ({"method": 5}, "Tab"),
+    ],
+)
+def test_values_of_another_type_are_refused(change, kind):
+    with pytest.raises(TypeError, match=f"must be a {kind}"):
+        Settings(**change)
+
+
+def test_an_unknown_setting_is_refused(device):
+    with pytest.raises(TypeError, match="tolerence"):
+        simulate(device, tolerence=1e-8)
