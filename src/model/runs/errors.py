@@ -67,7 +67,7 @@ def run_rows(rows, declared, method, control, track, no_track, out):
         difference = abs(fine.tau_align - coarse.tau_align)
         error = nan
         if not isnan(fine.tau_align) and not isnan(coarse.tau_align):
-            error = difference + RESOLUTION * (1.0 + fine.tau_align)
+            error = difference + control.tolerance + RESOLUTION * (1.0 + fine.tau_align)
         sensitive = fine.outcome != coarse.outcome or difference > SENSITIVE
         evaluations = fine.evaluations + coarse.evaluations
         out[i] = Record(

@@ -61,7 +61,7 @@ TRACK_COLUMNS = 9  # time, the state, the support's normal force, the side's
 _FIRST_STEP = 1e-2
 _MOST_SWITCHES_AT_ONCE = 64
 _START_TOLERANCE = 1e-9
-_SWITCH_RESOLUTION = 1e-3  # of a switch's time, relative to the tolerance
+_SWITCH_RESOLUTION = 1e-5  # square of a switch's last correction, relative to the tolerance
 _FALL_TIME = 20.0  # how long to wait for the corners to be inside once the contact is lost
 
 
@@ -177,8 +177,9 @@ def _accepted_step(time, h, y, p, mode, method, control, work):
 def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work, scratch):
     """Repeat the step up to the switch: (length, steps taken), the state in ``work.y_end``.
 
-    Newton's iteration on whole steps until the time moves less than ``resolution``, so that the
-    switch is as accurate as a step, whatever the order of the dense output that gives the slope.
+    Newton's iteration on whole steps, so that the switch is as accurate as a step, whatever the
+    order of the dense output that gives the slope. A last correction so small that its square is
+    below ``resolution`` moves along the tangent instead.
     """
     length = theta * h
     near = 1e-3
@@ -193,10 +194,17 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work,
         taken += 1
         switching_functions(time + length, state_of(work.y_end), p, mode, scratch)
         correction = -scratch[which] / slope if slope < 0.0 else 0.0
-        moved = min(max(length + correction, 0.0), h)
-        if taken == 4 or abs(moved - length) <= resolution or abs(correction) > near * h:
+        if abs(correction) > near * h:
             break
-        length = moved
+        moved = min(max(length + correction, 0.0), h)
+        if (moved - length) ** 2 <= resolution:
+            rates = work.k[method.stages]
+            for n in range(STATE_SIZE):
+                work.y_end[n] += (moved - length) * rates[n]
+            length = moved
+            break
+        if taken < 4:
+            length = moved
     return length, taken
 
 

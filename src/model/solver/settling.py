@@ -1,9 +1,9 @@
 """When a run that will never align may stop: its motion repeats itself.
 
 Once an excitation period the state is compared with the state n periods back. If these differences
-contract, by a ratio ρ < 1 over n periods, twice in a row, what is left of the motion is at most
-Δ ρ/(1 - ρ). The run has settled when that remainder, taken tenfold, is smaller than the distance to
-alignment and to every switch that the last n periods did not make.
+are small and contract, by a ratio ρ < 1 over n periods, twice in a row, what is left of the motion
+is at most Δ ρ/(1 - ρ). The run has settled when that remainder, taken fivefold, cannot reach
+alignment or any switch that the last n periods did not make.
 """
 
 import numpy as np
@@ -25,9 +25,10 @@ from model.solver.switching import (
 
 LONGEST_PERIOD = 8
 _HISTORY = 3 * LONGEST_PERIOD + 1
-_LINEAR = 1e-4  # largest difference at which contraction counts as a property of the cycle
+_LINEAR = 1e-3  # largest difference at which contraction counts as a property of the cycle
+_NEARLY_LINEAR = 1e-2  # and largest of the two differences before it
 _CONTRACTION = 0.98
-_SAFETY = 10.0
+_SAFETY = 5.0
 
 
 @kernel
@@ -45,31 +46,36 @@ def record_period(count, y, closest, states, lowest):
 
 
 @kernel
-def _difference(count, n, states):
-    gap = 0.0
+def _differences(count, n, states, out):
+    """Write the absolute differences of the states at periods ``count`` and ``count - n``."""
     for i in range(STATE_SIZE):
-        gap = max(gap, abs(states[count % _HISTORY, i] - states[(count - n) % _HISTORY, i]))
-    return gap
+        out[i] = abs(states[count % _HISTORY, i] - states[(count - n) % _HISTORY, i])
 
 
 @kernel
-def _steepness(which, stiffness, length):
-    """How much a switching function can change with a unit of the state.
+def _change(which, r, p):
+    """How much a switching function can change while the state's components change by ``r``.
 
-    Loads and friction margins change with the base's stiffness, the others are lengths and
-    velocities of points of the part.
+    Lengths and slips are those of points of the part, at most half its diagonal from the centre;
+    loads are depths and closing rates times the base's stiffness and damping; a friction margin is
+    a load and the friction force that answers to it.
     """
-    is_load = (
+    arm = p.half_width + p.half_height
+    length = r[0] + r[1] + arm * r[2]
+    rate = r[3] + r[4] + arm * r[5]
+    load = p.contact_stiffness * length + p.contact_damping * rate
+    if which == SUPPORT_SLIP or which == SIDE_SLIP:
+        return 2.0 * load + length + rate
+    if (
         which == FACE_LOAD
         or which == FACE_RELOAD
         or which == SIDE_LOAD
         or which == SIDE_RELOAD
         or which == CORNER_LOAD
         or which == CORNER_RELOAD
-        or which == SUPPORT_SLIP
-        or which == SIDE_SLIP
-    )
-    return stiffness * length if is_load else length
+    ):
+        return load
+    return length + rate
 
 
 @kernel
@@ -78,30 +84,32 @@ def settled_period(count, states, lowest, p, noise):
 
     ``noise`` is the size of a difference that is the integrator's own.
     """
-    length = 1.0 + p.half_width + p.half_height
-    stiffness = 1.0 + p.contact_stiffness + p.contact_damping
+    remainder, before, earlier = np.empty(STATE_SIZE), np.empty(STATE_SIZE), np.empty(STATE_SIZE)
     for n in range(1, LONGEST_PERIOD + 1):
         if count < 3 * n:
             break
-        gap = _difference(count, n, states)
+        _differences(count, n, states, remainder)
+        gap = remainder.max()
         if gap > _LINEAR:
             continue
-        before = _difference(count - n, n, states)
-        earlier = _difference(count - 2 * n, n, states)
+        _differences(count - n, n, states, before)
+        _differences(count - 2 * n, n, states, earlier)
+        if max(before.max(), earlier.max()) > _NEARLY_LINEAR:
+            continue
         contraction = 0.0
         if gap > noise:
-            contraction = max(gap / before, before / earlier)
+            contraction = max(gap / before.max(), before.max() / earlier.max())
             if contraction > _CONTRACTION:
                 continue
-        elif before > noise:
-            contraction = min(before / earlier, _CONTRACTION)
-        remainder = max(gap, noise) / (1.0 - contraction)
+        elif before.max() > noise:
+            contraction = min(before.max() / earlier.max(), _CONTRACTION)
+        for i in range(STATE_SIZE):
+            remainder[i] = max(remainder[i], noise) / (1.0 - contraction)
         clear = True
         for i in range(n):
             for which in range(SWITCH_COUNT):
                 distance = lowest[(count - i) % _HISTORY, which]
-                steepness = _steepness(which, stiffness, length)
-                if distance != NEVER and _SAFETY * remainder * steepness > distance:
+                if distance != NEVER and _SAFETY * _change(which, remainder, p) > distance:
                     clear = False
         if clear:
             return n
