@@ -50,3 +50,11 @@ def test_values_of_another_type_are_refused(change, kind):
 def test_an_unknown_setting_is_refused(device):
     with pytest.raises(TypeError, match="tolerence"):
         simulate(device, tolerence=1e-8)
+
+
+def test_changes_stand_over_given_settings(device):
+    settings = Settings(horizon=2.0, tolerance=1e-8)
+    changed = simulate(device, settings, horizon=0.5)
+    assert changed.time[-1] == 0.5
+    whole = simulate(device, Settings(horizon=0.5, tolerance=1e-8))
+    assert changed.rhs_evaluations == whole.rhs_evaluations

@@ -307,3 +307,31 @@ def test_any_device_ends_in_time_with_finite_numbers(
     assert (run.reason is Reason.NONE) == (run.outcome < 2 or run.outcome == 3)
     assert run.message
     assert run.remedy
+
+
+def test_printed_criterion_keeps_the_horizon_after_the_contact_is_lost():
+    # This part loses the contact past the corner at τ = 2.86 and rocks from then on without all four
+    # corners being inside: the run must last to its horizon, not for the time a fall may take.
+    p = Parameters(
+        half_width=1.3, half_height=1.7, inertia=19.0, lateral_stiffness=0.037, tilt_stiffness=24.0,
+        lateral_damping=0.63, axial_damping=0.21, tilt_damping=1.2, friction=0.44, press_force=12.0,
+        frequency=5.7, clearance=0.25, misalignment=0.95, initial_tilt=0.1, contact_stiffness=31.0,
+        contact_damping=2.8,
+    )  # fmt: skip
+    assert simulate(p, horizon=60.0).tau_align == pytest.approx(2.86, abs=0.01)
+    printed = simulate(p, readings=Readings(alignment_criterion="printed"), horizon=60.0)
+    assert printed.outcome is Outcome.HORIZON_REACHED
+    assert printed.time[-1] == 60.0
+
+
+@pytest.mark.parametrize(
+    ("press_force", "tilt_stiffness"),
+    [(0.984924623116, 26.2110552764), (1.37688442211, 18.7788944724)],
+)
+def test_an_edge_that_clips_the_corner_for_an_instant_is_met(device, press_force, tilt_stiffness):
+    # Two points of Fig. 13 where the falling part touches A1 within 1e-3 of its corner B1: the edge
+    # is inside the part for less than a sampled part of a step. Missed, the corner ran into the wall.
+    p = device.replace(
+        friction=0.15, frequency=10.0, press_force=press_force, tilt_stiffness=tilt_stiffness
+    )
+    assert simulate(p).outcome is Outcome.ALIGNED

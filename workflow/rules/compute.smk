@@ -32,7 +32,7 @@ rule chunk:
         sweep=lambda wildcards: sweep(wildcards.figure),
         chunks=lambda wildcards: study.figures[wildcards.figure].chunks,
     message:
-        "{wildcards.figure}: computing chunk {wildcards.chunk} of 0 to {params.chunks}"
+        "{wildcards.figure}: computing chunk {wildcards.chunk} ({params.chunks} in all, from 0)"
     shell:
         "python workflow/scripts/compute_chunk.py --sweep {params.sweep:q}"
         " --chunk {wildcards.chunk} --chunks {params.chunks}"
