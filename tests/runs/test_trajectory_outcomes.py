@@ -12,6 +12,7 @@ from model import (
     SUSPENDED,
     Batch,
     Outcome,
+    Parameters,
     Readings,
     Reason,
     Scene,
@@ -310,8 +311,8 @@ def test_any_device_ends_in_time_with_finite_numbers(
 
 
 def test_printed_criterion_keeps_the_horizon_after_the_contact_is_lost():
-    # This part loses the contact past the corner at τ = 2.86 and rocks from then on without all four
-    # corners being inside: the run must last to its horizon, not for the time a fall may take.
+    # This part loses the contact past the corner at τ = 2.86 and rocks from then on, never with all
+    # four corners inside: the run must last to its horizon, not for the time a fall may take.
     p = Parameters(
         half_width=1.3, half_height=1.7, inertia=19.0, lateral_stiffness=0.037, tilt_stiffness=24.0,
         lateral_damping=0.63, axial_damping=0.21, tilt_damping=1.2, friction=0.44, press_force=12.0,
