@@ -331,7 +331,7 @@ def test_printed_criterion_keeps_the_horizon_after_the_contact_is_lost():
 )
 def test_an_edge_that_clips_the_corner_for_an_instant_is_met(device, press_force, tilt_stiffness):
     # Two points of Fig. 13 where the falling part touches A1 within 1e-3 of its corner B1: the edge
-    # is inside the part for less than a sampled part of a step. Missed, the corner ran into the wall.
+    # is inside the part for less than a sampled part of a step. Missed, B1 ran into the wall.
     p = device.replace(
         friction=0.15, frequency=10.0, press_force=press_force, tilt_stiffness=tilt_stiffness
     )

@@ -61,6 +61,7 @@ TRACK_COLUMNS = 9  # time, the state, the support's normal force, the side's
 _FIRST_STEP = 1e-2
 _MOST_SWITCHES_AT_ONCE = 64
 _START_TOLERANCE = 1e-9
+_ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
 _SWITCH_RESOLUTION = 1e-5  # square of a switch's last correction, relative to the tolerance
 _FALL_TIME = 20.0  # how long to wait for the corners to be inside once the contact is lost
 
@@ -264,6 +265,18 @@ def _write_track(track, row, time, y, sample):
 
 
 @inlined_kernel
+def _note_closest(samples, last, closest):
+    """Lower ``closest`` to the samples of a step, but for functions that rise from zero in it.
+
+    A mode starts on zeros of its own functions: that it leaves them is no approach to a switch.
+    """
+    for j in range(SWITCH_COUNT):
+        if samples[0, j] != NEVER and samples[0, j] > _ON_A_SWITCH:
+            for i in range(1, last + 1):
+                closest[j] = min(closest[j], samples[i, j])
+
+
+@inlined_kernel
 def _keep(q, y):
     y[0], y[1], y[2], y[3], y[4], y[5] = q.x, q.y, q.tilt, q.x_rate, q.y_rate, q.tilt_rate
 
@@ -349,9 +362,7 @@ def integrate(p, declared, method, control, track):
         for i in range(1, last + (0 if switches_here else 1)):
             node_time = time + NODE_PLACES[i] * h_step
             row = _write_track(track, row, node_time, work.nodes[i], work.samples[i])
-        for i in range(1, last + 1):
-            for j in range(SWITCH_COUNT):
-                closest[j] = min(closest[j], work.samples[i, j])
+        _note_closest(work.samples, last, closest)
 
         if length > 0.0:
             y[:] = work.y_end
