@@ -4,7 +4,6 @@ import argparse
 from pathlib import Path
 
 from model.show.report import render_report
-
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
 from model.study.provenance import report_provenance, write_text

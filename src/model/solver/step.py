@@ -24,11 +24,11 @@ def right_hand_side(time, y, p, mode, out):
 
 
 @inlined_kernel
-def _stage(i, time, h, y, p, mode, method, k, trial):
-    """Evaluate stage ``i`` into ``k[i]``; its state stays in ``trial``."""
-    s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # sums kept out of memory
-    for j in range(i):
-        weight = method.a[i, j]
+def _combination(weights, count, k):
+    """Σ_j weights[j] k[j] over the first ``count`` stages, as six numbers kept out of memory."""
+    s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(count):
+        weight = weights[j]
         if weight != 0.0:
             s0 += weight * k[j, 0]
             s1 += weight * k[j, 1]
@@ -36,6 +36,13 @@ def _stage(i, time, h, y, p, mode, method, k, trial):
             s3 += weight * k[j, 3]
             s4 += weight * k[j, 4]
             s5 += weight * k[j, 5]
+    return s0, s1, s2, s3, s4, s5
+
+
+@inlined_kernel
+def _stage(i, time, h, y, p, mode, method, k, trial):
+    """Evaluate stage ``i`` into ``k[i]``; its state stays in ``trial``."""
+    s0, s1, s2, s3, s4, s5 = _combination(method.a[i], i, k)
     trial[0], trial[1], trial[2] = y[0] + h * s0, y[1] + h * s1, y[2] + h * s2
     trial[3], trial[4], trial[5] = y[3] + h * s3, y[4] + h * s4, y[5] + h * s5
     right_hand_side(time + method.c[i] * h, trial, p, mode, k[i])
@@ -75,16 +82,7 @@ def dense_output(time, h, y, p, mode, method, k, trial, dense):
     for i in range(method.stages + 1, method.c.size):
         _stage(i, time, h, y, p, mode, method, k, trial)
     for i in range(dense.shape[1]):
-        s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for j in range(method.c.size):
-            weight = method.dense[j, i]
-            if weight != 0.0:
-                s0 += weight * k[j, 0]
-                s1 += weight * k[j, 1]
-                s2 += weight * k[j, 2]
-                s3 += weight * k[j, 3]
-                s4 += weight * k[j, 4]
-                s5 += weight * k[j, 5]
+        s0, s1, s2, s3, s4, s5 = _combination(method.dense[:, i], method.c.size, k)
         dense[0, i], dense[1, i], dense[2, i] = s0, s1, s2
         dense[3, i], dense[4, i], dense[5, i] = s3, s4, s5
 
