@@ -163,8 +163,7 @@ lock: python
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
 	UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
 		--quiet --all-extras --universal --python-version 3.11 --fork-strategy fewest \
-		--generate-hashes --no-config --no-annotate --no-emit-index-url --no-emit-find-links \
-		$(LOCK_FLAGS) --output-file requirements.lock
+		--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file requirements.lock
 	rm -rf .lock-venv
 
 clean:

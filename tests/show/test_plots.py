@@ -14,7 +14,7 @@ from model.physics.parameters import FIELDS
 from model.runs.trajectory import simulate
 from model.show import plots, style
 from model.solver.outcomes import Outcome
-from model.study.config import Curves, Family, History, Map, load_study, study_path
+from model.study.config import Curves, History
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
 from model.study.sweeps import sweep_of
 
@@ -293,19 +293,8 @@ def test_a_map_may_align_nowhere_or_everywhere(area, value, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def study():
-    """The study of the project, with few points."""
-    full = load_study(study_path())
-    small = dict(full.figures)
-    for name, spec in full.figures.items():
-        if isinstance(spec, Curves):
-            swept = spec.swept.model_copy(update={"count": 5})
-            few = Family(parameter=spec.family.parameter, values=spec.family.values[:2])
-            small[name] = spec.model_copy(update={"swept": swept, "family": few})
-        elif isinstance(spec, Map):
-            x, y = (axis.model_copy(update={"count": 4}) for axis in (spec.x, spec.y))
-            small[name] = spec.model_copy(update={"x": x, "y": y})
-    return full.model_copy(update={"figures": small})
+def study(small_study):
+    return small_study(points=5, cells=4)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,6 @@ from model.physics.readings import READING_NAMES
 from model.show import report
 from model.show.report import READING_WORDS, render_report
 from model.solver.outcomes import Outcome
-from model.study.config import Curves, Family, Map, load_study, study_path
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
 from model.study.sweeps import sweep_of
 
@@ -46,19 +45,8 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def study():
-    """The study of the project, with few points."""
-    full = load_study(study_path())
-    small = dict(full.figures)
-    for name, spec in full.figures.items():
-        if isinstance(spec, Curves):
-            swept = spec.swept.model_copy(update={"count": 10})
-            few = Family(parameter=spec.family.parameter, values=spec.family.values[:2])
-            small[name] = spec.model_copy(update={"swept": swept, "family": few})
-        elif isinstance(spec, Map):
-            x, y = (axis.model_copy(update={"count": 5}) for axis in (spec.x, spec.y))
-            small[name] = spec.model_copy(update={"x": x, "y": y})
-    return full.model_copy(update={"figures": small})
+def study(small_study):
+    return small_study(points=10, cells=5)
 
 
 @pytest.fixture(scope="module")

@@ -13,22 +13,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from model.physics import geometry
-from model.physics.parameters import Parameters
 from model.show import schematics, style
+from model.study.config import baseline
 
-BASELINE = Parameters(
-    half_width=1.0476,
-    half_height=4.1057,
-    inertia=15.434,
-    lateral_stiffness=0.04793,
-    tilt_stiffness=10.0,
-    lateral_damping=1.5969,
-    axial_damping=0.17288,
-    tilt_damping=4.5182,
-    friction=0.12,
-    press_force=2.0,
-    frequency=1.0,
-)
+BASELINE = baseline()
 OTHER = BASELINE.replace(half_width=1.9, half_height=3.5, clearance=0.15, misalignment=0.6)
 EITHER = pytest.mark.parametrize("parameters", [BASELINE, OTHER], ids=["baseline", "other"])
 
@@ -168,6 +156,7 @@ from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 from test_schematics import BASELINE
 from model.show import schematics, style
+from model.study.config import baseline
 style.save(schematics.fig04(BASELINE), Path(sys.argv[2]))
 """
 

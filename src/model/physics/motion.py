@@ -108,6 +108,12 @@ def side_contact(q, p, mode):
 
 
 @inlined_kernel
+def is_supported(mode):
+    """Whether the supporting edge or its corner presses."""
+    return mode.face == CLOSED or mode.corner == CLOSED
+
+
+@inlined_kernel
 def never_sticks(p):
     """Whether the friction state never changes: printed friction (R2), or none at all."""
     return p.printed_friction_law != 0.0 or p.friction == 0.0
@@ -148,9 +154,7 @@ def motion(time, q, p, mode):
     y = axial_suspension(q, p) + press(p) + excitation(time, p) + support.y + side.y
     moment = tilt_suspension(q, p) + support.moment + side.moment
 
-    support_sticks = mode.support_slip == STICKING and (
-        mode.face == CLOSED or mode.corner == CLOSED
-    )
+    support_sticks = mode.support_slip == STICKING and is_supported(mode)
     side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
     # Sliding friction first; sticking friction answers to all the rest.
     friction = -p.friction * support.load * mode.support_slip

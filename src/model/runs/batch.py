@@ -10,11 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.runs.errors import COLUMNS, run_rows
+from model.runs.errors import COLUMNS, NO_TRACK, run_rows
 from model.runs.settings import Settings
-from model.solver.loop import TRACK_COLUMNS
 
-_NO_TRACK = np.empty((0, TRACK_COLUMNS))
 _BLOCK = 32  # rows a thread takes at a time: small enough to level, large enough to cost nothing
 
 
@@ -99,15 +97,7 @@ def align(
 
     def run(first: int) -> None:
         part = slice(first, first + _BLOCK)
-        run_rows(
-            rows[part],
-            settings.scene.declared,
-            settings.method.method,
-            settings.control,
-            _NO_TRACK,
-            _NO_TRACK,
-            out[part],
-        )
+        run_rows(rows[part], *settings.for_kernels, NO_TRACK, NO_TRACK, out[part])
 
     firsts = range(0, len(rows), _BLOCK)
     if cores == 1 or len(firsts) == 1:

@@ -8,11 +8,12 @@ apart, the point is sensitive: digits of its alignment time would be false.
 from math import isnan, nan
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple as _to_fixed_tuple
 
 from model.physics.compiled import kernel
 from model.physics.parameters import Constants
-from model.solver.loop import Control, integrate
+from model.solver.loop import TRACK_COLUMNS, Control, integrate
 
 COARSER = 16.0
 SENSITIVE = 1e-4  # difference of the two alignment times above which a point is sensitive
@@ -45,6 +46,7 @@ class Record(NamedTuple):
 
 
 COLUMNS = Record._fields
+NO_TRACK = np.empty((0, TRACK_COLUMNS))
 
 
 @kernel

@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass, field
 
 from model.physics.readings import Readings
-from model.physics.scenes import ALIGNMENT, Scene
+from model.physics.scenes import ALIGNMENT, Declared, Scene
 from model.solver.loop import Control
-from model.solver.tableaux import DOP853, Tableau
+from model.solver.tableaux import DOP853, Method, Tableau
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +48,11 @@ class Settings:
             raise ValueError(f"max_evaluations = {self.max_evaluations!r}: must be >= 1")
         if self.method.error_order == 0:
             raise ValueError(f"method {self.method.name} has no error estimate: choose another")
+
+    @property
+    def for_kernels(self) -> tuple[Declared, Method, Control]:
+        """What the entry of a run takes besides parameters."""
+        return self.scene.declared, self.method.method, self.control
 
     @property
     def control(self) -> Control:

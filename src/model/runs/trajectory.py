@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.runs.errors import COLUMNS, Record, run_rows
+from model.runs.errors import COLUMNS, NO_TRACK, Record, run_rows
 from model.runs.settings import Settings
 from model.solver.loop import TRACK_COLUMNS
 from model.solver.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
+
+_USUAL_TRACK = 4096  # rows; a longer trajectory is run again with as many as it has
 
 
 @dataclass(frozen=True)
@@ -71,24 +73,18 @@ def simulate(
     """
     settings = replace(settings or Settings(), **changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
-    no_track = np.empty((0, TRACK_COLUMNS))
     out = np.empty((1, len(COLUMNS)))
 
-    def run(track: NDArray[np.float64]) -> None:
-        run_rows(
-            rows,
-            settings.scene.declared,
-            settings.method.method,
-            settings.control,
-            track,
-            no_track,
-            out,
-        )
+    def run(track: NDArray[np.float64]) -> Record:
+        run_rows(rows, *settings.for_kernels, track, NO_TRACK, out)
+        return Record(*out[0].tolist())
 
-    run(no_track)  # tells how long the track is
-    track = np.empty((int(out[0, COLUMNS.index("tracked")]), TRACK_COLUMNS))
-    run(track)
-    record = Record(*out[0].tolist())
+    track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
+    record = run(track)
+    if record.tracked > len(track):
+        track = np.empty((int(record.tracked), TRACK_COLUMNS))
+        record = run(track)
+    track = track[: int(record.tracked)].copy()
     return Trajectory(
         parameters=parameters,
         time=track[:, 0],

@@ -7,8 +7,6 @@ settled only when a figure is written.
 
 import contextlib
 import logging
-import os
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,6 +14,8 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from model.study.files import whole_file
 
 CENTIMETRE = 1.0 / 2.54  # in inches, the unit of figure sizes
 FIGURE_WIDTH = 16.0 * CENTIMETRE  # the text width of an A4 page
@@ -124,22 +124,13 @@ def save(figure: Figure, stem: Path) -> tuple[Path, ...]:
     Each file appears whole or not at all, so that an interrupted run leaves no half picture.
     """
     stem = Path(stem)
-    stem.parent.mkdir(parents=True, exist_ok=True)
     return tuple(_write(figure, stem, extension) for extension in FORMATS)
 
 
 def _write(figure: Figure, stem: Path, extension: str) -> Path:
     target = stem.with_name(f"{stem.name}.{extension}")
-    handle, name = tempfile.mkstemp(dir=stem.parent, prefix=f".{stem.name}-", suffix=".part")
-    part = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as stream, context(), _quiet_fonts():
-            figure.savefig(stream, format=extension, metadata=_METADATA[extension])
-        part.chmod(0o644)  # mkstemp's files are for their owner only
-        part.replace(target)
-    except BaseException:
-        part.unlink()
-        raise
+    with whole_file(target) as part, part.open("wb") as stream, context(), _quiet_fonts():
+        figure.savefig(stream, format=extension, metadata=_METADATA[extension])
     return target
 
 

@@ -2,9 +2,8 @@
 
 The step's dense output is sampled at its quarters, and close to its ends, where the slope is
 wanted. A sign change between two samples brackets a switch; a sampled minimum that could hide a
-double crossing is followed down. The switch
-is first found on the dense output; the loop then repeats the step up to it, so that the switched
-state has the step's full order.
+double crossing is followed down. The switch is first found on the dense output; the loop then
+repeats the step up to it, so that the switched state has the step's full order.
 """
 
 import numpy as np

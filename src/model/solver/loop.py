@@ -7,6 +7,7 @@ import numpy as np
 
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.geometry import bottom_corner, resting_height
+from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, START, STICKING
 from model.solver.locate import NO_SWITCH, NODE_PLACES, NODES, first_switch, sample_step
@@ -264,6 +265,14 @@ def _write_track(track, row, time, y, sample):
     return row + 1
 
 
+@kernel
+def _track_switch(track, row, time, y, p, mode, scratch):
+    """Write the state at a switch, with the forces of ``mode``, where the track has the row."""
+    if row < track.shape[0]:
+        switching_functions(time, state_of(y), p, mode, scratch)
+    return _write_track(track, row, time, y, scratch)
+
+
 @inlined_kernel
 def _note_closest(samples, last, closest):
     """Lower ``closest`` to the samples of a step, but for functions that rise from zero in it.
@@ -323,8 +332,7 @@ def integrate(p, declared, method, control, track):
         mode, possible = decide_friction(0.0, state_of(y), p, mode, True, True)
         if not possible:
             outcome, reason = _FAILED, _NO_FRICTION_SOLUTION
-    switching_functions(0.0, state_of(y), p, mode, scratch)
-    row = _write_track(track, row, time, y, scratch)
+    row = _track_switch(track, row, time, y, p, mode, scratch)
 
     while outcome == CONTINUES:
         next_period = (periods + 1) * period_length
@@ -357,7 +365,7 @@ def integrate(p, declared, method, control, track):
         if counted:
             tilt, force = _largest(work.nodes, work.samples, last)
             tilt_max, force_max = max(tilt_max, tilt), max(force_max, force)
-            if mode.support_slip == STICKING and (mode.face == CLOSED or mode.corner == CLOSED):
+            if mode.support_slip == STICKING and is_supported(mode):
                 sticking += length
         for i in range(1, last + (0 if switches_here else 1)):
             node_time = time + NODE_PLACES[i] * h_step
@@ -371,7 +379,8 @@ def integrate(p, declared, method, control, track):
         reached_stop = not switches_here and h_step == h_try and h_try == stop - time
         time = stop if reached_stop else time + length
         steps += 1
-        h = h_next if h_step == h or h_step < h_try or h_next > h else h
+        # A step cut short by a stop says nothing against the length it was cut from.
+        h = max(h, h_next) if h_step == h_try and h_try != h else h_next
         if switches_here:
             h = max(h_step, 1e-12)
             switches += 1
@@ -379,8 +388,7 @@ def integrate(p, declared, method, control, track):
             at_once = at_once + 1 if length <= 1e-13 * max(1.0, time) else 0
             before = mode
             _keep(without_residual_slip(which, state_of(y), p, mode), y)
-            switching_functions(time, state_of(y), p, mode, scratch)
-            row = _write_track(track, row, time, y, scratch)
+            row = _track_switch(track, row, time, y, p, mode, scratch)
             mode, outcome, reason = switch(which, time, state_of(y), p, mode, declared)
             if counted and outcome == CONTINUES and _opened(before, mode):
                 separations += 1
@@ -395,8 +403,7 @@ def integrate(p, declared, method, control, track):
                 outcome = CONTINUES
         _keep(hold_sticking(state_of(y), p, mode), y)
         if switches_here:
-            switching_functions(time, state_of(y), p, mode, scratch)
-            row = _write_track(track, row, time, y, scratch)
+            row = _track_switch(track, row, time, y, p, mode, scratch)
 
         if outcome != CONTINUES:
             break

@@ -14,7 +14,7 @@ from math import pi
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
-from model.physics.motion import motion, never_sticks
+from model.physics.motion import is_supported, motion, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
@@ -184,7 +184,7 @@ def _corner_switches(q, p, mode, out):
 
 @inlined_kernel
 def _friction_switches(time, q, p, mode, out):
-    supported = mode.face == CLOSED or mode.corner == CLOSED
+    supported = is_supported(mode)
     if never_sticks(p) or not (supported or mode.side == CLOSED):
         return
     at = motion(time, q, p, mode)

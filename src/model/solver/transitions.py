@@ -4,6 +4,7 @@ from model.physics.compiled import kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.motion import (
+    is_supported,
     mobility,
     motion,
     never_sticks,
@@ -153,7 +154,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     if never_sticks(p):
         return _with_friction(mode, -1, -1), True
     now = motion(time, q, p, mode)
-    supported = mode.face == CLOSED or mode.corner == CLOSED
+    supported = is_supported(mode)
     beside = mode.side == CLOSED
     support_at_rest = supported and (support_at_rest or abs(now.support_slip) <= REST_SLIP)
     side_at_rest = beside and (side_at_rest or abs(now.side_slip) <= REST_SLIP)
@@ -185,8 +186,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
 @kernel
 def hold_sticking(q, p, mode):
     """``q`` with the slip of what sticks removed by friction impulses: rounding must not drift."""
-    supported = mode.face == CLOSED or mode.corner == CLOSED
-    support_sticks = supported and mode.support_slip == STICKING
+    support_sticks = is_supported(mode) and mode.support_slip == STICKING
     side_sticks = mode.side == CLOSED and mode.side_slip == STICKING
     if not (support_sticks or side_sticks):
         return q

@@ -4,10 +4,7 @@ Content is deterministic: the same sweep and code give the same bytes. Time stam
 like go into sidecars (provenance.py).
 """
 
-import contextlib
 import json
-import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from enum import IntEnum
@@ -21,6 +18,7 @@ from model.physics.parameters import FIELDS
 from model.runs.batch import Alignments, align
 from model.runs.trajectory import simulate
 from model.solver.outcomes import Outcome, Reason
+from model.study.files import whole_file
 from model.study.sweeps import Sweep
 
 POINT = "point"
@@ -214,17 +212,8 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
         encoding[str(name)] = {"_FillValue": None}
         if variable.ndim:
             encoding[str(name)] |= {"zlib": True, "complevel": 4, "shuffle": True}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(suffix=".nc.part", dir=path.parent)
-    os.close(handle)
-    try:
-        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            Path(temporary).unlink()
-        raise
+    with whole_file(path) as part:
+        dataset.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
 
 
 def read_dataset(path: Path) -> xr.Dataset:

@@ -4,7 +4,6 @@ import ast
 import hashlib
 import importlib.metadata
 import json
-import os
 import platform
 import subprocess
 import sys
@@ -13,6 +12,8 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from model.study.files import whole_file
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _TRACKED = ("numpy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
@@ -175,7 +176,5 @@ def write_json(record: Mapping[str, Any], path: Path) -> None:
 
 def write_text(text: str, path: Path) -> None:
     """Write ``text``, whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.part")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8")
