@@ -136,6 +136,12 @@ def _quartic_root(place, g0, g1, g2, g3, g4):
 
 
 @inlined_kernel
+def _is_corner(which):
+    """Whether a function is sampled without its closing rate, so that its samples do not tell."""
+    return which == RIGHT_CORNER_LANDS or which == LEFT_CORNER_LANDS
+
+
+@inlined_kernel
 def _crossing(which, samples, i):
     """Where in the step function ``which`` falls through zero: (θ, whether the samples tell)."""
     g0, g1, g2 = samples[0, which, i], samples[1, which, i], samples[2, which, i]
@@ -145,8 +151,7 @@ def _crossing(which, samples, i):
     place = 1
     while samples[place, which, i] >= 0.0:
         place += 1
-    corner = which == RIGHT_CORNER_LANDS or which == LEFT_CORNER_LANDS  # sampled without its motion
-    if corner or samples[place - 1, which, i] <= 0.0:
+    if _is_corner(which) or samples[place - 1, which, i] <= 0.0:
         return 0.25 * (place - 1), False
     if which < COMBINED_COUNT:
         first = samples[0, SWITCH_COUNT + which, i]
@@ -252,6 +257,27 @@ def _other_crossing(lanes, i, landing):
     return False
 
 
+@kernel
+def _at_end(which, lanes, runs, work, i):
+    """(value, slope) of function ``which`` at the end of the step."""
+    samples, length = lanes.samples, runs[LENGTH, i]
+    if not _is_corner(which):
+        g = samples[NODES - 1, which, i]
+        _, _, _, _, rise = slopes(
+            samples[0, which, i], samples[1, which, i], samples[2, which, i],
+            samples[3, which, i], g,
+        )  # fmt: skip
+        return g, rise / (0.25 * length)
+    p, mode, time = constants_of(runs, i), mode_of(runs, i), runs[TIME, i] + length
+    q, back = state_in(runs, Y_END, i), -_NEAR * length
+    switching_functions(time, q, p, mode, work.scratch)
+    g = work.scratch[which]
+    before = short_step(time, back, q, p, mode)
+    switching_functions(time + back, before, p, mode, work.scratch)
+    runs[EVALUATIONS, i] += 4.0
+    return g, (work.scratch[which] - g) / back
+
+
 @inlined_kernel
 def _approach(which, g, by, runs, work, i):
     """Move Y_END onto the switch ``which``, ``by`` away where its function is ``g``.
@@ -294,12 +320,8 @@ def _land(declared, method, lanes, runs, work, i):
         if theta < 1.0 - 1e-9:
             _land_on(earlier, theta, 1.0, runs, i)
             return
-    samples = lanes.samples
-    g = samples[NODES - 1, which, i]
-    _, _, _, _, slope = slopes(
-        samples[0, which, i], samples[1, which, i], samples[2, which, i], samples[3, which, i], g
-    )
-    by = -0.25 * length * g / slope if slope < 0.0 else full
+    g, slope = _at_end(which, lanes, runs, work, i)
+    by = -g / slope if slope < 0.0 else full
     near, there = abs(by) <= _NEAR * full, False
     if near:
         way, there = _approach(which, g, by, runs, work, i)
@@ -359,27 +381,12 @@ def _look_after(declared, method, control, lanes, runs, history, work, i):
     _go_on(lanes, runs, work, i)
 
 
-@inlined_kernel
+@kernel
 def _run_elsewhere(declared, method, control, lanes, runs, history, work, i):
     """Advance a run by the reference engine until lanes can hold it, or it ends."""
     while runs[OUTCOME, i] == CONTINUES and not lanes_hold(mode_of(runs, i)):
         advance(declared, method, control, work.nodes[:0], history, work, runs, i)
     _go_on(lanes, runs, work, i)
-
-
-@kernel
-def _next_run(first, rows, tolerances, declared, control, lanes, runs, work, endings, i):
-    """Put the next run of the queue that does not end at once into lane ``i``: the one after it."""
-    while first < rows.shape[0]:
-        begin(rows[first], tolerances[first], declared, control, runs, i)
-        runs[ROW_OF_BATCH, i] = first
-        first += 1
-        if runs[OUTCOME, i] == CONTINUES:
-            _go_on(lanes, runs, work, i)
-            return first
-        endings[first - 1] = ending_of(runs, i)
-    runs[PHASE, i] = IDLE
-    return first
 
 
 class Many(NamedTuple):
@@ -413,23 +420,28 @@ def integrate_all(rows, tolerances, declared, method, control, endings, many):
     work, rows, endings = borrowed_workspace(many.work), borrowed(rows), borrowed(endings)
     runs = lanes.w.reshape(LANE_ROWS, LANES)
     queue = 0
-    for i in range(LANES):
-        queue = _next_run(queue, rows, tolerances, declared, control, lanes, runs, work, endings, i)
-    active = True
-    while active:
-        step_all(method, many.sums, lanes)
+    runs[PHASE] = IDLE
+    runs[OUTCOME] = CONTINUES
+    while True:
         active = False
         for i in range(LANES):
-            if runs[PHASE, i] == IDLE:
-                continue
-            active = True
-            if runs[SHOWN, i] == CLEAR:
-                continue
-            _look_after(declared, method, control, lanes, runs, history, work, i)
-            if runs[PHASE, i] == STEPPING and not lanes_hold(mode_of(runs, i)):
+            if runs[PHASE, i] != IDLE:
+                if runs[SHOWN, i] != CLEAR:
+                    _look_after(declared, method, control, lanes, runs, history, work, i)
+                    if runs[PHASE, i] == STEPPING and not lanes_hold(mode_of(runs, i)):
+                        _run_elsewhere(declared, method, control, lanes, runs, history, work, i)
+                if runs[OUTCOME, i] != CONTINUES:
+                    endings[int(runs[ROW_OF_BATCH, i])] = ending_of(runs, i)
+                    runs[PHASE, i] = IDLE
+            while runs[PHASE, i] == IDLE and queue < rows.shape[0]:
+                begin(rows[queue], tolerances[queue], declared, control, runs, i)
+                runs[ROW_OF_BATCH, i] = queue
                 _run_elsewhere(declared, method, control, lanes, runs, history, work, i)
-            if runs[OUTCOME, i] != CONTINUES:
-                endings[int(runs[ROW_OF_BATCH, i])] = ending_of(runs, i)
-                queue = _next_run(
-                    queue, rows, tolerances, declared, control, lanes, runs, work, endings, i
-                )
+                if runs[OUTCOME, i] != CONTINUES:
+                    endings[queue] = ending_of(runs, i)
+                    runs[PHASE, i] = IDLE
+                queue += 1
+            active = active or runs[PHASE, i] != IDLE
+        if not active:
+            break
+        step_all(method, many.sums, lanes)
