@@ -400,6 +400,8 @@ class _Run:
     ) -> _Mode:
         """The mode with friction that fits the slips: at rest the first that is consistent."""
         at_corner = mode.corner == "on" and (mode.slip_at_corner or mode.face != "on")
+        # What stuck at one place may slip at the other.
+        support_rests = support_rests and at_corner == mode.slip_at_corner
         mode = replace(mode, slip_at_corner=at_corner)
         mu = self.device.p.friction
         if mu == 0.0:
