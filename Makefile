@@ -2,6 +2,7 @@
 # make fig06      one figure (fig01 to fig14)
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
+# make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make lock       requirements.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
@@ -23,7 +24,7 @@ in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
 unexport PYTHONHOME PYTHONPATH
 
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
-.PHONY: all $(FIGURES) smoke test lint types floors workflow unit environment python lock
+.PHONY: all $(FIGURES) smoke accuracy test lint types floors workflow unit environment python lock
 .PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -53,6 +54,9 @@ $(FIGURES): environment
 
 smoke: environment
 	$(call run_study,--configfile config/smoke.yaml)
+
+accuracy: environment
+	$(call run_study,accuracy)
 
 # Steps 2 and 3. A job is a script in workflow/scripts, run by Python from a shell.
 define SETTLE

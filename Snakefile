@@ -40,3 +40,4 @@ rule all:
 
 include: "workflow/rules/compute.smk"
 include: "workflow/rules/show.smk"
+include: "workflow/rules/accuracy.smk"

@@ -23,6 +23,12 @@ TINY = {
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
         "fig14": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1},
     },
+    "accuracy": {
+        "horizon": 30.0,
+        "sets": 4,
+        "chunks": 2,
+        "settled": {"sets": 4, "chunks": 1, "longer": 2.0},
+    },
 }
 DATA = ["tiny/data/fig05.nc", "tiny/data/fig11.nc", "tiny/data/fig13.nc"]
 
@@ -95,6 +101,17 @@ def test_a_caption_recomputes_no_trajectory(project: Path) -> None:
     changed = snakemake(project, *DATA, "-n")
     counts = dict(line.split() for line in changed.stdout.splitlines() if len(line.split()) == 2)
     assert counts["chunk"] == "1", "only fig11 computes anew"
+
+
+def test_accuracy_prints_what_it_found_whether_or_not_it_computes(project: Path) -> None:
+    run = snakemake(project, "accuracy")
+    assert run.returncode == 0, run.stdout + run.stderr
+    found = (project / "tiny" / "accuracy" / "summary.txt").read_text(encoding="utf-8")
+    assert "error below tau_error" in found
+    assert found in run.stdout
+    again = snakemake(project, "accuracy")
+    assert found in again.stdout
+    assert "trying chunk" not in again.stdout + again.stderr
 
 
 @pytest.fixture

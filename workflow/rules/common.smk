@@ -1,7 +1,8 @@
-"""What the rules share: how a figure's parts are named and described."""
+"""What the rules share: how the parts of a figure or trial are named and described."""
 
 from pathlib import Path
 
+from model.study.accuracy import trial_of
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
 
@@ -24,3 +25,14 @@ def label(figure):
 def drawn(figure):
     """A figure's pictures."""
     return expand(root / f"figures/{figure}.{{kind}}", kind=["png", "svg", "pdf"])
+
+
+def trial(name):
+    """An accuracy trial's computation as JSON."""
+    return trial_of(study, name).model_dump_json()
+
+
+def trial_chunks(name):
+    """An accuracy trial's chunks."""
+    law = study.accuracy if name == "error" else study.accuracy.settled
+    return expand(root / f"accuracy/{name}/{{chunk}}.csv", chunk=range(law.chunks))

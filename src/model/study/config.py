@@ -8,7 +8,7 @@ import difflib
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import yaml
 from pydantic import (
@@ -32,6 +32,9 @@ MAPS = ("fig13", "fig14")
 FIGURES = SCHEMATICS + HISTORIES + CURVES + MAPS
 
 
+Value = TypeVar("Value")
+
+
 class ConfigError(ValueError):
     """A configuration that breaks a rule; the message has one line for each fault."""
 
@@ -41,7 +44,7 @@ def _parameter_name(name: str) -> str:
     return name
 
 
-def _parameter_names(values: dict[str, float]) -> dict[str, float]:
+def _parameter_names(values: dict[str, Value]) -> dict[str, Value]:
     for name in values:
         _parameter_name(name)
     return values
@@ -154,6 +157,43 @@ class RunSettings(_Strict):
         return Settings(readings=readings, horizon=self.horizon, tolerance=self.tolerance)
 
 
+class Range(_Strict):
+    """How one parameter is drawn: log-uniform from low to high, or 0 in a share of the sets."""
+
+    low: float = Field(gt=0.0)
+    high: float
+    zero: float = Field(default=0.0, ge=0.0, lt=1.0)
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> "Range":
+        if not self.low < self.high:
+            raise ValueError(f"low = {self.low} must be smaller than high = {self.high}")
+        return self
+
+    def holds(self, value: float) -> bool:
+        """Whether sets with this value, or with values on both sides of it, can be drawn."""
+        return self.low <= value <= self.high or (value == 0.0 and self.zero > 0.0)
+
+
+class SettledTrial(_Strict):
+    """How many sets are drawn for the trial of settled runs, and how long they are run on."""
+
+    sets: int = Field(ge=1)
+    chunks: int = Field(ge=1, le=1000)
+    longer: float = Field(gt=1.0)
+
+
+class Accuracy(_Strict):
+    """The law by which the integrator's accuracy is tried on random sets; see accuracy.py."""
+
+    seed: int = Field(ge=0)
+    horizon: float = Field(gt=0.0)
+    sets: int = Field(ge=1)
+    chunks: int = Field(ge=1, le=1000)
+    settled: SettledTrial
+    ranges: Annotated[dict[str, Range], AfterValidator(_parameter_names)]
+
+
 class Study(_Strict):
     """The whole study; see config/config.yaml."""
 
@@ -162,6 +202,7 @@ class Study(_Strict):
     structure: ParameterValues
     operating_point: ParameterValues
     figures: dict[str, FigureSpec]
+    accuracy: Accuracy
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
@@ -215,6 +256,8 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
     }
     if path[0] == "settings":
         models[2] = RunSettings
+    elif path[0] == "accuracy":
+        models[2], models[3], models[4] = Accuracy, SettledTrial, Range
     elif path[0] == "figures" and len(path) > 3:
         models[4] = kinds[path[2]]
         models[5] = Family if path[3] == "family" else Axis
@@ -254,6 +297,7 @@ def _check_figures(study: Study, source: str) -> list[str]:
         faults += _value_faults(f"{source}: figures.{name}.held", figure.held)
     if faults:
         return faults
+    faults += _check_law(study, source)
     for name, figure in study.figures.items():
         if figure.kind != _KIND[name]:
             faults.append(
@@ -279,6 +323,23 @@ def _check_figures(study: Study, source: str) -> list[str]:
                 Batch.of(parameters, **{part.parameter: part.values})
             except ValueError as error:
                 faults.append(f"{source}: figures.{name}.{key}: {error}")
+    return faults
+
+
+def _check_law(study: Study, source: str) -> list[str]:
+    """Faults of the accuracy trial's law: the ends of its ranges against the parameters' rules."""
+    place, ranges = f"{source}: accuracy.ranges", study.accuracy.ranges
+    faults = _value_faults(place, {name: law.low for name, law in ranges.items()})
+    faults += _value_faults(place, {name: 0.0 for name, law in ranges.items() if law.zero > 0.0})
+    if faults:
+        return faults
+    # The worst combination of the ends: the farthest start on the narrowest part.
+    narrow = {"half_width", "clearance"}
+    ends = {name: law.low if name in narrow else law.high for name, law in ranges.items()}
+    try:
+        study.baseline.replace(**ends)
+    except ValueError as error:
+        faults.append(f"{place}: {error}")
     return faults
 
 
