@@ -21,7 +21,6 @@ CREEPING = Parameters(
     contact_damping=0.7958812622141187, phase=0.9014785550564973,
     rest_tilt=0.0023258541802665695,
 )  # fmt: skip
-settles_too_soon = pytest.mark.xfail(strict=True, reason="the criterion overlooks a hidden creep")
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +35,7 @@ def settled(device):
         closest[ALIGNED] = distance
         for count, state in enumerate(sequence, start=1):
             record_period(count, state, closest, states, lowest)
-            period = settled_period(count, states, lowest, p, 1e-8)
+            period = settled_period(count, 1.0, states, lowest, p, 1e-8)
             if period:
                 return count, period
         return None
@@ -59,14 +58,12 @@ def test_the_transient_alone_settles(settled, ratio):
     assert count < 40
 
 
-@settles_too_soon
 def test_a_run_that_creeps_to_the_slot_does_not_settle():
     run = simulate(CREEPING, horizon=1600.0)
     assert run.outcome is Outcome.ALIGNED
     assert run.tau_align == pytest.approx(1497.0, abs=1.0)
 
 
-@settles_too_soon
 @pytest.mark.parametrize("ratio", [0.2, 0.5])
 @pytest.mark.parametrize("creep", [1e-6, 1e-7])
 def test_a_creep_under_a_transient_does_not_settle(settled, ratio, creep):
@@ -77,7 +74,6 @@ def test_a_creep_under_a_transient_does_not_settle(settled, ratio, creep):
     assert settled(transient + drift, 1e-4) is None
 
 
-@settles_too_soon
 def test_one_contraction_is_no_evidence(settled):
     # The first three periods have two differences, so one ratio; two are wanted.
     sequence = np.array([0.0, 1e-3, 1.1e-3])[:, None] * np.ones(6)

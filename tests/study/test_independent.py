@@ -71,7 +71,6 @@ def test_it_says_how_the_scene_is_left(device):
     assert solution.time == pytest.approx(run.time[-1], abs=1e-6)
 
 
-@pytest.mark.xfail(strict=True, reason="a later drop overwrites the first")
 def test_the_first_drop_is_the_alignment():
     # R8: the first instant with A1 past B1 and B2 in the slot, in contact or in flight.
     solution = solve(DROPS_TWICE, 20.0)
