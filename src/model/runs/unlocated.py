@@ -120,7 +120,7 @@ def _rates(time, y, row):
 
 
 @kernel
-def _outside(time, y, row):
+def _outside(y, row):
     return outside(y, Constants(*to_fixed_tuple(row, _CONSTANTS)))
 
 
@@ -140,9 +140,10 @@ class UnlocatedProblem:
 def unlocated_problem(parameters: Parameters, readings: Readings | None = None) -> UnlocatedProblem:
     """``parameters`` as a problem whose right-hand side does not depend on a mode."""
     row = Batch.stack([parameters]).constants(readings or Readings())[0]
+    # A run that may evaluate nothing ends where it starts.
     start = align_unlocated([parameters], "rk4", 1.0, readings=readings, max_evaluations=0).state[0]
     return UnlocatedProblem(
         rates=lambda time, y: _rates(time, y, row),
-        fall=lambda time, y: _outside(time, y, row),
+        fall=lambda _, y: _outside(y, row),
         start=start,
     )

@@ -6,8 +6,9 @@ or ends and jumps where a slip reverses, and the integrator steps across them un
 stick: at rest the friction force flips sign from step to step.
 
 Contacts and forces are those of the physics floor. Where the located mode remembers how a contact
-began, this must guess from the state: an edge inside the part presses on the nearest face, and a
-corner on the flat takes up what goes deeper than its edge already does.
+began, this must guess from the state: A1 inside the part presses on the bottom face, A2 on the
+nearer of bottom and left side, and a corner on the flat takes up what goes deeper than its edge
+already does.
 """
 
 from math import isfinite, nan
