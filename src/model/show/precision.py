@@ -164,7 +164,7 @@ def wrong_points(datasets: Sequence["xr.Dataset"]) -> Figure:
         figure.legend(
             handles=_wrong_handles(datasets[0].attrs["tau_tolerance"]),
             loc="outside lower center",
-            ncols=4,
+            ncols=2,
         )
         return figure
 
@@ -266,7 +266,7 @@ def needs(rungs: Sequence[TimedRung], target: float) -> dict[tuple[str, str], Ne
                     break
                 kept.append(rung)
             if kept:
-                least = min(kept, key=lambda rung: rung.microseconds)
+                least = min(kept, key=lambda rung: rung.rhs_evaluations)
                 found[method, case] = Need(
                     least.rhs_evaluations, least.microseconds, least.resolution
                 )
@@ -315,7 +315,8 @@ def advice(
         scans = (
             f"For scans and maps, where {_power(COARSE)} will do, choose {same} at a looser "
             f"tolerance, {_range(coarse, best_coarse, cases)} µs a trajectory; "
-            f"{_against_scipy(coarse, best_coarse, cases)}"
+            f"{_against_scipy(coarse, best_coarse, cases)}; "
+            f"{_faster_without(coarse, best_coarse, titles)}"
         )
     return f"{numbers}.", f"{scans}.", f"{_against_fixed_steps(wrong)}."
 
@@ -351,6 +352,20 @@ def _against_scipy(need: Mapping[tuple[str, str], Need], best: str, cases: Seque
     )
 
 
+def _faster_without(
+    need: Mapping[tuple[str, str], Need], best: str, titles: Mapping[str, str]
+) -> str:
+    faster = [
+        f"{method.label} is faster where it {title}"
+        for name, method in METHODS.items()
+        for case, title in titles.items()
+        if not method.located
+        and (name, case) in need
+        and need[name, case].microseconds < need[best, case].microseconds
+    ]
+    return "; ".join(faster) or "no method without located switches is faster in any case"
+
+
 def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:
     counts = {figure: wrong_counts(dataset) for figure, dataset in wrong.items()}
     steps = dict.fromkeys(step for each in counts.values() for _, step in each)
@@ -361,10 +376,10 @@ def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:
             count = each[TYPICAL_SCHEME, step]
             share = (count["wrong_outcome"] + count["wrong_time"]) / count["points"]
             shares.append(f"{_percent(share)} of Fig. {int(figure.removeprefix('fig'))}")
-        parts.append(f"with h = {step:g} {' and '.join(shares)}")
+        parts.append(f"{' and '.join(shares)} with h = {step:g}")
     return (
-        "Fixed steps without located switches are for a first look only: "
-        f"RK4 gets wrong, {'; '.join(parts)}"
+        "Choose fixed steps without located switches for a first look only: of the points, RK4 "
+        f"gets wrong {', '.join(parts)}"
     )
 
 

@@ -170,7 +170,10 @@ def semi_implicit_euler_step(time, h, y, p, rates, y_end):
 
 @kernel
 def _fall_within(h, y, p, method, k, trial):
-    """Length of the step up to the fall, by bisection on the continuous extension."""
+    """Length of the step up to the fall, by bisection on the continuous extension.
+
+    The state there is left in ``trial``, which must not be ``y``.
+    """
     low, high = 0.0, 1.0
     for _ in range(_BISECTIONS):
         theta = 0.5 * (low + high)
@@ -240,7 +243,8 @@ def _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y):
             continue
         h = length * (5.0 if error == 0.0 else min(5.0, 0.9 * error ** (-1.0 / method.order)))
         if outside(y_end, p) < 0.0:
-            tau = time + _fall_within(length, y, p, method, k, y)
+            tau = time + _fall_within(length, y, p, method, k, y_end)
+            y[:] = y_end
             return Passage(tau, tau, float(evaluations), 1.0)
         time = horizon if last else time + length
         y[:] = y_end

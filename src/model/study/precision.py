@@ -198,7 +198,7 @@ class Scipy:
 Method = Located | Unlocated | Scipy
 
 METHODS: Mapping[str, Method] = {
-    "dop853_located": Located("default: DOP853, switches located", DOP853),
+    "dop853_located": Located("DOP853, switches located (default)", DOP853),
     "dormand_prince_located": Located("Dormand–Prince 5(4), switches located", DORMAND_PRINCE),
     "dormand_prince_unlocated": Unlocated(
         "Dormand–Prince 5(4), unlocated", "dormand_prince", fixed=False
