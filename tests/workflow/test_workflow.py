@@ -23,8 +23,23 @@ TINY = {
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
         "fig14": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1},
     },
+    "precision": {
+        "ladder": {
+            "tolerances": [1e-3, 1e-6],
+            "steps": [0.01],
+            "max_evaluations": 20_000,
+            "max_evaluations_scipy": 1_000,
+        },
+        "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
+    },
 }
-DATA = ["tiny/data/fig05.nc", "tiny/data/fig11.nc", "tiny/data/fig13.nc"]
+DATA = [
+    "tiny/data/fig05.nc",
+    "tiny/data/fig11.nc",
+    "tiny/data/fig13.nc",
+    "tiny/data/fixed_steps/fig13.nc",
+    "tiny/data/precision.nc",
+]
 
 
 @pytest.fixture

@@ -333,7 +333,7 @@ def _fastest(need: Mapping[tuple[str, str], Need], cases: Sequence[str]) -> str 
 
 def _range(need: Mapping[tuple[str, str], Need], method: str, cases: Sequence[str]) -> str:
     costs = [need[method, case].microseconds for case in cases]
-    return f"{min(costs):,.0f} to {max(costs):,.0f}"
+    return " to ".join(dict.fromkeys(f"{cost:,.0f}" for cost in (min(costs), max(costs))))
 
 
 def _against_scipy(need: Mapping[tuple[str, str], Need], best: str, cases: Sequence[str]) -> str:

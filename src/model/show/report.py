@@ -153,6 +153,7 @@ def render_report(
     computed = [name for name, spec in study.figures.items() if spec.kind != "schematic"]
     missing = [f"the dataset of {name}" for name in computed if name not in datasets]
     missing += [f"the picture of {name}" for name in study.figures if name not in figures]
+    missing += [f"the picture of {name}" for name in PICTURES if name not in comparison.pictures]
     if missing:
         raise ValueError(f"the report needs {', '.join(missing)}")
     environment = Environment(
