@@ -1,4 +1,4 @@
-"""Speed against error: every method on one case of each kind of motion, and what fixed steps get wrong.
+"""Speed against error: all methods on one case of each kind of motion, and fixed steps gone wrong.
 
 Errors and evaluations are data, the same in every build. CPU times are not: they live under
 benchmarks/, and nothing under data/ or figures/ is made from them.
@@ -9,7 +9,8 @@ import json
 from model.study.plans import fixed_step_plan, precision_plan
 
 
-# One job for both outputs, so that the most expensive runs are made once.
+# One job for both outputs, so that the most expensive runs are made once. It has one thread, of
+# which Snakemake tells the linear algebra under scipy's Radau: with more, that rounds otherwise.
 rule precision:
     input:
         kernels=ancient(root / "data/kernels.json"),

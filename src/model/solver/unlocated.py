@@ -127,7 +127,7 @@ def unlocated_rates(time, y, p, out):
     out[5] = (tilt_suspension(q, p) + right[2] + left[2]) / p.inertia
 
 
-@inlined_kernel
+@kernel
 def outside(y, p):
     """Positive until the part has fallen in, by the alignment criterion in force (R8)."""
     q = state_of(y)
@@ -136,7 +136,7 @@ def outside(y, p):
     return not_fallen_in(q, p)[0]
 
 
-@inlined_kernel
+@kernel
 def _has_left(y, p):
     """Whether the part is off the edge A1, away from the slot, or overturned."""
     q = state_of(y)
@@ -196,12 +196,10 @@ def _fall_within(h, y, p, method, k, trial):
 
 
 @kernel
-def _fixed_steps(scheme, h, p, method, horizon, max_evaluations, y):
+def _fixed_steps(scheme, h, p, method, horizon, max_evaluations, y, k, y_end):
     """Equal steps; whether the part has fallen in is looked at when a step has ended."""
-    k, y_end = np.empty((method.stages + 1, STATE_SIZE)), np.empty(STATE_SIZE)
     cost = method.stages if scheme == RK4_STEPS else 1
     time, steps = 0.0, 0
-    unlocated_rates(time, y, p, k[0])
     while horizon - time > 1e-9 * h:
         if (steps + 1) * cost > max_evaluations:
             return Passage(nan, time, float(steps * cost), 0.0)
@@ -222,11 +220,9 @@ def _fixed_steps(scheme, h, p, method, horizon, max_evaluations, y):
 
 
 @kernel
-def _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y):
+def _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y, k, y_end):
     """Steps to a tolerance; only the fall is located, on the continuous extension."""
-    k, y_end = np.empty((method.stages + 1, STATE_SIZE)), np.empty(STATE_SIZE)
     time, h, evaluations = 0.0, _FIRST_STEP, 1
-    unlocated_rates(time, y, p, k[0])
     while time < horizon:
         if evaluations + method.stages > max_evaluations:
             return Passage(nan, time, float(evaluations), 0.0)
@@ -267,8 +263,10 @@ def pass_unlocated(scheme, resolution, p, method, horizon, max_evaluations):
         max_evaluations: most right-hand-side evaluations.
     """
     y, _ = start(p, _EVERY_CONTACT)
+    k, y_end = np.empty((method.stages + 1, STATE_SIZE)), np.empty(STATE_SIZE)
+    unlocated_rates(0.0, y, p, k[0])
     if scheme == ADAPTIVE_STEPS:
-        passage = _adaptive_steps(resolution, p, method, horizon, max_evaluations, y)
+        passage = _adaptive_steps(resolution, p, method, horizon, max_evaluations, y, k, y_end)
     else:
-        passage = _fixed_steps(scheme, resolution, p, method, horizon, max_evaluations, y)
+        passage = _fixed_steps(scheme, resolution, p, method, horizon, max_evaluations, y, k, y_end)
     return passage, y
