@@ -191,6 +191,9 @@ def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float])
     calls.clear()
     assert cpu_microseconds(takes(1.0)) == pytest.approx(1e6)
     assert calls == [1]
+    calls.clear()
+    assert cpu_microseconds(takes(1.0), known=2.0) == pytest.approx(2e6)
+    assert calls == []
 
 
 def test_timings_survive_the_disk(tmp_path: Path) -> None:

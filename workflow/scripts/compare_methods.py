@@ -10,7 +10,6 @@ from model.study.precision import (
     METHODS,
     climb,
     precision_dataset,
-    timed,
     timings_table,
     true_run,
 )
@@ -34,7 +33,7 @@ def main() -> None:
         for rung in climb(plan, case, method, truths[case])
     ]
     write_dataset(precision_dataset(plan, truths, rungs), arguments.output)
-    write_text(timings_table(timed(plan, rungs)), arguments.times)
+    write_text(timings_table(rungs), arguments.times)
     counts = {
         "trajectories": len(rungs),
         "rhs_evaluations": sum(rung.rhs_evaluations for rung in rungs),

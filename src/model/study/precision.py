@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -229,6 +230,13 @@ class Rung:
     verdict: Verdict
 
 
+@dataclass(frozen=True)
+class TimedRung(Rung):
+    """A rung with the CPU time of one trajectory, NaN where it came to no right outcome."""
+
+    microseconds: float
+
+
 def problem_of(plan: PrecisionPlan, name: str) -> Problem:
     """The case ``name`` of the plan."""
     case = plan.cases[name]
@@ -293,13 +301,23 @@ def error_of(passed: Passed, truth: Trajectory) -> tuple[float, Verdict]:
     return max(error, float(np.spacing(size))), Verdict.RIGHT_OUTCOME
 
 
-def climb(plan: PrecisionPlan, case: str, method: str, truth: Trajectory) -> Iterator[Rung]:
+def climb(plan: PrecisionPlan, case: str, method: str, truth: Trajectory) -> Iterator[TimedRung]:
     """The rungs of one method on one case, coarse to fine, up to the first that costs too much."""
     problem, how = problem_of(plan, case), METHODS[method]
+    warm = False  # the first run may load or compile what the others find ready
     for resolution in plan.ladder.steps if how.fixed else plan.ladder.tolerances:
+        started = time.thread_time()
         passed = how.run(problem, resolution)
+        seconds = time.thread_time() - started
         error, verdict = error_of(passed, truth)
-        yield Rung(case, method, resolution, error, passed.rhs_evaluations, verdict)
+        microseconds = math.nan
+        if verdict == Verdict.RIGHT_OUTCOME:
+            work = partial(how.run_many, problem, resolution)
+            microseconds = cpu_microseconds(work, seconds if warm else None)
+        warm = True
+        yield TimedRung(
+            case, method, resolution, error, passed.rhs_evaluations, verdict, microseconds
+        )
         if verdict == Verdict.TOO_MANY_EVALUATIONS:
             return
 
@@ -384,12 +402,14 @@ _LONG_ENOUGH = 0.005  # seconds that a timed batch should take
 _LARGEST_BATCH = 16
 
 
-def cpu_microseconds(work: Callable[[int], object]) -> float:
+def cpu_microseconds(work: Callable[[int], object], known: float | None = None) -> float:
     """CPU time of one of the ``count`` runs that ``work(count)`` does: the median of batches.
 
-    What is timed must have run before, so that nothing compiles any more.
+    Args:
+        work: has run before, so that nothing compiles any more.
+        known: seconds that a run took, where that is known; a long one is not repeated.
     """
-    once = _cpu_seconds(work, 1)
+    once = _cpu_seconds(work, 1) if known is None else known
     if once > _PATIENCE:
         return 1e6 * once
     count = max(1, min(_LARGEST_BATCH, int(_LONG_ENOUGH / max(once, 1e-9))))
@@ -401,26 +421,6 @@ def _cpu_seconds(work: Callable[[int], object], count: int) -> float:
     started = time.thread_time()
     work(count)
     return time.thread_time() - started
-
-
-def rung_microseconds(plan: PrecisionPlan, rung: Rung) -> float:
-    """CPU time of one trajectory at a rung; NaN where it came to no right outcome."""
-    if rung.verdict != Verdict.RIGHT_OUTCOME:
-        return math.nan
-    problem, method = problem_of(plan, rung.case), METHODS[rung.method]
-    return cpu_microseconds(lambda count: method.run_many(problem, rung.resolution, count))
-
-
-@dataclass(frozen=True)
-class TimedRung(Rung):
-    """A rung with the CPU time of one trajectory in microseconds, NaN as ``rung_microseconds``."""
-
-    microseconds: float
-
-
-def timed(plan: PrecisionPlan, rungs: Sequence[Rung]) -> list[TimedRung]:
-    """Every rung with its CPU time; all have run before, so nothing compiles any more."""
-    return [TimedRung(**vars(rung), microseconds=rung_microseconds(plan, rung)) for rung in rungs]
 
 
 _COLUMNS = tuple(field.name for field in fields(TimedRung))
