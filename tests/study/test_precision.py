@@ -194,6 +194,11 @@ def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float])
     calls.clear()
     assert cpu_microseconds(takes(1.0), known=2.0) == pytest.approx(2e6)
     assert calls == []
+    assert cpu_microseconds(takes(1e-4), together=16) == pytest.approx(100.0)
+    assert calls == [16, 16, 16, 16, 16, 16]
+    calls.clear()
+    assert cpu_microseconds(takes(1e-2), together=16) == pytest.approx(1e4)
+    assert calls == [16]
 
 
 def test_timings_survive_the_disk(tmp_path: Path) -> None:

@@ -9,11 +9,29 @@ import json
 from model.study.plans import fixed_step_plan, precision_plan
 
 
+# Apart from the other kernels, so that an edit of what only this section runs reruns no figure.
+rule unlocated_kernels:
+    input:
+        root / "data/kernels.json",
+    output:
+        root / "data/unlocated_kernels.json",
+    log:
+        root / "logs/unlocated_kernels.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("compile_unlocated"),
+    message:
+        "compiling the kernels without located switches"
+    shell:
+        "python workflow/scripts/compile_unlocated.py --output {output} > {log} 2>&1"
+
+
 # One job for both outputs, so that the most expensive runs are made once. It has one thread, of
 # which Snakemake tells the linear algebra under scipy's Radau: with more, that rounds otherwise.
 rule precision:
     input:
-        kernels=ancient(root / "data/kernels.json"),
+        kernels=root / "data/unlocated_kernels.json",
     output:
         data=root / "data/precision.nc",
         record=root / "data/precision.run.json",
@@ -34,7 +52,7 @@ rule precision:
 
 rule fixed_steps:
     input:
-        kernels=ancient(root / "data/kernels.json"),
+        kernels=root / "data/unlocated_kernels.json",
         located=root / "data/{figure}.nc",
     output:
         data=root / "data/fixed_steps/{figure}.nc",

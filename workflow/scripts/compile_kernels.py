@@ -4,7 +4,6 @@ import argparse
 from pathlib import Path
 
 from model.runs.batch import align
-from model.runs.unlocated import align_unlocated, unlocated_problem
 from model.study.config import baseline
 from model.study.provenance import closure_hash, write_json
 
@@ -15,10 +14,6 @@ def main() -> None:
     parser.add_argument("--output", type=Path, required=True)
     arguments = parser.parse_args()
     align([baseline()], horizon=0.1, cores=1)
-    align_unlocated([baseline()], "rk4", 0.1, horizon=0.1)
-    problem = unlocated_problem(baseline())
-    problem.rates(0.0, problem.start)
-    problem.fall(0.0, problem.start)
     write_json({"kernels": closure_hash(Path(__file__))}, arguments.output)
 
 

@@ -78,7 +78,8 @@ class Passed:
 
 # --- The methods --------------------------------------------------------------------------------
 # Each runs a case at a resolution (``fixed``: the length of a step, else a tolerance), once for
-# its error, and for its time ``count`` neighbours of the case, as fast as it does them on one core.
+# its error, and for its time ``count`` neighbours of the case, as fast as it does them on one core;
+# ``together`` is the least count for which a batch shows what it can.
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,7 @@ class Located:
     tableau: Tableau
     fixed: bool = False
     located: bool = True
+    together: int = 16
 
     def _settings(self, problem: Problem, resolution: float) -> Settings:
         return replace(problem.settings, method=self.tableau, tolerance=resolution)
@@ -115,6 +117,7 @@ class Unlocated:
     scheme: UnlocatedScheme
     fixed: bool
     located: bool = False
+    together: int = 1
 
     def _options(self, problem: Problem) -> dict[str, Any]:
         settings = problem.settings
@@ -153,6 +156,7 @@ class Scipy:
     solver: str
     fixed: bool = False
     located: bool = False
+    together: int = 1
 
     def run(self, problem: Problem, resolution: float) -> Passed:
         """One run; the absolute tolerance is the relative one, as in the project's own methods."""
@@ -313,7 +317,8 @@ def climb(plan: PrecisionPlan, case: str, method: str, truth: Trajectory) -> Ite
         microseconds = math.nan
         if verdict == Verdict.RIGHT_OUTCOME:
             work = partial(how.run_many, problem, resolution)
-            microseconds = cpu_microseconds(work, seconds if warm else None)
+            known = seconds if warm and how.together == 1 else None
+            microseconds = cpu_microseconds(work, how.together, known)
         warm = True
         yield TimedRung(
             case, method, resolution, error, passed.rhs_evaluations, verdict, microseconds
@@ -402,17 +407,22 @@ _LONG_ENOUGH = 0.005  # seconds that a timed batch should take
 _LARGEST_BATCH = 16
 
 
-def cpu_microseconds(work: Callable[[int], object], known: float | None = None) -> float:
+def cpu_microseconds(
+    work: Callable[[int], object], together: int = 1, known: float | None = None
+) -> float:
     """CPU time of one of the ``count`` runs that ``work(count)`` does: the median of batches.
 
     Args:
         work: has run before, so that nothing compiles any more.
-        known: seconds that a run took, where that is known; a long one is not repeated.
+        together: least number of runs in a batch.
+        known: seconds that ``together`` runs took, where that is known. Runs that take long are
+            not repeated.
     """
-    once = _cpu_seconds(work, 1) if known is None else known
+    once = _cpu_seconds(work, together) if known is None else known
     if once > _PATIENCE:
-        return 1e6 * once
-    count = max(1, min(_LARGEST_BATCH, int(_LONG_ENOUGH / max(once, 1e-9))))
+        return 1e6 * once / together
+    fitting = int(_LONG_ENOUGH * together / max(once, 1e-9))
+    count = max(together, min(_LARGEST_BATCH, fitting))
     repeats = [_cpu_seconds(work, count) / count for _ in range(_REPEATS)]
     return 1e6 * float(np.median(repeats))
 
