@@ -29,8 +29,23 @@ TINY = {
         "chunks": 2,
         "settled": {"sets": 4, "chunks": 1, "longer": 2.0},
     },
+    "precision": {
+        "ladder": {
+            "tolerances": [1e-3, 1e-6],
+            "steps": [0.01],
+            "max_evaluations": 20_000,
+            "max_evaluations_scipy": 1_000,
+        },
+        "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
+    },
 }
-DATA = ["tiny/data/fig05.nc", "tiny/data/fig11.nc", "tiny/data/fig13.nc"]
+DATA = [
+    "tiny/data/fig05.nc",
+    "tiny/data/fig11.nc",
+    "tiny/data/fig13.nc",
+    "tiny/data/fixed_steps/fig13.nc",
+    "tiny/data/precision.nc",
+]
 
 
 @pytest.fixture
@@ -85,6 +100,17 @@ def test_a_build_is_complete_and_a_second_has_nothing_to_do(project: Path) -> No
     assert run.returncode == 0, run.stdout + run.stderr
     again = snakemake(project, *DATA, "-n")
     assert "Nothing to be done" in again.stdout + again.stderr
+    # An edit below every job, the kernels' included, leaves none of them out.
+    for script in (project / "workflow" / "scripts").glob("*.py"):
+        script.write_text(
+            script.read_text(encoding="utf-8") + "\nEDITED = True\n", encoding="utf-8"
+        )
+    (project / "tiny" / "data" / "fig05.nc").unlink()
+    edited = snakemake(project, *DATA, "-n")
+    counts = dict(line.split() for line in edited.stdout.splitlines() if len(line.split()) == 2)
+    jobs = ("kernels", "chunk", "merge", "history", "unlocated_kernels", "fixed_steps", "precision")
+    assert set(jobs) <= set(counts), edited.stdout
+    assert int(counts["chunk"]) == 4
 
 
 def test_a_caption_recomputes_no_trajectory(project: Path) -> None:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from model.study.accuracy import trial_of
+from model.study.plans import PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
 
@@ -20,6 +21,11 @@ def sweep(figure):
 def label(figure):
     """A figure's wording, which computes nothing."""
     return {"title": study.figures[figure].title, "summary": study.figures[figure].sees}
+
+
+def pictured(place):
+    """A picture of the section on speed against error."""
+    return multiext(str(root / place), ".png", ".svg", ".pdf")
 
 
 def drawn(figure):

@@ -1,7 +1,8 @@
 """Trajectories: compiled kernels, chunks of each figure's sweep, and one dataset a figure."""
 
 
-# Compiled once, before the jobs that would otherwise all compile at the same time.
+# Compiled once, before the jobs that would otherwise all compile at the same time. Not `ancient`
+# for them: Snakemake would then leave out, without a word, all that an edit below makes stale.
 rule kernels:
     output:
         root / "data/kernels.json",
@@ -19,7 +20,7 @@ rule kernels:
 
 rule chunk:
     input:
-        kernels=ancient(root / "data/kernels.json"),
+        kernels=root / "data/kernels.json",
     output:
         data=root / "data/chunks/{figure}/{chunk}.nc",
         record=root / "data/chunks/{figure}/{chunk}.run.json",
@@ -68,7 +69,7 @@ rule merge:
 
 rule history:
     input:
-        kernels=ancient(root / "data/kernels.json"),
+        kernels=root / "data/kernels.json",
     output:
         data=root / "data/{figure}.nc",
         record=root / "data/{figure}.run.json",

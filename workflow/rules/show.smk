@@ -49,6 +49,11 @@ rule report:
     input:
         data=expand(root / "data/{figure}.nc", figure=computed),
         pictures=[drawn(figure) for figure in FIGURES],
+        times=root / "benchmarks/precision.csv",
+        fixed_steps=expand(
+            root / "data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
+        ),
+        comparison=[pictured(place) for place in PICTURES.values()],
     output:
         root / "report.html",
     log:

@@ -3,9 +3,12 @@
 import argparse
 from pathlib import Path
 
+from model.show.precision import Comparison
 from model.show.report import render_report
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
+from model.study.plans import PICTURES
+from model.study.precision import read_timings
 from model.study.provenance import report_provenance, write_text
 
 
@@ -20,7 +23,16 @@ def main() -> None:
     computed = [name for name in FIGURES if name not in SCHEMATICS]
     datasets = {name: read_dataset(root / f"data/{name}.nc") for name in computed}
     pictures = {name: root / f"figures/{name}.png" for name in FIGURES}
-    page = render_report(arguments.study, datasets, pictures, report_provenance(root))
+    comparison = Comparison(
+        rungs=read_timings(root / "benchmarks/precision.csv"),
+        wrong={
+            name: read_dataset(root / f"data/fixed_steps/{name}.nc")
+            for name in arguments.study.precision.fixed_steps.figures
+        },
+        pictures={name: root / f"{place}.png" for name, place in PICTURES.items()},
+    )
+    provenance = report_provenance(root)
+    page = render_report(arguments.study, datasets, pictures, provenance, comparison)
     write_text(page, arguments.output)
 
 

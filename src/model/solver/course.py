@@ -121,7 +121,7 @@ def borrowed_history(history):
 
 
 @kernel
-def _start(p, declared):
+def start(p, declared):
     """State and mode at τ = 0: at rest, touching the base without pressing.
 
     The bottom face stands on the edge A1; a part tilted the other way stands on its corner B1. A
@@ -190,7 +190,7 @@ def begin(row, tolerance, declared, control, runs, i):
     runs[TAU_ALIGN, i], runs[TAU_CORNERS_INSIDE, i], runs[TILT_AT_ALIGNMENT, i] = nan, nan, nan
     runs[TILT_MAX, i] = abs(p.initial_tilt)
     runs[CLOSEST : CLOSEST + SWITCH_COUNT, i] = NEVER
-    q, mode = _start(p, declared)
+    q, mode = start(p, declared)
     if _start_is_impossible(q, p, mode):
         fail(runs, i, _IMPOSSIBLE_START)
     else:

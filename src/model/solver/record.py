@@ -13,7 +13,7 @@ from model.physics.parameters import Constants
 from model.physics.scenes import Mode
 from model.solver.switching import SWITCH_COUNT
 
-STATE_SIZE = 6
+STATE_SIZE = len(State._fields)
 CONSTANTS = len(Constants._fields)  # the first rows
 
 _SINGLE_ROWS = (
@@ -82,6 +82,12 @@ def constants_of(runs, i):
         runs[14, i], runs[15, i], runs[16, i], runs[17, i], runs[18, i], runs[19, i], runs[20, i],
         runs[21, i], runs[22, i], runs[23, i], runs[24, i], runs[25, i], runs[26, i],
     )  # fmt: skip
+
+
+@inlined_kernel
+def constants_in(row):
+    """``Constants`` from ``row``, shape (constants,)."""
+    return constants_of(row.reshape((CONSTANTS, 1)), 0)
 
 
 @inlined_kernel

@@ -10,7 +10,7 @@ reach alignment or any switch that the last n periods did not make.
 import numpy as np
 
 from model.physics.compiled import kernel
-from model.solver.step import STATE_SIZE
+from model.solver.record import STATE_SIZE
 from model.solver.switching import (
     CORNER_LOAD,
     CORNER_RELOAD,

@@ -5,8 +5,7 @@ from math import sqrt
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import motion
 from model.physics.notation import State
-
-STATE_SIZE = 6
+from model.solver.record import STATE_SIZE
 
 
 @inlined_kernel

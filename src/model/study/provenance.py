@@ -16,7 +16,7 @@ from typing import Any
 from model.study.files import whole_file
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-_TRACKED = ("numpy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
+_TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
 
 
 def _module_file(name: str) -> Path | None:
