@@ -3,7 +3,7 @@
 import math
 import statistics
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import process_time
 
 from benchmarks.methods.base import Method, NotReachedError, cpu_seconds
@@ -96,12 +96,17 @@ def time_in_turn(settings: Sequence[Setting], rounds: int) -> Iterable[Cost]:
     """The cost of every setting: medians of ``rounds``, taken in turn so that noise hits all."""
     cases: dict[int, tuple[Sequence[Parameters], int]] = {}
     times: dict[int, list[float]] = {}
+    failed: dict[int, Setting] = {}
     counted: dict[int, float] = {}
     for i, setting in enumerate(settings):  # warm, and how many trajectories fill a call
         once: Sequence[Parameters] = setting.problem.cases
         if setting.method.batch > 1:
             once = setting.problem.batch(setting.method.batch)
-        spent, evaluations = _spend(setting, once)
+        try:
+            spent, evaluations = _spend(setting, once)
+        except NotReachedError as reason:  # neighbours of the cases can be harder
+            failed[i] = replace(setting, reason=str(reason))
+            continue
         counted[i] = math.nan if evaluations is None else evaluations / len(once)
         repeats = 1 if spent > _LEAST_TIME else math.ceil(_LEAST_TIME / max(spent, 1e-4))
         cases[i], times[i] = (once, repeats), [] if spent < _SLOW else [spent / len(once)]
@@ -112,7 +117,10 @@ def time_in_turn(settings: Sequence[Setting], rounds: int) -> Iterable[Cost]:
             spent = sum(_spend(settings[i], once)[0] for _ in range(repeats))
             times[i].append(spent / (repeats * len(once)))
     for i, setting in enumerate(settings):
-        yield Cost(setting, 1e6 * statistics.median(times[i]), counted[i])
+        if i in failed:
+            yield Cost(failed[i], math.nan, math.nan)
+        else:
+            yield Cost(setting, 1e6 * statistics.median(times[i]), counted[i])
 
 
 def _spend(setting: Setting, cases: Sequence[Parameters]) -> tuple[float, int | None]:

@@ -18,7 +18,7 @@ from model import Parameters
 
 _MOST_SWITCHES = 20_000  # of one trajectory; W3 has about 1,000
 _AT_ONCE = 1e-12  # a switch sooner than this after the one before is none that took time
-_CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try then
+CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try then
 
 
 def cpu_seconds() -> float:
@@ -140,7 +140,7 @@ def drive(
         states: list[Any] = []
         for stop in problem.checkpoints or (problem.horizon,):
             while t < stop and mode != ALIGNED:
-                for first_step in (0.0, *_CAREFUL):
+                for first_step in (0.0, *CAREFUL):
                     limits = Limits(min(first_step, stop - t), longest_step(case))
                     end, y_end, which, counted = segment(mode, t, y, p, stop, limits)
                     evaluations += counted

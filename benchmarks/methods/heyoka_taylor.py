@@ -283,21 +283,20 @@ class HeyokaBatch(Method):
         running = [lane if lane < len(cases) else None for lane in range(lanes.width)]
         for lane in range(lanes.width):
             lanes.fill(lane, cases[lane % len(cases)])
-        waiting, left, steps = iter(range(lanes.width, len(cases))), len(cases), 0
-        while left:
+        waiting, steps = iter(range(lanes.width, len(cases))), 0
+        while any(case is not None for case in running):
             lanes.integrator.step()
             steps += 1
+            if steps % 256 == 0:
+                if cpu_seconds() > deadline:
+                    raise NotReachedError("out of time")
+                late = np.flatnonzero(lanes.times > problem.horizon).tolist()
+                lanes.aligned += [(lane, np.nan) for lane in late if running[lane] is not None]
             while lanes.aligned:
                 lane, time = lanes.aligned.pop()
-                done = running[lane]
-                if done is not None:
+                if (done := running[lane]) is not None:
                     answers[done, 0] = time
-                    left -= 1
                 running[lane] = next(waiting, None)
                 if (following := running[lane]) is not None:
                     lanes.fill(lane, cases[following])
-            if steps % 256 == 0 and (
-                cpu_seconds() > deadline or lanes.times.min() > problem.horizon
-            ):
-                raise NotReachedError("out of time")
         return Solution(answers, None)

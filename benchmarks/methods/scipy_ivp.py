@@ -5,7 +5,7 @@ from typing import Any
 
 from scipy.integrate import solve_ivp
 
-from benchmarks.methods.base import Limits, Method, NotReachedError, Solution, drive
+from benchmarks.methods.base import CAREFUL, Limits, Method, NotReachedError, Solution, drive
 from benchmarks.modes import MODES, SWITCHES, rates_in, switch_in
 from benchmarks.problems import Problem
 from model import Parameters
@@ -53,7 +53,9 @@ class ScipyIvp(Method):
             except ValueError as error:  # LSODA's dense output denies the change of sign it saw
                 if "different signs" not in str(error):
                     raise
-                return t, y, None, 0
+                if 0.0 < limits.first <= CAREFUL[-1]:
+                    raise NotReachedError("a switch was seen and not found") from None
+                return t, y, SWITCHES[mode][0], 0  # as if at once: to be tried again
             if run.status < 0:
                 raise NotReachedError(run.message)
             if run.status == 0:

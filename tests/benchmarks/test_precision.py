@@ -102,6 +102,19 @@ def test_times_are_of_one_trajectory_and_evaluations_too(problem: Problem) -> No
     assert {count for count, _ in method.calls[-3:]} == {2}
 
 
+def test_a_method_that_fails_on_the_batch_is_told_apart_and_keeps_its_place(
+    problem: Problem,
+) -> None:
+    lost, found = Pretended(), Pretended()
+    settings = [find_setting(method, problem, 1e-8, budget=60.0) for method in (lost, found)]
+    lost.fails = True
+    first, second = time_in_turn(settings, rounds=1)
+    assert np.isnan(first.microseconds)
+    assert first.setting.reason == "out of time"
+    assert second.setting is settings[1]
+    assert second.microseconds > 0.0
+
+
 def test_the_shared_loop_switches_and_stops_at_alignment() -> None:
     modes = []
 
