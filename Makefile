@@ -3,7 +3,9 @@
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
-# make lock       requirements.lock anew; LOCK_FLAGS=--upgrade takes newer versions
+# make bench      speed against other integrators, in an environment of its own (about 15 minutes);
+#                 BENCH_FLAGS=--quick for a rough table in three
+# make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
 # PYTHON=python3.13 chooses the Python to build the environment with, CORES=8 the cores to use,
@@ -12,6 +14,7 @@
 PYTHON ?= python3
 CORES ?= 2
 SNAKEMAKE_FLAGS ?=
+BENCH_FLAGS ?=
 UV_VERSION := 0.13.8
 
 SHELL := /bin/sh
@@ -25,7 +28,7 @@ unexport PYTHONHOME PYTHONPATH
 
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 .PHONY: all $(FIGURES) smoke accuracy test lint types floors workflow unit environment python lock
-.PHONY: clean distclean
+.PHONY: bench bench-environment clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -131,6 +134,12 @@ workflow: environment
 unit: environment
 	$(call check,pytest)
 
+# ------------------------------------------------------------------------------------ the benchmark
+
+# PYTHONPATH in place of an installation: the environment holds other people's packages only.
+bench: bench-environment
+	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
+
 # ---------------------------------------------------------------------------------- the environment
 
 # Built anew, from nothing, when the lock file, pyproject.toml or the version of Python changes. The
@@ -142,16 +151,39 @@ STAMP := .venv/.complete-$(TAG)
 environment: python
 	@$(call hold,wait,.make-environment.lock) $(MAKE) --silent --no-print-directory $(STAMP)
 
+# $(call new_environment,FOLDER) makes it, $(call pip_of,FOLDER) opens a shell line with its pip.
+# Some systems split ensurepip from Python; their own pip can fill the environment as well.
+new_environment = $(PYTHON) -m venv --clear $(1) >/dev/null 2>&1 || \
+	$(PYTHON) -m venv --clear --without-pip $(1)
+pip_of = pip="$(PYTHON) -m pip --python $(1)/bin/python"; \
+	if [ -x $(1)/bin/pip ]; then pip="$(1)/bin/python -m pip"; fi; \
+	export PIP_DISABLE_PIP_VERSION_CHECK=1
+pinned = --quiet --no-deps --require-hashes --requirement
+
 $(STAMP): requirements.lock pyproject.toml
 	@echo "building the environment in .venv with Python $(TAG)"
-	@# Some systems split ensurepip from Python; their own pip can fill the environment as well.
-	@$(PYTHON) -m venv --clear .venv >/dev/null 2>&1 || $(PYTHON) -m venv --clear --without-pip .venv
-	@pip="$(PYTHON) -m pip --python .venv/bin/python"; \
-	if [ -x .venv/bin/pip ]; then pip=".venv/bin/python -m pip"; fi; \
-	export PIP_DISABLE_PIP_VERSION_CHECK=1; \
-	$$pip install --quiet --no-deps --use-pep517 --require-hashes --requirement requirements.lock && \
+	@$(call new_environment,.venv)
+	@$(call pip_of,.venv); \
+	$$pip install --use-pep517 $(pinned) requirements.lock && \
 	$$pip install --quiet --no-deps --no-build-isolation --editable . && \
 	$$pip check
+	@touch $@
+
+# What `make bench` compares with, apart from the environment of the study. One peer has no wheel and
+# is built where a Fortran compiler is; a peer that is missing is reported by the benchmark.
+BENCH_STAMP := .venv-bench/.complete-$(TAG)
+
+bench-environment: python
+	@$(call hold,wait,.make-environment.lock) $(MAKE) --silent --no-print-directory $(BENCH_STAMP)
+
+$(BENCH_STAMP): requirements-bench.lock requirements-bench-source.lock
+	@echo "building the environment of the benchmark in .venv-bench with Python $(TAG)"
+	@$(call new_environment,.venv-bench)
+	@$(call pip_of,.venv-bench); $$pip install $(pinned) requirements-bench.lock
+	@$(call pip_of,.venv-bench); \
+	if ! command -v gfortran >/dev/null; then echo "no gfortran: numbalsoda is left out"; \
+	else $$pip install $(pinned) requirements-bench-source.lock || \
+		echo "numbalsoda could not be built and is left out"; fi
 	@touch $@
 
 python:
@@ -161,18 +193,22 @@ python:
 		echo "$(PYTHON) is Python $(TAG), vibralign needs 3.11 or newer: make PYTHON=..." >&2; exit 1; }
 
 # Every extra and the build backend, with the hashes of all platforms, valid for Python 3.11 and
-# newer; `fewest` keeps to one version of a package where newer Pythons would allow another.
+# newer; the peers of `make bench` in locks of their own, at the same versions of what is common; `fewest` keeps to one version of a package where newer Pythons would allow another.
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
-	UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
-		--quiet --all-extras --universal --python-version 3.11 --fork-strategy fewest \
-		--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file requirements.lock
+	$(call pin,--extra plot --extra study --extra dev,requirements.lock)
+	$(call pin,--extra bench --constraints requirements.lock,requirements-bench.lock)
+	$(call pin,--extra bench-source --no-deps --constraints requirements.lock,requirements-bench-source.lock)
 	rm -rf .lock-venv
+
+pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
+	--quiet --universal --python-version 3.11 --fork-strategy fewest \
+	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) $(1) --output-file $(2)
 
 clean:
 	rm -rf results results-* .snakemake build dist
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean
-	rm -rf .venv .lock-venv .make-*.lock
+	rm -rf .venv .venv-bench .lock-venv .make-*.lock
