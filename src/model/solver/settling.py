@@ -52,6 +52,15 @@ def _difference(count, n, states, out):
 
 
 @kernel
+def _is_close(count, n, states):
+    """Whether the state at period ``count`` is near that at ``count - n``."""
+    for i in range(STATE_SIZE):
+        if abs(states[count % HISTORY, i] - states[(count - n) % HISTORY, i]) > _LINEAR:
+            return False
+    return True
+
+
+@kernel
 def _largest(vector):
     return np.abs(vector).max()
 
@@ -70,7 +79,7 @@ def _reach(d0, d1, d2, cycles, noise, reach):
     to last so many ``cycles``.
     """
     gap, before, earlier = _largest(d0), _largest(d1), _largest(d2)
-    if gap > _LINEAR or max(before, earlier) > _NEARLY_LINEAR:
+    if max(before, earlier) > _NEARLY_LINEAR:
         return False
     contraction, creeps = 0.0, False
     ratio, ratio_before = 0.0, 0.0
@@ -126,14 +135,14 @@ def settled_period(count, period, states, lowest, p, noise):
     ``count`` excitation periods of length ``period`` are over; ``noise`` is the size of a
     difference that is the integrator's own.
     """
-    d0, d1, d2 = np.empty(STATE_SIZE), np.empty(STATE_SIZE), np.empty(STATE_SIZE)
-    reach = np.empty(STATE_SIZE)
     for n in range(1, LONGEST_PERIOD + 1):
         if count <= 3 * n:
             break
-        _difference(count, n, states, d0)
-        if _largest(d0) > _LINEAR:
+        if not _is_close(count, n, states):
             continue
+        d0, d1, d2 = np.empty(STATE_SIZE), np.empty(STATE_SIZE), np.empty(STATE_SIZE)
+        reach = np.empty(STATE_SIZE)
+        _difference(count, n, states, d0)
         _difference(count - n, n, states, d1)
         _difference(count - 2 * n, n, states, d2)
         if not _reach(d0, d1, d2, _LASTING / (n * period), noise, reach):
