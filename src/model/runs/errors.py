@@ -2,9 +2,9 @@
 
 The result is that of the run at the tolerance asked for. A second run, at ``COARSER`` times that
 tolerance and from a start displaced in x(0) by the tolerance, tells how far the alignment time may
-still move. Where the two end differently, or far apart, the point is sensitive: digits of its
-alignment time would be false. Where they agree but less closely than the tolerance promises, both
-are run again at a tolerance smaller in proportion.
+still move. Where the two end differently, or far apart, or agree less closely than the tolerance
+promises, the set is run again at a smaller tolerance. It is sensitive if the displaced start, then
+run as accurately as that, still ends elsewhere: digits of its alignment time would be false.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,8 @@ from model.physics.parameters import Constants
 from model.solver.record import Ending
 
 COARSER = 16.0
-SENSITIVE = 1e-4  # difference of the two alignment times above which a point is sensitive
+SENSITIVE = 1e-4  # difference of two alignment times above which they are not the same
+SHARPER = 1e3  # tolerance over that at which sets are run again whose two runs part
 PROMISED = 100.0  # largest error, over the tolerance, that is not run again
 FINEST = 1e-14  # smallest tolerance
 RESOLUTION = 1e-14  # relative rounding of an alignment time
@@ -31,9 +32,9 @@ _SAFETY = 4.0
 
 
 class Estimate(NamedTuple):
-    """What two runs of each parameter set tell; arrays of shape (n,), and ``endings`` of the finer.
+    """What the runs of each parameter set tell; arrays of shape (n,), and ``endings`` of the finer.
 
-    ``tau_error`` is NaN where either run does not align; ``tolerance`` is that of the finer run.
+    ``tau_error`` is NaN where either of the two does not align; ``tolerance`` is that of the finer.
     """
 
     endings: Array
@@ -48,13 +49,16 @@ class Estimate(NamedTuple):
 
 
 def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
-    """Run every row, shape (n, constants), twice or, where that is not enough, four times."""
+    """Run every row, shape (n, constants), twice or, where that is not enough, three times more."""
     first = _compare(run, rows, np.full(len(rows), tolerance))
-    again = ~first.sensitive & (first.tau_error > PROMISED * tolerance)
+    imprecise = first.tau_error > PROMISED * tolerance
+    again = first.sensitive | imprecise
     if not again.any() or tolerance <= FINEST:
         return first
-    reduced = tolerance * PROMISED * tolerance / (_SAFETY * first.tau_error[again])
-    second = _compare(run, rows[again], np.maximum(reduced, FINEST))
+    reduced = np.full(len(rows), tolerance / SHARPER)
+    few = imprecise & ~first.sensitive
+    reduced[few] = tolerance * PROMISED * tolerance / (_SAFETY * first.tau_error[few])
+    second = _compare(run, rows[again], np.maximum(reduced, FINEST)[again], tolerance)
     evaluations = first.rhs_evaluations[again] + second.rhs_evaluations
     for kept, renewed in zip(first, second, strict=True):
         kept[again] = renewed
@@ -62,19 +66,35 @@ def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
     return first
 
 
-def _compare(run: Run, rows: Array, tolerance: Array) -> Estimate:
+def _displaced(rows: Array, by: Array | float) -> Array:
     displaced = rows.copy()
-    displaced[:, _MISALIGNMENT] += tolerance
-    both = run(np.concatenate([rows, displaced]), np.concatenate([tolerance, COARSER * tolerance]))
-    fine, coarse = np.split(both, 2)
-    evaluations = Ending._fields.index("rhs_evaluations")
-    tau, coarse_tau = (each[:, Ending._fields.index("tau_align")] for each in (fine, coarse))
-    difference = np.abs(tau - coarse_tau)
-    outcome = Ending._fields.index("outcome")
+    displaced[:, _MISALIGNMENT] += by
+    return displaced
+
+
+def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = None) -> Estimate:
+    """Two runs of each row; a third one, from a start displaced by ``neighbour``, for the flag.
+
+    Without it the second run's own displacement decides.
+    """
+    starts = [rows, _displaced(rows, tolerance)]
+    tolerances = [tolerance, COARSER * tolerance]
+    if neighbour is not None:
+        starts.append(_displaced(rows, neighbour))
+        tolerances.append(COARSER * tolerance)
+    ran = np.split(run(np.concatenate(starts), np.concatenate(tolerances)), len(starts))
+    fine = ran[0]
+    outcome, tau, evaluations = (
+        Ending._fields.index(name) for name in ("outcome", "tau_align", "rhs_evaluations")
+    )
+    differences = [np.abs(fine[:, tau] - other[:, tau]) for other in ran[1:]]
+    sensitive = np.zeros(len(rows), dtype=np.bool_)
+    for other, difference in zip(ran[1:], differences, strict=True):
+        sensitive |= (fine[:, outcome] != other[:, outcome]) | (difference > SENSITIVE)
     return Estimate(
         endings=fine,
-        tau_error=difference + tolerance + RESOLUTION * (1.0 + tau),
-        sensitive=(fine[:, outcome] != coarse[:, outcome]) | (difference > SENSITIVE),
-        rhs_evaluations=fine[:, evaluations] + coarse[:, evaluations],
+        tau_error=differences[0] + tolerance + RESOLUTION * (1.0 + fine[:, tau]),
+        sensitive=sensitive,
+        rhs_evaluations=np.sum([each[:, evaluations] for each in ran], axis=0),
         tolerance=tolerance,
     )
