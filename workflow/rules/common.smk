@@ -1,9 +1,15 @@
 """What the rules share: how a figure's parts are named and described."""
 
+import sys
 from pathlib import Path
 
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
+from model.study.tracking import Invocation
+
+invocation = Invocation(root, study=study.model_dump(mode="json"))
+if workflow.is_main_process:
+    invocation.announce()
 
 
 def code(script):
@@ -24,3 +30,26 @@ def label(figure):
 def drawn(figure):
     """A figure's pictures."""
     return expand(root / f"figures/{figure}.{{kind}}", kind=["png", "svg", "pdf"])
+
+
+def records(figure):
+    """The sidecars of a figure's jobs."""
+    found = [root / f"figures/{figure}.run.json"]
+    if figure in computed:
+        found += [root / f"data/{figure}.run.json"]
+    if figure in gridded:
+        chunks = range(study.figures[figure].chunks)
+        found += [root / f"data/chunks/{figure}/{chunk}.run.json" for chunk in chunks]
+    return found
+
+
+onstart:
+    invocation.start()
+
+
+onsuccess:
+    invocation.end("done", log)
+
+
+onerror:
+    print(*invocation.end("failed", log), sep="\n", file=sys.stderr)

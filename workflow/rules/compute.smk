@@ -4,7 +4,8 @@
 # Compiled once, before the jobs that would otherwise all compile at the same time.
 rule kernels:
     output:
-        root / "data/kernels.json",
+        data=root / "data/kernels.json",
+        record=root / "data/kernels.run.json",
     log:
         root / "logs/kernels.log",
     conda:
@@ -14,7 +15,8 @@ rule kernels:
     message:
         "compiling the kernels"
     shell:
-        "python workflow/scripts/compile_kernels.py --output {output} > {log} 2>&1"
+        "python workflow/scripts/compile_kernels.py --output {output.data}"
+        " --record {output.record} > {log} 2>&1"
 
 
 rule chunk:
@@ -24,7 +26,7 @@ rule chunk:
         data=root / "data/chunks/{figure}/{chunk}.nc",
         record=root / "data/chunks/{figure}/{chunk}.run.json",
     log:
-        root / "logs/chunks/{figure}-{chunk}.log",
+        root / "logs/chunk/{figure}/{chunk}.log",
     conda:
         "../envs/study.yaml"
     params:
@@ -47,7 +49,8 @@ rule merge:
             chunk=range(study.figures[wildcards.figure].chunks),
         ),
     output:
-        root / "data/{figure}.nc",
+        data=root / "data/{figure}.nc",
+        record=root / "data/{figure}.run.json",
     log:
         root / "logs/merge/{figure}.log",
     wildcard_constraints:
@@ -63,7 +66,7 @@ rule merge:
     shell:
         "python workflow/scripts/merge_chunks.py --sweep {params.sweep:q}"
         " --title {params.label[title]:q} --summary {params.label[summary]:q}"
-        " --output {output} {input} > {log} 2>&1"
+        " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 
 
 rule history:
