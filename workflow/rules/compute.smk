@@ -1,7 +1,9 @@
 """Trajectories: compiled kernels, chunks of each figure's sweep, and one dataset a figure."""
 
 
-# Compiled once, before the jobs that would otherwise all compile at the same time.
+# Compiled once, before the jobs that would otherwise all compile at the same time. Its output holds
+# the hash of the kernels' code, and is not taken as ancient: Snakemake does not look at the params of
+# a job below one that must run, so that an edit of the physics would run this rule and no other.
 rule kernels:
     output:
         data=root / "data/kernels.json",
@@ -21,7 +23,7 @@ rule kernels:
 
 rule chunk:
     input:
-        kernels=ancient(root / "data/kernels.json"),
+        kernels=root / "data/kernels.json",
     output:
         data=root / "data/chunks/{figure}/{chunk}.nc",
         record=root / "data/chunks/{figure}/{chunk}.run.json",
@@ -71,7 +73,7 @@ rule merge:
 
 rule history:
     input:
-        kernels=ancient(root / "data/kernels.json"),
+        kernels=root / "data/kernels.json",
     output:
         data=root / "data/{figure}.nc",
         record=root / "data/{figure}.run.json",
