@@ -2,6 +2,7 @@
 # make fig06      one figure (fig01 to fig14)
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
+# make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make lock       requirements.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
@@ -24,7 +25,7 @@ unexport PYTHONHOME PYTHONPATH
 
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 .PHONY: all $(FIGURES) smoke test lint types floors workflow unit environment python lock
-.PHONY: clean distclean
+.PHONY: nightly clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -35,7 +36,8 @@ FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 # it, however that dies; a second `make` is refused here. (2) Refuse if a Snakemake that was started
 # by hand is alive in this directory. (3) Wait for jobs that outlived a killed Snakemake, since they
 # still write. (4) Now whatever lock is left is a dead one: --unlock. Half-written files are then
-# made again by rerun-incomplete in the profile.
+# made again by rerun-incomplete in the profile. (5) Files that are not as their job left them are
+# deleted, and so made again: damaged ones, or of another study.
 #
 # $(call run_study,OPTIONS AND TARGETS)
 run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
@@ -43,6 +45,7 @@ run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
 	python -c "$$SETTLE"; \
 	run="snakemake -c$(CORES) $(SNAKEMAKE_FLAGS)"; \
 	if [ -n "$$(ls -A .snakemake/locks 2>/dev/null)" ]; then $$run --unlock $(1); fi; \
+	python workflow/scripts/discard_damaged.py; \
 	exec $$run $(1)'
 
 all: environment
@@ -126,6 +129,12 @@ workflow: environment
 
 unit: environment
 	$(call check,pytest)
+
+# KILLS=500 kills the study at more moments.
+KILLS ?= 50
+nightly: environment
+	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -m nightly tests
+	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest tests/workflow/test_nothing_lost.py
 
 # ---------------------------------------------------------------------------------- the environment
 

@@ -16,6 +16,7 @@ from model.study.tracking import (
     COLUMNS,
     Invocation,
     TrackingError,
+    discard_damaged,
     find_invocation,
     find_run,
     load_history,
@@ -215,3 +216,20 @@ def test_a_root_without_history_and_a_broken_record_are_named(recorded, tmp_path
     (recorded.root / "data/fig06.run.json").write_text("{", encoding="utf-8")
     with pytest.raises(TrackingError, match=r"fig06\.run\.json: cannot be read as a record"):
         sidecars(recorded.root)
+
+
+def test_what_is_not_as_its_job_left_it_is_deleted(recorded) -> None:
+    for figure in ("fig06", "fig07", "fig08"):
+        recorded.merge(figure=figure)
+    data = recorded.root / "data"
+    (data / "fig06.nc").write_bytes(b"half")
+    (data / "fig08.run.json").write_text("{", encoding="utf-8")
+    (data / ".fig09.nc-x1y2.part").write_bytes(b"half")
+    deleted = {Path(name).name for name in discard_damaged(recorded.root)}
+    assert deleted == {"fig06.nc", "fig06.run.json", "fig08.run.json", ".fig09.nc-x1y2.part"}
+    assert sorted(path.name for path in data.iterdir()) == [
+        "fig07.nc",
+        "fig07.run.json",
+        "fig08.nc",
+    ]
+    assert discard_damaged(recorded.root) == []

@@ -40,6 +40,7 @@ class Workspace:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        folder.mkdir(exist_ok=True)
         self.source = PROJECT / "src"
         for part in PARTS:
             put = shutil.copytree if (PROJECT / part).is_dir() else shutil.copy
@@ -142,9 +143,12 @@ def tiny() -> dict[str, Any]:
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Workspace:
-    folder = tmp_path / "project"
-    folder.mkdir()
-    return Workspace(folder)
+    return Workspace(tmp_path / "project")
+
+
+@pytest.fixture
+def make_workspace() -> type[Workspace]:
+    return Workspace
 
 
 @pytest.fixture(scope="session")

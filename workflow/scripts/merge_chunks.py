@@ -3,9 +3,42 @@
 import argparse
 from pathlib import Path
 
-from model.study.datasets import merge_chunks, outcome_counts, read_dataset, write_dataset
+import xarray as xr
+
+from model.study.datasets import (
+    DatasetError,
+    merge_chunks,
+    outcome_counts,
+    read_dataset,
+    write_dataset,
+)
 from model.study.provenance import Job
 from model.study.sweeps import Sweep
+
+
+def read_chunks(sweep: Sweep, paths: list[Path]) -> list[xr.Dataset]:
+    """The chunks of a sweep in order; what is not one is deleted, so that the next run makes it.
+
+    Raises:
+        DatasetError: a file that cannot be read, or that is not the chunk of its name.
+    """
+    parts, faults = [], {}
+    for chunk, path in enumerate(paths):
+        is_this = {"sweep": sweep.identity, "chunk": chunk, "chunks": len(paths)}
+        try:
+            part = read_dataset(path)
+        except DatasetError as fault:
+            faults[path] = str(fault)
+        else:
+            if any(part.attrs.get(name) != value for name, value in is_this.items()):
+                faults[path] = f"{path}: is not chunk {chunk} of this sweep"
+            parts.append(part)
+    for path in faults:
+        path.unlink(missing_ok=True)
+        path.with_suffix(".run.json").unlink(missing_ok=True)
+    if faults:
+        raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
+    return parts
 
 
 def main() -> None:
@@ -20,7 +53,7 @@ def main() -> None:
     arguments = parser.parse_args()
     sweep = arguments.sweep
     job = Job("merge", sweep.figure)
-    parts = [read_dataset(path) for path in arguments.chunks]
+    parts = read_chunks(sweep, arguments.chunks)
     dataset = merge_chunks(sweep, arguments.title, arguments.summary, parts)
     write_dataset(dataset, arguments.output)
     made, read, counts = [arguments.output], arguments.chunks, outcome_counts(dataset)

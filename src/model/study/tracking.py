@@ -29,7 +29,14 @@ from pathlib import Path
 from typing import Any
 
 from model.study.files import whole_file
-from model.study.provenance import INVOCATION, git_state, versions, write_json, write_text
+from model.study.provenance import (
+    INVOCATION,
+    file_hash,
+    git_state,
+    versions,
+    write_json,
+    write_text,
+)
 
 Record = dict[str, Any]
 
@@ -102,6 +109,27 @@ def _without_sidecar(root: Path, since: float) -> list[Record]:
 
 def _iso(stamp: float) -> str:
     return datetime.fromtimestamp(stamp, UTC).isoformat(timespec="milliseconds")
+
+
+def discard_damaged(root: Path) -> list[str]:
+    """Delete what is not as its job left it, so that Snakemake makes it anew; the names deleted.
+
+    Those are files whose content is not what their sidecar says, sidecars that cannot be read, and
+    parts of files that a killed job was writing. No job may run meanwhile.
+    """
+    damaged = [path for place in _PLACES for path in root.glob(f"{place}.*.part")]
+    for path in [path for place in _PLACES for path in root.glob(f"{place}*.run.json")]:
+        try:
+            outputs = _read(path)["outputs"]
+        except (TrackingError, KeyError):
+            damaged.append(path)
+            continue
+        made = {path.parent / name: sha256 for name, sha256 in outputs.items()}
+        wrong = [file for file, sha in made.items() if file.is_file() and file_hash(file) != sha]
+        damaged += [*wrong, path] if wrong else []
+    for path in damaged:
+        path.unlink(missing_ok=True)
+    return [str(path) for path in damaged]
 
 
 # --- Invocations --------------------------------------------------------------------------------
