@@ -3,7 +3,8 @@
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
-# make lock       requirements.lock anew; LOCK_FLAGS=--upgrade takes newer versions
+# make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
+# make lock       the lock files anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
 # PYTHON=python3.13 chooses the Python to build the environment with, CORES=8 the cores to use,
@@ -25,7 +26,7 @@ unexport PYTHONHOME PYTHONPATH
 
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 .PHONY: all $(FIGURES) smoke test lint types floors workflow unit environment python lock
-.PHONY: nightly clean distclean
+.PHONY: nightly export-test clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -130,6 +131,9 @@ workflow: environment
 unit: environment
 	$(call check,pytest)
 
+export-test: environment-export
+	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/study/test_export.py
+
 # KILLS=500 kills the study at more moments.
 KILLS ?= 50
 nightly: environment
@@ -138,26 +142,40 @@ nightly: environment
 
 # ---------------------------------------------------------------------------------- the environment
 
-# Built anew, from nothing, when the lock file, pyproject.toml or the version of Python changes. The
+# Built anew, from nothing, when its lock file, pyproject.toml or the version of Python changes. The
 # stamp is written last: an environment whose building was interrupted does not count.
 TAG := $(shell $(PYTHON) -c 'import sys; print("%d.%d.%d" % sys.version_info[:3])' 2>/dev/null)
-STAMP := .venv/.complete-$(TAG)
 
-# One make at a time; the one that waited finds the environment complete.
+# One make at a time; the one that waited finds the environment complete. What only one command needs
+# and is heavy has an environment of its own beside it: .venv-export from requirements-export.lock.
 environment: python
-	@$(call hold,wait,.make-environment.lock) $(MAKE) --silent --no-print-directory $(STAMP)
+	@$(call hold,wait,.make-environment.lock) \
+		$(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
 
-$(STAMP): requirements.lock pyproject.toml
-	@echo "building the environment in .venv with Python $(TAG)"
-	@# Some systems split ensurepip from Python; their own pip can fill the environment as well.
-	@$(PYTHON) -m venv --clear .venv >/dev/null 2>&1 || $(PYTHON) -m venv --clear --without-pip .venv
-	@pip="$(PYTHON) -m pip --python .venv/bin/python"; \
-	if [ -x .venv/bin/pip ]; then pip=".venv/bin/python -m pip"; fi; \
-	export PIP_DISABLE_PIP_VERSION_CHECK=1; \
-	$$pip install --quiet --no-deps --use-pep517 --require-hashes --requirement requirements.lock && \
-	$$pip install --quiet --no-deps --no-build-isolation --editable . && \
-	$$pip check
+environment-%: python
+	@$(call hold,wait,.make-environment.lock) \
+		$(MAKE) --silent --no-print-directory .venv-$*/.complete-$(TAG)
+
+.venv/.complete-$(TAG): requirements.lock pyproject.toml
+	$(call build,.venv,$<)
 	@touch $@
+
+.venv-%/.complete-$(TAG): requirements-%.lock pyproject.toml
+	$(call build,.venv-$*,$<)
+	@touch $@
+
+# $(call build,FOLDER,LOCK FILE). Some systems split ensurepip from Python; their own pip can fill the
+# environment as well.
+define build
+@echo "building the environment in $(1) with Python $(TAG)"
+@$(PYTHON) -m venv --clear $(1) >/dev/null 2>&1 || $(PYTHON) -m venv --clear --without-pip $(1)
+@pip="$(PYTHON) -m pip --python $(1)/bin/python"; \
+if [ -x $(1)/bin/pip ]; then pip="$(1)/bin/python -m pip"; fi; \
+export PIP_DISABLE_PIP_VERSION_CHECK=1; \
+$$pip install --quiet --no-deps --use-pep517 --require-hashes --requirement $(2) && \
+$$pip install --quiet --no-deps --no-build-isolation --editable . && \
+$$pip check
+endef
 
 python:
 	@command -v $(PYTHON) >/dev/null || { \
@@ -165,19 +183,23 @@ python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
 		echo "$(PYTHON) is Python $(TAG), vibralign needs 3.11 or newer: make PYTHON=..." >&2; exit 1; }
 
-# Every extra and the build backend, with the hashes of all platforms, valid for Python 3.11 and
-# newer; `fewest` keeps to one version of a package where newer Pythons would allow another.
+# The extras and the build backend, with the hashes of all platforms, valid for Python 3.11 and newer;
+# `fewest` keeps to one version of a package where newer Pythons would allow another.
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
-	UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
-		--quiet --all-extras --universal --python-version 3.11 --fork-strategy fewest \
-		--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file requirements.lock
+	$(call compile,requirements.lock,--extra plot --extra study --extra dev)
+	$(call compile,requirements-export.lock,--extra export --extra study --extra dev)
 	rm -rf .lock-venv
+
+# $(call compile,LOCK FILE,EXTRAS)
+compile = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
+	--quiet $(2) --universal --python-version 3.11 --fork-strategy fewest \
+	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)
 
 clean:
 	rm -rf results results-* .snakemake build dist
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean
-	rm -rf .venv .lock-venv .make-*.lock
+	rm -rf .venv .venv-* .lock-venv .make-*.lock
