@@ -209,8 +209,8 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
             holder = first if name in first.files else second
             comparison.not_compared.append(f"{name}: only in {holder.label}")
         elif comparison.claims is not None and name == CLAIMS:
-            verdicts = [_verdicts(each.files[name]) for each in (first, second)]
-            _differ(comparison.claims, CLAIMS, *verdicts)
+            judged_as = [verdicts(each.files[name]) for each in (first, second)]
+            _differ(comparison.claims, CLAIMS, *judged_as)
         else:
             comparison.data.extend(_data_changes(first.files[name], second.files[name], comparison))
     for each in (first, second):
@@ -272,7 +272,7 @@ def _made_by(run: Record) -> dict[str, Any]:
     return {"code": run["code"], **run["versions"]}
 
 
-def _verdicts(path: Path) -> dict[str, str]:
+def verdicts(path: Path) -> dict[str, str]:
     """Verdict by claim; the first column names the claim."""
     with path.open(encoding="utf-8", newline="") as stream:
         rows = csv.DictReader(stream)
