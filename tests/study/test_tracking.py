@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -78,6 +79,15 @@ def test_a_job_that_was_killed_is_interrupted_not_failed(recorded, log: str) -> 
     assert run["status"] == "interrupted"
     assert "killed" in run["reason"]
     assert load_history(recorded.root)[0]["outcome"] == "interrupted"
+
+
+def test_a_full_disk_leaves_no_word_and_is_named(recorded, monkeypatch) -> None:
+    usage = shutil.disk_usage(recorded.root.parent)._replace(free=12_345)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
+    invocation = recorded.invocation()
+    recorded.fail("chunk/fig06/0", "")
+    (told,) = invocation.end("failed")
+    assert "failed: ended without a word, with 12 kB left on the disk" in told
 
 
 def test_logs_of_an_earlier_layout_are_no_failures(recorded) -> None:

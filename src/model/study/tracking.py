@@ -50,6 +50,7 @@ COLUMNS = (
     "dirty", "code", "sweep", "outputs", *(f"runs_{name}" for name in COUNTS), "host", "reason",
 )  # fmt: skip
 _PLACES = ("", "data/**/", "figures/**/", "benchmarks/**/")  # where sidecars stand, below the root
+_FULL = 1_000_000  # bytes: less than this is a full disk
 _INDEX = "index"  # the job that writes the index is no run of the study
 
 
@@ -88,23 +89,30 @@ def _without_sidecar(root: Path, since: float) -> list[Record]:
         run = log.relative_to(root / "logs").with_suffix("").as_posix()
         if run in whole or log.stat().st_mtime < since:
             continue
-        lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
-        reason = lines[-1].strip() if lines else ""
-        killed = not reason or reason == "KeyboardInterrupt"
+        status, reason = _last_word(log)
         found.append(
             {
                 "run": run,
                 "rule": run.split("/", maxsplit=1)[0],
                 "figure": next((part for part in run.split("/") if part.startswith("fig")), None),
-                "status": "interrupted" if killed else "failed",
-                "reason": "ended without a word: it was killed, or Snakemake was"
-                if killed
-                else reason,
+                "status": status,
+                "reason": reason,
                 "log": log.relative_to(root).as_posix(),
                 "started": _iso(log.stat().st_mtime),
             }
         )
     return found
+
+
+def _last_word(log: Path) -> tuple[str, str]:
+    """(status, reason) of a run that left no sidecar, from its log."""
+    lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+    if lines and lines[-1] != "KeyboardInterrupt":
+        return "failed", lines[-1].strip()
+    free = shutil.disk_usage(log.parent).free
+    if not lines and free < _FULL:  # then there was no room for its last word either
+        return "failed", f"ended without a word, with {free // 1000} kB left on the disk"
+    return "interrupted", "ended without a word: it was killed, or Snakemake was"
 
 
 def _iso(stamp: float) -> str:
