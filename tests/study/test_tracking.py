@@ -98,6 +98,24 @@ def test_logs_of_an_earlier_layout_are_no_failures(recorded) -> None:
     assert load_runs(recorded.root) == []
 
 
+def test_sidecars_of_an_earlier_layout_are_left_alone(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.merge()
+    old = recorded.root / "data/fig07.run.json"
+    old.write_text('{"figure": "fig07", "output": "fig07.nc", "output_sha256": "0"}')
+    assert discard_damaged(recorded.root) == []
+    invocation.end("done")
+    assert [run["run"] for run in load_runs(recorded.root)] == ["merge/fig06"]
+    assert old.is_file()
+
+
+def test_an_invocation_that_ended_well_has_no_failures(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.log("precision/fig06", "a log of a job that leaves no sidecar")
+    assert invocation.end("done") == []
+    assert load_runs(recorded.root) == []
+
+
 def test_an_invocation_that_was_killed_is_interrupted_from_then_on(recorded) -> None:
     code = f"""
     import os, signal

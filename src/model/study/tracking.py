@@ -50,6 +50,7 @@ COLUMNS = (
     "dirty", "code", "sweep", "outputs", *(f"runs_{name}" for name in COUNTS), "host", "reason",
 )  # fmt: skip
 _PLACES = ("", "data/**/", "figures/**/", "benchmarks/**/")  # where sidecars stand, below the root
+_ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
 _FULL = 1_000_000  # bytes: less than this is a full disk
 _INDEX = "index"  # the job that writes the index is no run of the study
 
@@ -69,13 +70,14 @@ def _read(path: Path) -> Record:
 
 
 def sidecars(root: Path) -> dict[Path, Record]:
-    """The sidecars below a results root, by their paths.
+    """The sidecars below a results root, by their paths; those of an earlier layout are left out.
 
     Raises:
         TrackingError: a file that is no record.
     """
     found = [path for place in _PLACES for path in root.glob(f"{place}*.run.json")]
-    return {path: _read(path) for path in sorted(found)}
+    records = {path: _read(path) for path in sorted(found)}
+    return {path: record for path, record in records.items() if set(record) >= _ESSENTIAL}
 
 
 def _without_sidecar(root: Path, since: float) -> list[Record]:
@@ -128,8 +130,8 @@ def discard_damaged(root: Path) -> list[str]:
     damaged = [path for place in _PLACES for path in root.glob(f"{place}.*.part")]
     for path in [path for place in _PLACES for path in root.glob(f"{place}*.run.json")]:
         try:
-            outputs = _read(path)["outputs"]
-        except (TrackingError, KeyError):
+            outputs = _read(path).get("outputs", {})
+        except TrackingError:
             damaged.append(path)
             continue
         made = {path.parent / name: sha256 for name, sha256 in outputs.items()}
@@ -248,7 +250,7 @@ def _completed(root: Path, record: Record, outcome: str, ended: datetime | None)
     """``record`` with its end: the sidecars that it left, and the runs that left none."""
     name, since = record["invocation"], record["started_stamp"]
     runs = [each for each in sidecars(root).values() if each.get("invocation") == name]
-    failures = [] if outcome == "running" else _without_sidecar(root, since)
+    failures = [] if outcome in ("running", "done") else _without_sidecar(root, since)
     if outcome == "failed" and all(each["status"] == "interrupted" for each in failures):
         outcome = "interrupted"
     wall = round(ended.timestamp() - since, 3) if ended else None
