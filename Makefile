@@ -2,9 +2,12 @@
 # make fig06      one figure (fig01 to fig14)
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
+# make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
+# make bench      speed against other integrators, in an environment of its own (about 15 minutes);
+#                 BENCH_FLAGS=--quick for a rough table in three
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
-# make lock       the lock files anew; LOCK_FLAGS=--upgrade takes newer versions
+# make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
 # PYTHON=python3.13 chooses the Python to build the environment with, CORES=8 the cores to use,
@@ -13,6 +16,7 @@
 PYTHON ?= python3
 CORES ?= 2
 SNAKEMAKE_FLAGS ?=
+BENCH_FLAGS ?=
 UV_VERSION := 0.13.8
 
 SHELL := /bin/sh
@@ -25,8 +29,8 @@ in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
 unexport PYTHONHOME PYTHONPATH
 
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
-.PHONY: all $(FIGURES) smoke test lint types floors workflow unit environment python lock
-.PHONY: nightly export-test clean distclean
+.PHONY: all $(FIGURES) smoke accuracy test lint types floors workflow unit environment python lock
+.PHONY: bench nightly export-test clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -57,6 +61,9 @@ $(FIGURES): environment
 
 smoke: environment
 	$(call run_study,--configfile config/smoke.yaml)
+
+accuracy: environment
+	$(call run_study,accuracy)
 
 # Steps 2 and 3. A job is a script in workflow/scripts, run by Python from a shell.
 define SETTLE
@@ -145,6 +152,12 @@ nightly: environment
 	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -m nightly tests
 	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest tests/workflow/test_nothing_lost.py
 
+# ------------------------------------------------------------------------------------ the benchmark
+
+# PYTHONPATH in place of an installation: the environment holds other people's packages only.
+bench: environment-bench
+	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
+
 # ---------------------------------------------------------------------------------- the environment
 
 # Built anew, from nothing, when its lock file, pyproject.toml or the version of Python changes. The
@@ -163,23 +176,42 @@ environment-%: python
 
 .venv/.complete-$(TAG): requirements.lock pyproject.toml
 	$(call build,.venv,$<)
+	$(call add_package,.venv)
 	@touch $@
 
 .venv-%/.complete-$(TAG): requirements-%.lock pyproject.toml
 	$(call build,.venv-$*,$<)
+	$(call add_package,.venv-$*)
 	@touch $@
 
-# $(call build,FOLDER,LOCK FILE). Some systems split ensurepip from Python; their own pip can fill the
-# environment as well.
+# What `make bench` compares with, without the package. One peer has no wheel and is built where a
+# Fortran compiler is; a peer that is missing is reported by the benchmark.
+.venv-bench/.complete-$(TAG): requirements-bench.lock requirements-bench-source.lock
+	$(call build,.venv-bench,$<)
+	@$(call pip_of,.venv-bench); \
+	if ! command -v gfortran >/dev/null; then echo "no gfortran: numbalsoda is left out"; \
+	else $$pip install $(pinned) requirements-bench-source.lock || \
+		echo "numbalsoda could not be built and is left out"; fi
+	@touch $@
+
+# $(call pip_of,FOLDER) opens a shell line with the environment's pip. Some systems split ensurepip
+# from Python; their own pip can fill the environment as well.
+pip_of = pip="$(PYTHON) -m pip --python $(1)/bin/python"; \
+	if [ -x $(1)/bin/pip ]; then pip="$(1)/bin/python -m pip"; fi; \
+	export PIP_DISABLE_PIP_VERSION_CHECK=1
+pinned := --quiet --no-deps --use-pep517 --require-hashes --requirement
+
+# $(call build,FOLDER,LOCK FILE): a new environment with what is pinned.
 define build
 @echo "building the environment in $(1) with Python $(TAG)"
 @$(PYTHON) -m venv --clear $(1) >/dev/null 2>&1 || $(PYTHON) -m venv --clear --without-pip $(1)
-@pip="$(PYTHON) -m pip --python $(1)/bin/python"; \
-if [ -x $(1)/bin/pip ]; then pip="$(1)/bin/python -m pip"; fi; \
-export PIP_DISABLE_PIP_VERSION_CHECK=1; \
-$$pip install --quiet --no-deps --use-pep517 --require-hashes --requirement $(2) && \
-$$pip install --quiet --no-deps --no-build-isolation --editable . && \
-$$pip check
+@$(call pip_of,$(1)); $$pip install $(pinned) $(2)
+endef
+
+# $(call add_package,FOLDER): this package, as the checkout holds it.
+define add_package
+@$(call pip_of,$(1)); \
+$$pip install --quiet --no-deps --no-build-isolation --editable . && $$pip check
 endef
 
 python:
@@ -189,16 +221,20 @@ python:
 		echo "$(PYTHON) is Python $(TAG), vibralign needs 3.11 or newer: make PYTHON=..." >&2; exit 1; }
 
 # The extras and the build backend, with the hashes of all platforms, valid for Python 3.11 and newer;
-# `fewest` keeps to one version of a package where newer Pythons would allow another.
+# the peers of `make bench` at the study's versions of what is common. `fewest` keeps to one version of
+# a package where newer Pythons would allow another.
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
-	$(call compile,requirements.lock,--extra plot --extra study --extra dev)
-	$(call compile,requirements-export.lock,--extra export --extra study --extra dev)
+	$(call pin,requirements.lock,--extra plot --extra study --extra dev)
+	$(call pin,requirements-export.lock,--extra export --extra study --extra dev)
+	$(call pin,requirements-bench.lock,--extra bench --constraints requirements.lock)
+	$(call pin,requirements-bench-source.lock,--extra bench-source --no-deps \
+		--constraints requirements.lock)
 	rm -rf .lock-venv
 
-# $(call compile,LOCK FILE,EXTRAS)
-compile = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
+# $(call pin,LOCK FILE,EXTRAS AND OPTIONS)
+pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
 	--quiet $(2) --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)
 

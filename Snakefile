@@ -37,7 +37,10 @@ rule all:
         root / "runs.csv",
         [drawn(figure) for figure in FIGURES],
         expand(root / "data/{figure}.nc", figure=computed),
+        [pictured(place) for place in PICTURES.values()],
 
 
 include: "workflow/rules/compute.smk"
+include: "workflow/rules/precision.smk"
 include: "workflow/rules/show.smk"
+include: "workflow/rules/accuracy.smk"

@@ -10,7 +10,7 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
     settings = Settings()
     assert settings.readings == Readings.consistent()
     assert all(settings.scene.declared)
-    assert settings.control.tolerance == settings.tolerance == 1e-10
+    assert settings.tolerance == 1e-10
     assert settings.control.may_settle == 1.0
 
 

@@ -2,17 +2,21 @@
 
 import base64
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from markupsafe import escape
 
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show import report
+from model.show.precision import CAPTIONS, Comparison, advice
 from model.show.report import READING_WORDS, render_report
 from model.solver.outcomes import Outcome
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
+from model.study.plans import PICTURES
 from model.study.sweeps import sweep_of
 
 # The smallest picture there is: one transparent pixel.
@@ -72,9 +76,18 @@ def pictures(study, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def rendered(study, datasets, pictures):
+def comparison(timed_rungs, wrong_datasets, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("comparison")
+    paths = {name: folder / f"{name}.png" for name in PICTURES}
+    for path in paths.values():
+        path.write_bytes(PIXEL)
+    return Comparison(timed_rungs, wrong_datasets, paths)
+
+
+@pytest.fixture(scope="module")
+def rendered(study, datasets, pictures, comparison):
     provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
-    return render_report(study, datasets, pictures, provenance)
+    return render_report(study, datasets, pictures, provenance, comparison)
 
 
 def article(text: str, name: str) -> str:
@@ -112,8 +125,8 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == 14
-    for image, spec in zip(images, study.figures.values(), strict=True):
+    assert len(images) == 14 + len(PICTURES)
+    for image, spec in zip(images, study.figures.values(), strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
         assert spec.title in image["alt"]
         assert spec.sees.strip() in image["alt"]
@@ -188,6 +201,26 @@ def test_the_moment_of_alignment_of_a_trajectory_is_told(rendered, datasets):
     assert f"aligns at τ = {moment:.6g}" in article(rendered, "fig05")
 
 
+def test_speed_against_error_is_told_in_sentences_pictures_and_tables(rendered, study, comparison):
+    part = rendered[rendered.index('id="speed"') : rendered.index('id="device"')]
+    text = plain(part)
+    titles = {name: case.title for name, case in study.precision.cases.items()}
+    for sentence in advice(comparison.rungs, comparison.wrong, titles):
+        assert plain(str(escape(sentence))) in text
+    for name, place in PICTURES.items():
+        assert CAPTIONS[name] in text
+        assert f'href="{place}.svg"' in part
+    for case in study.precision.cases.values():
+        assert case.title in text
+        assert case.reason in text
+    # The made-up rungs of conftest: RK4 reaches 1e-5 in the first case only, and 1e-8 in none.
+    rows = re.findall(r"<tr><td>RK4, fixed steps</td>(.*?)</tr>", part, re.DOTALL)
+    cells = [re.findall(r'<td class="n">(.*?)</td>', row) for row in rows]
+    assert cells == [["4,000<br>200 µs", "–", "–", "–"], ["–"] * 4]
+    counts = re.findall(r"<tr><td>Fig. 6</td>(.*?)</tr>", part, re.DOTALL)[0]
+    assert re.findall(r"<td[^>]*>(.*?)</td>", counts) == ["RK4", "0.01", "8", "1", "2", "1"]
+
+
 def test_provenance_is_printed_and_escaped(rendered):
     text = rendered[rendered.index('id="provenance"') :]
     assert "<code>0123abc</code>" in text
@@ -200,38 +233,39 @@ def test_every_switch_of_the_readings_is_explained(rendered):
     assert all(f"<code>{name}</code>" in rendered for name in READING_NAMES)
 
 
-def test_words_from_the_configuration_are_escaped(study, datasets, pictures):
+def test_words_from_the_configuration_are_escaped(study, datasets, pictures, comparison):
     spec = study.figures["fig06"].model_copy(update={"title": "<b>τ</b> & f0", "sees": '"<i>"'})
     hostile = study.model_copy(update={"figures": {**study.figures, "fig06": spec}})
-    text = render_report(hostile, datasets, pictures, {})
+    text = render_report(hostile, datasets, pictures, {}, comparison)
     assert "<b>τ</b>" not in text
     assert "&lt;b&gt;τ&lt;/b&gt; &amp; f0" in text
     assert Page(text).open == []
 
 
-def test_the_same_inputs_give_the_same_page(rendered, study, datasets, pictures):
+def test_the_same_inputs_give_the_same_page(rendered, study, datasets, pictures, comparison):
     provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
-    assert render_report(study, datasets, pictures, provenance) == rendered
+    assert render_report(study, datasets, pictures, provenance, comparison) == rendered
 
 
-def test_a_vector_picture_is_embedded_too(study, datasets, pictures, tmp_path):
+def test_a_vector_picture_is_embedded_too(study, datasets, pictures, comparison, tmp_path):
     path = tmp_path / "fig06.svg"
     path.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
-    text = render_report(study, datasets, {**pictures, "fig06": path}, {})
+    text = render_report(study, datasets, {**pictures, "fig06": path}, {}, comparison)
     assert "data:image/svg+xml;base64," in text
 
 
-def test_a_picture_of_another_kind_is_refused(study, datasets, pictures, tmp_path):
+def test_a_picture_of_another_kind_is_refused(study, datasets, pictures, comparison, tmp_path):
     path = tmp_path / "fig06.pdf"
     with pytest.raises(ValueError, match=r"fig06\.pdf: must be one of \.png, \.svg"):
-        render_report(study, datasets, {**pictures, "fig06": path}, {})
+        render_report(study, datasets, {**pictures, "fig06": path}, {}, comparison)
 
 
-def test_what_is_missing_is_named(study, datasets, pictures):
+def test_what_is_missing_is_named(study, datasets, pictures, comparison):
     some = {name: each for name, each in datasets.items() if name != "fig07"}
     few = {name: each for name, each in pictures.items() if name != "fig01"}
-    with pytest.raises(ValueError, match="the dataset of fig07, the picture of fig01"):
-        render_report(study, some, few, {})
+    without = replace(comparison, pictures={})
+    with pytest.raises(ValueError, match=r"dataset of fig07, the picture of fig01, .* of times"):
+        render_report(study, some, few, {}, without)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model.solver.settling import LONGEST_PERIOD, new_history, record_period, settled_period
+from model.solver.settling import HISTORY, LONGEST_PERIOD, record_period, settled_period
 from model.solver.switching import ALIGNED, FACE_LOAD, NEVER, SWITCH_COUNT
 
 NOISE = 1e-8
@@ -16,12 +16,13 @@ def first_settled(device, constants):
     p = constants(device)
 
     def make(states, closest=FAR, which=ALIGNED):
-        history, lowest = new_history()
+        history = np.full((HISTORY, 6), np.nan)
+        lowest = np.full((HISTORY, SWITCH_COUNT), NEVER)
         functions = np.full(SWITCH_COUNT, NEVER)
         functions[which] = closest
         for count, state in enumerate(states, start=1):
             record_period(count, np.ones(6) * state, functions, history, lowest)
-            period = settled_period(count, history, lowest, p, NOISE)
+            period = settled_period(count, 1.0, history, lowest, p, NOISE)
             if period:
                 return count, period
         return None

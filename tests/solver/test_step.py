@@ -5,8 +5,8 @@ import pytest
 
 from model.physics.notation import RIGHT_EDGE, State
 from model.physics.scenes import OPEN, SLIP_POSITIVE, START
+from model.solver.record import STATE_SIZE
 from model.solver.step import (
-    STATE_SIZE,
     dense_output,
     error_estimate,
     interpolate,

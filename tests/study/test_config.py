@@ -18,6 +18,7 @@ from model.study.config import (
     load_study,
     study_path,
 )
+from model.study.sweeps import sweep_of
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -66,7 +67,33 @@ REFUSED = [
     ("figures.fig06.held.press_force", 1.0, ["figures.fig06.held.press_force", "varied"]),
     ("figures.fig06.held.misalignment", 9.0, ["figures.fig06.held", "misalignment = 9.0"]),
     ("figures.fig06.chunks", 0, ["figures.fig06.chunks = 0", "equal to 1"]),
+    ("accuracy.sets", 0, ["accuracy.sets = 0", "equal to 1"]),
+    ("accuracy.sed", 1, ["accuracy.sed", "unknown key", "'seed'"]),
+    ("accuracy.settled.longr", 2.0, ["accuracy.settled.longr", "unknown key", "'longer'"]),
+    ("accuracy.settled.longer", 1.0, ["accuracy.settled.longer = 1.0", "greater than 1"]),
+    ("accuracy.ranges.press", {"low": 1.0, "high": 2.0}, ["accuracy.ranges", "press_force"]),
+    ("accuracy.ranges.friction.low", 0.0, ["accuracy.ranges.friction.low = 0.0", "than 0"]),
+    ("accuracy.ranges.friction.low", 1.0, ["accuracy.ranges.friction", "low = 1.0", "high = 0.3"]),
+    ("accuracy.ranges.friction.hgh", 1.0, ["accuracy.ranges.friction.hgh", "'high'"]),
+    ("accuracy.ranges.inertia.zero", 0.1, ["accuracy.ranges.inertia = 0.0", "> 0"]),
+    ("accuracy.ranges.misalignment.high", 2.0, ["accuracy.ranges", "misalignment = 2.0"]),
     ("figures.fig13.y.parameter", "tilt_stiffness", ["figures.fig13", "varied twice"]),
+    ("precision.laddr", {}, ["precision.laddr", "unknown key", "'ladder'"]),
+    ("precision.cases", {}, ["precision.cases", "at least 1"]),
+    ("precision.cases.aligned.figure", "fig01", ["precision.cases.aligned", "'fig01'", "fig05"]),
+    ("precision.cases.aligned.at.frictoin", 0.1, ["cases.aligned.at", "frictoin", "'friction'"]),
+    ("precision.cases.aligned.at.friction", -0.1, ["cases.aligned", "friction = -0.1", ">= 0"]),
+    ("precision.cases.aligned.untl", 1.0, ["cases.aligned.untl", "unknown key", "'until'"]),
+    ("precision.cases.aligned.until", 0.0, ["cases.aligned.until = 0.0", "greater than 0"]),
+    ("precision.ladder.tolerances", [1e-3, 1e-2], ["[0.001, 0.01]", "must fall"]),
+    ("precision.ladder.tolerances", [1e-1], ["tolerances = [0.1]", "between 1e-14 and 1e-2"]),
+    ("precision.ladder.steps", [0.1, 0.0], ["steps = [0.1, 0.0]", "> 0"]),
+    ("precision.ladder.true_tolerance", 1e-9, ["true_tolerance = 1e-09", "smaller than all"]),
+    ("precision.ladder.max_evaluations", 0, ["ladder.max_evaluations = 0", "equal to 1"]),
+    ("precision.fixed_steps.figures", {"fig05": 1}, ["fixed_steps", "'fig05'", "fig06"]),
+    ("precision.fixed_steps.figures", {"fig06": 0}, ["figures.fig06 = 0", "equal to 1"]),
+    ("precision.fixed_steps.steps", [], ["fixed_steps.steps = []", "at least 1"]),
+    ("precision.fixed_steps.tau_tolerance", 0.0, ["tau_tolerance = 0.0", "greater than 0"]),
 ]
 
 
@@ -122,6 +149,22 @@ def test_the_study_is_as_large_as_it_must_be() -> None:
         assert min(study.figures[name].x.count, study.figures[name].y.count) >= 200
 
 
+def test_the_accuracy_law_holds_every_value_of_the_study() -> None:
+    study = load_study(study_path())
+    ranges, missed = study.accuracy.ranges, []
+    for figure in (name for name in FIGURES if study.figures[name].kind != "schematic"):
+        sweep = sweep_of(study, figure)
+        values = {name: [value] for name, value in sweep.parameters.items()}
+        values |= {dimension.parameter: dimension.values for dimension in sweep.dimensions}
+        for name in PARAMETER_NAMES:
+            for value in values[name]:
+                if name not in ranges:  # not drawn: then derived from the others, everywhere
+                    assert value is None
+                elif not ranges[name].holds(value):
+                    missed.append((figure, name, value))
+    assert missed == []
+
+
 def test_an_axis_has_both_ends_and_equal_steps() -> None:
     axis = load_study(study_path()).figures["fig07"].swept
     assert axis.values[0] == axis.start
@@ -139,9 +182,16 @@ def test_the_baseline_is_the_configuration_and_states_every_parameter() -> None:
 
 
 def test_smoke_changes_only_sizes() -> None:
-    """config/smoke.yaml laid over config.yaml: the same study but for counts and chunks."""
+    """config/smoke.yaml laid over config.yaml: the same study but for counts, chunks and rungs."""
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
-    assert set(smoke) == {"results_root", "figures"}
+    assert set(smoke) == {"results_root", "figures", "accuracy", "precision"}
+    assert set(smoke["accuracy"]) == {"sets", "chunks", "settled"}
+    assert set(smoke["accuracy"]["settled"]) == {"sets", "chunks"}
     for spec in smoke["figures"].values():
         for key, value in spec.items():
             assert key == "chunks" or set(value) == {"count"}
+    ladder = {"tolerances", "steps", "max_evaluations", "max_evaluations_scipy"}
+    assert {key: set(value) for key, value in smoke["precision"].items()} == {
+        "ladder": ladder,
+        "fixed_steps": {"figures"},
+    }

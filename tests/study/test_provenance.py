@@ -38,7 +38,7 @@ def edit(path: Path, old: str, new: str) -> None:
 def test_comments_layout_and_docstrings_change_nothing(package: Path) -> None:
     before = hashes(package)
     forces = package / "physics" / "forces.py"
-    edit(forces, "from math import sin", "# a comment\n\n\nfrom math import sin")
+    edit(forces, "from model.physics.trig", "# a comment\n\n\nfrom model.physics.trig")
     edit(forces, "-f0, the initial pressing force, downward.", "Other words.")
     assert hashes(package) == before
 

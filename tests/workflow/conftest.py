@@ -23,6 +23,21 @@ TINY: dict[str, Any] = {
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
         "fig14": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1},
     },
+    "accuracy": {
+        "horizon": 30.0,
+        "sets": 4,
+        "chunks": 2,
+        "settled": {"sets": 4, "chunks": 1, "longer": 2.0},
+    },
+    "precision": {
+        "ladder": {
+            "tolerances": [1e-3, 1e-6],
+            "steps": [0.01],
+            "max_evaluations": 20_000,
+            "max_evaluations_scipy": 1_000,
+        },
+        "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
+    },
 }
 STUDY = ["--configfile", "config/tiny.yaml"]
 
@@ -31,10 +46,16 @@ class Workspace:
     """A copy of the workflow with the tiny study; the package is the project's own."""
 
     # One figure of every kind: what most tests build.
-    DATA = ("tiny/data/fig05.nc", "tiny/data/fig11.nc", "tiny/data/fig13.nc")
+    DATA = (
+        "tiny/data/fig05.nc",
+        "tiny/data/fig11.nc",
+        "tiny/data/fig13.nc",
+        "tiny/data/fixed_steps/fig13.nc",
+        "tiny/data/precision.nc",
+    )
     PICTURES = tuple(
         f"tiny/figures/{name}.{kind}"
-        for name in ("fig01", "fig11")
+        for name in ("fig01", "fig11", "precision")
         for kind in ("png", "svg", "pdf")
     )
 
@@ -170,4 +191,13 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
     made = Workspace(tmp_path_factory.mktemp("built"))
     run = made.snakemake(*made.DATA, *made.PICTURES)
     assert run.returncode == 0, run.stdout + run.stderr
+    return made
+
+
+@pytest.fixture
+def copy_of_built(tmp_path: Path, built: Workspace) -> Workspace:
+    """The clean build, to be changed at will."""
+    made = Workspace(tmp_path / "project")
+    for part in ("tiny", ".snakemake"):
+        shutil.copytree(built.folder / part, made.folder / part)
     return made

@@ -162,14 +162,6 @@ def of_another_study(path: Path) -> None:
     write_json({**record, "outputs": {path.name: file_hash(path)}}, sidecar)
 
 
-@pytest.fixture
-def copy_of_built(tmp_path: Path, built: Any, make_workspace: Any) -> Any:
-    made = make_workspace(tmp_path / "project")
-    for part in ("tiny", ".snakemake"):
-        shutil.copytree(built.folder / part, made.folder / part)
-    return made
-
-
 @pytest.mark.parametrize(
     ("file", "damage"),
     [

@@ -14,26 +14,33 @@ import pytest
 PROJECT = Path(__file__).resolve().parents[2]
 
 LAST = {"report", "index"}
+BESIDE = {"draw_evaluations", "draw_times", "draw_wrong_points"}  # speed against error
 DRAWN = {"plot", *LAST}
-COMPUTED = {"chunk", "history", "merge", *DRAWN}
-EVERYTHING = {"kernels", "schematic", *COMPUTED}
+FIXED = {"fixed_steps", "draw_wrong_points"}
+COMPUTED = {"chunk", "history", "merge", "precision", "fixed_steps", *DRAWN, *BESIDE}
+EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED}
 
 # (file, what stands there, what a mutation puts there, the rules that must run again)
 MUTATIONS = [
     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
-     {"kernels", *COMPUTED}),
+     {"kernels", "unlocated_kernels", *COMPUTED}),
     ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5', COMPUTED),
-    ("src/model/show/plots.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0", DRAWN),
-    ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5', {"schematic", *DRAWN}),
+    ("src/model/show/plots.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
+     {*DRAWN, *BESIDE}),
+    ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
+     {"schematic", *DRAWN, *BESIDE}),
     ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report.html.j2", "All runs at a glance", "Every run at a glance", LAST),
-    ("src/model/study/tracking.py", '_INDEX = "index"', '_INDEX = "indices"', {"index"}),
+    ("src/model/study/tracking.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
+    ("src/model/runs/unlocated.py", "import ", "import math as _unused\nimport ",
+     {"unlocated_kernels", "precision", "fixed_steps", *BESIDE, *LAST}),
+    ("src/model/study/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/show/cli.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
-     {"merge", *DRAWN}),
+     {"merge", *FIXED, *DRAWN}),
     ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math", DRAWN),
     ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
 ]  # fmt: skip
@@ -106,8 +113,9 @@ def test_another_number_of_chunks_computes_that_figure_anew(
     tiny["figures"]["fig13"]["chunks"] = 2
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"chunk", "merge", *DRAWN}
-    assert all("fig13" in output or rule in LAST for rule, output in planned)
+    assert rules(planned) == {"chunk", "merge", *FIXED, *DRAWN}
+    of_all = {"draw_wrong_points", *LAST}
+    assert all("fig13" in output or rule in of_all for rule, output in planned)
 
 
 def test_a_setting_of_all_figures_computes_everything(project: Any, tiny: dict[str, Any]) -> None:

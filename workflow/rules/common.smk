@@ -1,8 +1,10 @@
-"""What the rules share: how a figure's parts are named and described."""
+"""What the rules share: how the parts of a figure or trial are named and described."""
 
 import sys
 from pathlib import Path
 
+from model.study.accuracy import trial_of
+from model.study.plans import PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
 from model.study.tracking import Invocation
@@ -27,9 +29,21 @@ def label(figure):
     return {"title": study.figures[figure].title, "summary": study.figures[figure].sees}
 
 
+def pictured(place):
+    """A picture of the section on speed against error."""
+    return multiext(str(root / place), ".png", ".svg", ".pdf")
+
+
 def drawn(figure):
     """A figure's pictures."""
     return expand(root / f"figures/{figure}.{{kind}}", kind=["png", "svg", "pdf"])
+
+
+def records_beside():
+    """The sidecars of the jobs on speed against error, which are no figure's."""
+    jobs = ["data/precision", *PICTURES.values()]
+    jobs += [f"data/fixed_steps/{figure}" for figure in study.precision.fixed_steps.figures]
+    return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
 
 
 def records(figure):
@@ -41,6 +55,17 @@ def records(figure):
         chunks = range(study.figures[figure].chunks)
         found += [root / f"data/chunks/{figure}/{chunk}.run.json" for chunk in chunks]
     return found
+
+
+def trial(name):
+    """An accuracy trial's computation as JSON."""
+    return trial_of(study, name).model_dump_json()
+
+
+def trial_chunks(name):
+    """An accuracy trial's chunks."""
+    law = study.accuracy if name == "error" else study.accuracy.settled
+    return expand(root / f"accuracy/{name}/{{chunk}}.csv", chunk=range(law.chunks))
 
 
 onstart:

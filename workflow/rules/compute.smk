@@ -2,8 +2,8 @@
 
 
 # Compiled once, before the jobs that would otherwise all compile at the same time. Its output holds
-# the hash of the kernels' code, and is not taken as ancient: Snakemake does not look at the params of
-# a job below one that must run, so that an edit of the physics would run this rule and no other.
+# the hash of the kernels' code, and is taken as `ancient` by none of them: Snakemake does not look at
+# the params of a job below one that must run, so that an edit of the physics would run this rule only.
 rule kernels:
     output:
         data=root / "data/kernels.json",

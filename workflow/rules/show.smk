@@ -53,6 +53,11 @@ rule report:
     input:
         data=expand(root / "data/{figure}.nc", figure=computed),
         pictures=[drawn(figure) for figure in FIGURES],
+        times=root / "benchmarks/precision.csv",
+        fixed_steps=expand(
+            root / "data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
+        ),
+        comparison=[pictured(place) for place in PICTURES.values()],
     output:
         page=root / "report.html",
         record=root / "report.run.json",
@@ -78,6 +83,7 @@ rule index:
         root / "data/kernels.run.json",
         root / "report.run.json",
         [records(figure) for figure in FIGURES],
+        records_beside(),
     output:
         root / "runs.csv",
         root / "runs.sqlite",

@@ -3,9 +3,12 @@
 import argparse
 from pathlib import Path
 
+from model.show.precision import Comparison
 from model.show.report import render_report
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
+from model.study.plans import PICTURES
+from model.study.precision import read_timings
 from model.study.provenance import Job, file_hash, versions, write_text
 
 
@@ -18,20 +21,33 @@ def main() -> None:
     parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
     root: Path = arguments.root
+    study: Study = arguments.study
     job = Job("report")
     computed = [name for name in FIGURES if name not in SCHEMATICS]
     data = {name: root / f"data/{name}.nc" for name in computed}
     pictures = {name: root / f"figures/{name}.png" for name in FIGURES}
-    datasets = {name: read_dataset(path) for name, path in data.items()}
+    times = root / "benchmarks/precision.csv"
+    wrong = {
+        name: root / f"data/fixed_steps/{name}.nc" for name in study.precision.fixed_steps.figures
+    }
+    compared = {name: root / f"{place}.png" for name, place in PICTURES.items()}
+    comparison = Comparison(
+        rungs=read_timings(times),
+        wrong={name: read_dataset(path) for name, path in wrong.items()},
+        pictures=compared,
+    )
+    read = [*data.values(), *wrong.values(), times]
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {
         "made with": versions(),
-        "from datasets": {path.name: file_hash(path)[:16] for path in data.values()},
+        "from": {path.relative_to(root).as_posix(): file_hash(path)[:16] for path in read},
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
-    page = render_report(arguments.study, datasets, pictures, provenance)
+    datasets = {name: read_dataset(path) for name, path in data.items()}
+    page = render_report(study, datasets, pictures, provenance, comparison)
     write_text(page, arguments.output)
-    job.finish(arguments.record, [arguments.output], [*data.values(), *pictures.values()])
+    shown = [*pictures.values(), *compared.values()]
+    job.finish(arguments.record, [arguments.output], [*read, *shown])
 
 
 if __name__ == "__main__":

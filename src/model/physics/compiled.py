@@ -14,6 +14,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core.cgutils import get_null_value
+from numba.extending import intrinsic, overload
+from numba.np.arrayobj import make_array
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -62,7 +65,10 @@ def _numba_cache_in(folder: str) -> Iterator[None]:
 
 
 def kernel(function: Function) -> Function:
-    """Compile ``function`` on first call: no Python objects, no GIL, IEEE arithmetic, cached."""
+    """Compile ``function`` on first call: no Python objects, no GIL, cached.
+
+    IEEE arithmetic, in which a product and a sum may be one operation (fused multiply-add).
+    """
     return _compiled(function, forceinline=False)
 
 
@@ -74,6 +80,35 @@ def inlined_kernel(function: Function) -> Function:
 def _compiled(function: Function, forceinline: bool) -> Function:
     with _numba_cache_in(_CACHE_FOLDER):
         compiled: Any = numba.njit(
-            cache=True, nogil=True, error_model="numpy", forceinline=forceinline
+            cache=True,
+            nogil=True,
+            error_model="numpy",
+            fastmath={"contract"},
+            forceinline=forceinline,
         )(function)
     return compiled
+
+
+def borrowed(array):
+    """``array`` as a view that counts no references: whoever calls the kernel keeps it alive.
+
+    Counting is an atomic operation each time an array is taken from a tuple or passed on; in a
+    kernel of a few arithmetic operations it would cost more than they do.
+    """
+    return array
+
+
+@intrinsic
+def _uncounted(_context, array):
+    def generate(context, builder, signature, arguments):
+        view = make_array(signature.return_type)(context, builder, arguments[0])
+        view.meminfo = get_null_value(view.meminfo.type)
+        view.parent = get_null_value(view.parent.type)
+        return view._getvalue()
+
+    return array(array), generate
+
+
+@overload(borrowed)
+def _borrowed_in_kernels(array):  # noqa: ARG001 - numba matches arguments by name
+    return lambda array: _uncounted(array)  # type: ignore[call-arg]  # noqa: PLW0108

@@ -3,9 +3,8 @@
 Forces in units of F1, moments in units of F1²/K_Y. Contact forces stand in contacts.py.
 """
 
-from math import sin
-
 from model.physics.compiled import inlined_kernel
+from model.physics.trigonometry import sine_cosine
 
 
 @inlined_kernel
@@ -35,4 +34,5 @@ def press(p):
 @inlined_kernel
 def excitation(time, p):
     """-sin(ντ + phase), the kinematic excitation through the axial spring, of amplitude 1."""
-    return -sin(p.frequency * time + p.phase)
+    sine, _ = sine_cosine(p.frequency * time + p.phase)
+    return -sine

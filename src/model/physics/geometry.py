@@ -1,10 +1,10 @@
 """Where the part's corners and the slot's edges are. Lengths dimensionless, angles in radians."""
 
-from math import cos, sin
 from typing import NamedTuple
 
 from model.physics.compiled import inlined_kernel
 from model.physics.parameters import Constants
+from model.physics.trigonometry import sine_cosine
 
 
 class EdgePlace(NamedTuple):
@@ -22,7 +22,7 @@ class EdgePlace(NamedTuple):
 @inlined_kernel
 def edge_place(side, x, y, tilt, p):
     """``EdgePlace`` of the edge A1 (``side`` = +1) or A2 (-1) for the mass centre at (x, y)."""
-    c, s = cos(tilt), sin(tilt)
+    s, c = sine_cosine(tilt)
     r_x = side * p.slot_half_width - x
     return EdgePlace(r_x * c - y * s, -r_x * s - y * c, c, s)
 
@@ -30,7 +30,7 @@ def edge_place(side, x, y, tilt, p):
 @inlined_kernel
 def bottom_corner(side, x, y, tilt, p):
     """(X, Y) of the bottom corner B1 (``side`` = +1) or B2 (-1): C ± a e_t - b e_n."""
-    c, s = cos(tilt), sin(tilt)
+    s, c = sine_cosine(tilt)
     a, b = side * p.half_width, p.half_height
     return x + a * c + b * s, y + a * s - b * c
 
@@ -41,11 +41,13 @@ def face_coordinate(side, x, tilt, p):
 
     (±l - x)/cos φ - b tan φ, among the paper's dimensionless parameters.
     """
-    return (side * p.slot_half_width - x - p.half_height * sin(tilt)) / cos(tilt)
+    s, c = sine_cosine(tilt)
+    return (side * p.slot_half_width - x - p.half_height * s) / c
 
 
 @inlined_kernel
 def resting_height(p: Constants):
     """Y at the start: the bottom face touches A1, d = b - (l - x) sin φ - y cos φ = 0."""
     r_x = p.slot_half_width - p.misalignment
-    return (p.half_height - r_x * sin(p.initial_tilt)) / cos(p.initial_tilt)
+    s, c = sine_cosine(p.initial_tilt)
+    return (p.half_height - r_x * s) / c

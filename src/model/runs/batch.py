@@ -4,16 +4,21 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.runs.errors import COLUMNS, NO_TRACK, run_rows
+from model.physics.readings import Readings
+from model.runs.errors import Array, Run, estimate
 from model.runs.settings import Settings
+from model.solver.loop import TRACK_COLUMNS, integrate_each, new_single
+from model.solver.record import Ending
+from model.solver.side_by_side import integrate_all, new_many
+from model.solver.tableaux import DOP853
 
-_BLOCK = 32  # rows a thread takes at a time: small enough to level, large enough to cost nothing
+NO_TRACK = np.empty((0, TRACK_COLUMNS))
 
 
 @dataclass(frozen=True)
@@ -26,13 +31,14 @@ class Alignments:
         tau_align: alignment time, NaN where not aligned.
         tau_error: estimated error of ``tau_align``, NaN where it cannot be estimated.
         tau_corners_inside: when the paper's four corner conditions hold, NaN if they never do.
-        sensitive: whether a run at another tolerance ends differently or at another time.
+        sensitive: whether a run at 16 times the tolerance, from a start displaced by the tolerance,
+            ends differently or at another time.
         tilt_at_alignment: tilt at ``tau_align``, radians.
         tilt_max: largest |tilt| until alignment or the end, radians.
         separations: how often the part lost the base before alignment.
         contact_force_max: largest normal force at one place, in units of F1.
         sticking_share: share of the time in which the supporting contact sticks.
-        rhs_evaluations: right-hand sides evaluated, both runs together.
+        rhs_evaluations: right-hand sides evaluated, all runs of the set together.
         period: excitation periods after which a settled motion repeats itself, else 0.
     """
 
@@ -62,6 +68,61 @@ _DTYPES = {
     "rhs_evaluations": np.int64,
     "period": np.int64,
 }
+_ESTIMATED = ("tau_error", "sensitive", "rhs_evaluations")
+
+Engine = Literal["lanes", "scalar"]
+
+
+def each_by_itself(settings: Settings) -> Run:
+    """The reference engine: one run at a time."""
+
+    def run(rows: Array, tolerances: Array) -> Array:
+        endings = np.empty((len(rows), len(Ending._fields)))
+        single = new_single(settings.method.method)
+        integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, endings, single)
+        return endings
+
+    return run
+
+
+def side_by_side(settings: Settings) -> Run:
+    """The batch engine: many runs at a time."""
+    declared, method, control = settings.for_kernels
+
+    def run(rows: Array, tolerances: Array) -> Array:
+        endings = np.empty((len(rows), len(Ending._fields)))
+        integrate_all(rows, tolerances, declared, method, control, endings, new_many())
+        return endings
+
+    return run
+
+
+def _over(cores: int, run: Run) -> Run:
+    """``run`` with the rows dealt out to threads; kernels hold no lock of the interpreter."""
+
+    def spread(rows: Array, tolerances: Array) -> Array:
+        parts = [slice(core, None, cores) for core in range(min(cores, len(rows)))]
+        endings = np.empty((len(rows), len(Ending._fields)))
+        with ThreadPoolExecutor(len(parts)) as pool:
+            dealt = pool.map(lambda part: run(rows[part].copy(), tolerances[part].copy()), parts)
+            for part, result in zip(parts, dealt, strict=True):
+                endings[part] = result
+        return endings
+
+    return spread if cores > 1 else run
+
+
+def _engine(name: Engine | None, settings: Settings) -> Run:
+    fits = settings.readings == Readings.consistent() and settings.method is DOP853
+    if name not in (None, "lanes", "scalar"):
+        raise ValueError(f"engine = {name!r}: must be 'lanes', 'scalar', or None for the faster")
+    if name == "lanes" and not fits:
+        raise ValueError(
+            "engine = 'lanes': needs the consistent readings and the method DOP853; "
+            "choose 'scalar', or None for the faster one that fits"
+        )
+    use_lanes = fits and name != "scalar"
+    return side_by_side(settings) if use_lanes else each_by_itself(settings)
 
 
 def align(
@@ -69,6 +130,7 @@ def align(
     settings: Settings | None = None,
     *,
     cores: int | None = None,
+    engine: Engine | None = None,
     **changes: Any,
 ) -> Alignments:
     """Run every parameter set of ``batch`` to its end.
@@ -80,10 +142,14 @@ def align(
         batch: a ``Batch``, or a sequence of ``Parameters``.
         settings: how to run.
         cores: threads to use, all by default.
+        engine: "lanes" runs many sets side by side, for the consistent readings and DOP853;
+            "scalar" is the reference, one at a time. By default the faster that fits; the two
+            agree to their error estimates.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:
-        ValueError: an empty batch, fewer than one core, or a setting outside its range.
+        ValueError: an empty batch, fewer than one core, an engine that does not fit, or a setting
+            outside its range.
     """
     settings = replace(settings or Settings(), **changes)
     rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)
@@ -92,23 +158,14 @@ def align(
     cores = os.cpu_count() or 1 if cores is None else cores
     if cores < 1:
         raise ValueError(f"cores = {cores!r}: must be >= 1")
-    rows = rows_of.constants(settings.readings)
-    out = np.empty((len(rows), len(COLUMNS)))
-
-    def run(first: int) -> None:
-        part = slice(first, first + _BLOCK)
-        run_rows(rows[part], *settings.for_kernels, NO_TRACK, NO_TRACK, out[part])
-
-    firsts = range(0, len(rows), _BLOCK)
-    if cores == 1 or len(firsts) == 1:
-        for first in firsts:
-            run(first)
-    else:
-        with ThreadPoolExecutor(cores) as pool:  # kernels hold no lock of the interpreter
-            list(pool.map(run, firsts))
+    run = _over(cores, _engine(engine, settings))
+    found = estimate(run, rows_of.constants(settings.readings), settings.tolerance)
+    columns = {
+        field.name: getattr(found, field.name)
+        if field.name in _ESTIMATED
+        else found.column(field.name)
+        for field in fields(Alignments)
+    }
     return Alignments(
-        **{
-            field.name: out[:, COLUMNS.index(field.name)].astype(_DTYPES.get(field.name, float))
-            for field in fields(Alignments)
-        }
+        **{name: values.astype(_DTYPES.get(name, float)) for name, values in columns.items()}
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from model.physics.readings import Readings
 from model.physics.scenes import ALIGNMENT, Declared, Scene
-from model.solver.loop import Control
+from model.solver.course import Control
 from model.solver.tableaux import DOP853, Method, Tableau
 
 
@@ -58,7 +58,6 @@ class Settings:
     def control(self) -> Control:
         """The form that kernels take."""
         return Control(
-            float(self.tolerance),
             float(self.horizon),
             int(self.max_evaluations),
             float(self.may_settle),

@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.runs.errors import COLUMNS, NO_TRACK, Record, run_rows
+from model.runs.batch import each_by_itself
+from model.runs.errors import estimate
 from model.runs.settings import Settings
-from model.solver.loop import TRACK_COLUMNS
+from model.solver.loop import TRACK_COLUMNS, integrate_each, new_single
 from model.solver.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
+from model.solver.record import Ending
 
 _USUAL_TRACK = 4096  # rows; a longer trajectory is run again with as many as it has
 
@@ -73,37 +75,41 @@ def simulate(
     """
     settings = replace(settings or Settings(), **changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
-    out = np.empty((1, len(COLUMNS)))
+    single = new_single(settings.method.method)
+    endings = np.empty((1, len(Ending._fields)))
 
-    def run(track: NDArray[np.float64]) -> Record:
-        run_rows(rows, *settings.for_kernels, track, NO_TRACK, out)
-        return Record(*out[0].tolist())
+    def run(tolerance: float, track: NDArray[np.float64]) -> Ending:
+        tolerances = np.array([tolerance])
+        integrate_each(rows, tolerances, *settings.for_kernels, track, endings, single)
+        return Ending(*endings[0].tolist())
 
+    found = estimate(each_by_itself(settings), rows, settings.tolerance)
+    tolerance = float(found.tolerance[0])
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
-    record = run(track)
-    if record.tracked > len(track):
-        track = np.empty((int(record.tracked), TRACK_COLUMNS))
-        record = run(track)
-    track = track[: int(record.tracked)].copy()
+    ending = run(tolerance, track)
+    if ending.tracked > len(track):
+        track = np.empty((int(ending.tracked), TRACK_COLUMNS))
+        ending = run(tolerance, track)
+    track = track[: int(ending.tracked)].copy()
     return Trajectory(
         parameters=parameters,
         time=track[:, 0],
         state=track[:, 1:7],
         contact_force=track[:, 7],
         side_force=track[:, 8],
-        outcome=Outcome(int(record.outcome)),
-        reason=Reason(int(record.reason)),
-        tau_align=record.tau_align,
-        tau_error=record.tau_error,
-        tau_corners_inside=record.tau_corners_inside,
-        sensitive=bool(record.sensitive),
-        tilt_at_alignment=record.tilt_at_alignment,
-        tilt_max=record.tilt_max,
-        separations=int(record.separations),
-        contact_force_max=record.contact_force_max,
-        sticking_share=record.sticking_share,
-        rhs_evaluations=int(record.rhs_evaluations),
-        steps=int(record.steps),
-        switches=int(record.switches),
-        period=int(record.period),
+        outcome=Outcome(int(ending.outcome)),
+        reason=Reason(int(ending.reason)),
+        tau_align=ending.tau_align,
+        tau_error=float(found.tau_error[0]),
+        tau_corners_inside=ending.tau_corners_inside,
+        sensitive=bool(found.sensitive[0]),
+        tilt_at_alignment=ending.tilt_at_alignment,
+        tilt_max=ending.tilt_max,
+        separations=int(ending.separations),
+        contact_force_max=ending.contact_force_max,
+        sticking_share=ending.sticking_share,
+        rhs_evaluations=int(found.rhs_evaluations[0]),
+        steps=int(ending.steps),
+        switches=int(ending.switches),
+        period=int(ending.period),
     )

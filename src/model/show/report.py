@@ -19,10 +19,24 @@ from numpy.typing import NDArray
 
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
+from model.show.precision import (
+    CAPTIONS as SPEED_CAPTIONS,
+)
+from model.show.precision import (
+    COARSE,
+    FINE,
+    Comparison,
+    Need,
+    advice,
+    needs,
+)
 from model.show.schematics import CAPTIONS
 from model.show.style import FORMATS
 from model.solver.outcomes import OUTCOME_TEXT, Outcome
 from model.study.config import Study
+from model.study.fixed_steps import wrong_counts
+from model.study.plans import PICTURES
+from model.study.precision import METHODS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,11 +104,36 @@ class _Section:
     alternative: str
 
 
+@dataclass(frozen=True)
+class _Picture:
+    """A picture of the section on speed against error."""
+
+    place: str
+    caption: str
+    data: Markup
+    size: tuple[int, int] | None
+
+
+@dataclass(frozen=True)
+class _Speed:
+    """What the page says of speed against error.
+
+    ``tables`` holds, for each true error, a row for each method with a cell for each case.
+    """
+
+    sentences: tuple[str, ...]
+    pictures: tuple[_Picture, ...]
+    cases: tuple[tuple[str, str, str, Markup], ...]
+    tables: tuple[tuple[float, tuple[tuple[str, tuple[Need | None, ...]], ...]], ...]
+    wrong: tuple[tuple[str, str, float, Mapping[str, int]], ...]
+
+
 def render_report(
     study: Study,
     datasets: Mapping[str, "xr.Dataset"],
     figures: Mapping[str, Path],
     provenance: Mapping[str, object],
+    comparison: Comparison,
 ) -> str:
     """The page.
 
@@ -106,6 +145,7 @@ def render_report(
         datasets: of every figure that computes something, by its name ("fig06").
         figures: a picture of every figure, PNG or SVG, by its name.
         provenance: what to say of the making of the page; a value may be a mapping itself.
+        comparison: what was measured of speed against error.
 
     Raises:
         ValueError: a dataset or a picture is missing, or a picture is neither PNG nor SVG.
@@ -113,6 +153,7 @@ def render_report(
     computed = [name for name, spec in study.figures.items() if spec.kind != "schematic"]
     missing = [f"the dataset of {name}" for name in computed if name not in datasets]
     missing += [f"the picture of {name}" for name in study.figures if name not in figures]
+    missing += [f"the picture of {name}" for name in PICTURES if name not in comparison.pictures]
     if missing:
         raise ValueError(f"the report needs {', '.join(missing)}")
     environment = Environment(
@@ -127,6 +168,8 @@ def render_report(
     settings = study.settings.settings
     return environment.get_template("report.html.j2").render(
         sections=sections,
+        speed=_speed(study, comparison),
+        tau_tolerance=study.precision.fixed_steps.tau_tolerance,
         structure=[_row(name, number(value)) for name, value in study.structure.items()],
         readings=[
             (*READING_WORDS[name], name, getattr(settings.readings, name)) for name in READING_NAMES
@@ -179,6 +222,47 @@ def _section(study: Study, name: str, dataset: "xr.Dataset | None", picture: Pat
         size=size,
         alternative=f"Figure {number_of}: {spec.title}. {spec.sees.strip()}",
     )
+
+
+def _speed(study: Study, comparison: Comparison) -> _Speed:
+    cases = study.precision.cases
+    titles = {name: case.title for name, case in cases.items()}
+    tables = []
+    for target in (COARSE, FINE):
+        need = needs(comparison.rungs, target)
+        rows = [
+            (method.label, tuple(need.get((name, case)) for case in cases))
+            for name, method in METHODS.items()
+        ]
+        tables.append((target, tuple(rows)))
+    pictures = []
+    for name, place in PICTURES.items():
+        data, size = _embedded(comparison.pictures[name])
+        pictures.append(_Picture(place, SPEED_CAPTIONS[name], data, size))
+    return _Speed(
+        sentences=advice(comparison.rungs, comparison.wrong, titles),
+        pictures=tuple(pictures),
+        cases=tuple(
+            (
+                case.title,
+                case.figure,
+                case.reason,
+                Markup(", ").join(
+                    _equals(_row(name, number(value))) for name, value in case.at.items()
+                ),
+            )
+            for case in cases.values()
+        ),
+        tables=tuple(tables),
+        wrong=tuple(
+            (figure.removeprefix("fig").lstrip("0"), _SCHEME_WORDS[scheme], step, counts)
+            for figure, dataset in comparison.wrong.items()
+            for (scheme, step), counts in wrong_counts(dataset).items()
+        ),
+    )
+
+
+_SCHEME_WORDS = {"rk4": "RK4", "semi_implicit_euler": "semi-implicit Euler"}
 
 
 def _row(name: str, value: str, varied: bool = False) -> _Row:

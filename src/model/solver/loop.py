@@ -1,20 +1,43 @@
-"""The one integration loop: step, locate the first switch, switch, go on."""
+"""The reference engine: one run at a time, step, locate the first switch, switch, go on."""
 
-from math import isfinite, nan, pi
+from math import isfinite, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from model.physics.compiled import inlined_kernel, kernel
-from model.physics.geometry import bottom_corner, resting_height
-from model.physics.motion import is_supported
-from model.physics.notation import RIGHT_EDGE
-from model.physics.scenes import CLOSED, OPEN, START, STICKING
+from model.physics.compiled import borrowed, inlined_kernel, kernel
+from model.solver.course import (
+    History,
+    begin,
+    borrowed_history,
+    end_step,
+    fail,
+    make_switch,
+    new_history,
+    note_step,
+)
 from model.solver.locate import NO_SWITCH, NODE_PLACES, NODES, first_switch, sample_step
-from model.solver.outcomes import Outcome, Reason
-from model.solver.settling import new_history, record_period, settled_period
-from model.solver.step import (
+from model.solver.outcomes import Reason
+from model.solver.record import (
+    CLOSEST,
+    EVALUATIONS,
+    NEXT_STEP,
+    OUTCOME,
+    REJECTED,
+    ROWS,
+    STATE,
     STATE_SIZE,
+    STOP,
+    TIME,
+    TOLERANCE,
+    TRACKED,
+    constants_of,
+    ending_of,
+    keep_state,
+    mode_of,
+    state_in,
+)
+from model.solver.step import (
     dense_output,
     error_estimate,
     interpolate,
@@ -24,148 +47,65 @@ from model.solver.step import (
 )
 from model.solver.switching import (
     CORNER_LOAD,
-    CORNERS_INSIDE,
-    FACE_FAR_END,
     FACE_LOAD,
-    LEFT_EDGE_ENTERS,
-    LEFT_WALL,
     NEVER,
-    OVERTURNED,
     SAMPLE_SIZE,
     SIDE_LOAD,
     SWITCH_COUNT,
     switching_functions,
 )
-from model.solver.transitions import (
-    CONTINUES,
-    decide_friction,
-    hold_sticking,
-    switch,
-    with_corner,
-    with_face,
-    without_residual_slip,
-)
+from model.solver.tableaux import Method
+from model.solver.transitions import CONTINUES, hold_sticking
 
-_ALIGNED = int(Outcome.ALIGNED)
-_SETTLED = int(Outcome.SETTLED)
-_HORIZON_REACHED = int(Outcome.HORIZON_REACHED)
-_FAILED = int(Outcome.FAILED)
-_NONE = int(Reason.NONE)
-_IMPOSSIBLE_START = int(Reason.IMPOSSIBLE_START)
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
-_TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
-_CHATTER = int(Reason.CHATTER)
 _NOT_FINITE = int(Reason.NOT_FINITE)
-_NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
 
 TRACK_COLUMNS = 9  # time, the state, the support's normal force, the side's
-_FIRST_STEP = 1e-2
-_MOST_SWITCHES_AT_ONCE = 64
-_START_TOLERANCE = 1e-9
 _ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
-_SWITCH_RESOLUTION = 1e-5  # square of a switch's last correction, relative to the tolerance
-_FALL_TIME = 20.0  # how long to wait for the corners to be inside once the contact is lost
-
-
-class Control(NamedTuple):
-    """What a run is allowed.
-
-    Attributes:
-        tolerance: local error admitted in a step, relative to 1 + |state|.
-        horizon: latest time.
-        max_evaluations: most right-hand-side evaluations.
-        may_settle: 1.0 to stop a run whose motion repeats itself, else 0.0.
-    """
-
-    tolerance: float
-    horizon: float
-    max_evaluations: int
-    may_settle: float
-
-
-class Ending(NamedTuple):
-    """How a run ended and what it met on the way; all dimensionless.
-
-    ``tau_align`` is NaN unless aligned, ``tau_corners_inside`` unless all four corner conditions
-    came to hold. ``period`` counts excitation periods where the run settled, else 0.
-    """
-
-    outcome: int
-    reason: int
-    time: float
-    tau_align: float
-    tau_corners_inside: float
-    tilt_at_alignment: float
-    tilt_max: float
-    separations: int
-    contact_force_max: float
-    sticking_share: float
-    evaluations: int
-    steps: int
-    rejected: int
-    switches: int
-    period: int
-    tracked: int
+SWITCH_RESOLUTION = 3e-3  # a switch's last correction over the tolerance's square root
 
 
 class Workspace(NamedTuple):
-    """Arrays of one run. Shapes: k (m, 6), dense (6, degree), nodes and samples as in locate."""
+    """Arrays of one step.
 
-    k: np.ndarray
+    Shapes: y, y_end, trial (6,), k (m, 6), dense (6, degree), nodes and samples as in locate,
+    scratch (SAMPLE_SIZE,).
+    """
+
+    y: np.ndarray
     y_end: np.ndarray
     trial: np.ndarray
+    k: np.ndarray
     dense: np.ndarray
     nodes: np.ndarray
     samples: np.ndarray
+    scratch: np.ndarray
+
+
+def new_workspace(method: Method) -> Workspace:
+    """The ``Workspace`` that ``method`` needs."""
+    m, degree = method.dense.shape
+    shapes = (STATE_SIZE,), (STATE_SIZE,), (STATE_SIZE,), (m, STATE_SIZE), (STATE_SIZE, degree)
+    samples = (NODES, STATE_SIZE), (NODES, SAMPLE_SIZE), (SAMPLE_SIZE,)
+    return Workspace(*(np.zeros(shape) for shape in (*shapes, *samples)))
 
 
 @kernel
-def _workspace(method):
-    m, degree = method.dense.shape
+def borrowed_workspace(work):
+    """``work`` without reference counts."""
     return Workspace(
-        np.empty((m, STATE_SIZE)), np.empty(STATE_SIZE), np.empty(STATE_SIZE),
-        np.empty((STATE_SIZE, degree)), np.empty((NODES, STATE_SIZE)),
-        np.empty((NODES, SAMPLE_SIZE)),
+        borrowed(work.y), borrowed(work.y_end), borrowed(work.trial), borrowed(work.k),
+        borrowed(work.dense), borrowed(work.nodes), borrowed(work.samples), borrowed(work.scratch),
     )  # fmt: skip
 
 
-@kernel
-def start(p, declared):
-    """State and mode at τ = 0: at rest, touching the base without pressing.
-
-    The bottom face stands on the edge A1; a part tilted the other way stands on its corner B1. A
-    contact that is not declared starts open: the run leaves the scene if the part presses there.
-    """
-    y = np.zeros(STATE_SIZE)
-    y[0], y[2] = p.misalignment, p.initial_tilt
-    y[1] = resting_height(p)
-    corner_x, corner_y = bottom_corner(RIGHT_EDGE, y[0], y[1], y[2], p)
-    if y[2] < 0.0 and corner_x > p.slot_half_width:
-        y[1] -= corner_y
-        standing = CLOSED if declared.corner_on_flat else OPEN
-        return y, with_corner(with_face(START, RIGHT_EDGE, OPEN), RIGHT_EDGE, standing, 0.0)
-    return y, with_face(START, RIGHT_EDGE, CLOSED if declared.edge_on_face else OPEN)
-
-
-@kernel
-def _start_is_impossible(q, p, mode):
-    functions = np.empty(SAMPLE_SIZE)
-    switching_functions(0.0, q, p, mode, functions)
-    return (
-        functions[LEFT_EDGE_ENTERS] < -_START_TOLERANCE
-        or functions[LEFT_WALL] < -_START_TOLERANCE
-        or functions[FACE_FAR_END] < -_START_TOLERANCE
-        or functions[OVERTURNED] < 0.0
-    )
-
-
 @inlined_kernel
-def _accepted_step(time, h, y, p, mode, method, control, work):
+def _accepted_step(time, h, y, p, mode, method, tolerance, work):
     """Shrink ``h`` until a step stands: (h, next h, steps rejected); h = 0 if none does."""
     rejected = 0
     while True:
         take_step(time, h, y, p, mode, method, work.k, work.y_end)
-        error = error_estimate(h, y, work.y_end, method, work.k, control.tolerance)
+        error = error_estimate(h, y, work.y_end, method, work.k, tolerance)
         if error <= 1.0:
             growth = 5.0 if error == 0.0 else min(5.0, 0.9 * error ** (-1.0 / method.order))
             return h, h * max(growth, 0.3), rejected
@@ -176,14 +116,17 @@ def _accepted_step(time, h, y, p, mode, method, control, work):
 
 
 @kernel
-def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work, scratch):
+def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work):
     """Repeat the step up to the switch: (length, steps taken), the state in ``work.y_end``.
 
     Newton's iteration on whole steps, so that the switch is as accurate as a step, whatever the
     order of the dense output that gives the slope. A last correction so small that its square is
     below ``resolution`` moves along the tangent instead.
     """
-    length = theta * h
+    length, scratch = theta * h, work.scratch
+    if length == 0.0:
+        work.y_end[:] = y
+        return 0.0, 0
     near = 1e-3
     low, high = max(theta - near, 0.0), min(theta + near, 1.0)
     switching_functions(time + low * h, interpolate(low, h, y, work.dense), p, mode, scratch)
@@ -199,7 +142,7 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work,
         if abs(correction) > near * h:
             break
         moved = min(max(length + correction, 0.0), h)
-        if (moved - length) ** 2 <= resolution:
+        if abs(moved - length) <= resolution:
             rates = work.k[method.stages]
             for n in range(STATE_SIZE):
                 work.y_end[n] += (moved - length) * rates[n]
@@ -255,183 +198,138 @@ def _largest(nodes, samples, last):
     return tilt, force
 
 
-@inlined_kernel
-def _write_track(track, row, time, y, sample):
+@kernel
+def _track(track, time, y, sample, runs, i):
+    """Write a row of the track, as far as it has rows, and count it."""
+    row = int(runs[TRACKED, i])
     if row < track.shape[0]:
         track[row, 0] = time
         track[row, 1 : 1 + STATE_SIZE] = y
         track[row, 7] = max(_support_force(sample), 0.0)
         track[row, 8] = max(_side_force(sample), 0.0)
-    return row + 1
+    runs[TRACKED, i] = row + 1
 
 
 @kernel
-def _track_switch(track, row, time, y, p, mode, scratch):
-    """Write the state at a switch, with the forces of ``mode``, where the track has the row."""
-    if row < track.shape[0]:
-        switching_functions(time, state_of(y), p, mode, scratch)
-    return _write_track(track, row, time, y, scratch)
+def _track_run(track, scratch, runs, i):
+    """Write where the run stands, with the forces of its mode."""
+    time, q = runs[TIME, i], state_in(runs, STATE, i)
+    if runs[TRACKED, i] < track.shape[0]:
+        switching_functions(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
+    _track(track, time, runs[STATE : STATE + STATE_SIZE, i], scratch, runs, i)
 
 
 @inlined_kernel
-def _note_closest(samples, last, closest):
-    """Lower ``closest`` to the samples of a step, but for functions that rise from zero in it.
+def _note_closest(samples, last, runs, i):
+    """Lower the run's closest approaches to those of a step; functions that leave zero in it apart.
 
     A mode starts on zeros of its own functions: that it leaves them is no approach to a switch.
     """
-    for j in range(SWITCH_COUNT):
-        if samples[0, j] != NEVER and samples[0, j] > _ON_A_SWITCH:
-            for i in range(1, last + 1):
-                closest[j] = min(closest[j], samples[i, j])
-
-
-@inlined_kernel
-def _keep(q, y):
-    y[0], y[1], y[2], y[3], y[4], y[5] = q.x, q.y, q.tilt, q.x_rate, q.y_rate, q.tilt_rate
-
-
-@inlined_kernel
-def _opened(before, after):
-    """Whether a switch left the part without support: a separation."""
-    return (before.face != OPEN or before.corner != OPEN) and (
-        after.face == OPEN and after.corner == OPEN
-    )
+    for which in range(SWITCH_COUNT):
+        if samples[0, which] != NEVER and samples[0, which] > _ON_A_SWITCH:
+            lowest = runs[CLOSEST + which, i]
+            for node in range(1, last + 1):
+                lowest = min(lowest, samples[node, which])
+            runs[CLOSEST + which, i] = lowest
 
 
 @kernel
-def integrate(p, declared, method, control, track):
+def advance(declared, method, control, track, history, work, runs, i):
+    """Advance run ``i`` by one step, or up to the first switch in it."""
+    time, p, mode = runs[TIME, i], constants_of(runs, i), mode_of(runs, i)
+    y, tolerance, h = work.y, runs[TOLERANCE, i], runs[NEXT_STEP, i]
+    y[:] = runs[STATE : STATE + STATE_SIZE, i]
+    stop = runs[STOP, i]
+    h_try = stop - time if time + 1.0001 * h >= stop else h
+    right_hand_side(time, y, p, mode, work.k[0])
+    h_step, h_next, rejected = _accepted_step(time, h_try, y, p, mode, method, tolerance, work)
+    runs[EVALUATIONS, i] += 1 + (1 + rejected) * method.stages
+    runs[REJECTED, i] += rejected
+    if h_step == 0.0:
+        fail(runs, i, _STEP_TOO_SMALL if isfinite(work.k[0].sum()) else _NOT_FINITE)
+        return
+    dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
+    runs[EVALUATIONS, i] += method.c.size - method.stages - 1
+    sample_step(time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
+    which, theta = first_switch(time, h_step, y, work.dense, p, mode, work.samples, work.scratch)
+    switches = theta != NO_SWITCH
+    length, last = h_step, NODES - 1
+    if switches:
+        while NODE_PLACES[last] > theta:
+            last -= 1
+        length, taken = _step_to_switch(
+            which,
+            theta,
+            time,
+            h_step,
+            y,
+            p,
+            mode,
+            method,
+            SWITCH_RESOLUTION * sqrt(tolerance),
+            work,
+        )
+        runs[EVALUATIONS, i] += taken * method.stages
+    tilt, force = _largest(work.nodes, work.samples, last)
+    note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
+    _note_closest(work.samples, last, runs, i)
+    for node in range(1, last + (0 if switches else 1)):
+        _track(
+            track, time + NODE_PLACES[node] * h_step, work.nodes[node], work.samples[node], runs, i
+        )
+
+    runs[STATE : STATE + STATE_SIZE, i] = work.y_end
+    reached_stop = not switches and h_step == h_try and h_try == stop - time
+    runs[TIME, i] = stop if reached_stop else time + length
+    # A step cut short by a stop says nothing against the length it was cut from.
+    runs[NEXT_STEP, i] = max(h, h_next) if h_step == h_try and h_try != h else h_next
+    if switches:
+        _track_run(track, work.scratch, runs, i)
+        make_switch(which, length, h_step, declared, runs, i)
+        _track_run(track, work.scratch, runs, i)
+    else:
+        keep_state(hold_sticking(state_in(runs, STATE, i), p, mode), runs, i)
+    end_step(reached_stop, history, control, runs, i)
+
+
+class Single(NamedTuple):
+    """Memory for one run at a time: its record, shape (ROWS, 1), history and workspace."""
+
+    runs: np.ndarray
+    history: History
+    work: Workspace
+
+
+def new_single(method: Method) -> Single:
+    """The ``Single`` that ``method`` needs."""
+    return Single(np.zeros((ROWS, 1)), new_history(1), new_workspace(method))
+
+
+@kernel
+def integrate(row, tolerance, declared, method, control, track, single):
     """Run one parameter set to its end: ``Ending``.
 
     Args:
-        p: ``Constants``.
+        row: shape (constants,), the fields of ``Constants``.
+        tolerance: local error admitted in a step, relative to 1 + |state|.
         declared: ``Declared`` contacts of the scene.
         method: ``Method``.
         control: ``Control``.
         track: shape (rows, 9), filled as far as it goes with time, state and normal forces of the
             support and of the side; ``Ending.tracked`` is the number of rows a full track has.
+        single: ``Single``, overwritten.
     """
-    work = _workspace(method)
-    scratch, closest = np.empty(SAMPLE_SIZE), np.full(SWITCH_COUNT, NEVER)
-    made = np.zeros(SWITCH_COUNT, dtype=np.bool_)
-    states, lowest = new_history()
-    printed_criterion = p.printed_alignment_criterion != 0.0
-    y, mode = start(p, declared)
-    time, h = 0.0, _FIRST_STEP
-    period_length = 2.0 * pi / p.frequency if p.frequency > 0.0 else 2.0 * pi
-    periods, deadline = 0, control.horizon
-    resolution = _SWITCH_RESOLUTION * control.tolerance
-    outcome, reason, period = CONTINUES, _NONE, 0
-    tau_align, tau_inside, tilt_at_alignment = nan, nan, nan
-    tilt_max, force_max, sticking = abs(p.initial_tilt), 0.0, 0.0
-    separations, evaluations, steps, rejections, switches = 0, 0, 0, 0, 0
-    at_once, row = 0, 0
+    runs, history = borrowed(single.runs), borrowed_history(single.history)
+    work, track = borrowed_workspace(single.work), borrowed(track)
+    begin(row, tolerance, declared, control, runs, 0)
+    _track_run(track, work.scratch, runs, 0)
+    while runs[OUTCOME, 0] == CONTINUES:
+        advance(declared, method, control, track, history, work, runs, 0)
+    return ending_of(runs, 0)
 
-    if _start_is_impossible(state_of(y), p, mode):
-        outcome, reason = _FAILED, _IMPOSSIBLE_START
-    else:
-        mode, possible = decide_friction(0.0, state_of(y), p, mode, True, True)
-        if not possible:
-            outcome, reason = _FAILED, _NO_FRICTION_SOLUTION
-    row = _track_switch(track, row, time, y, p, mode, scratch)
 
-    while outcome == CONTINUES:
-        next_period = (periods + 1) * period_length
-        stop = min(next_period, deadline)
-        h_try = stop - time if time + 1.0001 * h >= stop else h
-        right_hand_side(time, y, p, mode, work.k[0])
-        h_step, h_next, rejected = _accepted_step(time, h_try, y, p, mode, method, control, work)
-        evaluations += 1 + (1 + rejected) * method.stages
-        rejections += rejected
-        if h_step == 0.0:
-            finite = isfinite(work.k[0].sum())
-            outcome, reason = _FAILED, _STEP_TOO_SMALL if finite else _NOT_FINITE
-            break
-        dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
-        evaluations += method.c.size - method.stages - 1
-        sample_step(time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
-        which, theta = first_switch(time, h_step, y, work.dense, p, mode, work.samples, scratch)
-        switches_here = theta != NO_SWITCH
-        length, last = h_step, NODES - 1
-        if switches_here:
-            while NODE_PLACES[last] > theta:
-                last -= 1
-            length = 0.0
-            if theta > 0.0:
-                length, taken = _step_to_switch(
-                    which, theta, time, h_step, y, p, mode, method, resolution, work, scratch
-                )
-                evaluations += taken * method.stages
-        counted = not mode.dropped or printed_criterion
-        if counted:
-            tilt, force = _largest(work.nodes, work.samples, last)
-            tilt_max, force_max = max(tilt_max, tilt), max(force_max, force)
-            if mode.support_slip == STICKING and is_supported(mode):
-                sticking += length
-        for i in range(1, last + (0 if switches_here else 1)):
-            node_time = time + NODE_PLACES[i] * h_step
-            row = _write_track(track, row, node_time, work.nodes[i], work.samples[i])
-        _note_closest(work.samples, last, closest)
-
-        if length > 0.0:
-            y[:] = work.y_end
-        if counted:
-            tilt_max = max(tilt_max, abs(y[2]))
-        reached_stop = not switches_here and h_step == h_try and h_try == stop - time
-        time = stop if reached_stop else time + length
-        steps += 1
-        # A step cut short by a stop says nothing against the length it was cut from.
-        h = max(h, h_next) if h_step == h_try and h_try != h else h_next
-        if switches_here:
-            h = max(h_step, 1e-12)
-            switches += 1
-            made[which] = True
-            at_once = at_once + 1 if length <= 1e-13 * max(1.0, time) else 0
-            before = mode
-            _keep(without_residual_slip(which, state_of(y), p, mode), y)
-            row = _track_switch(track, row, time, y, p, mode, scratch)
-            mode, outcome, reason = switch(which, time, state_of(y), p, mode, declared)
-            if counted and outcome == CONTINUES and _opened(before, mode):
-                separations += 1
-            if outcome == _ALIGNED and which == CORNERS_INSIDE:
-                tau_inside = time
-                if printed_criterion:
-                    tau_align, tilt_at_alignment = time, y[2]
-            elif outcome == _ALIGNED:
-                if not printed_criterion:
-                    tau_align, tilt_at_alignment = time, y[2]
-                    deadline = min(deadline, time + _FALL_TIME)
-                outcome = CONTINUES
-        _keep(hold_sticking(state_of(y), p, mode), y)
-        if switches_here:
-            row = _track_switch(track, row, time, y, p, mode, scratch)
-
-        if outcome != CONTINUES:
-            break
-        if at_once > _MOST_SWITCHES_AT_ONCE:
-            outcome, reason = _FAILED, _CHATTER
-        elif evaluations > control.max_evaluations:
-            outcome, reason = _FAILED, _TOO_MANY_EVALUATIONS
-        elif time >= deadline:
-            outcome = _HORIZON_REACHED
-        elif reached_stop:
-            periods += 1
-            for j in range(SWITCH_COUNT):
-                if made[j]:
-                    closest[j] = NEVER
-            record_period(periods, y, closest, states, lowest)
-            closest[:] = NEVER
-            made[:] = False
-            if control.may_settle != 0.0 and not mode.dropped:
-                noise = 100.0 * control.tolerance
-                period = settled_period(periods, states, lowest, p, noise)
-                if period > 0:
-                    outcome = _SETTLED
-
-    end = time
-    if isfinite(tau_align):  # whatever happened in the fall afterwards, the part has aligned
-        outcome, reason, end = _ALIGNED, _NONE, tau_align
-    return Ending(
-        outcome, reason, time, tau_align, tau_inside, tilt_at_alignment, tilt_max, separations,
-        force_max, sticking / end if end > 0.0 else 0.0, evaluations, steps, rejections, switches,
-        period, row,
-    )  # fmt: skip
+@kernel
+def integrate_each(rows, tolerances, declared, method, control, track, endings, single):
+    """``integrate`` for every row of ``rows``; shapes as in ``integrate_all``."""
+    for i in range(rows.shape[0]):
+        endings[i] = integrate(rows[i], tolerances[i], declared, method, control, track, single)

@@ -2,14 +2,15 @@
 
 Once an excitation period the state is compared with the state n periods back. If these differences
 are small and contract, by a ratio ρ < 1 over n periods, twice in a row, what is left of the motion
-is at most Δ ρ/(1 - ρ). The run has settled when that remainder, taken fivefold, cannot reach
-alignment or any switch that the last n periods did not make.
+is at most Δ/(1 - ρ). What of the last difference is not the one before it times ρ may be a creep
+that does not contract: it is taken to last. The run has settled when neither, taken fivefold, can
+reach alignment or any switch that the last n periods did not make.
 """
 
 import numpy as np
 
 from model.physics.compiled import kernel
-from model.solver.step import STATE_SIZE
+from model.solver.record import STATE_SIZE
 from model.solver.switching import (
     CORNER_LOAD,
     CORNER_RELOAD,
@@ -24,32 +25,72 @@ from model.solver.switching import (
 )
 
 LONGEST_PERIOD = 8
-_HISTORY = 3 * LONGEST_PERIOD + 1
+HISTORY = 3 * LONGEST_PERIOD + 1  # periods kept
 _LINEAR = 1e-3  # largest difference at which contraction counts as a property of the cycle
 _NEARLY_LINEAR = 1e-2  # and largest of the two differences before it
 _CONTRACTION = 0.98
 _SAFETY = 5.0
-
-
-@kernel
-def new_history():
-    """(states, lowest): ring buffers of the states and lowest switching functions by period."""
-    return np.full((_HISTORY, STATE_SIZE), np.nan), np.full((_HISTORY, SWITCH_COUNT), NEVER)
+_LASTING = 3000.0  # time for which a creep is taken to last: ten times the usual horizon
 
 
 @kernel
 def record_period(count, y, closest, states, lowest):
-    """Store the state at the end of period ``count`` and the lowest switching functions in it."""
-    row = count % _HISTORY
+    """Store the state at the end of period ``count`` and the lowest switching functions in it.
+
+    ``states``, shape (HISTORY, 6), and ``lowest``, shape (HISTORY, SWITCH_COUNT), are rings.
+    """
+    row = count % HISTORY
     states[row] = y
     lowest[row] = closest
 
 
 @kernel
-def _differences(count, n, states, out):
-    """Write the absolute differences of the states at periods ``count`` and ``count - n``."""
+def _difference(count, n, states, out):
+    """Write the state at period ``count`` less that at ``count - n``."""
     for i in range(STATE_SIZE):
-        out[i] = abs(states[count % _HISTORY, i] - states[(count - n) % _HISTORY, i])
+        out[i] = states[count % HISTORY, i] - states[(count - n) % HISTORY, i]
+
+
+@kernel
+def _largest(vector):
+    return np.abs(vector).max()
+
+
+@kernel
+def _ratio(later, earlier):
+    """What ``later`` is of ``earlier``, by least squares."""
+    return (later * earlier).sum() / (earlier * earlier).sum()
+
+
+@kernel
+def _reach(d0, d1, d2, cycles, noise, reach):
+    """Write how far each component may still move; whether the differences contract at all.
+
+    ``d0``, ``d1``, ``d2`` are the differences over one cycle, the last one first; a creep is taken
+    to last so many ``cycles``.
+    """
+    gap, before, earlier = _largest(d0), _largest(d1), _largest(d2)
+    if gap > _LINEAR or max(before, earlier) > _NEARLY_LINEAR:
+        return False
+    contraction, creeps = 0.0, False
+    ratio, ratio_before = 0.0, 0.0
+    if gap > noise:
+        ratio, ratio_before = _ratio(d0, d1), _ratio(d1, d2)
+        contraction = max(gap / before, before / earlier)
+        if max(contraction, ratio) > _CONTRACTION:
+            return False
+        creeps = True
+    elif before > noise:
+        contraction = min(before / earlier, _CONTRACTION)
+    unexplained = 0.0
+    for i in range(STATE_SIZE):
+        reach[i] = max(abs(d0[i]), noise) / (1.0 - contraction)
+        without = max(abs(d0[i] - ratio * d1[i]), abs(d0[i] - ratio_before * d1[i]))
+        unexplained = max(unexplained, without)
+    if creeps and unexplained > noise:
+        for i in range(STATE_SIZE):
+            reach[i] = max(reach[i], unexplained * cycles)
+    return True
 
 
 @kernel
@@ -79,37 +120,29 @@ def _change(which, r, p):
 
 
 @kernel
-def settled_period(count, states, lowest, p, noise):
+def settled_period(count, period, states, lowest, p, noise):
     """Period (in excitation periods) of the motion the run has settled on, or 0.
 
-    ``noise`` is the size of a difference that is the integrator's own.
+    ``count`` excitation periods of length ``period`` are over; ``noise`` is the size of a
+    difference that is the integrator's own.
     """
-    remainder, before, earlier = np.empty(STATE_SIZE), np.empty(STATE_SIZE), np.empty(STATE_SIZE)
+    d0, d1, d2 = np.empty(STATE_SIZE), np.empty(STATE_SIZE), np.empty(STATE_SIZE)
+    reach = np.empty(STATE_SIZE)
     for n in range(1, LONGEST_PERIOD + 1):
-        if count < 3 * n:
+        if count <= 3 * n:
             break
-        _differences(count, n, states, remainder)
-        gap = remainder.max()
-        if gap > _LINEAR:
+        _difference(count, n, states, d0)
+        if _largest(d0) > _LINEAR:
             continue
-        _differences(count - n, n, states, before)
-        _differences(count - 2 * n, n, states, earlier)
-        if max(before.max(), earlier.max()) > _NEARLY_LINEAR:
+        _difference(count - n, n, states, d1)
+        _difference(count - 2 * n, n, states, d2)
+        if not _reach(d0, d1, d2, _LASTING / (n * period), noise, reach):
             continue
-        contraction = 0.0
-        if gap > noise:
-            contraction = max(gap / before.max(), before.max() / earlier.max())
-            if contraction > _CONTRACTION:
-                continue
-        elif before.max() > noise:
-            contraction = min(before.max() / earlier.max(), _CONTRACTION)
-        for i in range(STATE_SIZE):
-            remainder[i] = max(remainder[i], noise) / (1.0 - contraction)
         clear = True
         for i in range(n):
             for which in range(SWITCH_COUNT):
-                distance = lowest[(count - i) % _HISTORY, which]
-                if distance != NEVER and _SAFETY * _change(which, remainder, p) > distance:
+                distance = lowest[(count - i) % HISTORY, which]
+                if distance != NEVER and _SAFETY * _change(which, reach, p) > distance:
                     clear = False
         if clear:
             return n

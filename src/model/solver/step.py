@@ -5,8 +5,7 @@ from math import sqrt
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import motion
 from model.physics.notation import State
-
-STATE_SIZE = 6
+from model.solver.record import STATE_SIZE
 
 
 @inlined_kernel
@@ -16,11 +15,18 @@ def state_of(y):
 
 
 @inlined_kernel
+def rates_of(time, q, p, mode):
+    """dy/dτ as a ``State``."""
+    at = motion(time, q, p, mode)
+    return State(q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt)
+
+
+@inlined_kernel
 def right_hand_side(time, y, p, mode, out):
     """Write dy/dτ into ``out``, shape (6,)."""
-    at = motion(time, state_of(y), p, mode)
-    out[0], out[1], out[2] = y[3], y[4], y[5]
-    out[3], out[4], out[5] = at.x, at.y, at.tilt
+    rates = rates_of(time, state_of(y), p, mode)
+    out[0], out[1], out[2] = rates.x, rates.y, rates.tilt
+    out[3], out[4], out[5] = rates.x_rate, rates.y_rate, rates.tilt_rate
 
 
 @inlined_kernel
@@ -60,6 +66,27 @@ def take_step(time, h, y, p, mode, method, k, y_end):
 
 
 @inlined_kernel
+def moved(q, h, rates):
+    """The state ``q`` + h ``rates``."""
+    return State(
+        q.x + h * rates.x, q.y + h * rates.y, q.tilt + h * rates.tilt,
+        q.x_rate + h * rates.x_rate, q.y_rate + h * rates.y_rate,
+        q.tilt_rate + h * rates.tilt_rate,
+    )  # fmt: skip
+
+
+@kernel
+def short_step(time, h, q, p, mode):
+    """The state ``h`` later, by a step of the classical RK4, for ``h`` too short to need more."""
+    k1 = rates_of(time, q, p, mode)
+    k2 = rates_of(time + 0.5 * h, moved(q, 0.5 * h, k1), p, mode)
+    k3 = rates_of(time + 0.5 * h, moved(q, 0.5 * h, k2), p, mode)
+    k4 = rates_of(time + h, moved(q, h, k3), p, mode)
+    outer, inner = moved(moved(q, h / 6.0, k1), h / 6.0, k4), h / 3.0
+    return moved(moved(outer, inner, k2), inner, k3)
+
+
+@inlined_kernel
 def error_estimate(h, y, y_end, method, k, tolerance):
     """Local error over tolerance (root mean square over the state): a step stands if <= 1."""
     fine, coarse = 0.0, 0.0
@@ -78,9 +105,15 @@ def error_estimate(h, y, y_end, method, k, tolerance):
 
 @kernel
 def dense_output(time, h, y, p, mode, method, k, trial, dense):
-    """Fill ``dense``, shape (6, degree): y(θ) = y + h Σ_i dense[:, i] θ^(i+1)."""
+    """Fill the remaining stages of ``k`` and ``dense``, see ``dense_coefficients``."""
     for i in range(method.stages + 1, method.c.size):
         _stage(i, time, h, y, p, mode, method, k, trial)
+    dense_coefficients(method, k, dense)
+
+
+@kernel
+def dense_coefficients(method, k, dense):
+    """Fill ``dense``, shape (6, degree): y(θ) = y + h Σ_i dense[:, i] θ^(i+1)."""
     for i in range(dense.shape[1]):
         s0, s1, s2, s3, s4, s5 = _combination(method.dense[:, i], method.c.size, k)
         dense[0, i], dense[1, i], dense[2, i] = s0, s1, s2

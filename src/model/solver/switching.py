@@ -111,15 +111,23 @@ def edge_outside(edge, q, p):
 
 
 @inlined_kernel
-def corner_above(side, q, p):
-    """Falls through zero as a bottom corner starts to press on the flat beside the slot.
+def corner_below(side, q, p):
+    """(value, place), negative where a bottom corner is deepest on the flat beside the slot.
 
-    It must stand beside the slot, below the plane, be the lower corner of the bottom face (else
-    the edge carries the face) and move down.
+    It must stand beside the slot, below the plane, and be the lower corner of the bottom face (else
+    the edge carries the face).
     """
     corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    closing_rate = -(q.y_rate + q.tilt_rate * (corner_x - q.x))
-    return _largest(p.slot_half_width - side * corner_x, corner_y, side * q.tilt, -closing_rate)
+    return _largest(p.slot_half_width - side * corner_x, corner_y, side * q.tilt, _NOTHING)
+
+
+@inlined_kernel
+def corner_above(side, q, p):
+    """Falls through zero as a bottom corner starts to press on the flat: below it, moving down."""
+    value, place = corner_below(side, q, p)
+    corner_x, _ = bottom_corner(side, q.x, q.y, q.tilt, p)
+    rising = q.y_rate + q.tilt_rate * (corner_x - q.x)
+    return (rising, 3.0) if rising > value else (value, place)
 
 
 @inlined_kernel
@@ -138,102 +146,114 @@ def friction_margin(sticks, slip_sign, slip, friction, load, p):
 
 
 @inlined_kernel
-def _contact_switches(state, depth, load, base, out):
-    """Load, gap and reload functions of one contact at ``base``, ``base + 1``, ``base + 2``."""
+def _contact_switches(state, depth, load):
+    """(load, gap, reload) functions of one contact."""
     if state == CLOSED:
-        out[base] = load
-    elif state == RELEASED:
-        out[base + 1] = depth
-        out[base + 2] = -load
+        return load, NEVER, NEVER
+    if state == RELEASED:
+        return NEVER, depth, -load
+    return NEVER, NEVER, NEVER
 
 
 @inlined_kernel
-def _face_switches(q, p, mode, out):
+def _face_switches(q, p, mode):
+    """(load, gap, reload, end, far end) of the edge on the bottom face."""
     if mode.face == OPEN:
-        return
+        return NEVER, NEVER, NEVER, NEVER, NEVER
     face = edge_on_face(mode.edge, q, p)
     load = contact_load(face.depth, face.closing_rate, q, p)
-    _contact_switches(mode.face, face.depth, load, FACE_LOAD, out)
+    load, gap, reload = _contact_switches(mode.face, face.depth, load)
     along = mode.edge * edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face
-    out[FACE_END] = p.half_width - along
-    out[FACE_FAR_END] = p.half_width + along
+    return load, gap, reload, p.half_width - along, p.half_width + along
 
 
 @inlined_kernel
-def _side_switches(q, p, mode, out):
+def _side_switches(q, p, mode):
+    """(load, gap, reload, end) of A2 on the left side face."""
     if mode.side == OPEN:
-        return
+        return NEVER, NEVER, NEVER, NEVER
     side = edge_on_side(q, p)
     load = contact_load(side.depth, side.closing_rate, q, p)
-    _contact_switches(mode.side, side.depth, load, SIDE_LOAD, out)
+    load, gap, reload = _contact_switches(mode.side, side.depth, load)
     along = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p).along_axis
-    out[SIDE_END] = p.half_height - abs(along)
+    return load, gap, reload, p.half_height - abs(along)
 
 
 @inlined_kernel
-def _corner_switches(q, p, mode, out):
+def _corner_switches(q, p, mode):
+    """(load, gap, reload, end) of the supporting side's corner on the flat base."""
     if mode.corner == OPEN:
-        return
+        return NEVER, NEVER, NEVER, NEVER
     corner = corner_on_flat(mode.edge, q, p)
     depth = corner.depth - mode.corner_offset
     load = contact_load(depth, corner.closing_rate, q, p)
-    _contact_switches(mode.corner, depth, load, CORNER_LOAD, out)
+    load, gap, reload = _contact_switches(mode.corner, depth, load)
     corner_x, _ = bottom_corner(mode.edge, q.x, q.y, q.tilt, p)
-    out[CORNER_END] = mode.edge * corner_x - p.slot_half_width
+    return load, gap, reload, mode.edge * corner_x - p.slot_half_width
 
 
 @inlined_kernel
-def _friction_switches(time, q, p, mode, out):
-    supported = is_supported(mode)
-    if never_sticks(p) or not (supported or mode.side == CLOSED):
-        return
+def _friction_switches(time, q, p, mode):
+    """(support, side): the friction margins of what presses."""
+    supported, beside = is_supported(mode), mode.side == CLOSED
+    if never_sticks(p) or not (supported or beside):
+        return NEVER, NEVER
     at = motion(time, q, p, mode)
-    if supported:
-        sticks = mode.support_slip == STICKING
-        out[SUPPORT_SLIP] = friction_margin(
-            sticks, mode.support_slip, at.support_slip, at.support_friction, at.support_load, p
-        )
-    if mode.side == CLOSED:
-        sticks = mode.side_slip == STICKING
-        out[SIDE_SLIP] = friction_margin(
-            sticks, mode.side_slip, at.side_slip, at.side_friction, at.side_load, p
-        )
+    support = friction_margin(
+        mode.support_slip == STICKING, mode.support_slip,
+        at.support_slip, at.support_friction, at.support_load, p,
+    )  # fmt: skip
+    side = friction_margin(
+        mode.side_slip == STICKING, mode.side_slip, at.side_slip, at.side_friction, at.side_load, p
+    )
+    return support if supported else NEVER, side if beside else NEVER
 
 
 @inlined_kernel
-def _combined(which, largest, out):
-    out[which], out[SWITCH_COUNT + which] = largest
+def _only_if(applies, largest):
+    """A combined function and its place where it applies, else (NEVER, NEVER)."""
+    return largest if applies else (NEVER, NEVER)
+
+
+@inlined_kernel
+def switching_sample(time, q, p, mode):
+    """The switching functions for the state ``q`` in ``mode``, as SAMPLE_SIZE numbers.
+
+    In the order of their indices, and behind them which quantity is the largest in the combined
+    ones.
+    """
+    right, left = mode.edge == RIGHT_EDGE, mode.edge == LEFT_EDGE
+    no_right_face = not (right and mode.face != OPEN)
+    no_left_face = not (left and mode.face != OPEN)
+    no_right_corner = not (right and mode.corner != OPEN)
+    no_left_corner = not (left and mode.corner != OPEN)
+    aligned = _only_if(no_right_face and not mode.dropped, not_fallen_in(q, p))
+    inside = _only_if(no_right_face and mode.dropped, corners_outside(q, p))
+    right_edge = _only_if(no_right_face, edge_outside(RIGHT_EDGE, q, p))
+    left_edge = _only_if(no_left_face and mode.side == OPEN, edge_outside(LEFT_EDGE, q, p))
+    right_corner = _only_if(no_right_corner, corner_above(RIGHT_EDGE, q, p))
+    left_corner = _only_if(no_left_corner, corner_above(LEFT_EDGE, q, p))
+    right_wall = _only_if(
+        no_right_corner and no_right_face and not mode.dropped, corner_off_wall(RIGHT_EDGE, q, p)
+    )
+    left_wall = _only_if(no_left_corner and no_left_face, corner_off_wall(LEFT_EDGE, q, p))
+    face_load, face_gap, face_reload, face_end, face_far_end = _face_switches(q, p, mode)
+    side_load, side_gap, side_reload, side_end = _side_switches(q, p, mode)
+    corner_load, corner_gap, corner_reload, corner_end = _corner_switches(q, p, mode)
+    support_slip, side_slip = _friction_switches(time, q, p, mode)
+    return (
+        aligned[0], inside[0], right_edge[0], left_edge[0],
+        right_corner[0], left_corner[0], right_wall[0], left_wall[0],
+        face_load, face_gap, face_reload, face_end, face_far_end,
+        side_load, side_gap, side_reload, side_end,
+        corner_load, corner_gap, corner_reload, corner_end,
+        support_slip, side_slip, LARGEST_TILT - abs(q.tilt),
+        aligned[1], inside[1], right_edge[1], left_edge[1],
+        right_corner[1], left_corner[1], right_wall[1], left_wall[1],
+    )  # fmt: skip
 
 
 @kernel
 def switching_functions(time, q, p, mode, out):
-    """Write a sample for the state ``q`` in ``mode`` into ``out``, shape (SAMPLE_SIZE,).
-
-    The switching functions, and behind them which quantity is the largest in the combined ones.
-    """
-    out[:] = NEVER
-    right_face = mode.edge == RIGHT_EDGE and mode.face != OPEN
-    left_face = mode.edge == LEFT_EDGE and mode.face != OPEN
-    right_corner = mode.edge == RIGHT_EDGE and mode.corner != OPEN
-    left_corner = mode.edge == LEFT_EDGE and mode.corner != OPEN
-    _face_switches(q, p, mode, out)
-    _side_switches(q, p, mode, out)
-    _corner_switches(q, p, mode, out)
-    _friction_switches(time, q, p, mode, out)
-    if not right_face:
-        _combined(RIGHT_EDGE_ENTERS, edge_outside(RIGHT_EDGE, q, p), out)
-        if mode.dropped:
-            _combined(CORNERS_INSIDE, corners_outside(q, p), out)
-        else:
-            _combined(ALIGNED, not_fallen_in(q, p), out)
-    if not left_face and mode.side == OPEN:
-        _combined(LEFT_EDGE_ENTERS, edge_outside(LEFT_EDGE, q, p), out)
-    if not right_corner:
-        _combined(RIGHT_CORNER_LANDS, corner_above(RIGHT_EDGE, q, p), out)
-        if not right_face and not mode.dropped:
-            _combined(RIGHT_WALL, corner_off_wall(RIGHT_EDGE, q, p), out)
-    if not left_corner:
-        _combined(LEFT_CORNER_LANDS, corner_above(LEFT_EDGE, q, p), out)
-        if not left_face:
-            _combined(LEFT_WALL, corner_off_wall(LEFT_EDGE, q, p), out)
-    out[OVERTURNED] = LARGEST_TILT - abs(q.tilt)
+    """Write ``switching_sample`` into ``out``, shape (SAMPLE_SIZE,)."""
+    out[:] = switching_sample(time, q, p, mode)

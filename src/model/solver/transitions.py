@@ -1,6 +1,6 @@
 """What follows a switch: the next mode, or the end of the run."""
 
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.motion import (
@@ -183,7 +183,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     return mode, False
 
 
-@kernel
+@inlined_kernel
 def hold_sticking(q, p, mode):
     """``q`` with the slip of what sticks removed by friction impulses: rounding must not drift."""
     support_sticks = is_supported(mode) and mode.support_slip == STICKING

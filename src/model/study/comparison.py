@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.study.tracking import (
+    ASIDE,
+    PARTS,
     Record,
     TrackingError,
     find_invocation,
@@ -90,7 +92,7 @@ def _of_runs(label: str, runs: Iterable[Record], root: Path) -> Snapshot:
     latest = {run["run"]: run for run in runs}
     files, lost = {}, []
     for run in latest.values():
-        if run["rule"] == "chunk":
+        if run["rule"] in ASIDE:
             continue
         for name, sha256 in run["outputs"].items():
             kept = kept_result(root, name, sha256)
@@ -228,7 +230,7 @@ def _pairs(
         yield next(iter(first.runs.values())), next(iter(second.runs.values()))
         return
     wholes = [
-        {name: run for name, run in each.runs.items() if run["rule"] != "chunk"}
+        {name: run for name, run in each.runs.items() if run["rule"] not in PARTS}
         for each in (first, second)
     ]
     if not all(wholes):

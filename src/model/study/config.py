@@ -5,10 +5,11 @@ configuration only; ``baseline`` reads it from there.
 """
 
 import difflib
+import itertools
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import yaml
 from pydantic import (
@@ -32,6 +33,9 @@ MAPS = ("fig13", "fig14")
 FIGURES = SCHEMATICS + HISTORIES + CURVES + MAPS
 
 
+Value = TypeVar("Value")
+
+
 class ConfigError(ValueError):
     """A configuration that breaks a rule; the message has one line for each fault."""
 
@@ -41,7 +45,7 @@ def _parameter_name(name: str) -> str:
     return name
 
 
-def _parameter_names(values: dict[str, float]) -> dict[str, float]:
+def _parameter_names(values: dict[str, Value]) -> dict[str, Value]:
     for name in values:
         _parameter_name(name)
     return values
@@ -154,6 +158,112 @@ class RunSettings(_Strict):
         return Settings(readings=readings, horizon=self.horizon, tolerance=self.tolerance)
 
 
+class Range(_Strict):
+    """How one parameter is drawn: log-uniform from low to high, or 0 in a share of the sets."""
+
+    low: float = Field(gt=0.0)
+    high: float
+    zero: float = Field(default=0.0, ge=0.0, lt=1.0)
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> "Range":
+        if not self.low < self.high:
+            raise ValueError(f"low = {self.low} must be smaller than high = {self.high}")
+        return self
+
+    def holds(self, value: float) -> bool:
+        """Whether sets with this value, or with values on both sides of it, can be drawn."""
+        return self.low <= value <= self.high or (value == 0.0 and self.zero > 0.0)
+
+
+class SettledTrial(_Strict):
+    """How many sets are drawn for the trial of settled runs, and how long they are run on."""
+
+    sets: int = Field(ge=1)
+    chunks: int = Field(ge=1, le=1000)
+    longer: float = Field(gt=1.0)
+
+
+class Accuracy(_Strict):
+    """The law by which the integrator's accuracy is tried on random sets; see accuracy.py."""
+
+    seed: int = Field(ge=0)
+    horizon: float = Field(gt=0.0)
+    sets: int = Field(ge=1)
+    chunks: int = Field(ge=1, le=1000)
+    settled: SettledTrial
+    ranges: Annotated[dict[str, Range], AfterValidator(_parameter_names)]
+
+
+class Case(_Strict):
+    """One operating point at which methods are compared, from a figure of the study.
+
+    Without ``until`` it aligns, and the error is that of the alignment time; with it, the error is
+    that of the state at τ = ``until``, which must come before any alignment.
+    """
+
+    title: str = Field(min_length=1)
+    reason: str = Field(min_length=1)
+    figure: str
+    at: ParameterValues
+    until: float | None = Field(default=None, gt=0.0)
+
+
+class Ladder(_Strict):
+    """How finely each method is run: tolerances of the adaptive ones, steps of the others."""
+
+    tolerances: list[float] = Field(min_length=1)
+    steps: list[float] = Field(min_length=1)
+    true_tolerance: float = Field(ge=1e-14, le=1e-2)
+    max_evaluations: int = Field(ge=1)
+    max_evaluations_scipy: int = Field(ge=1)
+
+    @model_validator(mode="after")
+    def _gets_finer(self) -> "Ladder":
+        if min(self.tolerances) < 1e-14 or max(self.tolerances) > 1e-2:
+            raise ValueError(f"tolerances = {self.tolerances}: must be between 1e-14 and 1e-2")
+        if not self.true_tolerance < min(self.tolerances):
+            raise ValueError(
+                f"true_tolerance = {self.true_tolerance}: must be smaller than all tolerances, "
+                "since their errors are measured against it"
+            )
+        for name, values in {"tolerances": self.tolerances, "steps": self.steps}.items():
+            _check_falling(name, values)
+        return self
+
+
+class FixedSteps(_Strict):
+    """Figures computed anew with fixed steps, to count the points that come out wrong.
+
+    ``figures`` says of each how much of it: every n-th value along its axes.
+    """
+
+    steps: list[float] = Field(min_length=1)
+    tau_tolerance: float = Field(gt=0.0)
+    figures: dict[str, Annotated[int, Field(ge=1)]] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _can_be_run(self) -> "FixedSteps":
+        _check_falling("steps", self.steps)
+        for name in self.figures:
+            check_name(name, CURVES + MAPS, "figure with a grid")
+        return self
+
+
+def _check_falling(name: str, values: list[float]) -> None:
+    falling = all(later < earlier for earlier, later in itertools.pairwise(values))
+    if not (falling and values[-1] > 0.0):
+        raise ValueError(f"{name} = {values}: must fall from one to the next and stay > 0")
+
+
+class Precision(_Strict):
+    """The section on speed against error."""
+
+    cases: dict[str, Case] = Field(min_length=1)
+    ladder: Ladder
+    fixed_steps: FixedSteps
+
+
 class Study(_Strict):
     """The whole study; see config/config.yaml."""
 
@@ -162,6 +272,8 @@ class Study(_Strict):
     structure: ParameterValues
     operating_point: ParameterValues
     figures: dict[str, FigureSpec]
+    accuracy: Accuracy
+    precision: Precision
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
@@ -183,6 +295,11 @@ class Study(_Strict):
     def parameters(self, figure: str) -> Parameters:
         """What a figure holds, before it sweeps anything."""
         return self.baseline.replace(**self.figures[figure].held)
+
+    def case(self, name: str) -> Parameters:
+        """The operating point of a case: what its figure holds, and what the case adds."""
+        case = self.precision.cases[name]
+        return self.parameters(case.figure).replace(**case.at)
 
 
 def _line(source: str, error: Mapping[str, Any]) -> str:
@@ -215,6 +332,11 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
     }
     if path[0] == "settings":
         models[2] = RunSettings
+    elif path[0] == "accuracy":
+        models[2], models[3], models[4] = Accuracy, SettledTrial, Range
+    elif path[0] == "precision":
+        parts: dict[str, type[BaseModel]] = {"ladder": Ladder, "fixed_steps": FixedSteps}
+        models |= {2: Precision, 3: parts.get(path[1], Case), 4: Case}
     elif path[0] == "figures" and len(path) > 3:
         models[4] = kinds[path[2]]
         models[5] = Family if path[3] == "family" else Axis
@@ -254,6 +376,7 @@ def _check_figures(study: Study, source: str) -> list[str]:
         faults += _value_faults(f"{source}: figures.{name}.held", figure.held)
     if faults:
         return faults
+    faults += _check_law(study, source)
     for name, figure in study.figures.items():
         if figure.kind != _KIND[name]:
             faults.append(
@@ -279,6 +402,35 @@ def _check_figures(study: Study, source: str) -> list[str]:
                 Batch.of(parameters, **{part.parameter: part.values})
             except ValueError as error:
                 faults.append(f"{source}: figures.{name}.{key}: {error}")
+    return faults + _case_faults(study, source)
+
+
+def _case_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name, case in study.precision.cases.items():
+        place = f"{source}: precision.cases.{name}"
+        try:
+            check_name(case.figure, HISTORIES + CURVES + MAPS, "figure")
+            study.case(name)
+        except ValueError as error:
+            faults.append(f"{place}: {error}")
+    return faults
+
+
+def _check_law(study: Study, source: str) -> list[str]:
+    """Faults of the accuracy trial's law: the ends of its ranges against the parameters' rules."""
+    place, ranges = f"{source}: accuracy.ranges", study.accuracy.ranges
+    faults = _value_faults(place, {name: law.low for name, law in ranges.items()})
+    faults += _value_faults(place, {name: 0.0 for name, law in ranges.items() if law.zero > 0.0})
+    if faults:
+        return faults
+    # The worst combination of the ends: the farthest start on the narrowest part.
+    narrow = {"half_width", "clearance"}
+    ends = {name: law.low if name in narrow else law.high for name, law in ranges.items()}
+    try:
+        study.baseline.replace(**ends)
+    except ValueError as error:
+        faults.append(f"{place}: {error}")
     return faults
 
 

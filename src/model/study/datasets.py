@@ -16,6 +16,7 @@ import xarray as xr
 
 from model.physics.parameters import FIELDS
 from model.runs.batch import Alignments, align
+from model.runs.settings import Settings
 from model.runs.trajectory import simulate
 from model.solver.outcomes import Outcome, Reason
 from model.study.files import whole_file
@@ -28,7 +29,8 @@ class DatasetError(ValueError):
     """A dataset that is not what it should be: unreadable, incomplete, or of another study."""
 
 
-def _flags(values: type[IntEnum]) -> dict[str, Any]:
+def flags(values: type[IntEnum]) -> dict[str, Any]:
+    """Attributes of a variable that holds values of an enumeration, as CF has them."""
     return {
         "flag_values": np.array([value.value for value in values], dtype=np.int8),
         "flag_meanings": " ".join(value.name.lower() for value in values),
@@ -44,8 +46,8 @@ VARIABLES: dict[str, dict[str, Any]] = {
     "tau_align": {"long_name": "alignment duration", "symbol": "τ"},
     "tau_error": {"long_name": "estimated error of the alignment duration"},
     "tau_corners_inside": {"long_name": "time at which all four corner conditions hold"},
-    "outcome": {"long_name": "how the run ended", **_flags(Outcome)},
-    "reason": {"long_name": "how the run left the scene, or why it failed", **_flags(Reason)},
+    "outcome": {"long_name": "how the run ended", **flags(Outcome)},
+    "reason": {"long_name": "how the run left the scene, or why it failed", **flags(Reason)},
     "sensitive": {
         "long_name": "whether another tolerance ends differently or at another time",
         **_SENSITIVE_FLAGS,
@@ -74,7 +76,8 @@ def _attributes(name: str, known: dict[str, Any]) -> dict[str, Any]:
     return {"units": "1", **known} if known else {"units": "1", "long_name": name}
 
 
-def _parameter_attributes(name: str) -> dict[str, Any]:
+def parameter_attributes(name: str) -> dict[str, Any]:
+    """Attributes of a parameter's coordinate."""
     field = FIELDS[name]
     return {"long_name": field.description, "symbol": field.symbol, "units": "1"}
 
@@ -154,10 +157,10 @@ def _coordinates(sweep: Sweep) -> dict[str, Any]:
     """Swept parameters as dimension coordinates, held ones as scalar coordinates."""
     swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
     coordinates: dict[str, Any] = {
-        name: (name, values, _parameter_attributes(name)) for name, values in swept.items()
+        name: (name, values, parameter_attributes(name)) for name, values in swept.items()
     }
     for name, value in sweep.parameters.items():
-        attributes = _parameter_attributes(name)
+        attributes = parameter_attributes(name)
         if name in swept:
             continue
         if value is None:
@@ -166,8 +169,14 @@ def _coordinates(sweep: Sweep) -> dict[str, Any]:
     return coordinates
 
 
-def _global(sweep: Sweep, title: str, summary: str) -> dict[str, Any]:
-    settings = sweep.settings.settings
+def global_attributes(
+    name: str, kind: str, identity: str, title: str, summary: str, settings: Settings
+) -> dict[str, Any]:
+    """What every dataset of the study says of itself.
+
+    ``name``, ``kind`` and ``identity`` tell which computation it holds: "fig06", "curves", and the
+    hash of all that its numbers depend on besides the code.
+    """
     return {
         "Conventions": "CF-1.11 ACDD-1.3",
         "title": title,
@@ -178,14 +187,19 @@ def _global(sweep: Sweep, title: str, summary: str) -> dict[str, Any]:
         "license": "MIT",
         "comment": "All quantities are dimensionless unless their units say otherwise: lengths in "
         "units of the excitation amplitude F1/K_Y, time in 1/p with p^2 = K_Y/M, forces in F1.",
-        "figure": sweep.figure,
-        "kind": sweep.kind,
-        "sweep": sweep.identity,
+        "figure": name,
+        "kind": kind,
+        "sweep": identity,
         "readings": json.dumps(asdict(settings.readings)),
         "scene": settings.scene.name,
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,
     }
+
+
+def _global(sweep: Sweep, title: str, summary: str) -> dict[str, Any]:
+    settings = sweep.settings.settings
+    return global_attributes(sweep.figure, sweep.kind, sweep.identity, title, summary, settings)
 
 
 def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:

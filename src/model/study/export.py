@@ -16,7 +16,7 @@ from typing import Any
 
 from model.study.files import whole_folder
 from model.study.provenance import file_hash, write_json
-from model.study.tracking import Record, kept_result
+from model.study.tracking import PARTS, Record, kept_result
 
 _PROFILES = (
     "https://w3id.org/ro/wfrun/process/0.5",
@@ -48,17 +48,15 @@ def results_of(record: Record, root: Path) -> dict[str, Path]:
     Datasets and verdicts are kept by the history; pictures and the report only as long as nothing
     has replaced them.
     """
-    folders = {"plot": "figures", "schematic": "figures", "merge": "data", "history": "data"}
     found = {}
     for run in record["runs"]:
-        if run["rule"] in ("chunk", "kernels"):
+        if run["rule"] in PARTS | {"kernels", "unlocated_kernels"}:
             continue
-        folder = folders.get(run["rule"], "")
         for name, sha256 in run["outputs"].items():
-            standing = root / folder / name
-            for file in (kept_result(root, name, sha256), standing):
+            place = os.path.normpath(Path(run["folder"], name))
+            for file in (kept_result(root, name, sha256), root / place):
                 if file.is_file() and file_hash(file) == sha256:
-                    found[str(Path(folder) / name)] = file
+                    found[place] = file
                     break
     return found
 

@@ -19,7 +19,7 @@ from model.study.files import whole_file
 _PACKAGE = Path(__file__).resolve().parents[1]
 # The environment variable that tells a job which invocation of the study started it.
 INVOCATION = "VIBRALIGN_INVOCATION"
-_TRACKED = ("numpy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
+_TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
 
 
 def _module_file(name: str) -> Path | None:
@@ -113,6 +113,11 @@ def file_hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def _hashes(files: Sequence[Path], folder: Path) -> dict[str, str]:
+    """``file_hash`` of every file, by its path from ``folder``."""
+    return {Path(os.path.relpath(file, folder)).as_posix(): file_hash(file) for file in files}
+
+
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages that results depend on, where installed."""
     found = {"python": platform.python_version()}
@@ -159,7 +164,8 @@ class Job:
         Args:
             record: the file to write.
             outputs: the files that the job made.
-            inputs: the files that it read, besides code and configuration.
+            inputs: the files that it read, besides code and configuration. All are named by their
+                paths from the folder of ``record``.
             facts: what else is known: parameters, settings, counts.
         """
         rule, *rest = self.place
@@ -170,8 +176,8 @@ class Job:
             "figure": next((part for part in rest if part.startswith("fig")), None),
             **facts,
             "code": closure_hash(script) if script.suffix == ".py" else None,
-            "inputs": {path.name: file_hash(path) for path in inputs},
-            "outputs": {path.name: file_hash(path) for path in outputs},
+            "inputs": _hashes(inputs, record.parent),
+            "outputs": _hashes(outputs, record.parent),
             "started": self.started.isoformat(timespec="milliseconds"),
             "wall_seconds": round((datetime.now(UTC) - self.started).total_seconds(), 3),
             "invocation": os.environ.get(INVOCATION),

@@ -49,10 +49,13 @@ COLUMNS = (
     "run", "rule", "figure", "status", "current", "started", "wall_seconds", "invocation", "commit",
     "dirty", "code", "sweep", "outputs", *(f"runs_{name}" for name in COUNTS), "host", "reason",
 )  # fmt: skip
-_PLACES = ("", "data/**/", "figures/**/", "benchmarks/**/")  # where sidecars stand, below the root
+_PLACES = ("", "data/**/", "figures/**/", "benchmarks/**/", "accuracy/**/")  # of sidecars
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
 _FULL = 1_000_000  # bytes: less than this is a full disk
-_INDEX = "index"  # the job that writes the index is no run of the study
+_NO_RUNS = {"index", "accuracy"}  # jobs that leave no sidecar: they write the index, and print
+# Rules whose outputs are parts of others, and rules whose data are no figure's: no copy is kept.
+PARTS = frozenset({"chunk", "trial"})
+ASIDE = PARTS | {"judge", "precision", "fixed_steps"}
 
 
 class TrackingError(ValueError):
@@ -72,12 +75,18 @@ def _read(path: Path) -> Record:
 def sidecars(root: Path) -> dict[Path, Record]:
     """The sidecars below a results root, by their paths; those of an earlier layout are left out.
 
+    Each has its ``folder`` added, from which its outputs are named, relative to the root.
+
     Raises:
         TrackingError: a file that is no record.
     """
     found = [path for place in _PLACES for path in root.glob(f"{place}*.run.json")]
     records = {path: _read(path) for path in sorted(found)}
-    return {path: record for path, record in records.items() if set(record) >= _ESSENTIAL}
+    return {
+        path: {**record, "folder": path.parent.relative_to(root).as_posix()}
+        for path, record in records.items()
+        if set(record) >= _ESSENTIAL
+    }
 
 
 def _without_sidecar(root: Path, since: float) -> list[Record]:
@@ -85,7 +94,7 @@ def _without_sidecar(root: Path, since: float) -> list[Record]:
 
     Snakemake deletes the outputs of a job before it starts, and again when it fails; the log stays.
     """
-    whole = {record["run"] for record in sidecars(root).values()} | {_INDEX}
+    whole = {record["run"] for record in sidecars(root).values()} | _NO_RUNS
     found = []
     for log in sorted((root / "logs").glob("**/*.log")):
         run = log.relative_to(root / "logs").with_suffix("").as_posix()
@@ -274,7 +283,7 @@ def _end(root: Path, record: Record, outcome: str, ended: datetime | None) -> Re
 
 def _keep_results(root: Path, runs: Iterable[Record]) -> None:
     """Keep what the study may be compared by later: figures' datasets and the claims' verdicts."""
-    names = {record["run"] for record in runs if record["rule"] != "chunk"}
+    names = {record["run"] for record in runs if record["rule"] not in ASIDE}
     for path, record in sidecars(root).items():
         for name, sha256 in record["outputs"].items():
             source, kept = path.parent / name, kept_result(root, name, sha256)

@@ -1,0 +1,99 @@
+"""Measure, print the table, keep it: ``python -m benchmarks [--quick]``."""
+
+import argparse
+import math
+import os
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+# One core for everybody, settled before any of their libraries is imported.
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ[_name] = "1"
+if hasattr(os, "sched_setaffinity"):
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+
+from benchmarks.machine import (  # noqa: E402 - after the line above
+    bare_evaluation_ns,
+    compilation,
+    facts,
+    peak_gflops,
+    settling_gain,
+    two_cores,
+    warm_start,
+)
+from benchmarks.methods import all_methods  # noqa: E402
+from benchmarks.precision import Cost, Setting, find_setting, time_in_turn  # noqa: E402
+from benchmarks.problems import Problem, all_problems  # noqa: E402
+from benchmarks.table import rows, text, write  # noqa: E402
+from model.physics.compiled import kernel_fingerprint  # noqa: E402
+
+_PLAN = argparse.Namespace(
+    points=40, neighbours=8, targets=(1e-5, 1e-8), budget=8.0, rounds=5, starts=5,
+    map_points=200, horizons=(300.0, 3000.0), cores_points=2000,
+    compilation=True,
+)  # fmt: skip
+_QUICK = argparse.Namespace(
+    points=10, neighbours=4, targets=(1e-8,), budget=2.0, rounds=3, starts=3,
+    map_points=40, horizons=(300.0,), cores_points=400,
+    compilation=False,
+)  # fmt: skip
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
+
+
+def compare(
+    problems: list[Problem], plan: argparse.Namespace, only: str, say: Callable[[str], None]
+) -> tuple[list[Cost], list[Setting], list[str]]:
+    """(costs, settings not reached, packages) of every method on every problem."""
+    methods = [method for method in all_methods(say) if only in method.name]
+    costs: list[Cost] = []
+    missed: list[Setting] = []
+    for problem in problems:
+        for target in plan.targets:
+            started = perf_counter()
+            settings = [find_setting(method, problem, target, plan.budget) for method in methods]
+            reached = [setting for setting in settings if not math.isnan(setting.tolerance)]
+            missed += [setting for setting in settings if math.isnan(setting.tolerance)]
+            costs += time_in_turn(reached, plan.rounds)
+            say(f"{problem.name} at {target:g}: {perf_counter() - started:.0f} s")
+    return costs, missed, [method.package for method in methods]
+
+
+def main() -> None:
+    """Read the command line and do it."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a rough table within three minutes")
+    parser.add_argument("--only", default="", metavar="TEXT", help="methods with this in the name")
+    parser.add_argument("--problems", nargs="*", metavar="NAME", help="W1, W2, W3, fig06, fig13")
+    parser.add_argument("--output", type=Path, default=Path("results/benchmarks"))
+    arguments = parser.parse_args()
+    plan = _QUICK if arguments.quick else _PLAN
+
+    machine: dict[str, object] = {"peak_gflops": peak_gflops(), "quick": arguments.quick}
+    machine["bare_evaluation_ns"] = bare_evaluation_ns()
+    problems = all_problems(plan.points, plan.neighbours)
+    wanted = arguments.problems or [problem.name for problem in problems]
+    problems = [problem for problem in problems if problem.name in wanted]
+    costs, missed, packages = compare(problems, plan, arguments.only, _say)
+    machine |= warm_start(plan.starts)
+    if plan.compilation:
+        machine |= compilation()
+    machine["two_cores_ratio"] = two_cores(plan.cores_points, plan.rounds)
+    machine |= settling_gain(plan.map_points, plan.horizons)
+    machine |= facts([*packages, "numpy", "numba"]) | {"kernels": kernel_fingerprint()}
+    table = rows(
+        costs, missed, [(problem.name, target) for problem in problems for target in plan.targets]
+    )
+    write(table, machine, arguments.output)
+    _say("\n" + text(table) + "\n")
+    for name, value in sorted(machine.items()):
+        if isinstance(value, float):
+            _say(f"{name}: {value:.3g}")
+    _say(f"kept in {arguments.output}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,147 @@
+"""Runs without located switches, and their right-hand side for other solvers.
+
+The study measures its own runs against these; see solver/unlocated.py for what they do.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.physics.compiled import kernel
+from model.physics.parameters import Batch, Parameters
+from model.physics.readings import Readings
+from model.solver.record import STATE_SIZE, constants_in
+from model.solver.tableaux import DORMAND_PRINCE, RK4
+from model.solver.unlocated import (
+    ADAPTIVE_STEPS,
+    RK4_STEPS,
+    SEMI_IMPLICIT_EULER_STEPS,
+    Passage,
+    outside,
+    pass_unlocated,
+    unlocated_rates,
+)
+
+Floats = NDArray[np.float64]
+UnlocatedScheme = Literal["rk4", "semi_implicit_euler", "dormand_prince"]
+
+_KERNEL_SCHEMES: dict[UnlocatedScheme, int] = {
+    "rk4": RK4_STEPS,
+    "semi_implicit_euler": SEMI_IMPLICIT_EULER_STEPS,
+    "dormand_prince": ADAPTIVE_STEPS,
+}
+_PASSAGE = len(Passage._fields)
+
+
+@dataclass(frozen=True)
+class UnlocatedRuns:
+    """Results of a batch without located switches; dimensionless, in the order of the batch.
+
+    ``tau_align``, ``time`` (of the end), ``rhs_evaluations`` and ``finished`` have shape (n,),
+    ``state`` (n, 6). ``tau_align`` is NaN where the part did not fall in; ``finished`` is False
+    where the evaluations ran out before it fell in or reached the horizon.
+    """
+
+    tau_align: Floats
+    time: Floats
+    rhs_evaluations: NDArray[np.int64]
+    finished: NDArray[np.bool_]
+    state: Floats
+
+
+@kernel
+def _run_rows(rows, scheme, resolution, method, horizon, max_evaluations, out):
+    """Run every row of ``rows``, shape (n, constants), into ``out``, shape (n, 4 + 6)."""
+    for i in range(rows.shape[0]):
+        p = constants_in(rows[i])
+        passage, y = pass_unlocated(scheme, resolution, p, method, horizon, max_evaluations)
+        out[i, 0], out[i, 1] = passage.tau_align, passage.time
+        out[i, 2], out[i, 3] = passage.evaluations, passage.finished
+        out[i, 4:] = y
+
+
+def align_unlocated(
+    batch: Batch | Sequence[Parameters],
+    scheme: UnlocatedScheme,
+    resolution: float,
+    *,
+    readings: Readings | None = None,
+    horizon: float = 300.0,
+    max_evaluations: int = 20_000_000,
+) -> UnlocatedRuns:
+    """Run every parameter set of ``batch`` without locating any switch but the fall.
+
+    Args:
+        batch: a ``Batch``, or a sequence of ``Parameters``.
+        scheme: "rk4" and "semi_implicit_euler" take equal steps and look for the fall at their
+            ends; "dormand_prince" adapts its steps and locates the fall within one.
+        resolution: length of a fixed step, or tolerance relative to 1 + |state|.
+        readings: how the paper's equations are read, consistently by default.
+        horizon: latest time.
+        max_evaluations: most right-hand-side evaluations of a run.
+
+    Raises:
+        ValueError: an unknown scheme, or a resolution or a horizon that is not finite and > 0.
+    """
+    if scheme not in _KERNEL_SCHEMES:
+        valid = ", ".join(get_args(UnlocatedScheme))
+        raise ValueError(f"scheme = {scheme!r}: must be one of {valid}")
+    for name, value in {"resolution": resolution, "horizon": horizon}.items():
+        if not (value > 0.0 and math.isfinite(value)):
+            raise ValueError(f"{name} = {value!r}: must be a finite number > 0")
+    rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)
+    rows = rows_of.constants(readings or Readings())
+    out = np.empty((len(rows), _PASSAGE + STATE_SIZE))
+    method = (DORMAND_PRINCE if scheme == "dormand_prince" else RK4).method
+    _run_rows(
+        rows, _KERNEL_SCHEMES[scheme], float(resolution), method, float(horizon),
+        int(max_evaluations), out,
+    )  # fmt: skip
+    return UnlocatedRuns(
+        tau_align=out[:, 0].copy(),
+        time=out[:, 1].copy(),
+        rhs_evaluations=out[:, 2].astype(np.int64),
+        finished=out[:, 3] == 1.0,
+        state=out[:, _PASSAGE:].copy(),
+    )
+
+
+@kernel
+def _rates(time, y, row):
+    out = np.empty(STATE_SIZE)
+    unlocated_rates(time, y, constants_in(row), out)
+    return out
+
+
+@kernel
+def _outside(y, row):
+    return outside(y, constants_in(row))
+
+
+@dataclass(frozen=True)
+class UnlocatedProblem:
+    """One parameter set as an initial value problem for a solver of general use.
+
+    ``rates(τ, y)`` gives dy/dτ, shape (6,), compiled; ``fall(τ, y)`` goes through zero downward as
+    the part falls in; ``start`` has shape (6,).
+    """
+
+    rates: Callable[[float, Floats], Floats]
+    fall: Callable[[float, Floats], float]
+    start: Floats
+
+
+def unlocated_problem(parameters: Parameters, readings: Readings | None = None) -> UnlocatedProblem:
+    """``parameters`` as a problem whose right-hand side does not depend on a mode."""
+    row = Batch.stack([parameters]).constants(readings or Readings())[0]
+    # A run that may evaluate nothing ends where it starts.
+    start = align_unlocated([parameters], "rk4", 1.0, readings=readings, max_evaluations=0).state[0]
+    return UnlocatedProblem(
+        rates=lambda time, y: _rates(time, y, row),
+        fall=lambda _, y: _outside(y, row),
+        start=start,
+    )

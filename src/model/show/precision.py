@@ -1,0 +1,391 @@
+"""Speed against error: its pictures, its tables, and what they advise."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import compress
+from pathlib import Path
+from string import ascii_lowercase
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from model.show import style
+from model.show.plots import axis_label, cell_edges
+from model.study.fixed_steps import Wrong, wrong_counts
+from model.study.precision import METHODS, Rung, Scipy, TimedRung, Verdict, names_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+WRONG_OUTCOME_LABEL = "wrong outcome"
+WRONG_TIME_LABEL = "wrong time"
+TYPICAL_SCHEME = "rk4"  # what a study of 2007 would have used
+
+# Blue is located; warm colours are compiled without; the rest is scipy.
+_LOOKS: Mapping[str, Mapping[str, Any]] = {
+    "dop853_located": {"color": style.BLUE, "marker": "o", "linestyle": "-", "linewidth": 2.2},
+    "dormand_prince_located": {"color": style.BLUE, "marker": "s", "linestyle": "--"},
+    "dormand_prince_unlocated": {"color": style.VERMILLION, "marker": "D", "linestyle": "-"},
+    "rk4_fixed": {"color": style.ORANGE, "marker": "^", "linestyle": "-"},
+    "semi_implicit_euler_fixed": {"color": style.PURPLE, "marker": "v", "linestyle": "-"},
+    "scipy_rk45": {"color": style.SKY_BLUE, "marker": "P", "linestyle": ":"},
+    "scipy_dop853": {"color": style.GREEN, "marker": "X", "linestyle": ":"},
+    "scipy_lsoda": {"color": style.GREY, "marker": "<", "linestyle": ":"},
+    "scipy_radau": {"color": style.BLACK, "marker": "*", "linestyle": ":"},
+}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What the report says of speed against error: timed rungs, and by figure its wrong points.
+
+    ``pictures`` holds a file for each of ``plans.PICTURES``.
+    """
+
+    rungs: Sequence[TimedRung]
+    wrong: Mapping[str, "xr.Dataset"]
+    pictures: Mapping[str, Path]
+
+
+CAPTIONS: Mapping[str, str] = {
+    "evaluations": "Evaluations of the equations of motion over the true error. A method that does "
+    "not locate its switches needs ever more of them for each digit as soon as the part sticks or "
+    "bounces.",
+    "times": "CPU time of one trajectory over the true error, as measured in this build on this "
+    "machine: neighbouring parameter sets on one core, median of repeats.",
+    "wrong_points": "What fixed steps make of two figures: points at which RK4 without located "
+    "switches ends otherwise, or aligns at another time, than with all switches located.",
+}
+
+
+# --- Work over error ----------------------------------------------------------------------------
+
+
+def rungs_of(dataset: "xr.Dataset") -> list[Rung]:
+    """The rungs that a dataset of the comparison holds, in order."""
+    cases, methods = names_of(dataset["case"]), names_of(dataset["method"])
+    columns = {
+        name: dataset[name].values for name in ("resolution", "error", "rhs_evaluations", "verdict")
+    }
+    return [
+        Rung(
+            case=cases[place[0]],
+            method=methods[place[1]],
+            resolution=float(columns["resolution"][place]),
+            error=float(columns["error"][place]),
+            rhs_evaluations=int(columns["rhs_evaluations"][place]),
+            verdict=Verdict(int(columns["verdict"][place])),
+        )
+        for place in np.ndindex(columns["verdict"].shape)
+        if columns["verdict"][place] != Verdict.NOT_TRIED
+    ]
+
+
+def evaluations_over_error(dataset: "xr.Dataset", titles: Mapping[str, str]) -> Figure:
+    """Right-hand-side evaluations over true error, a panel for each case."""
+    label = "evaluations of the equations of motion"
+    rungs = rungs_of(dataset)
+    return _work_over_error(rungs, [rung.rhs_evaluations for rung in rungs], titles, label)
+
+
+def time_over_error(rungs: Sequence[TimedRung], titles: Mapping[str, str]) -> Figure:
+    """CPU time of a trajectory over true error, a panel for each case."""
+    label = "CPU time of a trajectory (µs)"
+    return _work_over_error(rungs, [rung.microseconds for rung in rungs], titles, label)
+
+
+def _work_over_error(
+    rungs: Sequence[Rung], work: Sequence[float], titles: Mapping[str, str], label: str
+) -> Figure:
+    with style.context():
+        rows = math.ceil(len(titles) / 2)
+        figure = style.new_figure(height=(3.0 + 6.5 * rows) * style.CENTIMETRE)
+        panels = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
+        for place, (case, title) in enumerate(titles.items()):
+            axes = panels.flat[place]
+            axes.set_title(f"$\\bf{{{ascii_lowercase[place]}}}$  {title}", loc="left")
+            chosen = [rung.case == case for rung in rungs]
+            _draw_case(axes, list(compress(rungs, chosen)), list(compress(work, chosen)))
+        for axes in panels.flat[len(titles) :]:
+            axes.set_visible(False)
+        corner = panels[0, 0]
+        corner.set_xscale("log")
+        corner.set_yscale("log")
+        corner.invert_xaxis()
+        figure.supxlabel("true error (more accurate to the right)", fontsize=9.0)
+        figure.supylabel(label, fontsize=9.0)
+        figure.legend(handles=_handles(rungs), loc="outside upper center", ncols=2)
+        return figure
+
+
+def _draw_case(axes: Axes, rungs: Sequence[Rung], work: Sequence[float]) -> None:
+    """A line for each method; a rung with the wrong outcome has no error and no point."""
+    for method, look in _LOOKS.items():
+        drawn = [rung.method == method and rung.verdict == Verdict.RIGHT_OUTCOME for rung in rungs]
+        errors = [rung.error for rung in compress(rungs, drawn)]
+        axes.plot(errors, list(compress(work, drawn)), label=method, **look)
+
+
+def _handles(rungs: Iterable[Rung]) -> list[Line2D]:
+    met = {rung.method for rung in rungs}
+    return [
+        Line2D([], [], label=METHODS[method].label, **look)
+        for method, look in _LOOKS.items()
+        if method in met
+    ]
+
+
+# --- Points that fixed steps get wrong ----------------------------------------------------------
+
+
+def wrong_points(datasets: Sequence["xr.Dataset"]) -> Figure:
+    """Which points of each figure come out wrong with RK4: a row for each step."""
+    steps = datasets[0]["step"].values
+    with style.context():
+        figure = style.new_figure(height=(1.5 + 6.5 * len(steps)) * style.CENTIMETRE)
+        panels = figure.subplots(len(steps), len(datasets), squeeze=False, sharex="col")
+        for column, dataset in enumerate(datasets):
+            number = int(str(dataset.attrs["figure"]).removeprefix("fig"))
+            draw = _wrong_on_map if dataset.attrs["figure_kind"] == "map" else _wrong_on_curves
+            row_of = names_of(dataset["scheme"]).index(TYPICAL_SCHEME)
+            for row, step in enumerate(steps):
+                axes = panels[row, column]
+                part = dataset.isel(scheme=row_of, step=row)
+                draw(axes, part)
+                share = float(np.mean(part["wrong"].values != Wrong.NOT_WRONG))
+                axes.set_title(f"Fig. {number}, $h$ = {step:g}: {_percent(share)} wrong")
+            panels[-1, column].set_xlabel(axis_label(dataset[_dims(dataset)[1]]))
+        figure.legend(
+            handles=_wrong_handles(datasets[0].attrs["tau_tolerance"]),
+            loc="outside lower center",
+            ncols=2,
+        )
+        return figure
+
+
+_TIME_LOOK: Mapping[str, Any] = {
+    "linestyle": "none", "marker": "o", "markersize": 3.0, "color": style.VERMILLION,
+    "markeredgewidth": 0.0,
+}  # fmt: skip
+_OUTCOME_LOOK: Mapping[str, Any] = {
+    "linestyle": "none", "marker": "x", "markersize": 4.0, "color": style.BLACK,
+    "markeredgewidth": 0.9,
+}  # fmt: skip
+_LOCATED_LOOK: Mapping[str, Any] = {"color": style.GREY, "linewidth": 0.8}
+_NOT_ALIGNED_SHADE = "#E4E4E4"
+
+
+def _dims(dataset: "xr.Dataset") -> tuple[str, str]:
+    y, x = (str(name) for name in dataset["tau_located"].dims)
+    return y, x
+
+
+def _wrong_on_curves(axes: Axes, part: "xr.Dataset") -> None:
+    """Located curves in grey; what came out instead, or where the outcome is wrong."""
+    _, x = _dims(part)
+    swept, located, tau = part[x].values, part["tau_located"].values, part["tau_align"].values
+    axes.plot(swept, located.T, label="_located", **_LOCATED_LOOK)
+    row, column = np.nonzero(part["wrong"].values == Wrong.WRONG_TIME)
+    axes.plot(swept[column], tau[row, column], label=WRONG_TIME_LABEL, **_TIME_LOOK)
+    row, column = np.nonzero(part["wrong"].values == Wrong.WRONG_OUTCOME)
+    either = np.where(np.isnan(located), tau, located)[row, column]
+    axes.plot(swept[column], either, label=WRONG_OUTCOME_LABEL, **_OUTCOME_LOOK)
+    axes.set_ylim(0.0, 1.15 * float(np.nanmax(located)) if not np.isnan(located).all() else 1.0)
+    axes.set_ylabel("alignment duration $τ$")
+
+
+def _wrong_on_map(axes: Axes, part: "xr.Dataset") -> None:
+    """The area that does not align in grey; wrong points as marks."""
+    y, x = _dims(part)
+    gaps = np.isnan(part["tau_located"].values)
+    area = np.ma.masked_equal(gaps.astype(float), 0.0)
+    axes.grid(visible=False)
+    axes.pcolormesh(
+        cell_edges(part[x].values), cell_edges(part[y].values), area,
+        cmap=ListedColormap([_NOT_ALIGNED_SHADE]), rasterized=True,
+    )  # fmt: skip
+    wrong = part["wrong"].values
+    for kind, label, look in (
+        (Wrong.WRONG_TIME, WRONG_TIME_LABEL, _TIME_LOOK),
+        (Wrong.WRONG_OUTCOME, WRONG_OUTCOME_LABEL, _OUTCOME_LOOK),
+    ):
+        row, column = np.nonzero(wrong == kind)
+        axes.plot(part[x].values[column], part[y].values[row], label=label, **look)
+    axes.set_ylabel(axis_label(part[y]))
+
+
+def _wrong_handles(tau_tolerance: float) -> list[Line2D | Patch]:
+    return [
+        Line2D([], [], label=f"$τ$ off by more than {tau_tolerance:g}", **_TIME_LOOK),
+        Line2D([], [], label=WRONG_OUTCOME_LABEL, **_OUTCOME_LOOK),
+        Line2D([], [], label="right, all switches located", **_LOCATED_LOOK),
+        Patch(facecolor=_NOT_ALIGNED_SHADE, label="does not align"),
+    ]
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %"
+
+
+# --- What it needs to reach an error ------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Need:
+    """The cheapest rung from which on a method keeps within an error, on one case."""
+
+    rhs_evaluations: int
+    microseconds: float
+    resolution: float
+
+
+def needs(rungs: Sequence[TimedRung], target: float) -> dict[tuple[str, str], Need]:
+    """By (method, case), what it takes to keep the true error at ``target`` or below.
+
+    A rung counts only if all finer ones keep within the target too: an error that passes through
+    zero is luck. Where a method does not get there, it has no entry.
+    """
+    found: dict[tuple[str, str], Need] = {}
+    for method in METHODS:
+        for case in dict.fromkeys(rung.case for rung in rungs):
+            ladder = [
+                rung
+                for rung in rungs
+                if (rung.method, rung.case) == (method, case)
+                and rung.verdict != Verdict.TOO_MANY_EVALUATIONS
+            ]
+            kept: list[TimedRung] = []
+            for rung in reversed(ladder):
+                if not rung.error <= target:  # NaN where the outcome is wrong
+                    break
+                kept.append(rung)
+            if kept:
+                least = min(kept, key=lambda rung: rung.rhs_evaluations)
+                found[method, case] = Need(
+                    least.rhs_evaluations, least.microseconds, least.resolution
+                )
+    return found
+
+
+# --- Advice -------------------------------------------------------------------------------------
+
+FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared
+
+
+def advice(
+    rungs: Sequence[TimedRung], wrong: Mapping[str, "xr.Dataset"], titles: Mapping[str, str]
+) -> tuple[str, str, str]:
+    """Three sentences that say what to choose when, from what was measured.
+
+    Args:
+        rungs: every method on every case.
+        wrong: by figure, its dataset with fixed steps.
+        titles: of the cases.
+    """
+    fine, coarse = needs(rungs, FINE), needs(rungs, COARSE)
+    cases = list(titles)
+    best_fine, best_coarse = _fastest(fine, cases), _fastest(coarse, cases)
+    without = [name for name, method in METHODS.items() if not method.located]
+    reached = [titles[case] for case in cases if any((name, case) in fine for name in without)]
+    if best_fine is None:
+        numbers = f"No method keeps the true error below {_power(FINE)} in every case"
+    else:
+        numbers = (
+            f"For numbers that are compared, fitted or differentiated, choose "
+            f"{METHODS[best_fine].label}: it keeps the true error below {_power(FINE)} in every "
+            f"case, at {_range(fine, best_fine, cases)} µs a trajectory, "
+        )
+        if reached:
+            numbers += (
+                f"where methods without located switches get there in {len(reached)} of "
+                f"{len(cases)} cases ({', '.join(reached)})"
+            )
+        else:
+            numbers += "where no method without located switches gets there in any case"
+    if best_coarse is None:
+        scans = f"No method keeps the true error below {_power(COARSE)} in every case"
+    else:
+        same = "the same" if best_coarse == best_fine else METHODS[best_coarse].label
+        scans = (
+            f"For scans and maps, where {_power(COARSE)} will do, choose {same} at a looser "
+            f"tolerance, {_range(coarse, best_coarse, cases)} µs a trajectory; "
+            f"{_against_scipy(coarse, best_coarse, cases)}; "
+            f"{_faster_without(coarse, best_coarse, titles)}"
+        )
+    return f"{numbers}.", f"{scans}.", f"{_against_fixed_steps(wrong)}."
+
+
+def _fastest(need: Mapping[tuple[str, str], Need], cases: Sequence[str]) -> str | None:
+    """The method that gets there in every case in the least time (geometric mean over cases)."""
+    costs = {
+        method: math.prod(need[method, case].microseconds for case in cases)
+        for method in METHODS
+        if all((method, case) in need for case in cases)
+    }
+    return min(costs, key=lambda method: costs[method]) if costs else None
+
+
+def _range(need: Mapping[tuple[str, str], Need], method: str, cases: Sequence[str]) -> str:
+    costs = [need[method, case].microseconds for case in cases]
+    return " to ".join(dict.fromkeys(f"{cost:,.0f}" for cost in (min(costs), max(costs))))
+
+
+def _against_scipy(need: Mapping[tuple[str, str], Need], best: str, cases: Sequence[str]) -> str:
+    solvers = [name for name, method in METHODS.items() if isinstance(method, Scipy)]
+    ratios = []
+    for case in cases:
+        costs = [need[name, case].microseconds for name in solvers if (name, case) in need]
+        if costs:
+            ratios.append(min(costs) / need[best, case].microseconds)
+    if not ratios:
+        return "scipy's solvers get there in no case"
+    times = " to ".join(dict.fromkeys(f"{ratio:.2g}" for ratio in (min(ratios), max(ratios))))
+    return (
+        f"the fastest of scipy's solvers takes {times} times as long, and gets there in "
+        f"{len(ratios)} of {len(cases)} cases"
+    )
+
+
+def _faster_without(
+    need: Mapping[tuple[str, str], Need], best: str, titles: Mapping[str, str]
+) -> str:
+    faster = [
+        f"{method.label} is faster where it {title}"
+        for name, method in METHODS.items()
+        for case, title in titles.items()
+        if not method.located
+        and (name, case) in need
+        and need[name, case].microseconds < need[best, case].microseconds
+    ]
+    return "; ".join(faster) or "no method without located switches is faster in any case"
+
+
+def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:
+    counts = {figure: wrong_counts(dataset) for figure, dataset in wrong.items()}
+    steps = dict.fromkeys(step for each in counts.values() for _, step in each)
+    parts = []
+    for step in steps:
+        shares = []
+        for figure, each in counts.items():
+            count = each[TYPICAL_SCHEME, step]
+            share = (count["wrong_outcome"] + count["wrong_time"]) / count["points"]
+            shares.append(f"{_percent(share)} of Fig. {int(figure.removeprefix('fig'))}")
+        parts.append(f"{' and '.join(shares)} with h = {step:g}")
+    return (
+        "Choose fixed steps without located switches for a first look only: of the points, RK4 "
+        f"gets wrong {', '.join(parts)}"
+    )
+
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _power(value: float) -> str:
+    """A power of ten as text: 10⁻⁸."""
+    return f"10{str(round(math.log10(value))).translate(_SUPERSCRIPTS)}"

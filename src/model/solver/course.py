@@ -1,0 +1,316 @@
+"""What happens to a run between its steps: its start, its switches, its periods and its end.
+
+Both engines, one run at a time and many side by side, share what stands here.
+"""
+
+from math import isfinite, isnan, nan, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from model.physics.compiled import borrowed, kernel
+from model.physics.geometry import bottom_corner, resting_height
+from model.physics.motion import is_supported
+from model.physics.notation import RIGHT_EDGE, State
+from model.physics.scenes import CLOSED, OPEN, START, STICKING
+from model.solver.outcomes import Outcome, Reason
+from model.solver.record import (
+    CLOSEST,
+    CONSTANTS,
+    DEADLINE,
+    EVALUATIONS,
+    FORCE_MAX,
+    MADE,
+    NEXT_STEP,
+    OUTCOME,
+    PERIODS,
+    REASON,
+    SEPARATIONS,
+    SETTLED_PERIOD,
+    STATE,
+    STATE_SIZE,
+    STEPS,
+    STICKING_TIME,
+    STOP,
+    SWITCHES,
+    SWITCHES_AT_ONCE,
+    TAU_ALIGN,
+    TAU_CORNERS_INSIDE,
+    TILT_AT_ALIGNMENT,
+    TILT_MAX,
+    TIME,
+    TOLERANCE,
+    constants_of,
+    keep_mode,
+    keep_state,
+    mode_of,
+    state_in,
+)
+from model.solver.settling import HISTORY, record_period, settled_period
+from model.solver.switching import (
+    CORNERS_INSIDE,
+    FACE_FAR_END,
+    LEFT_EDGE_ENTERS,
+    LEFT_WALL,
+    NEVER,
+    OVERTURNED,
+    SAMPLE_SIZE,
+    SWITCH_COUNT,
+    switching_functions,
+)
+from model.solver.transitions import (
+    CONTINUES,
+    decide_friction,
+    hold_sticking,
+    switch,
+    with_corner,
+    with_face,
+    without_residual_slip,
+)
+
+_ALIGNED = int(Outcome.ALIGNED)
+_SETTLED = int(Outcome.SETTLED)
+_HORIZON_REACHED = int(Outcome.HORIZON_REACHED)
+_FAILED = int(Outcome.FAILED)
+_NONE = int(Reason.NONE)
+_IMPOSSIBLE_START = int(Reason.IMPOSSIBLE_START)
+_TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
+_CHATTER = int(Reason.CHATTER)
+_NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
+
+_FIRST_STEP = 1e-2
+_SHORTEST_STEP = 1e-12  # after a switch
+_MOST_SWITCHES_AT_ONCE = 64
+_START_TOLERANCE = 1e-9
+_FALL_TIME = 20.0  # how long to wait for the corners to be inside once the contact is lost
+
+
+class Control(NamedTuple):
+    """What a run is allowed.
+
+    Attributes:
+        horizon: latest time.
+        max_evaluations: most right-hand-side evaluations.
+        may_settle: 1.0 to stop a run whose motion repeats itself, else 0.0.
+    """
+
+    horizon: float
+    max_evaluations: int
+    may_settle: float
+
+
+class History(NamedTuple):
+    """What runs did in their last periods, as rings by period; see settling.py.
+
+    Shapes: states (lanes, HISTORY, 6), lowest (lanes, HISTORY, SWITCH_COUNT).
+    """
+
+    states: np.ndarray
+    lowest: np.ndarray
+
+
+def new_history(lanes: int) -> History:
+    """The ``History`` of ``lanes`` runs."""
+    return History(np.zeros((lanes, HISTORY, STATE_SIZE)), np.zeros((lanes, HISTORY, SWITCH_COUNT)))
+
+
+@kernel
+def borrowed_history(history):
+    """``history`` without reference counts."""
+    return History(borrowed(history.states), borrowed(history.lowest))
+
+
+@kernel
+def start(p, declared):
+    """State and mode at τ = 0: at rest, touching the base without pressing.
+
+    The bottom face stands on the edge A1; a part tilted the other way stands on its corner B1. A
+    contact that is not declared starts open: the run leaves the scene if the part presses there.
+    """
+    x, tilt = p.misalignment, p.initial_tilt
+    y = resting_height(p)
+    corner_x, corner_y = bottom_corner(RIGHT_EDGE, x, y, tilt, p)
+    if tilt < 0.0 and corner_x > p.slot_half_width:
+        standing = CLOSED if declared.corner_on_flat else OPEN
+        mode = with_corner(with_face(START, RIGHT_EDGE, OPEN), RIGHT_EDGE, standing, 0.0)
+        return State(x, y - corner_y, tilt, 0.0, 0.0, 0.0), mode
+    mode = with_face(START, RIGHT_EDGE, CLOSED if declared.edge_on_face else OPEN)
+    return State(x, y, tilt, 0.0, 0.0, 0.0), mode
+
+
+@kernel
+def _start_is_impossible(q, p, mode):
+    functions = np.empty(SAMPLE_SIZE)
+    switching_functions(0.0, q, p, mode, functions)
+    return (
+        functions[LEFT_EDGE_ENTERS] < -_START_TOLERANCE
+        or functions[LEFT_WALL] < -_START_TOLERANCE
+        or functions[FACE_FAR_END] < -_START_TOLERANCE
+        or functions[OVERTURNED] < 0.0
+    )
+
+
+@kernel
+def period_length(p):
+    """The excitation's period; 2π where the excitation is constant."""
+    return 2.0 * pi / p.frequency if p.frequency > 0.0 else 2.0 * pi
+
+
+@kernel
+def _note_end_of_period(runs, i):
+    """When the present period ends, or the run."""
+    next_period = (runs[PERIODS, i] + 1.0) * period_length(constants_of(runs, i))
+    runs[STOP, i] = min(next_period, runs[DEADLINE, i])
+
+
+@kernel
+def _end(runs, i, outcome, reason):
+    runs[OUTCOME, i], runs[REASON, i] = outcome, reason
+    if isfinite(runs[TAU_ALIGN, i]):  # whatever happened in the fall afterwards, it has aligned
+        runs[OUTCOME, i], runs[REASON, i] = _ALIGNED, _NONE
+
+
+@kernel
+def fail(runs, i, reason):
+    """End run ``i`` as failed."""
+    _end(runs, i, _FAILED, reason)
+
+
+@kernel
+def begin(row, tolerance, declared, control, runs, i):
+    """Put the parameter set ``row``, shape (constants,), at its start into column ``i``.
+
+    ``tolerance`` is the local error admitted in a step, relative to 1 + |state|.
+    """
+    runs[:, i] = 0.0
+    runs[:CONSTANTS, i] = row
+    p = constants_of(runs, i)
+    runs[TOLERANCE, i], runs[DEADLINE, i] = tolerance, control.horizon
+    runs[OUTCOME, i], runs[NEXT_STEP, i] = CONTINUES, _FIRST_STEP
+    runs[TAU_ALIGN, i], runs[TAU_CORNERS_INSIDE, i], runs[TILT_AT_ALIGNMENT, i] = nan, nan, nan
+    runs[TILT_MAX, i] = abs(p.initial_tilt)
+    runs[CLOSEST : CLOSEST + SWITCH_COUNT, i] = NEVER
+    q, mode = start(p, declared)
+    if _start_is_impossible(q, p, mode):
+        fail(runs, i, _IMPOSSIBLE_START)
+    else:
+        mode, possible = decide_friction(0.0, q, p, mode, True, True)
+        if not possible:
+            fail(runs, i, _NO_FRICTION_SOLUTION)
+    keep_state(q, runs, i)
+    keep_mode(mode, runs, i)
+    _note_end_of_period(runs, i)
+
+
+@kernel
+def is_counted(mode, p):
+    """Whether the run is still on its way to alignment, and not in the fall that follows."""
+    return not mode.dropped or p.printed_alignment_criterion != 0.0
+
+
+@kernel
+def note_step(length, tilt, force, runs, i):
+    """Enter a step made, with its largest |tilt| and normal force."""
+    mode = mode_of(runs, i)
+    runs[STEPS, i] += 1.0
+    if is_counted(mode, constants_of(runs, i)):
+        runs[TILT_MAX, i] = max(runs[TILT_MAX, i], tilt)
+        runs[FORCE_MAX, i] = max(runs[FORCE_MAX, i], force)
+        if mode.support_slip == STICKING and is_supported(mode):
+            runs[STICKING_TIME, i] += length
+
+
+@kernel
+def _opened(before, after):
+    """Whether a switch left the part without support: a separation."""
+    return (before.face != OPEN or before.corner != OPEN) and (
+        after.face == OPEN and after.corner == OPEN
+    )
+
+
+@kernel
+def _note_alignment(which, tilt, printed_criterion, runs, i):
+    """Alignment by the criterion in force, and the four corners inside; whether the run ends.
+
+    The first instant counts (R8): a part that is lifted again and falls once more has aligned.
+    """
+    time = runs[TIME, i]
+    if which == CORNERS_INSIDE:
+        runs[TAU_CORNERS_INSIDE, i] = time
+    elif not printed_criterion and isnan(runs[TAU_ALIGN, i]):
+        runs[DEADLINE, i] = min(runs[DEADLINE, i], time + _FALL_TIME)
+        _note_end_of_period(runs, i)
+    if printed_criterion == (which == CORNERS_INSIDE) and isnan(runs[TAU_ALIGN, i]):
+        runs[TAU_ALIGN, i], runs[TILT_AT_ALIGNMENT, i] = time, tilt
+    return which == CORNERS_INSIDE
+
+
+@kernel
+def make_switch(which, length, step, declared, runs, i):
+    """Let the run, now on its switch ``which``, go on in the mode that follows, or end.
+
+    ``length`` is what the run moved to get there, ``step`` the step it would have made.
+    """
+    time, p, before = runs[TIME, i], constants_of(runs, i), mode_of(runs, i)
+    runs[SWITCHES, i] += 1.0
+    runs[MADE + which, i] = 1.0
+    at_once = length <= 1e-13 * max(1.0, time)
+    runs[SWITCHES_AT_ONCE, i] = runs[SWITCHES_AT_ONCE, i] + 1.0 if at_once else 0.0
+    # Where no time passes, the step was too long for what happens in it (friction that only just
+    # reaches its limit, for instance): its dense output is not that exact.
+    runs[NEXT_STEP, i] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
+    q = without_residual_slip(which, state_in(runs, STATE, i), p, before)
+    mode, outcome, reason = switch(which, time, q, p, before, declared)
+    if outcome == CONTINUES and is_counted(before, p) and _opened(before, mode):
+        runs[SEPARATIONS, i] += 1.0
+    keep_state(hold_sticking(q, p, mode), runs, i)
+    keep_mode(mode, runs, i)
+    if outcome == _ALIGNED:
+        printed_criterion = p.printed_alignment_criterion != 0.0
+        if not _note_alignment(which, q.tilt, printed_criterion, runs, i):
+            outcome = CONTINUES
+    if outcome != CONTINUES:
+        _end(runs, i, outcome, reason)
+
+
+@kernel
+def _end_period(history, may_settle, runs, i):
+    """Enter a completed period; the run ends if its motion repeats itself."""
+    periods = int(runs[PERIODS, i]) + 1
+    runs[PERIODS, i] = periods
+    _note_end_of_period(runs, i)
+    for which in range(SWITCH_COUNT):  # a switch that was made is no switch to keep clear of
+        if runs[MADE + which, i] != 0.0:
+            runs[CLOSEST + which, i] = NEVER
+    states, lowest = history.states[i], history.lowest[i]
+    record_period(
+        periods,
+        runs[STATE : STATE + STATE_SIZE, i],
+        runs[CLOSEST : CLOSEST + SWITCH_COUNT, i],
+        states,
+        lowest,
+    )
+    runs[CLOSEST : CLOSEST + SWITCH_COUNT, i] = NEVER
+    runs[MADE : MADE + SWITCH_COUNT, i] = 0.0
+    if may_settle and not mode_of(runs, i).dropped:
+        noise = 100.0 * runs[TOLERANCE, i]
+        p = constants_of(runs, i)
+        period = settled_period(periods, period_length(p), states, lowest, p, noise)
+        if period > 0:
+            runs[SETTLED_PERIOD, i] = period
+            _end(runs, i, _SETTLED, _NONE)
+
+
+@kernel
+def end_step(reached_stop, history, control, runs, i):
+    """What every step ends with: the limits of the run, and its periods."""
+    if runs[OUTCOME, i] != CONTINUES:
+        return
+    if runs[SWITCHES_AT_ONCE, i] > _MOST_SWITCHES_AT_ONCE:
+        fail(runs, i, _CHATTER)
+    elif runs[EVALUATIONS, i] > control.max_evaluations:
+        fail(runs, i, _TOO_MANY_EVALUATIONS)
+    elif runs[TIME, i] >= runs[DEADLINE, i]:
+        _end(runs, i, _HORIZON_REACHED, _NONE)
+    elif reached_stop:
+        _end_period(history, control.may_settle != 0.0, runs, i)

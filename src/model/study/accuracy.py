@@ -1,0 +1,337 @@
+"""How accurate the integrator is, tried on random sets: the campaign behind `make accuracy`.
+
+Two trials draw parameter sets by the law in the configuration. "error" compares every alignment
+time and its ``tau_error`` with a run at a tolerance of 1e-13 and with the independent solution;
+"settled" runs every set that ended as settled on to several times the horizon. Tables are CSV.
+"""
+
+import csv
+import hashlib
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters
+from model.runs.batch import align
+from model.runs.settings import Settings
+from model.runs.trajectory import simulate
+from model.solver.outcomes import Outcome
+from model.study.config import Range, RunSettings, Study
+from model.study.files import whole_file
+from model.study.independent import solve
+
+Table = dict[str, NDArray[Any]]
+TrialName = Literal["error", "settled"]
+TRIALS: tuple[TrialName, ...] = ("error", "settled")
+
+TIGHT = 1e-13  # the tolerance of the run taken for true
+ACCURATE = 1e-8  # what a regular alignment time is to be known to
+_AFTER = 1.0  # how long after the alignment the independent solution may still align
+_UNBOUNDED = 2_000_000_000  # evaluations: a trial is stopped by its horizon only
+# The farthest a settled motion may still go: a difference of 1e-3 that contracts by 0.98 a period.
+FARTHEST = 0.05
+
+
+class Trial(BaseModel):
+    """One trial's computation; its JSON is its identity.
+
+    Attributes:
+        name: "error" or "settled".
+        parameters: every parameter, None where it is derived; drawn ones hold the baseline's.
+        settings: how runs are computed, with the trial's own horizon.
+        ranges: the law.
+        seed: of the draw; the two trials draw different sets.
+        sets: how many.
+        longer: how many horizons a settled run is run on for.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: TrialName
+    parameters: dict[str, float | None]
+    settings: RunSettings
+    ranges: dict[str, Range]
+    seed: int
+    sets: int
+    longer: float
+
+    @property
+    def identity(self) -> str:
+        """Hash of everything that the results depend on besides the code."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What a sidecar says of it: identity, what is held, settings and what is drawn."""
+        drawn = [
+            {
+                "parameter": name,
+                "start": 0.0 if law.zero else law.low,
+                "stop": law.high,
+                "count": self.sets,
+            }
+            for name, law in self.ranges.items()
+        ]
+        return {
+            "sweep": self.identity,
+            "parameters": {
+                name: value for name, value in self.parameters.items() if name not in self.ranges
+            },
+            "settings": self.settings.model_dump(mode="json"),
+            "dimensions": drawn,
+        }
+
+    def numbers_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
+        """Numbers of a chunk's sets: every ``chunks``-th one.
+
+        Raises:
+            ValueError: a chunk that is not one of ``chunks``.
+        """
+        if not 0 <= chunk < chunks:
+            raise ValueError(f"chunk = {chunk}: must be 0 to {chunks - 1}")
+        return np.arange(chunk, self.sets, chunks, dtype=np.int64)
+
+    def batch(self, numbers: NDArray[np.int64]) -> Batch:
+        """The sets of these numbers; a set does not depend on how many there are."""
+        rng = np.random.default_rng([self.seed, TRIALS.index(self.name)])
+        draws = rng.random((self.sets, 2, len(self.ranges)))[numbers]
+        drawn = {}
+        for i, (name, law) in enumerate(self.ranges.items()):
+            values = law.low * (law.high / law.low) ** draws[:, 0, i]
+            drawn[name] = np.where(draws[:, 1, i] < law.zero, 0.0, values)
+        return Batch.of(Parameters(**self.parameters), **drawn)  # type: ignore[arg-type]
+
+
+def trial_of(study: Study, name: TrialName) -> Trial:
+    """A trial of the study's law."""
+    law = study.accuracy
+    return Trial(
+        name=name,
+        parameters=study.baseline.given(),
+        settings=study.settings.model_copy(update={"horizon": law.horizon}),
+        ranges=law.ranges,
+        seed=law.seed,
+        sets=law.sets if name == "error" else law.settled.sets,
+        longer=law.settled.longer,
+    )
+
+
+def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
+    """One chunk of a trial: a table with a row for each set."""
+    numbers = trial.numbers_of_chunk(chunk, chunks)
+    batch = trial.batch(numbers)
+    judge = _errors if trial.name == "error" else _settled
+    parameters = {name: batch.values[name] for name in PARAMETER_NAMES}
+    return {
+        "set": numbers,
+        **judge(batch, trial.settings.settings, trial.longer, cores),
+        **parameters,
+    }
+
+
+def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Table:
+    """Default runs, runs at ``TIGHT``, and the independent solution of what aligns for certain."""
+    runs = align(batch, settings, cores=cores)
+    tight = align(batch, settings, cores=cores, tolerance=TIGHT, max_evaluations=_UNBOUNDED)
+    independent = np.full(len(batch), math.nan)
+    ending = ["not run"] * len(batch)
+    for row in np.flatnonzero((runs.outcome == Outcome.ALIGNED) & ~runs.sensitive):
+        try:
+            solution = solve(batch[int(row)], float(runs.tau_align[row]) + _AFTER)
+        except ArithmeticError:
+            ending[row] = "failed"
+        else:
+            independent[row], ending[row] = solution.tau, solution.ending
+    return {
+        "outcome": runs.outcome,
+        "tau_align": runs.tau_align,
+        "tau_error": runs.tau_error,
+        "sensitive": runs.sensitive.astype(np.int8),
+        "separations": runs.separations,
+        "tight_outcome": tight.outcome,
+        "tight_tau": tight.tau_align,
+        "tight_error": tight.tau_error,
+        "tight_sensitive": tight.sensitive.astype(np.int8),
+        "independent_tau": independent,
+        "independent_ending": np.array(ending),
+    }
+
+
+def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Table:
+    """Default runs, and how far those that settled still move in ``longer`` horizons."""
+    runs = align(batch, settings, cores=cores)
+    size = len(batch)
+    later, moved = np.full(size, -1, dtype=np.int8), np.full(size, math.nan)
+    began = np.full(size, math.nan)
+    for row in np.flatnonzero(runs.outcome == Outcome.SETTLED):
+        p = batch[int(row)]
+        run = simulate(p, settings)
+        on = simulate(
+            p, settings, horizon=longer * settings.horizon, may_settle=False,
+            max_evaluations=_UNBOUNDED,
+        )  # fmt: skip
+        later[row], began[row] = on.outcome, run.time[-1]
+        cycle = run.period * (2.0 * math.pi / p.frequency)
+        ends = np.arange(began[row], on.time[-1] + 1e-6, cycle)
+        places = np.searchsorted(on.time, ends - 1e-6).clip(0, on.time.size - 1)
+        moved[row] = np.abs(on.state[places] - run.state[-1]).max()
+    return {
+        "outcome": runs.outcome,
+        "reason": runs.reason,
+        "sensitive": runs.sensitive.astype(np.int8),
+        "period": runs.period,
+        "settled_at": began,
+        "later_outcome": later,
+        "later_moved": moved,
+    }
+
+
+# ----------------------------------------------------------------------------------------- verdict
+
+
+class Verdict(NamedTuple):
+    """One line of the summary: what was counted, what came out, and what was wanted, if anything.
+
+    ``holds`` is None where nothing was wanted.
+    """
+
+    what: str
+    found: str
+    wanted: str = ""
+    holds: bool | None = None
+
+
+def _share(name: str, counted: NDArray[np.bool_], least: float) -> Verdict:
+    share = float(np.mean(counted)) if counted.size else math.nan
+    found = f"{100 * share:.2f} % ({int(counted.sum())} of {counted.size})"
+    return Verdict(name, found, f">= {100 * least:g} %", share >= least)
+
+
+def _against(truth: str, tau: NDArray[np.float64], table: Table) -> list[Verdict]:
+    """Verdicts on ``tau_error`` for alignments without a flag; a truth of NaN covers nothing."""
+    error, estimate = np.abs(table["tau_align"] - tau), table["tau_error"]
+    ratio = np.divide(estimate, error, out=np.full(error.size, math.inf), where=error > 0.0)
+    median = float(np.median(ratio[np.isfinite(error)]))
+    return [
+        _share(f"error below tau_error, {truth}", error <= estimate, 0.95),
+        _share(f"error below 10 tau_error, {truth}", error <= 10.0 * estimate, 0.999),
+        Verdict(f"median of tau_error over error, {truth}", f"{median:.1f}", "<= 30", median <= 30),
+    ]
+
+
+def judge_errors(table: Table) -> list[Verdict]:
+    """What the "error" trial shows."""
+    flagged = table["sensitive"] == 1
+    aligned = table["outcome"] == Outcome.ALIGNED
+    regular = {name: values[aligned & ~flagged] for name, values in table.items()}
+    share = float(np.mean(flagged))
+    otherwise = ~flagged & (aligned != (table["tight_outcome"] == Outcome.ALIGNED))
+    estimate = regular["tau_error"]
+    apart = np.abs(regular["tight_tau"] - regular["independent_tau"])
+    unfinished = np.isin(regular["independent_ending"], ["failed", "endless"])
+    return [
+        Verdict("sets", f"{flagged.size}"),
+        Verdict("sets that align", f"{int(aligned.sum())}"),
+        Verdict("sets flagged sensitive", f"{100 * share:.2f} %", "<= 2 %", share <= 0.02),
+        Verdict("of those, sets that align", f"{int((flagged & aligned).sum())}"),
+        Verdict("sets without a flag that align at one tolerance only", f"{int(otherwise.sum())}"),
+        *_against(f"tolerance {TIGHT:g}", regular["tight_tau"], regular),
+        *_against("independent solution", regular["independent_tau"], regular),
+        Verdict("independent solutions unfinished", f"{int(unfinished.sum())}", "0",
+                not unfinished.any()),
+        Verdict("the two truths apart: median", f"{np.nanmedian(apart):.1e}"),
+        Verdict("the two truths apart: 99th percentile", f"{np.nanquantile(apart, 0.99):.1e}"),
+        _share("the two truths apart by less than tau_error", apart <= estimate, 0.999),
+        Verdict("median of tau_error", f"{np.median(estimate):.1e}"),
+        Verdict("99th percentile of tau_error", f"{np.quantile(estimate, 0.99):.1e}"),
+        Verdict(f"tau_error <= {ACCURATE:g}", f"{100 * np.mean(estimate <= ACCURATE):.2f} %"),
+    ]  # fmt: skip
+
+
+def is_wrong(table: Table) -> NDArray[np.bool_]:
+    """Which sets ended as settled and yet aligned, left the scene, failed or moved away later."""
+    settled = table["outcome"] == Outcome.SETTLED
+    stays = (table["later_outcome"] == Outcome.HORIZON_REACHED) & (
+        np.nan_to_num(table["later_moved"], nan=math.inf) <= FARTHEST
+    )
+    return settled & ~stays
+
+
+def judge_settled(table: Table) -> list[Verdict]:
+    """What the "settled" trial shows, with the number of every set that was wrong."""
+    settled, wrong = table["outcome"] == Outcome.SETTLED, is_wrong(table)
+    numbers = ", ".join(str(number) for number in table["set"][wrong])
+    moved = table["later_moved"][settled]
+    return [
+        Verdict("sets", f"{settled.size}"),
+        Verdict("sets that settle", f"{int(settled.sum())}"),
+        Verdict("wrongly settled", f"{int(wrong.sum())}" + (f": sets {numbers}" if numbers else ""),
+                "0", not wrong.any()),
+        Verdict("farthest motion afterwards", f"{moved.max() if moved.size else 0.0:.1e}",
+                f"<= {FARTHEST:g}"),
+    ]  # fmt: skip
+
+
+def summary(errors: Table, settled: Table) -> str:
+    """Both trials as text, one line for each verdict."""
+    lines = []
+    for title, verdicts in (
+        ("tau_error on random sets", judge_errors(errors)),
+        ("settled runs, run on", judge_settled(settled)),
+    ):
+        lines += [title, "-" * len(title)]
+        for verdict in verdicts:
+            mark = {None: "", True: "holds", False: "FAILS"}[verdict.holds]
+            line = f"{verdict.what:58} {verdict.found:26} {verdict.wanted:11} {mark}"
+            lines.append(line.rstrip())
+        lines.append("")
+    return "\n".join(lines)
+
+
+# ------------------------------------------------------------------------------------------ tables
+
+
+def write_table(table: Mapping[str, NDArray[Any]], path: Path) -> None:
+    """Write a table as CSV, whole or not at all; numbers with all their digits."""
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(table)
+        writer.writerows(zip(*(values.tolist() for values in table.values()), strict=True))
+
+
+def read_tables(paths: Sequence[Path]) -> Table:
+    """The table whose chunks are in ``paths``, in the order of the sets' numbers.
+
+    Raises:
+        ValueError: chunks whose columns differ, or that do not hold each set once.
+    """
+    columns: dict[str, list[str]] = {}
+    for path in paths:
+        with path.open(newline="", encoding="utf-8") as file:
+            header, *rows = list(csv.reader(file))
+        if columns and list(columns) != header:
+            raise ValueError(f"{path}: its columns differ from the other chunks': build it again")
+        for name, values in zip(header, zip(*rows, strict=True), strict=True):
+            columns.setdefault(name, []).extend(values)
+    table = {name: _column(name, values) for name, values in columns.items()}
+    order = np.argsort(table["set"])
+    if not np.array_equal(table["set"][order], np.arange(order.size)):
+        raise ValueError("the chunks do not hold each set once: delete them and run again")
+    return {name: values[order] for name, values in table.items()}
+
+
+_WHOLE = (
+    "set", "outcome", "reason", "sensitive", "separations", "period", "later_outcome",
+    "tight_outcome", "tight_sensitive",
+)  # fmt: skip
+
+
+def _column(name: str, values: list[str]) -> NDArray[Any]:
+    if name == "independent_ending":
+        return np.array(values)
+    return np.array(values, dtype=np.float64).astype(np.int64 if name in _WHOLE else np.float64)

@@ -1,0 +1,114 @@
+"""What fixed steps without located switches make of a figure: its points that come out wrong."""
+
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from model.runs.unlocated import UnlocatedScheme, align_unlocated
+from model.study.datasets import DatasetError, flags
+from model.study.plans import FixedStepPlan
+
+FIXED_SCHEMES: tuple[UnlocatedScheme, ...] = ("rk4", "semi_implicit_euler")
+KIND = "fixed_steps"
+
+
+class Wrong(IntEnum):
+    """Whether a point came out wrong, and how; the values are the flags stored in the dataset."""
+
+    NOT_WRONG = 0
+    WRONG_OUTCOME = 1
+    WRONG_TIME = 2
+
+
+def judged(
+    tau: NDArray[np.float64], located: NDArray[np.float64], tau_tolerance: float
+) -> NDArray[np.int8]:
+    """``Wrong`` of alignment times against located ones, NaN where not aligned; shapes broadcast.
+
+    Wrong is another outcome, aligned or not, or a time further off than ``tau_tolerance``.
+    """
+    aligned, should = ~np.isnan(tau), ~np.isnan(located)
+    both = aligned & should
+    off = np.abs(np.subtract(tau, located, where=both, out=np.zeros(both.shape)))
+    found = np.where(off > tau_tolerance, Wrong.WRONG_TIME, Wrong.NOT_WRONG)
+    return np.where(aligned != should, Wrong.WRONG_OUTCOME, found).astype(np.int8)
+
+
+def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
+    """Alignment times by scheme and step beside the located ones of the figure's dataset.
+
+    Raises:
+        DatasetError: ``located`` is of another sweep.
+    """
+    sweep = plan.sweep
+    if located.attrs.get("sweep") != sweep.identity:
+        raise DatasetError(
+            f"{sweep.figure}: the dataset belongs to sweep {located.attrs.get('sweep')!r}, not "
+            f"{sweep.identity!r}: build it again"
+        )
+    dims = tuple(dimension.parameter for dimension in sweep.dimensions)
+    part = located.isel(dict(zip(dims, plan.kept, strict=True)))
+    true = part["tau_align"].transpose(*dims).values
+    points = np.arange(np.prod(sweep.shape)).reshape(sweep.shape)[plan.kept]
+    batch = sweep.batch(points.ravel())
+    settings = sweep.settings.settings
+    tau = np.array(
+        [
+            [
+                align_unlocated(
+                    batch, scheme, step, readings=settings.readings, horizon=settings.horizon
+                ).tau_align.reshape(true.shape)
+                for step in plan.steps
+            ]
+            for scheme in FIXED_SCHEMES
+        ]
+    )
+    every = ("scheme", "step", *dims)
+    wrong = judged(tau, true, plan.tau_tolerance)
+    variables: dict[str, Any] = {
+        "tau_align": (every, tau, {"long_name": "alignment duration", "symbol": "τ", "units": "1"}),
+        "wrong": (
+            every,
+            wrong,
+            {"long_name": "whether the point comes out wrong", "units": "1", **flags(Wrong)},
+        ),
+        "tau_located": part["tau_align"],
+        "sensitive": part["sensitive"],
+    }
+    names = {
+        "long_name": "fixed-step method",
+        "units": "1",
+        "flag_values": np.arange(len(FIXED_SCHEMES), dtype=np.int8),
+        "flag_meanings": " ".join(FIXED_SCHEMES),
+    }
+    coordinates: dict[str, Any] = {
+        "scheme": ("scheme", np.arange(len(FIXED_SCHEMES), dtype=np.int8), names),
+        "step": ("step", plan.steps, {"long_name": "length of a step", "units": "1"}),
+    }
+    attributes = located.attrs | {
+        "title": f"{located.attrs['title']}: with fixed steps, no switch located",
+        "kind": KIND,
+        "figure_kind": sweep.kind,
+        "sweep": plan.identity,
+        "tau_tolerance": plan.tau_tolerance,
+    }
+    return xr.Dataset(variables, coordinates | dict(part.coords), attributes)
+
+
+def wrong_counts(dataset: xr.Dataset) -> dict[tuple[str, float], dict[str, int]]:
+    """By scheme and step: points in all, of each kind of wrong, and wrong but sensitive ones."""
+    sensitive = dataset["sensitive"].values == 1
+    counts = {}
+    for row, scheme in enumerate(str(dataset["scheme"].attrs["flag_meanings"]).split()):
+        for column, step in enumerate(dataset["step"].values):
+            wrong = dataset["wrong"].values[row, column]
+            counts[scheme, float(step)] = {
+                "points": int(wrong.size),
+                "wrong_outcome": int((wrong == Wrong.WRONG_OUTCOME).sum()),
+                "wrong_time": int((wrong == Wrong.WRONG_TIME).sum()),
+                "sensitive": int(((wrong != Wrong.NOT_WRONG) & sensitive).sum()),
+            }
+    return counts

@@ -1,0 +1,92 @@
+"""What the section on speed against error computes: numbers only, as in sweeps.py."""
+
+import hashlib
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict
+
+from model.study.config import Axis, Ladder, RunSettings, Study
+from model.study.sweeps import Sweep, sweep_of
+
+# Its pictures, and where each belongs in the results root, without extension.
+PICTURES: Mapping[str, str] = {
+    "evaluations": "figures/precision",
+    "times": "benchmarks/precision",
+    "wrong_points": "figures/wrong_points",
+}
+
+
+class _Plan(BaseModel):
+    """Its JSON is its identity."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @property
+    def identity(self) -> str:
+        """Hash of everything that the results depend on besides the code."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
+
+
+class CasePlan(_Plan):
+    """One case in numbers; ``until`` as in ``config.Case``."""
+
+    parameters: dict[str, float | None]
+    until: float | None
+
+
+class PrecisionPlan(_Plan):
+    """The whole comparison."""
+
+    cases: dict[str, CasePlan]
+    ladder: Ladder
+    settings: RunSettings
+
+
+def precision_plan(study: Study) -> PrecisionPlan:
+    """The comparison of a study."""
+    cases = {
+        name: CasePlan(parameters=study.case(name).given(), until=case.until)
+        for name, case in study.precision.cases.items()
+    }
+    return PrecisionPlan(cases=cases, ladder=study.precision.ladder, settings=study.settings)
+
+
+class FixedStepPlan(_Plan):
+    """One figure anew with fixed steps.
+
+    ``every`` keeps every n-th value of each axis, and all curves of a family.
+    """
+
+    sweep: Sweep
+    every: int
+    steps: list[float]
+    tau_tolerance: float
+
+    @property
+    def kept(self) -> tuple[slice, ...]:
+        """What is kept along each dimension of the sweep."""
+        return tuple(
+            slice(None, None, self.every if isinstance(dimension, Axis) else None)
+            for dimension in self.sweep.dimensions
+        )
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As ``Sweep.facts``, with the values that are kept."""
+        kept = [
+            {"parameter": dimension.parameter, "values": dimension.values[part]}
+            for dimension, part in zip(self.sweep.dimensions, self.kept, strict=True)
+        ]
+        return {**self.sweep.facts, "sweep": self.identity, "dimensions": kept, "steps": self.steps}
+
+
+def fixed_step_plan(study: Study, figure: str) -> FixedStepPlan:
+    """What the study asks of ``figure``, one of ``study.precision.fixed_steps.figures``."""
+    spec = study.precision.fixed_steps
+    return FixedStepPlan(
+        sweep=sweep_of(study, figure),
+        every=spec.figures[figure],
+        steps=spec.steps,
+        tau_tolerance=spec.tau_tolerance,
+    )

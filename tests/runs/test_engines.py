@@ -1,0 +1,93 @@
+"""The batch engine against the reference engine: the same runs, the same answers."""
+
+import numpy as np
+import pytest
+
+from model import Batch, Outcome, Readings, Settings, align
+from model.runs.batch import each_by_itself, side_by_side
+from model.solver.lanes import LANES
+from model.solver.record import Ending
+from model.solver.tableaux import DORMAND_PRINCE
+
+SETTINGS = Settings(horizon=60.0)
+COUNT = 150
+
+
+def cloud(device, spread):
+    """Devices around ``device``, log-uniform; a wide cloud has every kind of contact in it."""
+    rng = np.random.default_rng(7)
+    names = ("half_height", "inertia", "tilt_stiffness", "press_force", "frequency", "friction")
+    swept = {
+        name: getattr(device, name) * np.exp(rng.uniform(-spread, spread, COUNT)) for name in names
+    }
+    swept["initial_tilt"] = rng.uniform(-0.1, 0.3, COUNT) if spread > 1.0 else np.full(COUNT, 0.001)
+    swept["misalignment"] = rng.uniform(0.0, 1.0, COUNT) if spread > 1.0 else np.full(COUNT, 0.2)
+    return Batch.of(device, **swept)
+
+
+def column(endings, name):
+    return endings[:, Ending._fields.index(name)]
+
+
+@pytest.fixture(scope="module", params=[0.5, 1.5], ids=["near", "wide"])
+def batch(request, device):
+    return cloud(device, request.param)
+
+
+def test_both_engines_agree_to_their_error_estimates(batch):
+    scalar = align(batch, SETTINGS, engine="scalar")
+    lanes = align(batch, SETTINGS, engine="lanes")
+    certain = ~(scalar.sensitive | lanes.sensitive)
+    assert certain.mean() > 0.9
+    assert np.array_equal(scalar.outcome[certain], lanes.outcome[certain])
+    aligned = certain & (scalar.outcome == Outcome.ALIGNED)
+    assert aligned.sum() > COUNT / 4
+    difference = np.abs(scalar.tau_align - lanes.tau_align)[aligned]
+    assert (difference <= (scalar.tau_error + lanes.tau_error)[aligned]).all()
+
+
+def test_one_run_takes_the_same_steps_and_meets_the_same_switches_in_both(batch):
+    rows = batch.constants(Readings())
+    tolerances = np.full(len(rows), 1e-10)
+    scalar, lanes = (
+        engine(SETTINGS)(rows, tolerances) for engine in (each_by_itself, side_by_side)
+    )
+    for name in ("outcome", "reason", "switches", "separations"):
+        same = column(scalar, name) == column(lanes, name)
+        assert same.mean() > 0.9, name  # chaotic runs part from each other in time
+    assert np.median(np.abs(column(scalar, "steps") - column(lanes, "steps"))) == 0
+    # Not only alike on the whole: most alignment times differ by rounding alone.
+    difference = np.abs(column(scalar, "tau_align") - column(lanes, "tau_align"))
+    assert np.nanmedian(difference) < 1e-11
+    # Peaks between samples differ by their interpolation.
+    both = column(scalar, "outcome") == column(lanes, "outcome")
+    force, other = (column(each, "contact_force_max")[both] for each in (scalar, lanes))
+    assert np.median(np.abs(other - force) / (1.0 + force)) < 1e-3
+
+
+@pytest.mark.parametrize("count", [1, LANES - 1, LANES, LANES + 1])
+def test_a_run_does_not_depend_on_its_neighbours(batch, count):
+    rows = batch.constants(Readings())
+    run = side_by_side(SETTINGS)
+    tolerances = np.full(len(rows), 1e-10)
+    whole = run(rows, tolerances)
+    order = np.random.default_rng(count).permutation(len(rows))
+    assert np.array_equal(run(rows[order], tolerances), whole[order], equal_nan=True)
+    assert np.array_equal(run(rows[:count], tolerances[:count]), whole[:count], equal_nan=True)
+
+
+def test_an_engine_that_does_not_fit_is_refused(device):
+    with pytest.raises(ValueError, match="engine = 'fast': must be 'lanes', 'scalar', or None"):
+        align([device], engine="fast")
+    with pytest.raises(ValueError, match="needs the consistent readings"):
+        align([device], engine="lanes", readings=Readings.printed())
+    with pytest.raises(ValueError, match="needs the consistent readings and the method DOP853"):
+        align([device], engine="lanes", method=DORMAND_PRINCE)
+
+
+def test_a_set_less_accurate_than_promised_is_run_again(device):
+    p = device.replace(frequency=10.0)
+    near = Batch.of(p, press_force=np.linspace(1.0, 6.0, 60))
+    loose = align(near, SETTINGS)
+    certain = (loose.outcome == Outcome.ALIGNED) & ~loose.sensitive
+    assert (loose.tau_error[certain] <= 1e-8).mean() > 0.95

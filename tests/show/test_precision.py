@@ -1,0 +1,191 @@
+"""Speed against error: artists show the dataset's numbers, advice follows from them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from model.show import precision
+from model.show.precision import (
+    CAPTIONS,
+    advice,
+    evaluations_over_error,
+    needs,
+    time_over_error,
+    wrong_points,
+)
+from model.study.fixed_steps import Wrong
+from model.study.plans import PICTURES
+from model.study.precision import METHODS, Verdict
+
+TITLES = {
+    "aligned": "slides", "sticking": "sticks", "bouncing": "bounces", "never_aligning": "never",
+}  # fmt: skip
+
+
+def stored(rungs) -> xr.Dataset:
+    """The rungs as the study's dataset holds them."""
+    cases, methods = list(TITLES), list(METHODS)
+    shape = len(cases), len(methods), 4
+    columns = {
+        "resolution": np.full(shape, np.nan),
+        "error": np.full(shape, np.nan),
+        "rhs_evaluations": np.zeros(shape, int),
+        "verdict": np.full(shape, Verdict.NOT_TRIED),
+    }
+    filled = np.zeros(shape[:2], int)
+    for rung in rungs:
+        row = cases.index(rung.case), methods.index(rung.method)
+        for name, column in columns.items():
+            column[(*row, filled[row])] = getattr(rung, name)
+        filled[row] += 1
+    return xr.Dataset(
+        {name: (("case", "method", "rung"), column) for name, column in columns.items()},
+        {
+            "case": ("case", np.arange(len(cases)), {"flag_meanings": " ".join(cases)}),
+            "method": ("method", np.arange(len(methods)), {"flag_meanings": " ".join(methods)}),
+        },
+    )
+
+
+def drawn(axes, label: str) -> list[tuple[float, float]]:
+    (line,) = [line for line in axes.lines if line.get_label() == label]
+    return [tuple(point) for point in np.column_stack(line.get_data()).tolist()]
+
+
+# --- Work over error ----------------------------------------------------------------------------
+
+
+def test_every_method_and_picture_has_its_look_and_words():
+    assert list(precision._LOOKS) == list(METHODS)
+    looks = [(look["color"], look["marker"]) for look in precision._LOOKS.values()]
+    assert len(set(looks)) == len(METHODS)
+    assert len({look["marker"] for look in precision._LOOKS.values()}) == len(METHODS)
+    assert set(CAPTIONS) == set(PICTURES)
+
+
+@pytest.mark.parametrize("work", ["rhs_evaluations", "microseconds"])
+def test_a_panel_shows_the_right_rungs_of_its_case(timed_rungs, work):
+    if work == "microseconds":
+        figure = time_over_error(timed_rungs, TITLES)
+    else:
+        figure = evaluations_over_error(stored(timed_rungs), TITLES)
+    assert len(figure.axes) == len(TITLES)
+    points = 0
+    for axes, (case, title) in zip(figure.axes, TITLES.items(), strict=True):
+        assert title in axes.get_title(loc="left")
+        for method in METHODS:
+            expected = [
+                (rung.error, getattr(rung, work))
+                for rung in timed_rungs
+                if (rung.case, rung.method) == (case, method)
+                and rung.verdict == Verdict.RIGHT_OUTCOME
+            ]
+            assert drawn(axes, method) == expected
+            points += len(expected)
+    assert points == 19
+    assert figure.axes[0].get_xscale() == figure.axes[0].get_yscale() == "log"
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert legend == [METHODS[name].label for name in METHODS if name in PRESENT]
+
+
+PRESENT = {"dop853_located", "rk4_fixed", "scipy_rk45"}
+
+
+# --- Wrong points -------------------------------------------------------------------------------
+
+
+def test_wrong_points_stand_where_they_are(wrong_datasets):
+    figure = wrong_points(list(wrong_datasets.values()))
+    assert len(figure.axes) == 4
+    for column, (name, dataset) in enumerate(wrong_datasets.items()):
+        y, x = dataset["tau_located"].dims
+        for row in range(2):
+            axes = figure.axes[2 * row + column]
+            part = dataset.isel(scheme=0, step=row)
+            for kind, label in (
+                (Wrong.WRONG_TIME, precision.WRONG_TIME_LABEL),
+                (Wrong.WRONG_OUTCOME, precision.WRONG_OUTCOME_LABEL),
+            ):
+                rows, columns = np.nonzero(part["wrong"].values == kind)
+                if name == "fig13":
+                    heights = part[y].values[rows]
+                else:  # what came out, or what should have where nothing came out
+                    tau = part["tau_align"].values[rows, columns]
+                    true = part["tau_located"].values[rows, columns]
+                    heights = (
+                        tau if kind == Wrong.WRONG_TIME else np.where(np.isnan(true), tau, true)
+                    )
+                expected = list(zip(part[x].values[columns], heights, strict=True))
+                assert drawn(axes, label) == expected
+            share = (3 if row == 0 else 1) / 8
+            number = name.removeprefix("fig").lstrip("0")
+            assert axes.get_title() == (
+                f"Fig. {number}, $h$ = {0.01 if row == 0 else 0.001:g}: {100 * share:.2g} % wrong"
+            )
+
+
+# --- What it needs ------------------------------------------------------------------------------
+
+
+def test_what_a_method_needs_is_the_cheapest_rung_that_all_finer_ones_confirm(timed_rungs):
+    need = needs(timed_rungs, 1e-5)
+    assert need["rk4_fixed", "aligned"].rhs_evaluations == 4000, "the lucky rung does not count"
+    assert ("rk4_fixed", "sticking") not in need
+    assert ("scipy_rk45", "bouncing") not in need
+    assert need["dop853_located", "bouncing"].microseconds == 80.0
+    assert needs(timed_rungs, 1e-8)["dop853_located", "bouncing"].resolution == 1e-9
+    assert needs(timed_rungs, 1e-10) == {}
+
+
+def test_a_wrong_outcome_at_a_finer_rung_takes_the_coarser_ones_away(timed_rungs):
+    rungs = [
+        replace(rung, verdict=Verdict.WRONG_OUTCOME, error=math.nan)
+        if (rung.method, rung.resolution) == ("dop853_located", 1e-9)
+        else rung
+        for rung in timed_rungs
+    ]
+    assert ("dop853_located", "aligned") not in needs(rungs, 1e-5)
+
+
+# --- Advice -------------------------------------------------------------------------------------
+
+
+def test_advice_names_what_was_measured(timed_rungs, wrong_datasets):
+    numbers, scans, fixed = advice(timed_rungs, wrong_datasets, TITLES)
+    label = METHODS["dop853_located"].label
+    assert f"choose {label}: it keeps the true error below 10⁻⁸ in every case, at 160 µs" in (
+        numbers
+    )
+    assert "no method without located switches gets there in any case" in numbers
+    assert "choose the same at a looser tolerance, 80 µs" in scans
+    assert "scipy's solvers takes 50 times as long, and gets there in 1 of 4 cases" in scans
+    assert "no method without located switches is faster in any case" in scans
+    assert fixed.endswith(
+        "RK4 gets wrong 38 % of Fig. 6 and 38 % of Fig. 13 with h = 0.01, "
+        "12 % of Fig. 6 and 12 % of Fig. 13 with h = 0.001."
+    )
+
+
+def test_advice_changes_with_what_was_measured(timed_rungs, wrong_datasets):
+    """Another method is named where it is better, and rivals where they are faster."""
+    better = [
+        replace(rung, method="dormand_prince_located", microseconds=10.0)
+        for rung in timed_rungs
+        if (rung.method, rung.resolution) == ("dop853_located", 1e-6)
+    ]
+    quick = [
+        replace(rung, microseconds=5.0)
+        if (rung.method, rung.resolution) == ("rk4_fixed", 0.001)
+        else rung
+        for rung in timed_rungs
+    ]
+    _, scans, _ = advice(quick + better, wrong_datasets, TITLES)
+    assert f"choose {METHODS['dormand_prince_located'].label} at a looser" in scans
+    assert "RK4, fixed steps is faster where it slides" in scans
+    none = [rung for rung in timed_rungs if rung.case != "bouncing"]
+    numbers, scans, _ = advice(none, wrong_datasets, TITLES)
+    assert numbers == "No method keeps the true error below 10⁻⁸ in every case."
+    assert scans == "No method keeps the true error below 10⁻⁵ in every case."

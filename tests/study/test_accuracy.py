@@ -1,0 +1,220 @@
+"""The accuracy trials: their law, their tables, and what they make of them."""
+
+import numpy as np
+import pytest
+
+from model import Batch, Outcome, align
+from model.study.accuracy import (
+    FARTHEST,
+    TRIALS,
+    is_wrong,
+    judge_errors,
+    judge_settled,
+    read_tables,
+    run_trial,
+    summary,
+    trial_of,
+    write_table,
+)
+from model.study.config import load_study, study_path
+
+
+@pytest.fixture(scope="module")
+def study():
+    return load_study(study_path())
+
+
+@pytest.fixture(scope="module", params=TRIALS)
+def trial(request, study):
+    return trial_of(study, request.param)
+
+
+def test_sets_follow_the_law(trial, study):
+    batch = trial.batch(np.arange(trial.sets))
+    for name, law in study.accuracy.ranges.items():
+        values = batch.values[name]
+        drawn = values[values > 0.0]
+        assert law.low <= drawn.min() <= drawn.max() <= law.high
+        # Log-uniform: the logarithms' mean lies within 5 standard errors of the middle.
+        place = np.log(drawn / law.low) / np.log(law.high / law.low)
+        assert abs(place.mean() - 0.5) < 5 / np.sqrt(12 * drawn.size)
+        spread = np.sqrt(law.zero * (1 - law.zero) / values.size)
+        assert abs(np.mean(values == 0.0) - law.zero) <= 5 * spread
+
+
+def test_every_set_starts_beside_the_slot(trial):
+    values = trial.batch(np.arange(trial.sets)).values
+    assert (values["misalignment"] > values["half_width"] * values["clearance"]).all()
+    assert (values["initial_tilt"] > 0.0).all()
+
+
+def test_the_two_trials_draw_different_sets(study):
+    one, other = (trial_of(study, name).batch(np.arange(10)) for name in TRIALS)
+    assert not np.intersect1d(one.values["press_force"], other.values["press_force"]).size
+
+
+def test_a_set_does_not_depend_on_how_many_there_are(trial):
+    few = trial.model_copy(update={"sets": 7})
+    for name, values in few.batch(np.arange(7)).values.items():
+        assert np.array_equal(trial.batch(np.arange(7)).values[name], values, equal_nan=True)
+
+
+def test_chunks_hold_every_set_once(trial):
+    chunks = [trial.numbers_of_chunk(chunk, 7) for chunk in range(7)]
+    assert np.array_equal(np.sort(np.concatenate(chunks)), np.arange(trial.sets))
+    with pytest.raises(ValueError, match="chunk = 7: must be 0 to 6"):
+        trial.numbers_of_chunk(7, 7)
+
+
+def test_identity_is_that_of_the_numbers(trial):
+    assert trial.identity == trial.model_copy().identity
+    assert trial.identity != trial.model_copy(update={"seed": trial.seed + 1}).identity
+
+
+@pytest.fixture(scope="module")
+def tables(study, tmp_path_factory):
+    """Both trials on a few sets, through files."""
+    found = {}
+    for name, sets, horizon in (("error", 8, 30.0), ("settled", 12, 60.0)):
+        trial = trial_of(study, name)
+        settings = trial.settings.model_copy(update={"horizon": horizon})
+        trial = trial.model_copy(update={"sets": sets, "settings": settings, "longer": 2.0})
+        folder = tmp_path_factory.mktemp(name)
+        paths = [folder / f"{chunk}.csv" for chunk in range(2)]
+        for chunk, path in enumerate(paths):
+            write_table(run_trial(trial, chunk, 2), path)
+        found[name] = trial, read_tables(paths), paths
+    return found
+
+
+def test_a_chunk_is_what_align_says_of_its_sets(tables):
+    trial, table, _ = tables["error"]
+    batch = trial.batch(table["set"])
+    assert np.array_equal(table["set"], np.arange(8))
+    for name in ("half_width", "rest_x", "friction"):
+        assert np.array_equal(table[name], batch.values[name], equal_nan=True)
+    result = align(batch, trial.settings.settings, cores=1)
+    assert np.array_equal(table["outcome"], result.outcome)
+    assert np.array_equal(table["tau_align"], result.tau_align, equal_nan=True)
+    assert np.array_equal(table["tau_error"], result.tau_error, equal_nan=True)
+
+
+def test_truths_are_given_for_every_certain_alignment(tables):
+    _, table, _ = tables["error"]
+    certain = (table["outcome"] == Outcome.ALIGNED) & (table["sensitive"] == 0)
+    assert certain.sum() >= 2
+    assert np.array_equal(np.isfinite(table["independent_tau"]), certain)
+    for tau in (table["tight_tau"], table["independent_tau"]):
+        error = np.abs(table["tau_align"] - tau)[certain]
+        assert (error <= 10 * table["tau_error"][certain]).all()
+
+
+def test_settled_sets_are_run_on(tables):
+    trial, table, _ = tables["settled"]
+    settled = table["outcome"] == Outcome.SETTLED
+    assert settled.any()
+    assert (table["later_outcome"][settled] == Outcome.HORIZON_REACHED).all()
+    assert (table["later_moved"][settled] <= FARTHEST).all()
+    assert (table["settled_at"][settled] <= trial.settings.horizon).all()
+    assert np.isnan(table["later_moved"][~settled]).all()
+    assert not is_wrong(table).any()
+
+
+def test_the_summary_names_both_trials(tables):
+    text = summary(tables["error"][1], tables["settled"][1])
+    for part in ("flagged sensitive", "independent solution", "wrongly settled"):
+        assert part in text
+
+
+def test_chunks_that_are_missing_or_different_are_refused(tables):
+    paths = tables["error"][2]
+    with pytest.raises(ValueError, match="do not hold each set once"):
+        read_tables(paths[1:])
+    with pytest.raises(ValueError, match="columns differ"):
+        read_tables([paths[0], tables["settled"][2][1]])
+
+
+# ----------------------------------------------------------------------------------------- verdicts
+
+
+def made(**columns):
+    """A table of 2,000 sure alignments at τ = 1, each known to 1e-9, ten times the true error."""
+    size = 2000
+    table = {
+        "set": np.arange(size),
+        "outcome": np.zeros(size, dtype=int),
+        "tight_outcome": np.zeros(size, dtype=int),
+        "sensitive": np.zeros(size, dtype=int),
+        "tau_align": np.ones(size),
+        "tau_error": np.full(size, 1e-9),
+        "tight_tau": np.full(size, 1.0 + 1e-10),
+        "independent_tau": np.full(size, 1.0 + 1e-10),
+        "independent_ending": np.full(size, "aligned"),
+    }
+    return {**table, **columns}
+
+
+def failing(table):
+    return [verdict.what for verdict in judge_errors(table) if verdict.holds is False]
+
+
+def first(count, value, other):
+    """2,000 values, the first ``count`` of them another."""
+    return np.where(np.arange(2000) < count, value, other)
+
+
+def test_an_honest_estimate_holds():
+    assert failing(made()) == []
+
+
+@pytest.mark.parametrize(
+    ("columns", "what"),
+    [
+        ({"tight_tau": first(101, 1.0 + 2e-9, 1.0)}, "error below tau_error, tolerance 1e-13"),
+        ({"tight_tau": first(3, 1.0 + 2e-8, 1.0)}, "error below 10 tau_error, tolerance 1e-13"),
+        ({"tight_tau": first(3, np.nan, 1.0)}, "error below 10 tau_error, tolerance 1e-13"),
+        ({"independent_tau": first(101, 1.0 + 2e-9, 1.0 + 1e-10)},
+         "error below tau_error, independent solution"),
+        ({"tau_error": np.full(2000, 4e-9)}, "median of tau_error over error, tolerance 1e-13"),
+        ({"sensitive": first(41, 1, 0)}, "sets flagged sensitive"),
+        ({"independent_ending": first(1, "failed", "aligned")}, "independent solutions unfinished"),
+    ],
+)  # fmt: skip
+def test_a_target_that_is_missed_is_named(columns, what):
+    assert what in failing(made(**columns))
+
+
+def test_a_flag_takes_a_set_out_of_the_count():
+    bad = first(40, 2.0, 1.0 + 1e-10)
+    assert failing(made(tight_tau=bad, independent_tau=bad, sensitive=first(40, 1, 0))) == []
+
+
+@pytest.mark.parametrize(
+    ("later", "moved", "wrong"),
+    [
+        (Outcome.HORIZON_REACHED, 1e-6, False),
+        (Outcome.HORIZON_REACHED, 2 * FARTHEST, True),
+        (Outcome.HORIZON_REACHED, np.nan, True),
+        (Outcome.ALIGNED, 1e-6, True),
+        (Outcome.LEFT_SCENE, 1e-6, True),
+        (Outcome.FAILED, 1e-6, True),
+    ],
+)
+def test_a_settled_set_that_goes_elsewhere_is_wrong(later, moved, wrong):
+    table = {
+        "set": np.array([0, 1]),
+        "outcome": np.array([int(Outcome.SETTLED), int(Outcome.ALIGNED)]),
+        "later_outcome": np.array([int(later), -1]),
+        "later_moved": np.array([moved, np.nan]),
+    }
+    assert is_wrong(table).tolist() == [wrong, False]
+    named = {verdict.what: verdict for verdict in judge_settled(table)}["wrongly settled"]
+    assert named.holds is not wrong
+    assert named.found == ("1: sets 0" if wrong else "0")
+
+
+def test_a_batch_keeps_the_rules_of_every_parameter(trial):
+    batch = trial.batch(np.arange(50))
+    assert isinstance(batch, Batch)
+    for row in range(50):
+        batch[row]  # refuses what breaks a rule

@@ -1,0 +1,80 @@
+"""The independent solution agrees with the integrator through every kind of switch."""
+
+import math
+
+import pytest
+
+from model import Outcome, Parameters, simulate
+from model.study.independent import solve
+
+# What differs from the device, and switches that the run must go through.
+RUNS = {
+    "slides one way": ({"friction": 0.0, "frequency": 1.0}, {"face end"}),
+    "reversals and sticking": ({"frequency": 0.5, "press_force": 2.0}, {"slip"}),
+    "hops": ({"frequency": 10.0}, {"slip", "face load", "face gap", "right enters"}),
+    "corner landings, alignment in flight": (
+        {"press_force": 0.5, "frequency": 1.7, "tilt_stiffness": 46.0, "friction": 0.05},
+        {"right lands", "corner load", "corner gap", "aligned"},
+    ),
+    "side contact, released and loaded again": (
+        {"frequency": 0.5},
+        {"left enters", "side slip", "side load", "side reload"},
+    ),
+}
+
+# It drops, is lifted out again, and drops for good at 10.713.
+DROPS_TWICE = Parameters(
+    half_width=1.192508955382865,
+    half_height=3.3150248680345955,
+    inertia=5.347262382345785,
+    lateral_stiffness=0.07872073655779752,
+    tilt_stiffness=28.923892857979038,
+    lateral_damping=1.4479475686623315,
+    axial_damping=0.17695442304328834,
+    tilt_damping=3.60704045302247,
+    friction=0.011175733037385829,
+    press_force=0.5178183576535969,
+    frequency=0.766911126765268,
+    clearance=0.08117573774499356,
+    misalignment=0.19652669035229786,
+    initial_tilt=0.00010928407926756685,
+    contact_stiffness=148.05127451604588,
+    contact_damping=1.5520523278342149,
+    rest_tilt=0.008511648378295064,
+)
+
+
+@pytest.mark.parametrize(("changes", "kinds"), RUNS.values(), ids=list(RUNS))
+def test_it_agrees_with_the_integrator(device, changes, kinds):
+    p = device.replace(**changes)
+    run = simulate(p, tolerance=1e-13)
+    solution = solve(p, run.tau_align + 1.0)
+    assert solution.ending == "aligned"
+    assert kinds <= set(solution.switches)
+    # Both have errors of the order of their tolerance, 1e-13, times an amplification that
+    # tau_error shows too.
+    assert solution.tau == pytest.approx(run.tau_align, abs=1e-12 + run.tau_error)
+
+
+def test_a_part_that_does_not_align_reaches_the_horizon(device):
+    solution = solve(device, 0.5)
+    assert (solution.ending, solution.time) == ("horizon", 0.5)
+    assert math.isnan(solution.tau)
+
+
+def test_it_says_how_the_scene_is_left(device):
+    p = device.replace(tilt_stiffness=0.0, press_force=5.0)
+    run = simulate(p)
+    solution = solve(p, 300.0, tolerance=1e-10)
+    assert run.outcome is Outcome.LEFT_SCENE
+    assert solution.ending == "overturned"
+    assert solution.time == pytest.approx(run.time[-1], abs=1e-6)
+
+
+def test_the_first_drop_is_the_alignment():
+    # R8: the first instant with A1 past B1 and B2 in the slot, in contact or in flight.
+    solution = solve(DROPS_TWICE, 20.0)
+    assert solution.tau == pytest.approx(4.934581453, abs=1e-8)
+    run = simulate(DROPS_TWICE)
+    assert run.tau_align == pytest.approx(solution.tau, abs=10 * run.tau_error)
+    assert run.tau_corners_inside >= run.tau_align

@@ -1,0 +1,220 @@
+"""The comparison of methods: errors against the truth, rungs that stop, times that are medians."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from model.runs.trajectory import Trajectory
+from model.solver.outcomes import Outcome
+from model.study import precision
+from model.study.config import load_study, study_path
+from model.study.datasets import DatasetError, read_dataset, write_dataset
+from model.study.plans import PrecisionPlan, precision_plan
+from model.study.precision import (
+    METHODS,
+    CaseError,
+    Passed,
+    Rung,
+    TimedRung,
+    Verdict,
+    climb,
+    cpu_microseconds,
+    error_of,
+    names_of,
+    precision_dataset,
+    problem_of,
+    read_timings,
+    timings_table,
+    true_run,
+)
+
+STATE = np.zeros(6)
+
+
+@pytest.fixture(scope="module")
+def plan() -> PrecisionPlan:
+    full = precision_plan(load_study(study_path()))
+    ladder = full.ladder.model_copy(
+        update={
+            "tolerances": [1e-4, 1e-7],
+            "steps": [0.01, 0.001, 0.0001],
+            "max_evaluations": 30_000,
+            "max_evaluations_scipy": 2_000,
+        }
+    )
+    return full.model_copy(update={"ladder": ladder})
+
+
+@pytest.fixture(scope="module")
+def truths(plan: PrecisionPlan) -> dict[str, Trajectory]:
+    return {name: true_run(plan, name) for name in plan.cases}
+
+
+def test_the_cases_of_the_study_are_of_the_kinds_they_stand_for(
+    truths: dict[str, Trajectory],
+) -> None:
+    aligned, sticking, bouncing = (truths[each] for each in ("aligned", "sticking", "bouncing"))
+    assert (aligned.separations, sticking.separations) == (0, 0)
+    assert aligned.sticking_share == 0.0
+    assert sticking.sticking_share > 0.8
+    assert bouncing.separations == 12
+    never = truths["never_aligning"]
+    assert never.outcome == Outcome.HORIZON_REACHED
+    assert never.separations == 47
+    for truth in (aligned, sticking, bouncing):
+        assert truth.outcome == Outcome.ALIGNED
+        assert truth.tau_error < 1e-11
+
+
+def test_a_case_that_does_not_do_as_stated_is_refused(plan: PrecisionPlan) -> None:
+    def with_case(name: str, **changes: object) -> PrecisionPlan:
+        cases = plan.cases | {name: plan.cases[name].model_copy(update=changes)}
+        return plan.model_copy(update={"cases": cases})
+
+    with pytest.raises(CaseError, match=r"precision.cases.aligned: the part fell .* leave out"):
+        true_run(with_case("aligned", until=30.0), "aligned")
+    with pytest.raises(CaseError, match=r"precision.cases.never_aligning: .* or state `until`"):
+        true_run(with_case("never_aligning", until=None), "never_aligning")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_comes_near_the_truth_where_the_motion_is_smooth(
+    plan: PrecisionPlan, truths: dict[str, Trajectory], method: str
+) -> None:
+    rungs = list(climb(plan, "aligned", method, truths["aligned"]))
+    assert rungs[0].verdict == Verdict.RIGHT_OUTCOME
+    assert rungs[0].error < 0.1
+    if METHODS[method].located:
+        assert rungs[-1].error < 1e-5
+    assert [rung.resolution for rung in rungs] == sorted(
+        (rung.resolution for rung in rungs), reverse=True
+    )
+
+
+def test_a_ladder_ends_at_the_first_rung_that_costs_too_much(
+    plan: PrecisionPlan, truths: dict[str, Trajectory]
+) -> None:
+    rungs = list(climb(plan, "bouncing", "rk4_fixed", truths["bouncing"]))
+    assert [rung.resolution for rung in rungs] == [0.01, 0.001]
+    assert rungs[0].rhs_evaluations == pytest.approx(4 * 7.82 / 0.01, rel=0.01)
+    assert [rung.verdict for rung in rungs] == [
+        Verdict.RIGHT_OUTCOME, Verdict.TOO_MANY_EVALUATIONS,
+    ]  # fmt: skip
+    (only,) = climb(plan, "sticking", "scipy_rk45", truths["sticking"])
+    assert only.verdict == Verdict.TOO_MANY_EVALUATIONS
+    assert only.rhs_evaluations == 2_001
+    assert math.isnan(only.error)
+
+
+def test_an_error_is_that_of_the_time_or_of_the_state(truths: dict[str, Trajectory]) -> None:
+    aligned, never = truths["aligned"], truths["never_aligning"]
+    late = Passed(aligned.tau_align + 0.25, STATE, 10)
+    assert error_of(late, aligned) == (pytest.approx(0.25), Verdict.RIGHT_OUTCOME)
+    exact, _ = error_of(Passed(aligned.tau_align, STATE, 10), aligned)
+    assert 0.0 < exact < 1e-14, "no error is below rounding"
+    off = never.state[-1] + np.array([0.0, 0.0, 0.1, 0.0, -0.3, 0.0])
+    assert error_of(Passed(math.nan, off, 10), never) == (pytest.approx(0.3), 0)
+    for passed, truth in ((Passed(math.nan, STATE, 1), aligned), (late, never)):
+        error, verdict = error_of(passed, truth)
+        assert verdict == Verdict.WRONG_OUTCOME
+        assert math.isnan(error)
+    failed = Passed(aligned.tau_align, STATE, 10, Verdict.FAILED)
+    assert error_of(failed, aligned)[1] == Verdict.FAILED
+
+
+def test_neighbours_lie_around_the_case(plan: PrecisionPlan) -> None:
+    problem = problem_of(plan, "sticking")
+    force = problem.parameters.press_force
+    values = problem.neighbours(5).values["press_force"]
+    np.testing.assert_allclose(values, force * np.array([0.99, 0.995, 1.0, 1.005, 1.01]))
+    assert problem.neighbours(1).values["press_force"].tolist() == [force]
+
+
+def rung(case: str, method: str, resolution: float, **changes: object) -> Rung:
+    values = {"error": 1e-3, "rhs_evaluations": 100, "verdict": Verdict.RIGHT_OUTCOME} | changes
+    return Rung(case, method, resolution, **values)  # type: ignore[arg-type]
+
+
+def test_the_dataset_holds_the_rungs(
+    plan: PrecisionPlan, truths: dict[str, Trajectory], tmp_path: Path
+) -> None:
+    rungs = [
+        rung("aligned", "rk4_fixed", 0.01),
+        rung("aligned", "rk4_fixed", 0.001, error=1e-4, rhs_evaluations=1000),
+        rung("bouncing", "scipy_radau", 1e-4, error=math.nan, verdict=Verdict.WRONG_OUTCOME),
+    ]
+    dataset = precision_dataset(plan, truths, rungs)
+    assert dataset.sizes == {"case": 4, "method": 9, "rung": 3}
+    assert names_of(dataset["case"]) == list(plan.cases)
+    assert names_of(dataset["method"]) == list(METHODS)
+    row = dataset.isel(case=0, method=list(METHODS).index("rk4_fixed"))
+    np.testing.assert_array_equal(row["error"], [1e-3, 1e-4, np.nan])
+    np.testing.assert_array_equal(row["resolution"], [0.01, 0.001, np.nan])
+    np.testing.assert_array_equal(row["rhs_evaluations"], [100, 1000, 0])
+    verdicts = dataset["verdict"].values
+    assert (verdicts == Verdict.NOT_TRIED).sum() == verdicts.size - 3
+    assert (verdicts == Verdict.WRONG_OUTCOME).sum() == 1
+    assert dataset["tau_align"].values[0] == truths["aligned"].tau_align
+    assert dataset["until"].values.tolist()[3] == 30.0
+    for name, variable in dataset.variables.items():
+        assert variable.attrs["units"], name
+        assert variable.attrs["long_name"], name
+    for name in ("a.nc", "b.nc"):
+        write_dataset(dataset, tmp_path / name)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+    xr.testing.assert_identical(read_dataset(tmp_path / "a.nc"), dataset)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """A clock in place of the processor's; what runs moves it."""
+    now = [0.0]
+    monkeypatch.setattr(precision.time, "thread_time", lambda: now[0])
+    return now
+
+
+def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float]) -> None:
+    calls: list[int] = []
+
+    def takes(seconds: float):
+        def work(count: int) -> None:
+            calls.append(count)
+            clock[0] += seconds * count * (1.0 if len(calls) != 3 else 50.0)  # one disturbed batch
+
+        return work
+
+    assert cpu_microseconds(takes(1e-3)) == pytest.approx(1000.0)
+    assert calls == [1, 5, 5, 5, 5, 5]
+    calls.clear()
+    assert cpu_microseconds(takes(1.0)) == pytest.approx(1e6)
+    assert calls == [1]
+    calls.clear()
+    assert cpu_microseconds(takes(1.0), known=2.0) == pytest.approx(2e6)
+    assert calls == []
+    assert cpu_microseconds(takes(1e-4), together=16) == pytest.approx(100.0)
+    assert calls == [16, 16, 16, 16, 16, 16]
+    calls.clear()
+    assert cpu_microseconds(takes(1e-2), together=16) == pytest.approx(1e4)
+    assert calls == [16]
+
+
+def test_timings_survive_the_disk(tmp_path: Path) -> None:
+    rungs = [
+        TimedRung("aligned", "rk4_fixed", 0.01, 1.234e-3, 100, Verdict.RIGHT_OUTCOME, 12.3),
+        TimedRung("bouncing", "scipy_radau", 1e-4, math.nan, 5, Verdict.FAILED, math.nan),
+    ]
+    path = tmp_path / "precision.csv"
+    path.write_text(timings_table(rungs), encoding="utf-8")
+    first, second = read_timings(path)
+    assert first == rungs[0]
+    assert second.verdict == Verdict.FAILED
+    assert math.isnan(second.error)
+    assert math.isnan(second.microseconds)
+    path.write_text("case,method\na,b\n", encoding="utf-8")
+    with pytest.raises(DatasetError, match=r"is not a table of timings .* build it again"):
+        read_timings(path)
+    with pytest.raises(DatasetError, match="build it again"):
+        read_timings(tmp_path / "absent.csv")
