@@ -120,6 +120,22 @@ class RecordedStudy:
         stated = {"parameters": _PARAMETERS, "dimensions": _DIMENSIONS, "counts": _COUNTS, **facts}
         job.finish(path.with_suffix(".run.json"), [path], **stated)
 
+    def compare(self) -> None:
+        """What a job leaves that writes into two folders."""
+        data, times = self.root / "data/precision.nc", self.root / "benchmarks/precision.csv"
+        times.parent.mkdir(parents=True, exist_ok=True)
+        job = Job("precision")
+        write_dataset(_dataset(), data)
+        times.write_text("method,seconds\n", encoding="utf-8")
+        job.finish(data.with_suffix(".run.json"), [data, times])
+
+    def fixed_steps(self, shift: float = 0.0) -> None:
+        """A dataset with the name of a figure's, in another folder."""
+        path = self.root / "data/fixed_steps/fig06.nc"
+        job = Job("fixed_steps", "fig06")
+        write_dataset(_dataset(shift), path)
+        job.finish(path.with_suffix(".run.json"), [path])
+
     def fail(self, run: str, text: str) -> None:
         """What a job leaves that raises: a log, and nothing else."""
         self.log(run, text)

@@ -56,6 +56,19 @@ def test_earlier_invocations_and_runs_are_compared_by_what_is_kept(recorded) -> 
         assert values["friction"] == (0.12, None)
 
 
+def test_fixed_steps_do_not_stand_for_the_figure_of_their_name(recorded) -> None:
+    names = []
+    for shift in (0.0, 0.5):
+        invocation = recorded.invocation()
+        recorded.merge(shift)
+        recorded.fixed_steps()
+        invocation.end("done")
+        names.append(invocation.name)
+    found = compare(*(snapshot(name, recorded.root) for name in names))
+    assert [each.largest for each in found.data] == [0.5]
+    assert not found.not_compared
+
+
 def test_an_invocation_stands_for_all_that_stood_when_it_ended(recorded) -> None:
     invocation = recorded.invocation()
     recorded.merge()

@@ -53,6 +53,17 @@ def test_results_are_what_the_invocation_made_not_what_replaced_it(built) -> Non
     assert made.read_bytes() != later.read_bytes()
 
 
+def test_results_are_placed_where_the_job_left_them(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.compare()
+    recorded.fixed_steps()
+    invocation.end("done")
+    (record,) = load_history(recorded.root)
+    assert set(results_of(record, recorded.root)) == {
+        "data/precision.nc", "benchmarks/precision.csv", "data/fixed_steps/fig06.nc",
+    }  # fmt: skip
+
+
 def test_without_the_extra_it_is_named(built, tmp_path: Path, monkeypatch) -> None:
     def absent(name: str) -> None:
         raise ImportError(name)

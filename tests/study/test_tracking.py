@@ -109,6 +109,25 @@ def test_sidecars_of_an_earlier_layout_are_left_alone(recorded) -> None:
     assert old.is_file()
 
 
+def test_a_damaged_file_in_another_folder_than_its_sidecar_is_found(recorded) -> None:
+    recorded.compare()
+    times = recorded.root / "benchmarks/precision.csv"
+    assert discard_damaged(recorded.root) == []
+    times.write_text("damaged", encoding="utf-8")
+    assert len(discard_damaged(recorded.root)) == 2
+    assert not times.exists()
+    assert not (recorded.root / "data/precision.run.json").exists()
+    assert (recorded.root / "data/precision.nc").exists()
+
+
+def test_the_job_that_only_prints_is_no_failure_of_an_invocation_that_failed(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.log("accuracy", "what the trials show")
+    recorded.fail("plot/fig06", "ValueError: no such colour")
+    (told,) = invocation.end("failed")
+    assert told.startswith("plot/fig06 failed")
+
+
 def test_an_invocation_that_ended_well_has_no_failures(recorded) -> None:
     invocation = recorded.invocation()
     recorded.log("precision/fig06", "a log of a job that leaves no sidecar")
