@@ -25,7 +25,7 @@ MUTATIONS = {
     "tilt damping": ("forces.py", "-p.tilt_damping *", "-1.01 * p.tilt_damping *"),
     "tilt stiffness": ("forces.py", "- p.tilt_stiffness *", "- 1.01 * p.tilt_stiffness *"),
     "press force": ("forces.py", "return -p.press_force", "return -1.01 * p.press_force"),
-    "excitation": ("forces.py", "return -sin(", "return -1.01 * sin("),
+    "excitation": ("forces.py", "return -sine\n", "return -1.01 * sine\n"),
     "contact stiffness": (
         "contacts.py",
         "return p.contact_stiffness * depth + p.",
