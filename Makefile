@@ -5,6 +5,8 @@
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three
+# make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
+# make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
@@ -28,7 +30,7 @@ unexport PYTHONHOME PYTHONPATH
 
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 .PHONY: all $(FIGURES) smoke accuracy test lint types floors workflow unit environment python lock
-.PHONY: bench bench-environment clean distclean
+.PHONY: bench nightly export-test clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -39,7 +41,8 @@ FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 # it, however that dies; a second `make` is refused here. (2) Refuse if a Snakemake that was started
 # by hand is alive in this directory. (3) Wait for jobs that outlived a killed Snakemake, since they
 # still write. (4) Now whatever lock is left is a dead one: --unlock. Half-written files are then
-# made again by rerun-incomplete in the profile.
+# made again by rerun-incomplete in the profile. (5) Files that are not as their job left them are
+# deleted, and so made again: damaged ones, or of another study.
 #
 # $(call run_study,OPTIONS AND TARGETS)
 run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
@@ -47,6 +50,7 @@ run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
 	python -c "$$SETTLE"; \
 	run="snakemake -c$(CORES) $(SNAKEMAKE_FLAGS)"; \
 	if [ -n "$$(ls -A .snakemake/locks 2>/dev/null)" ]; then $$run --unlock $(1); fi; \
+	python workflow/scripts/discard_damaged.py; \
 	exec $$run $(1)'
 
 all: environment
@@ -98,14 +102,19 @@ export SETTLE
 # has flock everywhere; the command of that name is missing on some systems.
 hold = $(PYTHON) -c "$$HOLD" $(1) $(2)
 define HOLD
-import fcntl, os, sys
+import fcntl, os, sys, time
 
 mode, path, *command = sys.argv[1:]
 handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-try:
-    fcntl.flock(handle, fcntl.LOCK_EX | (fcntl.LOCK_NB if mode == "refuse" else 0))
-except BlockingIOError:
-    sys.exit("another make runs the study in this directory; wait for it or stop it")
+patience = time.monotonic() + 5  # a process that was just killed may still hold it for a moment
+while True:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | (fcntl.LOCK_NB if mode == "refuse" else 0))
+        break
+    except BlockingIOError:
+        if time.monotonic() > patience:
+            sys.exit("another make runs the study in this directory; wait for it or stop it")
+        time.sleep(0.1)
 os.set_inheritable(handle, True)  # the command keeps the lock until it ends
 os.execvp(command[0], command)
 endef
@@ -134,57 +143,76 @@ workflow: environment
 unit: environment
 	$(call check,pytest)
 
+export-test: environment-export
+	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/study/test_export.py
+
+# KILLS=500 kills the study at more moments.
+KILLS ?= 50
+nightly: environment
+	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -m nightly tests
+	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest tests/workflow/test_nothing_lost.py
+
 # ------------------------------------------------------------------------------------ the benchmark
 
 # PYTHONPATH in place of an installation: the environment holds other people's packages only.
-bench: bench-environment
+bench: environment-bench
 	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
 
 # ---------------------------------------------------------------------------------- the environment
 
-# Built anew, from nothing, when the lock file, pyproject.toml or the version of Python changes. The
+# Built anew, from nothing, when its lock file, pyproject.toml or the version of Python changes. The
 # stamp is written last: an environment whose building was interrupted does not count.
 TAG := $(shell $(PYTHON) -c 'import sys; print("%d.%d.%d" % sys.version_info[:3])' 2>/dev/null)
-STAMP := .venv/.complete-$(TAG)
 
-# One make at a time; the one that waited finds the environment complete.
+# One make at a time; the one that waited finds the environment complete. What only one command needs
+# and is heavy has an environment of its own beside it: .venv-export from requirements-export.lock.
 environment: python
-	@$(call hold,wait,.make-environment.lock) $(MAKE) --silent --no-print-directory $(STAMP)
+	@$(call hold,wait,.make-environment.lock) \
+		$(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
 
-# $(call new_environment,FOLDER) makes it, $(call pip_of,FOLDER) opens a shell line with its pip.
-# Some systems split ensurepip from Python; their own pip can fill the environment as well.
-new_environment = $(PYTHON) -m venv --clear $(1) >/dev/null 2>&1 || \
-	$(PYTHON) -m venv --clear --without-pip $(1)
-pip_of = pip="$(PYTHON) -m pip --python $(1)/bin/python"; \
-	if [ -x $(1)/bin/pip ]; then pip="$(1)/bin/python -m pip"; fi; \
-	export PIP_DISABLE_PIP_VERSION_CHECK=1
-pinned = --quiet --no-deps --require-hashes --requirement
+environment-%: python
+	@$(call hold,wait,.make-environment.lock) \
+		$(MAKE) --silent --no-print-directory .venv-$*/.complete-$(TAG)
 
-$(STAMP): requirements.lock pyproject.toml
-	@echo "building the environment in .venv with Python $(TAG)"
-	@$(call new_environment,.venv)
-	@$(call pip_of,.venv); \
-	$$pip install --use-pep517 $(pinned) requirements.lock && \
-	$$pip install --quiet --no-deps --no-build-isolation --editable . && \
-	$$pip check
+.venv/.complete-$(TAG): requirements.lock pyproject.toml
+	$(call build,.venv,$<)
+	$(call add_package,.venv)
 	@touch $@
 
-# What `make bench` compares with, apart from the environment of the study. One peer has no wheel and
-# is built where a Fortran compiler is; a peer that is missing is reported by the benchmark.
-BENCH_STAMP := .venv-bench/.complete-$(TAG)
+.venv-%/.complete-$(TAG): requirements-%.lock pyproject.toml
+	$(call build,.venv-$*,$<)
+	$(call add_package,.venv-$*)
+	@touch $@
 
-bench-environment: python
-	@$(call hold,wait,.make-environment.lock) $(MAKE) --silent --no-print-directory $(BENCH_STAMP)
-
-$(BENCH_STAMP): requirements-bench.lock requirements-bench-source.lock
-	@echo "building the environment of the benchmark in .venv-bench with Python $(TAG)"
-	@$(call new_environment,.venv-bench)
-	@$(call pip_of,.venv-bench); $$pip install $(pinned) requirements-bench.lock
+# What `make bench` compares with, without the package. One peer has no wheel and is built where a
+# Fortran compiler is; a peer that is missing is reported by the benchmark.
+.venv-bench/.complete-$(TAG): requirements-bench.lock requirements-bench-source.lock
+	$(call build,.venv-bench,$<)
 	@$(call pip_of,.venv-bench); \
 	if ! command -v gfortran >/dev/null; then echo "no gfortran: numbalsoda is left out"; \
 	else $$pip install $(pinned) requirements-bench-source.lock || \
 		echo "numbalsoda could not be built and is left out"; fi
 	@touch $@
+
+# $(call pip_of,FOLDER) opens a shell line with the environment's pip. Some systems split ensurepip
+# from Python; their own pip can fill the environment as well.
+pip_of = pip="$(PYTHON) -m pip --python $(1)/bin/python"; \
+	if [ -x $(1)/bin/pip ]; then pip="$(1)/bin/python -m pip"; fi; \
+	export PIP_DISABLE_PIP_VERSION_CHECK=1
+pinned := --quiet --no-deps --use-pep517 --require-hashes --requirement
+
+# $(call build,FOLDER,LOCK FILE): a new environment with what is pinned.
+define build
+@echo "building the environment in $(1) with Python $(TAG)"
+@$(PYTHON) -m venv --clear $(1) >/dev/null 2>&1 || $(PYTHON) -m venv --clear --without-pip $(1)
+@$(call pip_of,$(1)); $$pip install $(pinned) $(2)
+endef
+
+# $(call add_package,FOLDER): this package, as the checkout holds it.
+define add_package
+@$(call pip_of,$(1)); \
+$$pip install --quiet --no-deps --no-build-isolation --editable . && $$pip check
+endef
 
 python:
 	@command -v $(PYTHON) >/dev/null || { \
@@ -192,23 +220,27 @@ python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
 		echo "$(PYTHON) is Python $(TAG), vibralign needs 3.11 or newer: make PYTHON=..." >&2; exit 1; }
 
-# Every extra and the build backend, with the hashes of all platforms, valid for Python 3.11 and
-# newer; the peers of `make bench` in locks of their own, at the same versions of what is common; `fewest` keeps to one version of a package where newer Pythons would allow another.
+# The extras and the build backend, with the hashes of all platforms, valid for Python 3.11 and newer;
+# the peers of `make bench` at the study's versions of what is common. `fewest` keeps to one version of
+# a package where newer Pythons would allow another.
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
-	$(call pin,--extra plot --extra study --extra dev,requirements.lock)
-	$(call pin,--extra bench --constraints requirements.lock,requirements-bench.lock)
-	$(call pin,--extra bench-source --no-deps --constraints requirements.lock,requirements-bench-source.lock)
+	$(call pin,requirements.lock,--extra plot --extra study --extra dev)
+	$(call pin,requirements-export.lock,--extra export --extra study --extra dev)
+	$(call pin,requirements-bench.lock,--extra bench --constraints requirements.lock)
+	$(call pin,requirements-bench-source.lock,--extra bench-source --no-deps \
+		--constraints requirements.lock)
 	rm -rf .lock-venv
 
+# $(call pin,LOCK FILE,EXTRAS AND OPTIONS)
 pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
-	--quiet --universal --python-version 3.11 --fork-strategy fewest \
-	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) $(1) --output-file $(2)
+	--quiet $(2) --universal --python-version 3.11 --fork-strategy fewest \
+	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)
 
 clean:
 	rm -rf results results-* .snakemake build dist
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean
-	rm -rf .venv .venv-bench .lock-venv .make-*.lock
+	rm -rf .venv .venv-* .lock-venv .make-*.lock

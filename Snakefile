@@ -34,6 +34,7 @@ include: "workflow/rules/common.smk"
 rule all:
     input:
         root / "report.html",
+        root / "runs.csv",
         [drawn(figure) for figure in FIGURES],
         expand(root / "data/{figure}.nc", figure=computed),
         [pictured(place) for place in PICTURES.values()],

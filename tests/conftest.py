@@ -1,12 +1,19 @@
 """Shared fixtures. Floating-point accidents are errors: no test may pass on a silent NaN."""
 
+import json
 from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from model import Batch, Parameters, Readings
 from model.physics.parameters import Constants
+from model.study.datasets import write_dataset
+from model.study.provenance import INVOCATION, Job
+from model.study.tracking import Invocation
 
 CONSISTENT = Readings.consistent()
 
@@ -55,3 +62,94 @@ def random_states() -> Callable[..., list[np.ndarray]]:
         return list(np.random.default_rng(seed).uniform(low, high, size=(count, 6)))
 
     return make
+
+
+# --- A study that has been run --------------------------------------------------------------
+
+_COUNTS = {
+    "trajectories": 4, "aligned": 3, "settled": 1, "left_scene": 0, "horizon_reached": 0,
+    "failed": 0, "sensitive": 0, "rhs_evaluations": 100,
+}  # fmt: skip
+_PARAMETERS = {"press_force": 3.0, "tilt_stiffness": 12.0, "friction": 0.12}
+_DIMENSIONS = [
+    {"parameter": "tilt_stiffness", "values": [5.0, 7.0]},
+    {"parameter": "press_force", "start": 1.0, "stop": 2.0, "count": 2},
+]
+
+
+def _dataset(shift: float = 0.0, figure: str = "fig06") -> xr.Dataset:
+    """A figure's dataset of 2 × 2 points, one of which does not align."""
+    dims = ("tilt_stiffness", "press_force")
+    tau = np.array([[1.0, 2.0], [3.0 + shift, np.nan]])
+    return xr.Dataset(
+        {
+            "tau_align": (dims, tau),
+            "tau_error": (dims, np.where(np.isnan(tau), np.nan, 1e-8)),
+            "outcome": (dims, np.isnan(tau).astype(np.int8)),
+            "reason": (dims, np.zeros((2, 2), dtype=np.int8)),
+            "sensitive": (dims, np.zeros((2, 2), dtype=np.int8)),
+        },
+        {"tilt_stiffness": [5.0, 7.0], "press_force": [1.0, 2.0]},
+        {"figure": figure, "sweep": "0", "kind": "curves"},
+    )
+
+
+class RecordedStudy:
+    """A results root with invented runs: tracking is tested without computing anything."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+
+    def invocation(self) -> Invocation:
+        made = Invocation(self.root)
+        made.announce()
+        made.start()
+        return made
+
+    def log(self, run: str, text: str = "") -> None:
+        path = self.root / "logs" / f"{run}.log"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def merge(self, shift: float = 0.0, figure: str = "fig06", **facts: Any) -> None:
+        """What the job "merge" of a figure leaves."""
+        self.log(f"merge/{figure}")
+        path = self.root / "data" / f"{figure}.nc"
+        job = Job("merge", figure)
+        write_dataset(_dataset(shift, figure), path)
+        stated = {"parameters": _PARAMETERS, "dimensions": _DIMENSIONS, "counts": _COUNTS, **facts}
+        job.finish(path.with_suffix(".run.json"), [path], **stated)
+
+    def compare(self) -> None:
+        """What a job leaves that writes into two folders."""
+        data, times = self.root / "data/precision.nc", self.root / "benchmarks/precision.csv"
+        times.parent.mkdir(parents=True, exist_ok=True)
+        job = Job("precision")
+        write_dataset(_dataset(), data)
+        times.write_text("method,seconds\n", encoding="utf-8")
+        job.finish(data.with_suffix(".run.json"), [data, times])
+
+    def fixed_steps(self, shift: float = 0.0) -> None:
+        """A dataset with the name of a figure's, in another folder."""
+        path = self.root / "data/fixed_steps/fig06.nc"
+        job = Job("fixed_steps", "fig06")
+        write_dataset(_dataset(shift), path)
+        job.finish(path.with_suffix(".run.json"), [path])
+
+    def fail(self, run: str, text: str) -> None:
+        """What a job leaves that raises: a log, and nothing else."""
+        self.log(run, text)
+        for path in self.root.glob("**/*.run.json"):
+            if json.loads(path.read_text(encoding="utf-8"))["run"] == run:
+                path.unlink()
+
+
+@pytest.fixture
+def recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RecordedStudy:
+    monkeypatch.setenv(INVOCATION, "")  # so that what a test announces is forgotten after it
+    return RecordedStudy(tmp_path / "results")
+
+
+@pytest.fixture
+def make_dataset() -> Callable[..., xr.Dataset]:
+    return _dataset

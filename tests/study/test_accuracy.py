@@ -66,6 +66,16 @@ def test_chunks_hold_every_set_once(trial):
         trial.numbers_of_chunk(7, 7)
 
 
+def test_a_sidecar_states_what_is_held_and_what_is_drawn(trial):
+    facts = trial.facts
+    drawn = {each["parameter"]: each for each in facts["dimensions"]}
+    assert set(drawn) == set(trial.ranges)
+    assert not set(drawn) & set(facts["parameters"])
+    assert set(drawn) | set(facts["parameters"]) == set(trial.parameters)
+    assert (drawn["friction"]["start"], drawn["friction"]["stop"]) == (0.0, 0.3)
+    assert drawn["press_force"]["start"] == trial.ranges["press_force"].low
+
+
 def test_identity_is_that_of_the_numbers(trial):
     assert trial.identity == trial.model_copy().identity
     assert trial.identity != trial.model_copy(update={"seed": trial.seed + 1}).identity

@@ -35,6 +35,15 @@ def test_a_case_holds_what_its_figure_holds(study: Study) -> None:
     assert held | case.at == {name: parameters[name] for name in held | case.at}
 
 
+def test_a_sidecar_states_the_values_that_are_kept(study: Study) -> None:
+    plan = fixed_step_plan(study, "fig13").model_copy(update={"every": 50})
+    assert plan.facts["sweep"] == plan.identity != plan.sweep.identity
+    stated = {each["parameter"]: each["values"] for each in plan.facts["dimensions"]}
+    assert list(stated) == [each.parameter for each in plan.sweep.dimensions]
+    for dimension in plan.sweep.dimensions:
+        assert stated[dimension.parameter] == dimension.values[::50]
+
+
 def test_every_nth_value_is_kept_of_axes_and_all_of_a_family(study: Study) -> None:
     curves = fixed_step_plan(study, "fig06").model_copy(update={"every": 7})
     grid = np.zeros(curves.sweep.shape)

@@ -1,12 +1,15 @@
-"""Code hashes follow what runs: not comments, not layout, not what is not imported."""
+"""Code hashes follow what runs, not comments or layout; a sidecar says what a job made of what."""
 
+import hashlib
+import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from model.study import provenance
-from model.study.provenance import closure_hash, code_hash, import_closure, write_json
+from model.study.provenance import Job, closure_hash, code_hash, import_closure, write_json
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -76,3 +79,23 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
     with pytest.raises(TypeError):
         write_json({"a": object()}, target)
     assert target.read_text(encoding="utf-8") == '{\n "a": 1\n}\n'
+
+
+def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VIBRALIGN_INVOCATION", "20261121T000000Z-abcd")
+    script = PROJECT / "workflow/scripts/draw_plot.py"
+    monkeypatch.setattr("sys.argv", [str(script)])
+    for name in ("fig06.nc", "fig06.png"):
+        (tmp_path / name).write_bytes(name.encode())
+    job = Job("plot", "fig06")
+    job.finish(tmp_path / "r.json", [tmp_path / "fig06.png"], [tmp_path / "fig06.nc"], more=[1])
+    record = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert (record["run"], record["rule"], record["figure"]) == ("plot/fig06", "plot", "fig06")
+    assert record["outputs"] == {"fig06.png": hashlib.sha256(b"fig06.png").hexdigest()}
+    assert record["inputs"] == {"fig06.nc": hashlib.sha256(b"fig06.nc").hexdigest()}
+    assert record["code"] == closure_hash(script)
+    assert record["invocation"] == "20261121T000000Z-abcd"
+    assert record["more"] == [1]
+    assert record["versions"]["numpy"] == np.__version__

@@ -3,11 +3,12 @@
 
 rule trial:
     input:
-        kernels=ancient(root / "data/kernels.json"),
+        kernels=root / "data/kernels.json",
     output:
-        root / "accuracy/{trial}/{chunk}.csv",
+        table=root / "accuracy/{trial}/{chunk}.csv",
+        record=root / "accuracy/{trial}/{chunk}.run.json",
     log:
-        root / "logs/accuracy/{trial}-{chunk}.log",
+        root / "logs/trial/{trial}/{chunk}.log",
     wildcard_constraints:
         trial="error|settled",
     conda:
@@ -20,7 +21,8 @@ rule trial:
         "{wildcards.trial}: trying chunk {wildcards.chunk} ({params.chunks} in all, from 0)"
     shell:
         "python workflow/scripts/run_trial.py --trial {params.trial:q}"
-        " --chunk {wildcards.chunk} --chunks {params.chunks} --output {output} > {log} 2>&1"
+        " --chunk {wildcards.chunk} --chunks {params.chunks}"
+        " --output {output.table} --record {output.record} > {log} 2>&1"
 
 
 rule judge:
@@ -31,8 +33,9 @@ rule judge:
         root / "accuracy/error.csv",
         root / "accuracy/settled.csv",
         summary=root / "accuracy/summary.txt",
+        record=root / "accuracy/judge.run.json",
     log:
-        root / "logs/accuracy/judge.log",
+        root / "logs/judge.log",
     conda:
         "../envs/study.yaml"
     params:
@@ -42,6 +45,7 @@ rule judge:
         "judging the trials"
     shell:
         "python workflow/scripts/judge_trials.py --output {params.folder}"
+        " --record {output.record}"
         " --error {input.error} --settled {input.settled} > {log} 2>&1"
 
 
@@ -50,7 +54,7 @@ rule accuracy:
     input:
         root / "accuracy/summary.txt",
     log:
-        root / "logs/accuracy/print.log",
+        root / "logs/accuracy.log",
     conda:
         "../envs/study.yaml"
     message:

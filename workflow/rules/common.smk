@@ -1,11 +1,17 @@
 """What the rules share: how the parts of a figure or trial are named and described."""
 
+import sys
 from pathlib import Path
 
 from model.study.accuracy import trial_of
 from model.study.plans import PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
+from model.study.tracking import Invocation
+
+invocation = Invocation(root, study=study.model_dump(mode="json"))
+if workflow.is_main_process:
+    invocation.announce()
 
 
 def code(script):
@@ -33,6 +39,24 @@ def drawn(figure):
     return expand(root / f"figures/{figure}.{{kind}}", kind=["png", "svg", "pdf"])
 
 
+def records_beside():
+    """The sidecars of the jobs on speed against error, which are no figure's."""
+    jobs = ["data/precision", *PICTURES.values()]
+    jobs += [f"data/fixed_steps/{figure}" for figure in study.precision.fixed_steps.figures]
+    return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
+
+
+def records(figure):
+    """The sidecars of a figure's jobs."""
+    found = [root / f"figures/{figure}.run.json"]
+    if figure in computed:
+        found += [root / f"data/{figure}.run.json"]
+    if figure in gridded:
+        chunks = range(study.figures[figure].chunks)
+        found += [root / f"data/chunks/{figure}/{chunk}.run.json" for chunk in chunks]
+    return found
+
+
 def trial(name):
     """An accuracy trial's computation as JSON."""
     return trial_of(study, name).model_dump_json()
@@ -42,3 +66,15 @@ def trial_chunks(name):
     """An accuracy trial's chunks."""
     law = study.accuracy if name == "error" else study.accuracy.settled
     return expand(root / f"accuracy/{name}/{{chunk}}.csv", chunk=range(law.chunks))
+
+
+onstart:
+    invocation.start()
+
+
+onsuccess:
+    invocation.end("done", log)
+
+
+onerror:
+    print(*invocation.end("failed", log), sep="\n", file=sys.stderr)

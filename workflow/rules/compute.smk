@@ -1,11 +1,13 @@
 """Trajectories: compiled kernels, chunks of each figure's sweep, and one dataset a figure."""
 
 
-# Compiled once, before the jobs that would otherwise all compile at the same time. Not `ancient`
-# for them: Snakemake would then leave out, without a word, all that an edit below makes stale.
+# Compiled once, before the jobs that would otherwise all compile at the same time. Its output holds
+# the hash of the kernels' code, and is taken as `ancient` by none of them: Snakemake does not look at
+# the params of a job below one that must run, so that an edit of the physics would run this rule only.
 rule kernels:
     output:
-        root / "data/kernels.json",
+        data=root / "data/kernels.json",
+        record=root / "data/kernels.run.json",
     log:
         root / "logs/kernels.log",
     conda:
@@ -15,7 +17,8 @@ rule kernels:
     message:
         "compiling the kernels"
     shell:
-        "python workflow/scripts/compile_kernels.py --output {output} > {log} 2>&1"
+        "python workflow/scripts/compile_kernels.py --output {output.data}"
+        " --record {output.record} > {log} 2>&1"
 
 
 rule chunk:
@@ -25,7 +28,7 @@ rule chunk:
         data=root / "data/chunks/{figure}/{chunk}.nc",
         record=root / "data/chunks/{figure}/{chunk}.run.json",
     log:
-        root / "logs/chunks/{figure}-{chunk}.log",
+        root / "logs/chunk/{figure}/{chunk}.log",
     conda:
         "../envs/study.yaml"
     params:
@@ -48,7 +51,8 @@ rule merge:
             chunk=range(study.figures[wildcards.figure].chunks),
         ),
     output:
-        root / "data/{figure}.nc",
+        data=root / "data/{figure}.nc",
+        record=root / "data/{figure}.run.json",
     log:
         root / "logs/merge/{figure}.log",
     wildcard_constraints:
@@ -64,7 +68,7 @@ rule merge:
     shell:
         "python workflow/scripts/merge_chunks.py --sweep {params.sweep:q}"
         " --title {params.label[title]:q} --summary {params.label[summary]:q}"
-        " --output {output} {input} > {log} 2>&1"
+        " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 
 
 rule history:

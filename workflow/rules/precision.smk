@@ -14,7 +14,8 @@ rule unlocated_kernels:
     input:
         root / "data/kernels.json",
     output:
-        root / "data/unlocated_kernels.json",
+        data=root / "data/unlocated_kernels.json",
+        record=root / "data/unlocated_kernels.run.json",
     log:
         root / "logs/unlocated_kernels.log",
     conda:
@@ -24,7 +25,8 @@ rule unlocated_kernels:
     message:
         "compiling the kernels without located switches"
     shell:
-        "python workflow/scripts/compile_unlocated.py --output {output} > {log} 2>&1"
+        "python workflow/scripts/compile_unlocated.py --output {output.data}"
+        " --record {output.record} > {log} 2>&1"
 
 
 # One job for both outputs, so that the most expensive runs are made once. It has one thread, of
@@ -91,8 +93,9 @@ for picture, sources in drawn_from.items():
             png=root / f"{PICTURES[picture]}.png",
             svg=root / f"{PICTURES[picture]}.svg",
             pdf=root / f"{PICTURES[picture]}.pdf",
+            record=root / f"{PICTURES[picture]}.run.json",
         log:
-            root / f"logs/figures/{picture}.log",
+            root / f"logs/draw_{picture}.log",
         conda:
             "../envs/study.yaml"
         params:
@@ -103,4 +106,5 @@ for picture, sources in drawn_from.items():
             "speed against error: drawing {params.picture}"
         shell:
             "python workflow/scripts/draw_precision.py --picture {params.picture}"
-            " --titles {params.titles:q} --output {output.png} {input} > {log} 2>&1"
+            " --titles {params.titles:q} --output {output.png} --record {output.record}"
+            " {input} > {log} 2>&1"

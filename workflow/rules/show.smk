@@ -8,8 +8,9 @@ rule schematic:
         png=root / "figures/{figure}.png",
         svg=root / "figures/{figure}.svg",
         pdf=root / "figures/{figure}.pdf",
+        record=root / "figures/{figure}.run.json",
     log:
-        root / "logs/figures/{figure}.log",
+        root / "logs/schematic/{figure}.log",
     wildcard_constraints:
         figure="|".join(SCHEMATICS),
     conda:
@@ -21,7 +22,8 @@ rule schematic:
         "{wildcards.figure}: drawing the model"
     shell:
         "python workflow/scripts/draw_schematic.py --figure {wildcards.figure}"
-        " --parameters {params.parameters:q} --output {output.png} > {log} 2>&1"
+        " --parameters {params.parameters:q} --output {output.png}"
+        " --record {output.record} > {log} 2>&1"
 
 
 rule plot:
@@ -31,8 +33,9 @@ rule plot:
         png=root / "figures/{figure}.png",
         svg=root / "figures/{figure}.svg",
         pdf=root / "figures/{figure}.pdf",
+        record=root / "figures/{figure}.run.json",
     log:
-        root / "logs/figures/{figure}.log",
+        root / "logs/plot/{figure}.log",
     wildcard_constraints:
         figure="|".join(computed),
     conda:
@@ -42,7 +45,8 @@ rule plot:
     message:
         "{wildcards.figure}: plotting"
     shell:
-        "python workflow/scripts/draw_plot.py --output {output.png} {input} > {log} 2>&1"
+        "python workflow/scripts/draw_plot.py --output {output.png}"
+        " --record {output.record} {input} > {log} 2>&1"
 
 
 rule report:
@@ -55,7 +59,8 @@ rule report:
         ),
         comparison=[pictured(place) for place in PICTURES.values()],
     output:
-        root / "report.html",
+        page=root / "report.html",
+        record=root / "report.run.json",
     log:
         root / "logs/report.log",
     conda:
@@ -68,7 +73,31 @@ rule report:
         "rendering the report"
     shell:
         "python workflow/scripts/render_report.py --study {params.study:q}"
-        " --root {params.root} --output {output} > {log} 2>&1"
+        " --root {params.root} --output {output.page} --record {output.record} > {log} 2>&1"
+
+
+# The index of all runs. Snakemake's handlers write it anew when an invocation ends, so that one of
+# a single figure, and one that failed, is in it as well.
+rule index:
+    input:
+        root / "data/kernels.run.json",
+        root / "report.run.json",
+        [records(figure) for figure in FIGURES],
+        records_beside(),
+    output:
+        root / "runs.csv",
+        root / "runs.sqlite",
+    log:
+        root / "logs/index.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("index_runs"),
+        root=root,
+    message:
+        "indexing all runs"
+    shell:
+        "python workflow/scripts/index_runs.py --root {params.root} > {log} 2>&1"
 
 
 # `snakemake -c2 fig06` builds one figure.

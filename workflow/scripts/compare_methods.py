@@ -1,7 +1,6 @@
 """Compare all methods on all cases: errors and evaluations as data, CPU times beside them."""
 
 import argparse
-from datetime import UTC, datetime
 from pathlib import Path
 
 from model.study.datasets import write_dataset
@@ -13,7 +12,7 @@ from model.study.precision import (
     timings_table,
     true_run,
 )
-from model.study.provenance import sidecar, write_json, write_text
+from model.study.provenance import Job, write_text
 
 
 def main() -> None:
@@ -24,7 +23,8 @@ def main() -> None:
     parser.add_argument("--times", required=True, type=Path)
     parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
-    started, plan = datetime.now(UTC), arguments.plan
+    plan: PrecisionPlan = arguments.plan
+    job = Job("precision")
     truths = {case: true_run(plan, case) for case in plan.cases}
     rungs = [
         rung
@@ -38,8 +38,9 @@ def main() -> None:
         "trajectories": len(rungs),
         "rhs_evaluations": sum(rung.rhs_evaluations for rung in rungs),
     }
-    record = sidecar(started, arguments.output, {"sweep": plan.identity}, counts)
-    write_json(record, arguments.record)
+    made = [arguments.output, arguments.times]
+    settings = plan.settings.model_dump(mode="json")
+    job.finish(arguments.record, made, sweep=plan.identity, settings=settings, counts=counts)
 
 
 if __name__ == "__main__":

@@ -5,16 +5,19 @@ from pathlib import Path
 
 from model.runs.batch import align
 from model.study.config import baseline
-from model.study.provenance import closure_hash, write_json
+from model.study.provenance import Job, closure_hash, write_json
 
 
 def main() -> None:
     """Read the command line and do it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--output", type=Path, required=True)
+    parser.add_argument("--record", type=Path, required=True)
     arguments = parser.parse_args()
+    job = Job("kernels")
     align([baseline()], horizon=0.1, cores=1)
     write_json({"kernels": closure_hash(Path(__file__))}, arguments.output)
+    job.finish(arguments.record, [arguments.output])
 
 
 if __name__ == "__main__":

@@ -5,19 +5,22 @@ from pathlib import Path
 
 from model.runs.unlocated import align_unlocated, unlocated_problem
 from model.study.config import baseline
-from model.study.provenance import closure_hash, write_json
+from model.study.provenance import Job, closure_hash, write_json
 
 
 def main() -> None:
     """Read the command line and do it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--output", type=Path, required=True)
+    parser.add_argument("--record", type=Path, required=True)
     arguments = parser.parse_args()
+    job = Job("unlocated_kernels")
     align_unlocated([baseline()], "rk4", 0.1, horizon=0.1)
     problem = unlocated_problem(baseline())
     problem.rates(0.0, problem.start)
     problem.fall(0.0, problem.start)
     write_json({"kernels": closure_hash(Path(__file__))}, arguments.output)
+    job.finish(arguments.record, [arguments.output])
 
 
 if __name__ == "__main__":

@@ -1,11 +1,10 @@
 """Compute one chunk of a figure's sweep, with its sidecar."""
 
 import argparse
-from datetime import UTC, datetime
 from pathlib import Path
 
 from model.study.datasets import compute_chunk, outcome_counts, write_dataset
-from model.study.provenance import sidecar, write_json
+from model.study.provenance import Job
 from model.study.sweeps import Sweep
 
 
@@ -18,12 +17,12 @@ def main() -> None:
     parser.add_argument("--output", required=True, type=Path)
     parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
-    started, sweep = datetime.now(UTC), arguments.sweep
+    sweep = arguments.sweep
+    job = Job("chunk", sweep.figure, arguments.chunk)
     dataset = compute_chunk(sweep, arguments.chunk, arguments.chunks)
     write_dataset(dataset, arguments.output)
-    identity = {"figure": sweep.figure, "chunk": arguments.chunk, "sweep": sweep.identity}
-    record = sidecar(started, arguments.output, identity, outcome_counts(dataset))
-    write_json(record, arguments.record)
+    counts = outcome_counts(dataset)
+    job.finish(arguments.record, [arguments.output], **sweep.facts, counts=counts)
 
 
 if __name__ == "__main__":

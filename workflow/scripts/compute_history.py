@@ -1,11 +1,10 @@
 """Compute a figure's trajectory, with its sidecar."""
 
 import argparse
-from datetime import UTC, datetime
 from pathlib import Path
 
 from model.study.datasets import history_dataset, outcome_counts, write_dataset
-from model.study.provenance import sidecar, write_json
+from model.study.provenance import Job
 from model.study.sweeps import Sweep
 
 
@@ -18,12 +17,12 @@ def main() -> None:
     parser.add_argument("--output", required=True, type=Path)
     parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
-    started, sweep = datetime.now(UTC), arguments.sweep
+    sweep = arguments.sweep
+    job = Job("history", sweep.figure)
     dataset = history_dataset(sweep, arguments.title, arguments.summary)
     write_dataset(dataset, arguments.output)
-    identity = {"figure": sweep.figure, "sweep": sweep.identity}
-    record = sidecar(started, arguments.output, identity, outcome_counts(dataset))
-    write_json(record, arguments.record)
+    counts = outcome_counts(dataset)
+    job.finish(arguments.record, [arguments.output], **sweep.facts, counts=counts)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from model.show.style import save
 from model.study.datasets import read_dataset
 from model.study.plans import PICTURES
 from model.study.precision import read_timings
+from model.study.provenance import Job
 
 
 def main() -> None:
@@ -17,8 +18,10 @@ def main() -> None:
     parser.add_argument("--picture", required=True, choices=sorted(PICTURES))
     parser.add_argument("--titles", required=True, type=json.loads, help="of the cases")
     parser.add_argument("--output", required=True, type=Path, help="the PNG; SVG and PDF beside it")
+    parser.add_argument("--record", required=True, type=Path)
     parser.add_argument("sources", nargs="+", type=Path)
     arguments = parser.parse_args()
+    job = Job(f"draw_{arguments.picture}")
     sources, titles = arguments.sources, arguments.titles
     if arguments.picture == "evaluations":
         figure = evaluations_over_error(read_dataset(sources[0]), titles)
@@ -26,7 +29,8 @@ def main() -> None:
         figure = time_over_error(read_timings(sources[0]), titles)
     else:
         figure = wrong_points([read_dataset(source) for source in sources])
-    save(figure, arguments.output.with_suffix(""))
+    pictures = save(figure, arguments.output.with_suffix(""))
+    job.finish(arguments.record, pictures, sources)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from model.study.accuracy import read_tables, summary, write_table
-from model.study.provenance import write_text
+from model.study.provenance import Job, write_text
 
 
 def main() -> None:
@@ -13,11 +13,16 @@ def main() -> None:
     parser.add_argument("--error", required=True, type=Path, nargs="+")
     parser.add_argument("--settled", required=True, type=Path, nargs="+")
     parser.add_argument("--output", required=True, type=Path, help="folder of the results")
+    parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
+    job = Job("judge")
+    folder: Path = arguments.output
     error, settled = read_tables(arguments.error), read_tables(arguments.settled)
-    write_table(error, arguments.output / "error.csv")
-    write_table(settled, arguments.output / "settled.csv")
-    write_text(summary(error, settled), arguments.output / "summary.txt")
+    made = [folder / "error.csv", folder / "settled.csv", folder / "summary.txt"]
+    write_table(error, made[0])
+    write_table(settled, made[1])
+    write_text(summary(error, settled), made[2])
+    job.finish(arguments.record, made, [*arguments.error, *arguments.settled])
 
 
 if __name__ == "__main__":

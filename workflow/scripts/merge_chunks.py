@@ -1,10 +1,44 @@
-"""Merge the chunks of a figure's sweep into its dataset."""
+"""Merge the chunks of a figure's sweep into its dataset, with its sidecar."""
 
 import argparse
 from pathlib import Path
 
-from model.study.datasets import merge_chunks, read_dataset, write_dataset
+import xarray as xr
+
+from model.study.datasets import (
+    DatasetError,
+    merge_chunks,
+    outcome_counts,
+    read_dataset,
+    write_dataset,
+)
+from model.study.provenance import Job
 from model.study.sweeps import Sweep
+
+
+def read_chunks(sweep: Sweep, paths: list[Path]) -> list[xr.Dataset]:
+    """The chunks of a sweep in order; what is not one is deleted, so that the next run makes it.
+
+    Raises:
+        DatasetError: a file that cannot be read, or that is not the chunk of its name.
+    """
+    parts, faults = [], {}
+    for chunk, path in enumerate(paths):
+        is_this = {"sweep": sweep.identity, "chunk": chunk, "chunks": len(paths)}
+        try:
+            part = read_dataset(path)
+        except DatasetError as fault:
+            faults[path] = str(fault)
+        else:
+            if any(part.attrs.get(name) != value for name, value in is_this.items()):
+                faults[path] = f"{path}: is not chunk {chunk} of this sweep"
+            parts.append(part)
+    for path in faults:
+        path.unlink(missing_ok=True)
+        path.with_suffix(".run.json").unlink(missing_ok=True)
+    if faults:
+        raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
+    return parts
 
 
 def main() -> None:
@@ -14,11 +48,16 @@ def main() -> None:
     parser.add_argument("--title", required=True)
     parser.add_argument("--summary", required=True)
     parser.add_argument("--output", required=True, type=Path)
+    parser.add_argument("--record", required=True, type=Path)
     parser.add_argument("chunks", nargs="+", type=Path)
     arguments = parser.parse_args()
-    parts = [read_dataset(path) for path in arguments.chunks]
-    dataset = merge_chunks(arguments.sweep, arguments.title, arguments.summary, parts)
+    sweep = arguments.sweep
+    job = Job("merge", sweep.figure)
+    parts = read_chunks(sweep, arguments.chunks)
+    dataset = merge_chunks(sweep, arguments.title, arguments.summary, parts)
     write_dataset(dataset, arguments.output)
+    made, read, counts = [arguments.output], arguments.chunks, outcome_counts(dataset)
+    job.finish(arguments.record, made, read, **sweep.facts, counts=counts)
 
 
 if __name__ == "__main__":

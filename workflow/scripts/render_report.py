@@ -9,7 +9,7 @@ from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
 from model.study.plans import PICTURES
 from model.study.precision import read_timings
-from model.study.provenance import report_provenance, write_text
+from model.study.provenance import Job, file_hash, versions, write_text
 
 
 def main() -> None:
@@ -18,22 +18,36 @@ def main() -> None:
     parser.add_argument("--study", required=True, type=Study.model_validate_json)
     parser.add_argument("--root", required=True, type=Path)
     parser.add_argument("--output", required=True, type=Path)
+    parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
     root: Path = arguments.root
+    study: Study = arguments.study
+    job = Job("report")
     computed = [name for name in FIGURES if name not in SCHEMATICS]
-    datasets = {name: read_dataset(root / f"data/{name}.nc") for name in computed}
+    data = {name: root / f"data/{name}.nc" for name in computed}
     pictures = {name: root / f"figures/{name}.png" for name in FIGURES}
+    times = root / "benchmarks/precision.csv"
+    wrong = {
+        name: root / f"data/fixed_steps/{name}.nc" for name in study.precision.fixed_steps.figures
+    }
+    compared = {name: root / f"{place}.png" for name, place in PICTURES.items()}
     comparison = Comparison(
-        rungs=read_timings(root / "benchmarks/precision.csv"),
-        wrong={
-            name: read_dataset(root / f"data/fixed_steps/{name}.nc")
-            for name in arguments.study.precision.fixed_steps.figures
-        },
-        pictures={name: root / f"{place}.png" for name, place in PICTURES.items()},
+        rungs=read_timings(times),
+        wrong={name: read_dataset(path) for name, path in wrong.items()},
+        pictures=compared,
     )
-    provenance = report_provenance(root)
-    page = render_report(arguments.study, datasets, pictures, provenance, comparison)
+    read = [*data.values(), *wrong.values(), times]
+    # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
+    provenance = {
+        "made with": versions(),
+        "from": {path.relative_to(root).as_posix(): file_hash(path)[:16] for path in read},
+        "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
+    }
+    datasets = {name: read_dataset(path) for name, path in data.items()}
+    page = render_report(study, datasets, pictures, provenance, comparison)
     write_text(page, arguments.output)
+    shown = [*pictures.values(), *compared.values()]
+    job.finish(arguments.record, [arguments.output], [*read, *shown])
 
 
 if __name__ == "__main__":

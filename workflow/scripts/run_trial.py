@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from model.study.accuracy import Trial, run_trial, write_table
+from model.study.provenance import Job
 
 
 def main() -> None:
@@ -13,8 +14,14 @@ def main() -> None:
     parser.add_argument("--chunk", required=True, type=int)
     parser.add_argument("--chunks", required=True, type=int)
     parser.add_argument("--output", required=True, type=Path)
+    parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
-    write_table(run_trial(arguments.trial, arguments.chunk, arguments.chunks), arguments.output)
+    trial: Trial = arguments.trial
+    job = Job("trial", trial.name, arguments.chunk)
+    table = run_trial(trial, arguments.chunk, arguments.chunks)
+    write_table(table, arguments.output)
+    counts = {"trajectories": int(table["set"].size)}
+    job.finish(arguments.record, [arguments.output], **trial.facts, counts=counts)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,12 @@
 """Compute a figure anew with fixed steps, and judge its points against the located ones."""
 
 import argparse
-from datetime import UTC, datetime
 from pathlib import Path
 
 from model.study.datasets import read_dataset, write_dataset
 from model.study.fixed_steps import fixed_step_dataset
 from model.study.plans import FixedStepPlan
-from model.study.provenance import sidecar, write_json
+from model.study.provenance import Job
 
 
 def main() -> None:
@@ -18,12 +17,13 @@ def main() -> None:
     parser.add_argument("--record", required=True, type=Path)
     parser.add_argument("located", type=Path, help="the figure's dataset")
     arguments = parser.parse_args()
-    started, plan = datetime.now(UTC), arguments.plan
+    plan: FixedStepPlan = arguments.plan
+    job = Job("fixed_steps", plan.sweep.figure)
     dataset = fixed_step_dataset(plan, read_dataset(arguments.located))
     write_dataset(dataset, arguments.output)
-    identity = {"figure": plan.sweep.figure, "sweep": plan.identity}
     counts = {"trajectories": int(dataset["tau_align"].size)}
-    write_json(sidecar(started, arguments.output, identity, counts), arguments.record)
+    made, read = [arguments.output], [arguments.located]
+    job.finish(arguments.record, made, read, **plan.facts, counts=counts)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NoReturn
@@ -22,6 +22,7 @@ from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_
 from model.physics.readings import READING_NAMES, Readings
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
+from model.show import export_commands, reference_commands, tracking_commands
 from model.solver.outcomes import Outcome
 from model.study.config import Study, load_study, study_path
 
@@ -33,15 +34,15 @@ _NOT_PICTURES = {"pgf", "raw", "rgba"}
 
 
 class _Parser(argparse.ArgumentParser):
+    appendix: Callable[[], str] | None = None  # what the help ends with, made when it is asked for
+
     def error(self, message: str) -> NoReturn:
         """One line instead of the usage and the line."""
         self.exit(REFUSED, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
 
-
-class _SimulateParser(_Parser):
     def format_help(self) -> str:
-        """Help with the table of parameters, which takes reading the study."""
-        return f"{super().format_help()}\n{_parameter_table(_study().baseline)}"
+        """Help, with what takes reading the study at its end."""
+        return super().format_help() + (f"\n{self.appendix()}" if self.appendix else "")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -78,8 +79,11 @@ def _parser() -> _Parser:
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {_version()}")
-    commands = parser.add_subparsers(required=True, metavar="command", parser_class=_SimulateParser)
+    commands = parser.add_subparsers(required=True, metavar="command", parser_class=_Parser)
     _add_simulate(commands)
+    tracking_commands.add_commands(commands)
+    export_commands.add_commands(commands)
+    reference_commands.add_commands(commands)
     return parser
 
 
@@ -125,6 +129,7 @@ def _add_simulate(commands: Any) -> None:
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     add("--plot", type=Path, metavar="FILE", help=words)
     add("--json", action="store_true", help="print everything as JSON")
+    parser.appendix = lambda: _parameter_table(_study().baseline)
     parser.set_defaults(run=_simulate)
 
 

@@ -65,6 +65,27 @@ class Trial(BaseModel):
         """Hash of everything that the results depend on besides the code."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
 
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What a sidecar says of it: identity, what is held, settings and what is drawn."""
+        drawn = [
+            {
+                "parameter": name,
+                "start": 0.0 if law.zero else law.low,
+                "stop": law.high,
+                "count": self.sets,
+            }
+            for name, law in self.ranges.items()
+        ]
+        return {
+            "sweep": self.identity,
+            "parameters": {
+                name: value for name, value in self.parameters.items() if name not in self.ranges
+            },
+            "settings": self.settings.model_dump(mode="json"),
+            "dimensions": drawn,
+        }
+
     def numbers_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
         """Numbers of a chunk's sets: every ``chunks``-th one.
 

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
@@ -69,6 +70,15 @@ class FixedStepPlan(_Plan):
             slice(None, None, self.every if isinstance(dimension, Axis) else None)
             for dimension in self.sweep.dimensions
         )
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As ``Sweep.facts``, with the values that are kept."""
+        kept = [
+            {"parameter": dimension.parameter, "values": dimension.values[part]}
+            for dimension, part in zip(self.sweep.dimensions, self.kept, strict=True)
+        ]
+        return {**self.sweep.facts, "sweep": self.identity, "dimensions": kept, "steps": self.steps}
 
 
 def fixed_step_plan(study: Study, figure: str) -> FixedStepPlan:

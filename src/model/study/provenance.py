@@ -4,10 +4,11 @@ import ast
 import hashlib
 import importlib.metadata
 import json
+import os
 import platform
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -16,6 +17,8 @@ from typing import Any
 from model.study.files import whole_file
 
 _PACKAGE = Path(__file__).resolve().parents[1]
+# The environment variable that tells a job which invocation of the study started it.
+INVOCATION = "VIBRALIGN_INVOCATION"
 _TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
 
 
@@ -110,6 +113,11 @@ def file_hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def _hashes(files: Sequence[Path], folder: Path) -> dict[str, str]:
+    """``file_hash`` of every file, by its path from ``folder``."""
+    return {Path(os.path.relpath(file, folder)).as_posix(): file_hash(file) for file in files}
+
+
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages that results depend on, where installed."""
     found = {"python": platform.python_version()}
@@ -134,39 +142,51 @@ def git_state() -> dict[str, Any]:
         return {}
 
 
-def sidecar(
-    started: datetime, output: Path, identity: Mapping[str, Any], counts: Mapping[str, int]
-) -> dict[str, Any]:
-    """The record of one job, written beside its output."""
-    return {
-        **identity,
-        "counts": dict(counts),
-        "code": closure_hash(Path(sys.argv[0])) if sys.argv[0].endswith(".py") else None,
-        "output": output.name,
-        "output_sha256": file_hash(output),
-        "started": started.isoformat(timespec="seconds"),
-        "wall_seconds": round((datetime.now(UTC) - started).total_seconds(), 3),
-        "host": platform.node(),
-        "processor": platform.machine(),
-        "versions": versions(),
-        "git": git_state(),
-    }
+class Job:
+    """One job of the study, from its start to the sidecar that it leaves.
 
+    Make it first, ``finish`` it last: a sidecar on disk says that the job's outputs are whole.
 
-def report_provenance(root: Path) -> dict[str, str]:
-    """What the report says of its making: versions, commit, and the jobs' own records."""
-    records = [json.loads(path.read_text()) for path in sorted(root.glob("data/**/*.run.json"))]
-    state = git_state()
-    commit = state.get("commit", "not a git checkout")
-    return {
-        "commit": f"{commit} with changes" if state.get("dirty") else commit,
-        **versions(),
-        "processor": platform.machine(),
-        "computing jobs": str(len(records)),
-        "time of computing jobs": f"{sum(record['wall_seconds'] for record in records):.0f} s",
-        "trajectories": str(sum(record["counts"]["trajectories"] for record in records)),
-        "rendered": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
+    Args:
+        place: the job's rule and wildcards, such as "chunk", "fig06", 0. Joined by slashes they
+            are the run's name, and the name of its log below logs/.
+    """
+
+    def __init__(self, *place: str | int) -> None:
+        self.place = tuple(str(part) for part in place)
+        self.started = datetime.now(UTC)
+
+    def finish(
+        self, record: Path, outputs: Sequence[Path], inputs: Sequence[Path] = (), **facts: Any
+    ) -> None:
+        """Write the sidecar ``record``: what was made from what, by which code, where and when.
+
+        Args:
+            record: the file to write.
+            outputs: the files that the job made.
+            inputs: the files that it read, besides code and configuration. All are named by their
+                paths from the folder of ``record``.
+            facts: what else is known: parameters, settings, counts.
+        """
+        rule, *rest = self.place
+        script = Path(sys.argv[0])
+        content = {
+            "run": "/".join(self.place),
+            "rule": rule,
+            "figure": next((part for part in rest if part.startswith("fig")), None),
+            **facts,
+            "code": closure_hash(script) if script.suffix == ".py" else None,
+            "inputs": _hashes(inputs, record.parent),
+            "outputs": _hashes(outputs, record.parent),
+            "started": self.started.isoformat(timespec="milliseconds"),
+            "wall_seconds": round((datetime.now(UTC) - self.started).total_seconds(), 3),
+            "invocation": os.environ.get(INVOCATION),
+            "host": platform.node(),
+            "processor": platform.machine(),
+            "versions": versions(),
+            "git": git_state(),
+        }
+        write_json(content, record)
 
 
 def write_json(record: Mapping[str, Any], path: Path) -> None:

@@ -4,7 +4,7 @@ A sweep holds numbers only, no wording, so that a change of a caption computes n
 """
 
 import hashlib
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,12 @@ class Sweep(BaseModel):
     def identity(self) -> str:
         """Hash of everything that the results depend on besides the code."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What a sidecar says of it: identity, parameters, settings and what is varied."""
+        stated = self.model_dump(mode="json", include={"parameters", "settings", "dimensions"})
+        return {"sweep": self.identity, **stated}
 
     def points_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
         """Flat indices of a chunk: every ``chunks``-th point, so that chunks cost alike.

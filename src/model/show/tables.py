@@ -1,0 +1,43 @@
+"""Tables for a terminal: aligned columns, numbers to the right, nothing cut."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+
+def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> list[str]:
+    """The lines of a table with a heading; a row may lack a column."""
+    lines = [list(columns)] + [[cell(row.get(name)) for name in columns] for row in rows]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(columns))]
+    numeric = [all(_is_number(row.get(name)) for row in rows) for name in columns]
+    return [
+        "  ".join(
+            text.rjust(width) if right else text.ljust(width)
+            for text, width, right in zip(line, widths, numeric, strict=True)
+        ).rstrip()
+        for line in lines
+    ]
+
+
+def pairs(values: Mapping[str, Any]) -> list[str]:
+    """One line for each name and value."""
+    width = max((len(name) for name in values), default=0)
+    return [f"{name.ljust(width)}  {cell(value)}".rstrip() for name, value in values.items()]
+
+
+def cell(value: Any) -> str:
+    """A value as a table shows it; nothing for None."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} = {cell(each)}" for name, each in value.items())
+    if isinstance(value, (list, tuple)):
+        return ", ".join(cell(each) for each in value)
+    return str(value)
+
+
+def _is_number(value: Any) -> bool:
+    return value is None or (isinstance(value, (int, float)) and not isinstance(value, bool))

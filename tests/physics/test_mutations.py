@@ -1,0 +1,186 @@
+"""An error of 1 % in any one force is caught: by a unit test, and by the figures where it acts.
+
+Each mutation is written into a copy of the package. The unit tests run on the copy without being
+compiled; the figures are computed with compiled kernels, which takes half a minute a mutation.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).resolve().parents[2]
+UNIT_TESTS = [f"tests/physics/test_{name}.py" for name in ("forces", "motion", "contacts")]
+
+# name: (file below src/model/physics, what stands there, what is put there)
+MUTATIONS = {
+    "lateral damping": ("forces.py", "-p.lateral_damping *", "-1.01 * p.lateral_damping *"),
+    "lateral stiffness": ("forces.py", "- p.lateral_stiffness *", "- 1.01 * p.lateral_stiffness *"),
+    "axial damping": ("forces.py", "-p.axial_damping *", "-1.01 * p.axial_damping *"),
+    "axial stiffness": ("forces.py", "- (q.y - p.rest_y)", "- 1.01 * (q.y - p.rest_y)"),
+    "tilt damping": ("forces.py", "-p.tilt_damping *", "-1.01 * p.tilt_damping *"),
+    "tilt stiffness": ("forces.py", "- p.tilt_stiffness *", "- 1.01 * p.tilt_stiffness *"),
+    "press force": ("forces.py", "return -p.press_force", "return -1.01 * p.press_force"),
+    "excitation": ("forces.py", "return -sine\n", "return -1.01 * sine\n"),
+    "contact stiffness": (
+        "contacts.py",
+        "return p.contact_stiffness * depth + p.",
+        "return 1.01 * p.contact_stiffness * depth + p.",
+    ),
+    "contact damping": (
+        "contacts.py",
+        "depth + p.contact_damping * closing_rate",
+        "depth + 1.01 * p.contact_damping * closing_rate",
+    ),
+    "force of the edge": (
+        "motion.py",
+        "load = contact_load(face.depth",
+        "load = 1.01 * contact_load(face.depth",
+    ),
+    "force of the corner": (
+        "motion.py",
+        "corner_load = contact_load(",
+        "corner_load = 1.01 * contact_load(",
+    ),
+    "force on the side": (
+        "motion.py",
+        "load = contact_load(side.depth",
+        "load = 1.01 * contact_load(side.depth",
+    ),
+    "friction": (
+        "motion.py",
+        "\n    friction = -p.friction",
+        "\n    friction = -1.01 * p.friction",
+    ),
+    "friction of the side": (
+        "motion.py",
+        "side_friction = -p.friction *",
+        "side_friction = -1.01 * p.friction *",
+    ),
+    "sticking friction": (
+        "motion.py",
+        "return -drive / g11, 0.0",
+        "return -1.01 * drive / g11, 0.0",
+    ),
+}
+# What acts in every run of every figure (friction: Fig. 7 starts at none, but not all of it).
+EVERYWHERE = {
+    "lateral damping", "lateral stiffness", "axial damping", "axial stiffness", "tilt damping",
+    "tilt stiffness", "press force", "excitation", "contact stiffness", "contact damping",
+    "force of the edge", "friction",
+}  # fmt: skip
+FIGURES = [f"fig{number:02}" for number in range(5, 15)]
+
+
+def mutated(folder: Path, mutation: str) -> Path:
+    """A copy of the sources with one error in it."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    source = Path(shutil.copytree(PROJECT / "src", folder / "src", ignore=ignored))
+    file, old, new = MUTATIONS[mutation]
+    path = source / "model" / "physics" / file
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1, f"{old!r} must stand once in {file}: adapt the mutation"
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return source
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS)
+def test_a_unit_test_catches_it(tmp_path: Path, mutation: str) -> None:
+    source = mutated(tmp_path, mutation)
+    options = ["-x", "-q", "-p", "no:cacheprovider", "-o", f"pythonpath={source}"]
+    run = subprocess.run(
+        [sys.executable, "-m", "pytest", *options, *UNIT_TESTS],
+        cwd=PROJECT,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(source)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 1, run.stdout + run.stderr
+    assert "1 failed" in run.stdout
+
+
+# Prints, for every figure, how often the comparison finds each variable to differ.
+COMPARE = """
+import json, sys
+from pathlib import Path
+from model.study.comparison import open_dataset
+from model.study.reference import compare_with_reference
+from model.study.config import load_study
+from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
+from model.study.sweeps import sweep_of
+
+study, folder, against = load_study(Path(sys.argv[1])), Path(sys.argv[2]), sys.argv[3]
+found = {}
+for name in json.loads(sys.argv[4]):
+    sweep = sweep_of(study, name)
+    if sweep.kind == "history":
+        dataset = history_dataset(sweep, "t", "s")
+    else:
+        dataset = merge_chunks(sweep, "t", "s", [compute_chunk(sweep, 0, 1)])
+    write_dataset(dataset, folder / f"{name}.nc")
+    if against:
+        reference = open_dataset(Path(against) / f"{name}.nc")
+        findings = compare_with_reference(reference, open_dataset(folder / f"{name}.nc"))
+        found[name] = [each.variable for each in findings]
+print(json.dumps(found))
+"""
+
+
+def small_study(folder: Path) -> Path:
+    """The study as the small one, in one file."""
+    import yaml  # noqa: PLC0415
+
+    def laid_over(base: dict, changes: dict) -> dict:
+        merged = dict(base)
+        for name, value in changes.items():
+            inner = isinstance(value, dict) and isinstance(base.get(name), dict)
+            merged[name] = laid_over(base[name], value) if inner else value
+        return merged
+
+    parts = [
+        yaml.safe_load((PROJECT / "config" / name).read_text(encoding="utf-8"))
+        for name in ("config.yaml", "smoke.yaml")
+    ]
+    path = folder / "study.yaml"
+    path.write_text(yaml.safe_dump(laid_over(*parts)), encoding="utf-8")
+    return path
+
+
+def compare(source: Path, folder: Path, study: Path, against: str) -> dict[str, list[str]]:
+    run = subprocess.run(
+        [sys.executable, "-c", COMPARE, str(study), str(folder), against, json.dumps(FIGURES)],
+        env={**os.environ, "PYTHONPATH": str(source), "VIBRALIGN_CACHE": str(folder / "kernels")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(run.stdout)
+
+
+@pytest.fixture(scope="module")
+def right(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The small study's configuration and its datasets, computed without an error."""
+    folder = tmp_path_factory.mktemp("right")
+    study = small_study(folder)
+    compare(PROJECT / "src", folder, study, "")
+    assert not any(compare(PROJECT / "src", folder, study, str(folder)).values())
+    return study, folder
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("mutation", MUTATIONS)
+def test_the_figures_where_it_acts_catch_it(
+    tmp_path: Path, right: tuple[Path, Path], mutation: str
+) -> None:
+    study, reference = right
+    found = compare(mutated(tmp_path, mutation), tmp_path, study, str(reference))
+    red = {name for name, variables in found.items() if variables}
+    if mutation in EVERYWHERE:
+        assert red == set(FIGURES)
+    counted = f"{mutation}: red in {len(red)} of {len(FIGURES)} figures: {', '.join(sorted(red))}"
+    print(counted)  # noqa: T201  (`pytest -rP` shows it)

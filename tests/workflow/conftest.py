@@ -1,0 +1,203 @@
+"""The workflow with the real Snakemake and the real Makefile, on a study that builds in seconds."""
+
+import contextlib
+import copy
+import hashlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+PROJECT = Path(__file__).resolve().parents[2]
+PARTS = ("Snakefile", "Makefile", "workflow", "config", "profiles", "requirements.lock")
+TINY: dict[str, Any] = {
+    "results_root": "tiny",
+    "figures": {
+        **{f"fig{number:02}": {"swept": {"count": 4}, "chunks": 1} for number in range(6, 13)},
+        "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
+        "fig14": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1},
+    },
+    "accuracy": {
+        "horizon": 30.0,
+        "sets": 4,
+        "chunks": 2,
+        "settled": {"sets": 4, "chunks": 1, "longer": 2.0},
+    },
+    "precision": {
+        "ladder": {
+            "tolerances": [1e-3, 1e-6],
+            "steps": [0.01],
+            "max_evaluations": 20_000,
+            "max_evaluations_scipy": 1_000,
+        },
+        "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
+    },
+}
+STUDY = ["--configfile", "config/tiny.yaml"]
+
+
+class Workspace:
+    """A copy of the workflow with the tiny study; the package is the project's own."""
+
+    # One figure of every kind: what most tests build.
+    DATA = (
+        "tiny/data/fig05.nc",
+        "tiny/data/fig11.nc",
+        "tiny/data/fig13.nc",
+        "tiny/data/fixed_steps/fig13.nc",
+        "tiny/data/precision.nc",
+    )
+    PICTURES = tuple(
+        f"tiny/figures/{name}.{kind}"
+        for name in ("fig01", "fig11", "precision")
+        for kind in ("png", "svg", "pdf")
+    )
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        folder.mkdir(exist_ok=True)
+        self.source = PROJECT / "src"
+        for part in PARTS:
+            put = shutil.copytree if (PROJECT / part).is_dir() else shutil.copy
+            put(PROJECT / part, folder / part)
+        self.configure(TINY)
+        self._make_environment()
+
+    def configure(self, study: dict[str, Any]) -> None:
+        """Write the configuration that is laid over config.yaml."""
+        text = yaml.safe_dump(study)
+        (self.folder / "config" / "tiny.yaml").write_text(text, encoding="utf-8")
+
+    def _make_environment(self) -> None:
+        """What `make` finds in .venv: the Python that runs the tests, and the package."""
+        tools = self.folder / ".venv" / "bin"
+        tools.mkdir(parents=True)
+        run = f'PYTHONPATH="{self.source}" exec "{sys.executable}"'
+        for name, words in {"python": "", "snakemake": "-m snakemake"}.items():
+            tool = tools / name
+            tool.write_text(f'#!/bin/sh\n{run} {words} "$@"\n', encoding="utf-8")
+            tool.chmod(0o755)
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """So that scripts import the package from ``source``, and no test's invocation."""
+        kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_INV" not in name}
+        return {**kept, "PYTHONPATH": str(self.source)}
+
+    def snakemake(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
+        """Run Snakemake to its end."""
+        command = [sys.executable, "-m", "snakemake", f"-c{cores}", *arguments, *STUDY]
+        return subprocess.run(
+            command,
+            cwd=self.folder,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=600,
+            check=False,
+        )
+
+    def make_command(self, *targets: str) -> list[str]:
+        """`make`, the documented command, for some targets of the tiny study."""
+        flags = " ".join([*targets, *STUDY])
+        made = ["--old-file=environment", f"PYTHON={sys.executable}"]
+        return ["make", "--no-print-directory", *made, f"SNAKEMAKE_FLAGS={flags}"]
+
+    def make(self, *targets: str, **options: Any) -> subprocess.CompletedProcess[str]:
+        """Run `make` to its end."""
+        return subprocess.run(
+            self.make_command(*targets),
+            cwd=self.folder,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=600,
+            check=False,
+            **options,
+        )
+
+    def start_make(self, *targets: str) -> subprocess.Popen[bytes]:
+        """Start `make` in a process group of its own."""
+        return subprocess.Popen(
+            self.make_command(*targets),
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+    def kill(self, process: subprocess.Popen[bytes]) -> None:
+        """Kill -9 whatever is left of a process group."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(timeout=60)
+
+    def planned(self) -> set[tuple[str, str]]:
+        """(rule, output) of everything that a dry run wants to make."""
+        run = self.snakemake("--summary")
+        assert run.returncode == 0, run.stderr
+        rows = [line.split("\t") for line in run.stdout.splitlines() if "\t" in line]
+        head = rows[0]
+        table = [dict(zip(head, row, strict=False)) for row in rows[1:]]
+        assert len(table) > 100, "the summary lists every output"
+        return {(row["rule"], row["output_file"]) for row in table if row["plan"] != "no update"}
+
+    def sha256(self, *files: str) -> dict[str, str]:
+        """Hashes of files by their path."""
+        return {
+            file: hashlib.sha256((self.folder / file).read_bytes()).hexdigest() for file in files
+        }
+
+
+@pytest.fixture
+def tiny() -> dict[str, Any]:
+    """The configuration of the tiny study, to be changed at will."""
+    return copy.deepcopy(TINY)
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Workspace:
+    return Workspace(tmp_path / "project")
+
+
+@pytest.fixture
+def make_workspace() -> type[Workspace]:
+    return Workspace
+
+
+@pytest.fixture(scope="session")
+def touched(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+    """Every output of the tiny study as an empty file that Snakemake takes for made."""
+    made = Workspace(tmp_path_factory.mktemp("touched"))
+    for _, output in made.planned():
+        path = made.folder / output
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    run = made.snakemake("--touch", "--forceall", "--no-hooks")
+    assert run.returncode == 0, run.stderr
+    return made
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+    """A clean build of DATA and PICTURES, to compare with; tests must not change it."""
+    made = Workspace(tmp_path_factory.mktemp("built"))
+    run = made.snakemake(*made.DATA, *made.PICTURES)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return made
+
+
+@pytest.fixture
+def copy_of_built(tmp_path: Path, built: Workspace) -> Workspace:
+    """The clean build, to be changed at will."""
+    made = Workspace(tmp_path / "project")
+    for part in ("tiny", ".snakemake"):
+        shutil.copytree(built.folder / part, made.folder / part)
+    return made

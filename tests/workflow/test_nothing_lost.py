@@ -1,0 +1,196 @@
+"""Whatever happens to a build, `make` afterwards gives the bytes of a clean one.
+
+VIBRALIGN_KILLS is the number of moments at which a build is killed or interrupted: 4 in the default
+run, 50 in `make nightly`.
+"""
+
+import csv
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+
+KILLS = int(os.environ.get("VIBRALIGN_KILLS", "4"))
+VICTIMS = ("job", "snakemake", "group", "interrupt")
+
+
+def failed_runs(workspace: Any) -> dict[str, dict[str, str]]:
+    """The index's lines of runs that went wrong."""
+    with (workspace.folder / "tiny/runs.csv").open(encoding="utf-8", newline="") as stream:
+        return {row["run"]: row for row in csv.DictReader(stream) if row["status"] != "done"}
+
+
+def outcomes(workspace: Any) -> list[str]:
+    records = [
+        json.loads(path.read_text(encoding="utf-8"))
+        for path in (workspace.folder / "tiny/history").glob("*.json")
+    ]
+    ordered = sorted(records, key=lambda record: record["started_stamp"])
+    return [record["outcome"] for record in ordered]
+
+
+def is_clean(workspace: Any, built: Any) -> None:
+    """`make` ends well, with the bytes of a clean build, and leaves no half file."""
+    run = workspace.make(*built.DATA)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert workspace.sha256(*built.DATA) == built.sha256(*built.DATA)
+    assert not list((workspace.folder / "tiny").rglob("*.part"))
+    again = workspace.snakemake(*built.DATA, "-n")
+    assert "Nothing to be done" in again.stdout + again.stderr
+
+
+# --- Killed at random moments -------------------------------------------------------------------
+
+
+def victims(process: subprocess.Popen[bytes], kind: str) -> list[int]:
+    """Process ids to kill: the running jobs' Python, or Snakemake."""
+    found = []
+    for child in psutil.Process(process.pid).children(recursive=True):
+        try:
+            words = " ".join(child.cmdline())
+        except psutil.Error:
+            continue
+        is_job = "workflow/scripts/" in words and words.startswith(sys.executable)
+        is_snakemake = "-m snakemake" in words
+        if (kind == "job" and is_job) or (kind == "snakemake" and is_snakemake):
+            found.append(child.pid)
+    return found
+
+
+@pytest.mark.parametrize("trial", range(KILLS))
+def test_a_killed_build_ends_with_the_bytes_of_a_clean_one(
+    workspace: Any, built: Any, trial: int
+) -> None:
+    kind = VICTIMS[trial % len(VICTIMS)]
+    rng = np.random.default_rng(trial)
+    for _ in range(int(rng.integers(1, 3))):  # once or twice, before anybody has mended it
+        process = workspace.start_make(*built.DATA)
+        try:
+            with pytest.raises(subprocess.TimeoutExpired):
+                process.wait(timeout=float(rng.uniform(0.5, 9.0)))
+        except pytest.fail.Exception:
+            break  # it ended before it could be killed
+        if kind == "group":
+            workspace.kill(process)
+            continue
+        if kind == "interrupt":  # as Ctrl-C does
+            os.killpg(process.pid, signal.SIGINT)
+        for pid in victims(process, kind):
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                continue
+        process.wait(timeout=300)
+    is_clean(workspace, built)
+    assert "running" not in outcomes(workspace)[:-1], "every invocation has an end"
+
+
+# --- A disk that is full ------------------------------------------------------------------------
+
+
+def small_files() -> None:
+    """No file may grow beyond 30 kB: writing the rest fails, as on a full disk."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000))
+
+
+def test_a_file_that_cannot_be_written_whole_is_not_taken_for_good(
+    workspace: Any, built: Any
+) -> None:
+    for path in built.DATA:
+        assert (built.folder / path).stat().st_size > 30_000
+    run = workspace.make(*built.DATA, preexec_fn=small_files)
+    assert run.returncode != 0
+    assert not any((workspace.folder / path).exists() for path in built.DATA)
+    is_clean(workspace, built)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("kilobytes", [50, 150, 250, 350, 450])
+def test_a_full_disk_loses_nothing(workspace: Any, built: Any, kilobytes: int) -> None:
+    root = workspace.folder / "tiny"
+    root.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(root)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("mounting a small disk is not allowed here")
+    try:
+        run = workspace.make(*built.DATA)
+        assert run.returncode != 0
+        told = run.stdout + run.stderr
+        assert "No space left" in told or "kB left on the disk" in told
+        shutil.copytree(root, workspace.folder / "kept")  # the same files, where there is room
+    finally:
+        subprocess.run(["umount", str(root)], check=True)
+    root.rmdir()
+    (workspace.folder / "kept").rename(root)
+    is_clean(workspace, built)
+
+
+# --- Files that are not what they should be -----------------------------------------------------
+
+
+def truncate(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def of_another_figure(path: Path) -> None:
+    other = path.parents[1] / "fig11" / "0"
+    shutil.copy(other.with_suffix(".nc"), path)
+
+
+def of_another_study(path: Path) -> None:
+    """With its sidecar, so that only what it holds can tell."""
+    import xarray as xr  # noqa: PLC0415
+
+    from model.study.datasets import write_dataset  # noqa: PLC0415
+    from model.study.provenance import file_hash, write_json  # noqa: PLC0415
+
+    with xr.open_dataset(path) as stored:
+        foreign = stored.load().assign_attrs(sweep="0123456789abcdef")
+    write_dataset(foreign, path)
+    sidecar = path.with_suffix(".run.json")
+    record = json.loads(sidecar.read_text(encoding="utf-8"))
+    write_json({**record, "outputs": {path.name: file_hash(path)}}, sidecar)
+
+
+@pytest.mark.parametrize(
+    ("file", "damage"),
+    [
+        ("data/chunks/fig13/1.nc", truncate),
+        ("data/chunks/fig13/1.nc", of_another_figure),
+        ("data/fig11.nc", truncate),
+    ],
+)
+def test_a_damaged_file_is_made_again(
+    copy_of_built: Any, built: Any, file: str, damage: Callable[[Path], None]
+) -> None:
+    damage(copy_of_built.folder / "tiny" / file)
+    is_clean(copy_of_built, built)
+
+
+def test_a_foreign_chunk_fails_its_figure_only_and_says_why(copy_of_built: Any, built: Any) -> None:
+    of_another_study(copy_of_built.folder / "tiny/data/chunks/fig13/1.nc")
+    (copy_of_built.folder / "tiny/data/fig11.nc").unlink()
+    run = copy_of_built.make("--keep-going", *built.DATA)
+    assert run.returncode != 0
+    reason = "1.nc: is not chunk 1 of this sweep"
+    last_lines = "\n".join((run.stdout + run.stderr).splitlines()[-12:])
+    assert "merge/fig13 failed: " in last_lines
+    assert reason in last_lines
+    failed = failed_runs(copy_of_built)
+    assert list(failed) == ["merge/fig13"]
+    assert reason in failed["merge/fig13"]["reason"]
+    assert outcomes(copy_of_built)[-1] == "failed"
+    fig11 = "tiny/data/fig11.nc"
+    assert copy_of_built.sha256(fig11) == built.sha256(fig11), "the other figure is built"
+    is_clean(copy_of_built, built)
+    assert outcomes(copy_of_built)[-1] == "done"

@@ -1,0 +1,131 @@
+"""What runs again after an edit: exactly what depends on it, told by the real Snakemake.
+
+The outputs are empty files that Snakemake takes for made, so that every case is one dry run.
+"""
+
+import copy
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PROJECT = Path(__file__).resolve().parents[2]
+
+LAST = {"report", "index"}
+BESIDE = {"draw_evaluations", "draw_times", "draw_wrong_points"}  # speed against error
+DRAWN = {"plot", *LAST}
+FIXED = {"fixed_steps", "draw_wrong_points"}
+COMPUTED = {"chunk", "history", "merge", "precision", "fixed_steps", *DRAWN, *BESIDE}
+EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED}
+
+# (file, what stands there, what a mutation puts there, the rules that must run again)
+MUTATIONS = [
+    ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
+     {"kernels", "unlocated_kernels", *COMPUTED}),
+    ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
+    ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
+    ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5', COMPUTED),
+    ("src/model/show/plots.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
+     {*DRAWN, *BESIDE}),
+    ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
+     {"schematic", *DRAWN, *BESIDE}),
+    ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
+     {"schematic", *LAST}),
+    ("src/model/show/report.html.j2", "All runs at a glance", "Every run at a glance", LAST),
+    ("src/model/study/tracking.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
+    ("src/model/runs/unlocated.py", "import ", "import math as _unused\nimport ",
+     {"unlocated_kernels", "precision", "fixed_steps", *BESIDE, *LAST}),
+    ("src/model/study/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
+    ("src/model/show/cli.py", "import ", "import math as _unused\nimport ", set()),
+    ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
+     {"merge", *FIXED, *DRAWN}),
+    ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math", DRAWN),
+    ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
+]  # fmt: skip
+
+
+@pytest.fixture
+def project(touched: Any, tmp_path: Path) -> Any:
+    """A copy of the made study, and of the package, that a test may edit."""
+    made = copy.copy(touched)
+    made.folder = shutil.copytree(touched.folder, tmp_path / "project")
+    ignored = shutil.ignore_patterns("__pycache__")
+    made.source = shutil.copytree(PROJECT / "src", made.folder / "src", ignore=ignored)
+    return made
+
+
+def rules(planned: set[tuple[str, str]]) -> set[str]:
+    return {rule for rule, _ in planned}
+
+
+def test_nothing_runs_again_after_touch_comment_and_reformat(project: Any) -> None:
+    sources = [*project.source.rglob("*.py"), *project.folder.glob("workflow/scripts/*.py")]
+    assert len(sources) > 40
+    for path in sources:
+        text = path.read_text(encoding="utf-8")
+        text = text.replace("\n\n\n", "\n\n\n# a comment\n\n\n").replace(
+            "\n    return ", "\n\n    return "
+        )
+        path.write_text(f"{text}\n# the end\n", encoding="utf-8")
+        os.utime(path)
+    forces = project.source / "model/physics/forces.py"
+    reformatted = "return -(\n        p.press_force\n    )"
+    text = forces.read_text(encoding="utf-8")
+    assert "return -p.press_force" in text
+    forces.write_text(text.replace("return -p.press_force", reformatted), encoding="utf-8")
+    assert project.planned() == set()
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "expected"), MUTATIONS, ids=[each[0] for each in MUTATIONS]
+)
+def test_an_edit_runs_again_what_depends_on_it_and_nothing_else(
+    project: Any, file: str, old: str, new: str, expected: set[str]
+) -> None:
+    path = project.folder / file
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert rules(project.planned()) == expected
+
+
+def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[str, Any]) -> None:
+    tiny["figures"]["fig11"]["held"] = {"press_force": 2.6}
+    project.configure(tiny)
+    planned = project.planned()
+    assert rules(planned) == {"chunk", "merge", *DRAWN}
+    assert all("fig11" in output or rule in LAST for rule, output in planned)
+
+
+def test_a_caption_computes_nothing(project: Any, tiny: dict[str, Any]) -> None:
+    tiny["figures"]["fig11"]["title"] = "Another title"
+    project.configure(tiny)
+    planned = project.planned()
+    assert rules(planned) == {"merge", *DRAWN}
+    assert all("fig11" in output or rule in LAST for rule, output in planned)
+
+
+def test_another_number_of_chunks_computes_that_figure_anew(
+    project: Any, tiny: dict[str, Any]
+) -> None:
+    tiny["figures"]["fig13"]["chunks"] = 2
+    project.configure(tiny)
+    planned = project.planned()
+    assert rules(planned) == {"chunk", "merge", *FIXED, *DRAWN}
+    of_all = {"draw_wrong_points", *LAST}
+    assert all("fig13" in output or rule in of_all for rule, output in planned)
+
+
+def test_a_setting_of_all_figures_computes_everything(project: Any, tiny: dict[str, Any]) -> None:
+    tiny["settings"] = {"tolerance": 1e-9}
+    project.configure(tiny)
+    assert rules(project.planned()) == COMPUTED
+
+
+def test_a_lost_file_is_made_again(project: Any) -> None:
+    (project.folder / "tiny/figures/fig07.svg").unlink()
+    planned = project.planned()
+    assert rules(planned) == DRAWN
+    assert all("fig07" in output or rule in LAST for rule, output in planned)

@@ -1,0 +1,17 @@
+"""Index all runs of a results root: runs.csv and runs.sqlite."""
+
+import argparse
+from pathlib import Path
+
+from model.study.tracking import write_index
+
+
+def main() -> None:
+    """Read the command line and do it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--root", required=True, type=Path)
+    write_index(parser.parse_args().root)
+
+
+if __name__ == "__main__":
+    main()
