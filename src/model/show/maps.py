@@ -1,0 +1,113 @@
+"""What is drawn upon a stability map: contours of the duration, the reliable area, other figures.
+
+``plots.stability_map`` draws the areas; these functions take its axes and the dataset, and return
+the handles of what they drew, for the legend.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.contour import QuadContourSet
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import Stroke, withStroke
+from matplotlib.ticker import LogLocator, MaxNLocator
+from numpy.typing import NDArray
+
+from model.show import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+RELIABLE_LABEL = "reliable: aligns at every phase tried"
+MARK_LABEL = "where other figures stand"
+_CONTOURS = 5  # about as many
+_LEAST = 0.004  # of the map: a contour around less is no help to the eye
+
+
+def add_contours(axes: Axes, x: Floats, y: Floats, values: np.ma.MaskedArray) -> None:
+    """Labelled contours of ``values``, shape (y, x), at round numbers."""
+    levels = round_levels(values.compressed())
+    if not levels:
+        return
+    lines = axes.contour(x, y, values, levels, colors="white", linewidths=0.8, zorder=2.5)
+    lines.set_label("_contours")
+    lines.set_path_effects([Stroke(linewidth=1.4, foreground="#00000066"), Stroke(linewidth=0.8)])
+    labels = axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=7.0, inline_spacing=2)
+    for label in labels:
+        label.set_path_effects([withStroke(linewidth=1.6, foreground="#000000AA")])
+
+
+def round_levels(values: Floats) -> list[float]:
+    """Round numbers inside ``values``, with some of them on both sides; logarithmic if wide."""
+    if values.size == 0:
+        return []
+    low, high = (float(each) for each in np.quantile(values, [_LEAST, 1.0 - _LEAST]))
+    if low > 0.0 and high > 8.0 * low:
+        locator: Any = LogLocator(subs=(1.0, 2.0, 3.0, 5.0))
+    else:
+        locator = MaxNLocator(_CONTOURS, steps=[1, 2, 5, 10])
+    found = [float(level) for level in locator.tick_values(low, high) if low < level < high]
+    return found[:: max(1, round(len(found) / _CONTOURS))]
+
+
+def add_reliable(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
+    """The outline of the reliable area."""
+    if "reliable" not in dataset or "ensemble_phases" not in dataset.attrs:
+        return []
+    y, x = (dataset[name].values for name in dataset["reliable"].dims)
+    reliable = dataset["reliable"].values
+    if reliable.min() == reliable.max():
+        return []
+    outline: QuadContourSet = axes.contour(
+        x, y, reliable.astype(float), [0.5], colors=style.VERMILLION, linewidths=1.6, zorder=3.0
+    )
+    outline.set_label("_reliable")
+    return [Line2D([], [], color=style.VERMILLION, linewidth=1.6, label=RELIABLE_LABEL)]
+
+
+def add_marks(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
+    """Operating points of other figures: a dot, or a line along what the figure sweeps."""
+    marks = json.loads(dataset.attrs.get("operating_points", "[]"))
+    drawn = [_add_mark(axes, *mark) for mark in marks]
+    if not any(drawn):
+        return []
+    look: Mapping[str, Any] = {"markerfacecolor": "white", "markeredgecolor": style.BLACK}
+    return [Line2D([], [], linestyle="none", marker="o", markersize=6, label=MARK_LABEL, **look)]
+
+
+def _add_mark(axes: Axes, figure: str, x: Sequence[float], y: Sequence[float]) -> bool:
+    """Whether the mark lies in the axes, and is drawn."""
+    inside_x = np.clip(x, *axes.get_xlim())
+    inside_y = np.clip(y, *axes.get_ylim())
+    if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
+        return False
+    place = float(inside_x.mean()), float(inside_y.mean())
+    if max(len(x), len(y)) > 1:
+        axes.plot(
+            np.broadcast_to(inside_x, 2),
+            np.broadcast_to(inside_y, 2),
+            color="white",
+            linewidth=0.7,
+            linestyle=(0, (2, 2)),
+            label=f"_swept {figure}",
+            zorder=3.5,
+        )
+    axes.plot(
+        *([each] for each in place),
+        linestyle="none",
+        marker="o",
+        markersize=8.0,
+        markerfacecolor="white",
+        markeredgecolor=style.BLACK,
+        markeredgewidth=0.6,
+        label=f"_mark {figure}",
+        zorder=4.0,
+    )
+    words = figure.removeprefix("fig").lstrip("0")
+    axes.annotate(words, place, ha="center", va="center", fontsize=5.5, zorder=4.5)
+    return True
