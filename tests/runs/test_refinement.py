@@ -160,7 +160,7 @@ def test_values_are_interpolated_and_jumps_followed_down_to_their_size():
 
 @pytest.mark.parametrize("parts", [2, 3, 5])
 def test_a_map_made_in_parts_is_the_map_made_in_one_piece(parts):
-    x, y = plane()
+    x, _ = plane()
     kind, value = fractal(), np.where(half(), 1.0, 0.0) + x
     lattice = Lattice(cells=CELLS, coarse=COARSE, lines=LINES, jump=0.3)
     whole = refine(Map(kind, value), lattice)

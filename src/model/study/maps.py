@@ -315,7 +315,7 @@ def areas(outcome: NDArray[np.int8]) -> Ints:
     return found
 
 
-def _periods(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
+def periods(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
     """Durations in periods of the excitation; a constant one counts as of frequency 1."""
     frequency = plan.swept(rows, columns).get("frequency", np.array(plan.baseline.frequency))
     return tau * np.where(frequency > 0.0, frequency, 1.0) / (2.0 * math.pi)
@@ -338,7 +338,7 @@ def _remembered(known: Known, compute: Compute, progress: Callable[[int], None])
 def _paper_areas(plan: MapPlan, look_up: Compute) -> Evaluate:
     def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
         found = look_up(rows, columns)
-        return areas(found["outcome"]), _periods(plan, rows, columns, found["tau_align"])
+        return areas(found["outcome"]), periods(plan, rows, columns, found["tau_align"])
 
     return evaluate
 
