@@ -202,7 +202,7 @@ def test_the_maps_of_the_study_stand_on_the_ranges_of_its_figures():
     for name in study.map_names[:-1]:
         plan = map_plan(study, name)
         plane = study.plane(name)
-        assert plan.x.start, plan.x.stop == (plane.x.start, plane.x.stop)
+        assert (plan.x.start, plan.x.stop) == (plane.x.start, plane.x.stop)
         assert plan.cells == (1024 if name in ("fig13", "fig14") else 512)
         assert len(plan.starts()) >= 16
     with pytest.raises(ValueError, match="is no map of outcomes"):
