@@ -14,6 +14,7 @@ from typing import Any
 from model.physics.compiled import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
+from model.physics.units import QUANTITIES
 from model.runs.settings import Settings
 
 _READINGS = ("consistent", "printed")
@@ -37,7 +38,8 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         dest="switches",
         help=words,
     )
-    add("--horizon", metavar="H", help="latest time (default: that of the study)")
+    words = "latest time, in units of 1/p (default: that of the study)"
+    add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
 
 
@@ -124,16 +126,19 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
 
 
 def parameter_table(baseline: Parameters) -> str:
-    """Name, symbol, baseline value and meaning of every parameter."""
-    rows = [("name", "symbol", "baseline", "meaning")]
+    """Name, symbol, baseline, SI unit and meaning of every parameter."""
+    rows = [("name", "symbol", "baseline", "SI unit", "meaning")]
     for name, field in FIELDS.items():
         value = getattr(baseline, name)
         shown = f"as {field.derived}" if value is None else f"{value:g}"
         rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
-        rows.append((name, field.symbol, shown, field.description + (f"; {rule}" if rule else "")))
-    widths = [max(len(row[i]) for row in rows) for i in range(3)]
-    lines = [
-        "  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[3]])
-        for row in rows
-    ]
-    return "parameters that --set takes, each a finite number:\n  " + "\n  ".join(lines) + "\n"
+        words = field.description + (f"; {rule}" if rule else "")
+        rows.append((name, field.symbol, shown, QUANTITIES[name].unit, words))
+    lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
+    return "\n".join(lines) + "\n"
+
+
+def in_columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """Lines of a table, each column as wide as its widest cell."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]

@@ -17,6 +17,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from model.physics.notation import State
+from model.physics.parameters import Parameters
+from model.physics.units import FORCE, TIME, UNITS, Units
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
 from model.show import export_commands, map_commands, reference_commands, tracking_commands
@@ -24,12 +26,16 @@ from model.show.arguments import (
     add_model_options,
     announce_compilation,
     check_picture,
+    in_columns,
+    number,
+    pairs,
     parameter_table,
     parameters_of,
     settings_of,
 )
 from model.solver.outcomes import Outcome
 from model.study.config import Study, load_study, study_path
+from model.study.devices import load_device
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
@@ -108,34 +114,46 @@ def _add_simulate(commands: Any) -> None:
     parser = commands.add_parser(
         "simulate",
         help=words,
-        description=f"{words[0].upper()}{words[1:]}. All values are dimensionless.",
+        description=f"{words[0].upper()}{words[1:]}. All values are dimensionless, but for those "
+        "of a device file.",
         epilog="exit code: 0 the run was done, whatever its outcome; 1 it failed; 2 bad input",
         allow_abbrev=False,
     )
     add = parser.add_argument
     add_model_options(parser)
+    words = "the device, its quantities in SI units as in docs/peg.yaml; --set is then in SI too"
+    add("--device", type=Path, metavar="FILE", help=words)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     add("--plot", type=Path, metavar="FILE", help=words)
     add("--json", action="store_true", help="print everything as JSON")
-    parser.appendix = lambda: parameter_table(_study().baseline)
+    parser.appendix = lambda: parameter_table(_study().baseline) + _units_table()
     parser.set_defaults(run=_simulate)
 
 
 def _simulate(arguments: argparse.Namespace) -> int:
     study = _study()
-    parameters = parameters_of(study.baseline, arguments.changes)
+    units, parameters = _device(study.baseline, arguments)
     settings = settings_of(study.settings.settings, arguments)
     if arguments.plot is not None:
         check_picture(arguments.plot)
     announce_compilation()
     run = simulate(parameters, settings)
     if arguments.json:
-        print(json.dumps(_record(run, settings), indent=2))
+        record = _record(run, settings) | ({"si": _in_si(run, units)} if units else {})
+        print(json.dumps(record, indent=2))
     else:
-        print("\n".join(_report(run)))
+        print("\n".join([*_report(run), *(_report_in_si(run, units) if units else [])]))
     if arguments.plot is not None and not _draw(run, arguments.plot):
         return FAILED
     return FAILED if run.outcome == Outcome.FAILED else DONE
+
+
+def _device(baseline: Parameters, arguments: argparse.Namespace) -> tuple[Units | None, Parameters]:
+    """What is to be run, and its units where it comes from a file in SI units."""
+    if arguments.device is None:
+        return None, parameters_of(baseline, arguments.changes)
+    changes = pairs(arguments.changes, "--set").items()
+    return load_device(arguments.device, {name: number(name, text) for name, text in changes})
 
 
 def _draw(run: Trajectory, path: Path) -> bool:
@@ -152,6 +170,11 @@ def _draw(run: Trajectory, path: Path) -> bool:
 
 
 # --- What is printed ----------------------------------------------------------------------------
+
+
+def _units_table() -> str:
+    rows = [(name, unit, words) for name, (words, unit) in UNITS.items()]
+    return "\n".join(["what a file for --device states besides:", *in_columns(rows)]) + "\n"
 
 
 def _name(outcome: Any) -> str:
@@ -196,6 +219,34 @@ def _report(run: Trajectory) -> list[str]:
             "do not rely on its digits"
         )
     return lines
+
+
+def _in_si(run: Trajectory, units: Units) -> dict[str, float | None]:
+    """What a designer asks for, in SI units; null for what is not a number."""
+    time, force = units.of(TIME), units.of(FORCE)
+    values = {
+        "alignment_time_s": run.tau_align * time,
+        "alignment_time_error_s": run.tau_error * time,
+        "contact_force_max_N": run.contact_force_max * force,
+        "time_unit_s": time,
+        "length_unit_m": units.amplitude,
+        "force_unit_N": force,
+    }
+    return {name: _or_null(value) for name, value in values.items()}
+
+
+def _report_in_si(run: Trajectory, units: Units) -> list[str]:
+    time, force = units.of(TIME), units.of(FORCE)
+    rows = [("contact force", f"{run.contact_force_max * force:.4g} N at most")]
+    if run.outcome == Outcome.ALIGNED:
+        rows = [
+            ("alignment time", f"{_within(run.tau_align * time, run.tau_error * time)} s"),
+            *rows,
+        ]
+    rows.append(
+        ("units", f"time {time:.4g} s, length {units.amplitude:.4g} m, force {force:.4g} N")
+    )
+    return ["in SI units:", *(f"  {name:<18}{value}" for name, value in rows)]
 
 
 def _final_state(run: Trajectory) -> dict[str, float]:

@@ -38,9 +38,14 @@ from model.solver.record import (
     state_in,
 )
 from model.solver.step import (
+    CAUTION,
+    LEAST_GROWTH,
+    LEAST_SHRINKING,
+    MOST_GROWTH,
     dense_output,
     error_estimate,
     interpolate,
+    is_too_short,
     right_hand_side,
     state_of,
     take_step,
@@ -49,6 +54,7 @@ from model.solver.switching import (
     CORNER_LOAD,
     FACE_LOAD,
     NEVER,
+    ON_A_SWITCH,
     SAMPLE_SIZE,
     SIDE_LOAD,
     SWITCH_COUNT,
@@ -61,7 +67,6 @@ _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
 
 TRACK_COLUMNS = 9  # time, the state, the support's normal force, the side's
-_ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
 SWITCH_RESOLUTION = 3e-3  # a switch's last correction over the tolerance's square root
 
 
@@ -107,11 +112,14 @@ def _accepted_step(time, h, y, p, mode, method, tolerance, work):
         take_step(time, h, y, p, mode, method, work.k, work.y_end)
         error = error_estimate(h, y, work.y_end, method, work.k, tolerance)
         if error <= 1.0:
-            growth = 5.0 if error == 0.0 else min(5.0, 0.9 * error ** (-1.0 / method.order))
-            return h, h * max(growth, 0.3), rejected
+            growth = MOST_GROWTH
+            if error > 0.0:
+                growth = min(growth, CAUTION * error ** (-1.0 / method.order))
+            return h, h * max(growth, LEAST_GROWTH), rejected
         rejected += 1
-        h *= max(0.1, 0.9 * error ** (-1.0 / method.order)) if isfinite(error) else 0.1
-        if h <= 1e-14 * max(1.0, time):
+        shrinking = CAUTION * error ** (-1.0 / method.order) if isfinite(error) else 0.0
+        h *= max(LEAST_SHRINKING, shrinking)
+        if is_too_short(h, time):
             return 0.0, 0.0, rejected
 
 
@@ -120,7 +128,7 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work)
     """Repeat the step up to the switch: (length, steps taken), the state in ``work.y_end``.
 
     Newton's iteration on whole steps, so that the switch is as accurate as a step, whatever the
-    order of the dense output that gives the slope. A last correction so small that its square is
+    order of the dense output that gives the slope. A last correction that is
     below ``resolution`` moves along the tangent instead.
     """
     length, scratch = theta * h, work.scratch
@@ -226,7 +234,7 @@ def _note_closest(samples, last, runs, i):
     A mode starts on zeros of its own functions: that it leaves them is no approach to a switch.
     """
     for which in range(SWITCH_COUNT):
-        if samples[0, which] != NEVER and samples[0, which] > _ON_A_SWITCH:
+        if samples[0, which] != NEVER and samples[0, which] > ON_A_SWITCH:
             lowest = runs[CLOSEST + which, i]
             for node in range(1, last + 1):
                 lowest = min(lowest, samples[node, which])

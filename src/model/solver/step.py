@@ -7,6 +7,15 @@ from model.physics.motion import motion
 from model.physics.notation import State
 from model.solver.record import STATE_SIZE
 
+# The next step over this one: the error estimate's proposal times CAUTION, within these bounds.
+CAUTION, MOST_GROWTH, LEAST_GROWTH, LEAST_SHRINKING = 0.9, 5.0, 0.3, 0.1
+
+
+@inlined_kernel
+def is_too_short(h, time):
+    """Whether a step is below the resolution of time."""
+    return h <= 1e-14 * max(1.0, time)
+
 
 @inlined_kernel
 def state_of(y):

@@ -19,6 +19,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 NEVER = 1e300
+ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
 _NOTHING = -1e300  # a quantity that a condition does not have
 
