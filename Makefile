@@ -5,7 +5,7 @@
 # make maps       the stability maps that the paper does not have, into results/figures/maps
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
-#                 BENCH_FLAGS=--quick for a rough table in three
+#                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions

@@ -31,7 +31,8 @@ class Comparison:
     Attributes:
         figure, cells: which map, and its finest cells along a side.
         computed: share of the nodes that the refined map computes.
-        wrong: nodes in another area than on the full grid.
+        failed: nodes whose run failed on the full grid, so that nothing is known of them.
+        wrong: other nodes in another area than on the full grid.
         flagged: share that the refined map flags for lying beside a border.
         wrong_unflagged: wrong nodes that it does not flag.
         off: share of the aligned nodes whose duration is off by more than ``JUMP`` periods.
@@ -41,6 +42,7 @@ class Comparison:
     figure: str
     cells: int
     computed: float
+    failed: int
     wrong: int
     flagged: float
     wrong_unflagged: int
@@ -50,12 +52,13 @@ class Comparison:
 
     def words(self) -> str:
         """One line of the table."""
+        time = self.seconds_refined / self.seconds_full
         return (
             f"{self.figure} {self.cells}x{self.cells}: {100.0 * self.computed:.2f} % of the "
-            f"trajectories, {100.0 * self.seconds_refined / self.seconds_full:.2f} % of the time, "
-            f"{self.wrong} wrong, {self.wrong_unflagged} of them not flagged "
-            f"({100.0 * self.flagged:.2f} % are), {100.0 * self.off:.3f} % of the durations off by "
-            f"more than {JUMP:g} periods"
+            f"trajectories, {100.0 * time:.2f} % of the time; {self.wrong} wrong, of these "
+            f"{self.wrong_unflagged} not flagged ({100.0 * self.flagged:.2f} % are); {self.failed} "
+            f"failed on the full grid; {100.0 * self.off:.3f} % of the durations off by more than "
+            f"{JUMP:g} periods"
         )
 
 
@@ -120,7 +123,8 @@ def judge(
     seconds: tuple[float, float],
 ) -> Comparison:
     """``refined`` against the full grid of areas and durations."""
-    wrong: Bools = refined.kind != area
+    failed: Bools = area == Outcome.FAILED
+    wrong: Bools = (refined.kind != area) & ~failed
     flagged = refined.beside(BESIDE)
     rows, columns = np.indices(plan.lattice.shape)
     difference = np.abs(refined.value - periods(plan, rows, columns, tau))
@@ -129,6 +133,7 @@ def judge(
         figure=plan.name,
         cells=plan.cells,
         computed=float(refined.computed.mean()),
+        failed=int(failed.sum()),
         wrong=int(wrong.sum()),
         flagged=float(flagged.mean()),
         wrong_unflagged=int((wrong & ~flagged).sum()),
