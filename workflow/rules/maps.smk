@@ -62,7 +62,7 @@ rule limit:
         data=root / f"data/maps/{LARGEST_MISALIGNMENT}.nc",
         record=root / f"data/maps/{LARGEST_MISALIGNMENT}.run.json",
     log:
-        root / "logs/limit.log",
+        root / f"logs/limit/{LARGEST_MISALIGNMENT}.log",
     conda:
         "../envs/study.yaml"
     params:
@@ -86,7 +86,7 @@ rule draw_map:
         pdf=root / "figures/maps/{map}.pdf",
         record=root / "figures/maps/{map}.run.json",
     log:
-        root / "logs/draw_map/{map}.log",
+        root / "logs/plot/{map}.log",
     conda:
         "../envs/study.yaml"
     params:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-RELIABLE_LABEL = "reliable: aligns at every phase tried"
-MARK_LABEL = "where other figures stand"
+RELIABLE_LABEL = "reliable: at every phase"
+MARK_LABEL = "other figures, by number"
 _CONTOURS = 5  # about as many
 _LEAST = 0.004  # of the map: a contour around less is no help to the eye
 
@@ -86,15 +86,16 @@ def _add_mark(axes: Axes, figure: str, x: Sequence[float], y: Sequence[float]) -
     inside_y = np.clip(y, *axes.get_ylim())
     if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
         return False
-    place = float(inside_x.mean()), float(inside_y.mean())
+    place = float(inside_x[-1]), float(inside_y[-1])  # of a range, where it ends or leaves the map
     if max(len(x), len(y)) > 1:
         axes.plot(
             np.broadcast_to(inside_x, 2),
             np.broadcast_to(inside_y, 2),
             color="white",
-            linewidth=0.7,
+            linewidth=0.8,
             linestyle=(0, (2, 2)),
             label=f"_swept {figure}",
+            path_effects=[Stroke(linewidth=1.5, foreground="#00000055"), Stroke(linewidth=0.8)],
             zorder=3.5,
         )
     axes.plot(
@@ -106,8 +107,17 @@ def _add_mark(axes: Axes, figure: str, x: Sequence[float], y: Sequence[float]) -
         markeredgecolor=style.BLACK,
         markeredgewidth=0.6,
         label=f"_mark {figure}",
+        clip_on=False,
         zorder=4.0,
     )
     words = figure.removeprefix("fig").lstrip("0")
-    axes.annotate(words, place, ha="center", va="center", fontsize=5.5, zorder=4.5)
+    axes.annotate(
+        words,
+        place,
+        ha="center",
+        va="center_baseline",
+        fontsize=5.5,
+        zorder=4.5,
+        annotation_clip=False,
+    )
     return True

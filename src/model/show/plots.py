@@ -359,7 +359,7 @@ def stability_map(dataset: "xr.Dataset") -> Figure:
         figure.legend(
             handles=handles,
             loc="outside lower center",
-            ncols=min(len(handles), 3),
+            ncols=len(handles) if len(handles) < 4 else 2,
             handler_map={PathPatch: HandlerPatch()},
             handleheight=1.4,
         )
