@@ -71,53 +71,53 @@ def add_reliable(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
 
 
 def add_marks(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
-    """Operating points of other figures: a dot, or a line along what the figure sweeps."""
-    marks = json.loads(dataset.attrs.get("operating_points", "[]"))
-    drawn = [_add_mark(axes, *mark) for mark in marks]
-    if not any(drawn):
+    """Operating points of other figures: their number, and a line along what a figure sweeps."""
+    places: dict[tuple[float, float], list[str]] = {}
+    for figure, x, y in json.loads(dataset.attrs.get("operating_points", "[]")):
+        inside_x, inside_y = np.clip(x, *axes.get_xlim()), np.clip(y, *axes.get_ylim())
+        if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
+            continue  # beside the map
+        if max(len(x), len(y)) > 1:
+            _add_swept(axes, np.broadcast_to(inside_x, 2), np.broadcast_to(inside_y, 2), figure)
+        # Of a range, where it ends or leaves the map.
+        names = places.setdefault((float(inside_x[-1]), float(inside_y[-1])), [])
+        if figure not in names:
+            names.append(figure)
+    for place, figures in places.items():
+        _add_number(axes, place, figures)
+    if not places:
         return []
     look: Mapping[str, Any] = {"markerfacecolor": "white", "markeredgecolor": style.BLACK}
     return [Line2D([], [], linestyle="none", marker="o", markersize=6, label=MARK_LABEL, **look)]
 
 
-def _add_mark(axes: Axes, figure: str, x: Sequence[float], y: Sequence[float]) -> bool:
-    """Whether the mark lies in the axes, and is drawn."""
-    inside_x = np.clip(x, *axes.get_xlim())
-    inside_y = np.clip(y, *axes.get_ylim())
-    if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
-        return False
-    place = float(inside_x[-1]), float(inside_y[-1])  # of a range, where it ends or leaves the map
-    if max(len(x), len(y)) > 1:
-        axes.plot(
-            np.broadcast_to(inside_x, 2),
-            np.broadcast_to(inside_y, 2),
-            color="white",
-            linewidth=0.8,
-            linestyle=(0, (2, 2)),
-            label=f"_swept {figure}",
-            path_effects=[Stroke(linewidth=1.5, foreground="#00000055"), Stroke(linewidth=0.8)],
-            zorder=3.5,
-        )
+def _add_swept(axes: Axes, x: Floats, y: Floats, figure: str) -> None:
     axes.plot(
-        *([each] for each in place),
-        linestyle="none",
-        marker="o",
-        markersize=8.0,
-        markerfacecolor="white",
-        markeredgecolor=style.BLACK,
-        markeredgewidth=0.6,
-        label=f"_mark {figure}",
-        clip_on=False,
-        zorder=4.0,
+        x,
+        y,
+        color="white",
+        linewidth=0.8,
+        linestyle=(0, (2, 2)),
+        label=f"_swept {figure}",
+        path_effects=[Stroke(linewidth=1.5, foreground="#00000055"), Stroke(linewidth=0.8)],
+        zorder=3.5,
     )
-    words = figure.removeprefix("fig").lstrip("0")
+
+
+def _add_number(axes: Axes, place: tuple[float, float], figures: Sequence[str]) -> None:
+    words = ", ".join(figure.removeprefix("fig").lstrip("0") for figure in figures)
     axes.annotate(
         words,
         place,
         ha="center",
-        va="center_baseline",
+        va="center",
         fontsize=5.5,
-        zorder=4.5,
+        bbox={
+            "boxstyle": "circle,pad=0.25" if len(words) < 3 else "round,pad=0.3",
+            "facecolor": "white",
+            "edgecolor": style.BLACK,
+            "linewidth": 0.6,
+        },
         annotation_clip=False,
+        zorder=4.0,
     )
-    return True
