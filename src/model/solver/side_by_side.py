@@ -10,8 +10,6 @@ the reference engine's search on the dense output.
 from math import sqrt
 from typing import NamedTuple
 
-import numpy as np
-
 from model.physics.compiled import borrowed, inlined_kernel, kernel
 from model.solver.course import (
     History,
@@ -79,11 +77,13 @@ from model.solver.record import (
     TOLERANCE,
     constants_of,
     ending_of,
+    keep_ending,
     keep_state_in,
     mode_of,
     state_in,
 )
 from model.solver.step import (
+    are_finite,
     dense_coefficients,
     is_too_short,
     moved,
@@ -350,8 +350,9 @@ def _look_after(declared, method, control, lanes, runs, history, work, i):
     """Let lane ``i`` go on after a step that shows something."""
     if runs[SHOWN, i] == REJECTED_STEP:
         if is_too_short(runs[NEXT_STEP, i], runs[TIME, i]):
-            finite = np.isfinite(lanes.k[0, i::LANES].sum())
-            fail(runs, i, _STEP_TOO_SMALL if finite else _NOT_FINITE)
+            q = state_in(runs, STATE, i)
+            rates = rates_of(runs[TIME, i], q, constants_of(runs, i), mode_of(runs, i))
+            fail(runs, i, _STEP_TOO_SMALL if are_finite(rates) else _NOT_FINITE)
         return
     at_stop = False
     if runs[PHASE, i] == LANDING:
@@ -418,14 +419,14 @@ def integrate_all(rows, tolerances, declared, method, control, endings, many):
                     if runs[PHASE, i] == STEPPING and not lanes_hold(mode_of(runs, i)):
                         _run_elsewhere(declared, method, control, lanes, runs, history, work, i)
                 if runs[OUTCOME, i] != CONTINUES:
-                    endings[int(runs[ROW_OF_BATCH, i])] = ending_of(runs, i)
+                    keep_ending(ending_of(runs, i), endings, int(runs[ROW_OF_BATCH, i]))
                     runs[PHASE, i] = IDLE
             while runs[PHASE, i] == IDLE and queue < rows.shape[0]:
                 begin(rows[queue], tolerances[queue], declared, control, runs, i)
                 runs[ROW_OF_BATCH, i] = queue
                 _run_elsewhere(declared, method, control, lanes, runs, history, work, i)
                 if runs[OUTCOME, i] != CONTINUES:
-                    endings[queue] = ending_of(runs, i)
+                    keep_ending(ending_of(runs, i), endings, queue)
                     runs[PHASE, i] = IDLE
                 queue += 1
             active = active or runs[PHASE, i] != IDLE

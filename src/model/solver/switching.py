@@ -257,4 +257,6 @@ def switching_sample(time, q, p, mode):
 @kernel
 def switching_functions(time, q, p, mode, out):
     """Write ``switching_sample`` into ``out``, shape (SAMPLE_SIZE,)."""
-    out[:] = switching_sample(time, q, p, mode)
+    sample = switching_sample(time, q, p, mode)
+    for i in range(SAMPLE_SIZE):
+        out[i] = sample[i]
