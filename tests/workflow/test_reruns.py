@@ -17,7 +17,8 @@ LAST = {"report", "index"}
 BESIDE = {"draw_evaluations", "draw_times", "draw_wrong_points"}  # speed against error
 DRAWN = {"plot", *LAST}
 FIXED = {"fixed_steps", "draw_wrong_points"}
-COMPUTED = {"chunk", "history", "merge", "precision", "fixed_steps", *DRAWN, *BESIDE}
+MAPPED = {"map_part", "map"}
+COMPUTED = {"chunk", "history", "merge", "precision", "fixed_steps", *MAPPED, *DRAWN, *BESIDE}
 EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED}
 
 # (file, what stands there, what a mutation puts there, the rules that must run again)
@@ -41,6 +42,7 @@ MUTATIONS = [
     ("src/model/show/cli.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
      {"merge", *FIXED, *DRAWN}),
+    ("src/model/study/maps.py", "JUMP = 0.5", "JUMP = 0.6", {*MAPPED, *DRAWN}),
     ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math", DRAWN),
     ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
 ]  # fmt: skip
@@ -95,8 +97,10 @@ def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[s
     tiny["figures"]["fig11"]["held"] = {"press_force": 2.6}
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"chunk", "merge", *DRAWN}
-    assert all("fig11" in output or rule in LAST for rule, output in planned)
+    # Maps mark where other figures stand: they are assembled anew, and not computed.
+    assert rules(planned) == {"chunk", "merge", "map", *DRAWN}
+    marked = {"map", "plot", *LAST}
+    assert all("fig11" in output or rule in marked for rule, output in planned)
 
 
 def test_a_caption_computes_nothing(project: Any, tiny: dict[str, Any]) -> None:
@@ -113,7 +117,8 @@ def test_another_number_of_chunks_computes_that_figure_anew(
     tiny["figures"]["fig13"]["chunks"] = 2
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"chunk", "merge", *FIXED, *DRAWN}
+    # Its picture is that of its refined map.
+    assert rules(planned) == {"chunk", "merge", *FIXED, *LAST}
     of_all = {"draw_wrong_points", *LAST}
     assert all("fig13" in output or rule in of_all for rule, output in planned)
 
