@@ -59,6 +59,7 @@ rule report:
         ),
         comparison=[pictured(place) for place in PICTURES.values()],
         claims=[root / "claims.csv", *pictured("figures/claims")],
+        bases=[*contact_data, *pictured("figures/contact_stiffness")],
     output:
         page=root / "report.html",
         record=root / "report.run.json",
