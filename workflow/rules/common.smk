@@ -51,6 +51,13 @@ def records_beside():
     return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
 
 
+def records_of_claims():
+    """The sidecars of the jobs on the claims ledger, and on the base."""
+    jobs = ["data/claims/runs", "claims", "figures/claims", "figures/contact_stiffness"]
+    jobs += [f"data/contact_stiffness/{name}" for name in study.contact_stiffness.figures]
+    return [root / f"{job}.run.json" for job in jobs]
+
+
 def records(figure):
     """The sidecars of a figure's jobs."""
     found = [root / f"figures/{figure}.run.json"]
