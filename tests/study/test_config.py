@@ -200,7 +200,14 @@ def test_the_baseline_is_the_configuration_and_states_every_parameter() -> None:
 def test_smoke_changes_only_sizes() -> None:
     """config/smoke.yaml laid over config.yaml: the same study but for counts, chunks and rungs."""
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
-    assert set(smoke) == {"results_root", "figures", "maps", "accuracy", "precision"}
+    assert set(smoke) == {
+        "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
+        "contact_stiffness",
+    }  # fmt: skip
+    assert all(set(run) == {"swept"} for run in smoke["claims_runs"].values())
+    assert all(set(run["swept"]) == {"count"} for run in smoke["claims_runs"].values())
+    bases = {"stiffnesses", "damping_ratios", "damped_at", "figures"}
+    assert set(smoke["contact_stiffness"]) == bases
     assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble", "trials"}
     assert set(smoke["accuracy"]) == {"sets", "chunks", "settled"}
     assert set(smoke["accuracy"]["settled"]) == {"sets", "chunks"}
