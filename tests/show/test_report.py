@@ -263,7 +263,7 @@ def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, led
     for line in ledger.lines:
         row = rows[line.claim]
         for words in (line.place, line.statement, line.reason, line.verdict):
-            assert plain(str(escape(words))) in plain(row)
+            assert plain(str(report._with_subscripts(words))) in plain(row)
         links = re.findall(r'href="#([\w-]+)"', row)
         own = ["claims-runs" if not each.startswith("fig") else each for each in line.sources]
         assert links == own
@@ -274,7 +274,7 @@ def test_what_the_base_changes_is_told_in_sentences_and_tables(rendered, bases):
     part = rendered[rendered.index('id="contact"') : rendered.index('id="speed"')]
     section = contact_section(bases.datasets)
     for sentence in section.sentences:
-        assert plain(str(escape(sentence))) in plain(part)
+        assert plain(str(report._with_subscripts(sentence))) in plain(part)
     assert part.count("<tr>") == 2 * (1 + 2) + 1 + len(section.claims)
     for name in bases.datasets:
         assert f'href="data/contact_stiffness/{name}.nc"' in part
