@@ -44,6 +44,16 @@ TINY: dict[str, Any] = {
         },
         "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
     },
+    "claims_runs": {
+        name: {"swept": {"count": 2}}
+        for name in ("centred", "pressed", "misaligned", "displaced", "rubbing", "by_frequency")
+    },
+    "contact_stiffness": {
+        "stiffnesses": [30.0],
+        "damping_ratios": [1.0],
+        "damped_at": [100.0],
+        "figures": {name: {"points": 2} for name in ("fig06", "fig12", "fig13")},
+    },
 }
 STUDY = ["--configfile", "config/tiny.yaml"]
 

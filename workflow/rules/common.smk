@@ -1,9 +1,11 @@
 """What the rules share: how the parts of a figure or trial are named and described."""
 
+import json
 import sys
 from pathlib import Path
 
 from model.study.accuracy import trial_of
+from model.study.claims.runs import claim_sweep
 from model.study.plans import PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
@@ -49,6 +51,22 @@ def records_beside():
     jobs = ["data/precision", *PICTURES.values()]
     jobs += [f"data/fixed_steps/{figure}" for figure in study.precision.fixed_steps.figures]
     return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
+
+
+def runs_of_claims():
+    """Title and computation of every run that only the ledger reads, as JSON."""
+    runs = {
+        name: (run.title, claim_sweep(study, name).model_dump(mode="json"))
+        for name, run in study.claims_runs.items()
+    }
+    return json.dumps(runs)
+
+
+def records_of_claims():
+    """The sidecars of the jobs on the claims ledger, and on the base."""
+    jobs = ["data/claims/runs", "claims", "figures/claims", "figures/contact_stiffness"]
+    jobs += [f"data/contact_stiffness/{name}" for name in study.contact_stiffness.figures]
+    return [root / f"{job}.run.json" for job in jobs]
 
 
 def records(figure):

@@ -3,8 +3,11 @@
 import argparse
 from pathlib import Path
 
+from model.show.claims import Ledger
+from model.show.contact_stiffness import Bases
 from model.show.precision import Comparison
 from model.show.report import render_report
+from model.study.claims.table import read_ledger
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
 from model.study.plans import PICTURES
@@ -36,7 +39,15 @@ def main() -> None:
         wrong={name: read_dataset(path) for name, path in wrong.items()},
         pictures=compared,
     )
-    read = [*data.values(), *wrong.values(), times]
+    ledger = Ledger(read_ledger(root / "claims.csv"), root / "figures/claims.png")
+    on_bases = {
+        name: root / f"data/contact_stiffness/{name}.nc" for name in study.contact_stiffness.figures
+    }
+    bases = Bases(
+        {name: read_dataset(path) for name, path in on_bases.items()},
+        root / "figures/contact_stiffness.png",
+    )
+    read = [*data.values(), *wrong.values(), *on_bases.values(), times, root / "claims.csv"]
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {
         "made with": versions(),
@@ -44,9 +55,9 @@ def main() -> None:
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
     datasets = {name: read_dataset(path) for name, path in data.items()}
-    page = render_report(study, datasets, pictures, provenance, comparison)
+    page = render_report(study, datasets, pictures, provenance, comparison, ledger, bases)
     write_text(page, arguments.output)
-    shown = [*pictures.values(), *compared.values()]
+    shown = [*pictures.values(), *compared.values(), ledger.picture, bases.picture]
     job.finish(arguments.record, [arguments.output], [*read, *shown])
 
 

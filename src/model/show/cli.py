@@ -21,7 +21,13 @@ from model.physics.parameters import Parameters
 from model.physics.units import FORCE, TIME, UNITS, Units
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
-from model.show import export_commands, map_commands, reference_commands, tracking_commands
+from model.show import (
+    claims_commands,
+    export_commands,
+    map_commands,
+    reference_commands,
+    tracking_commands,
+)
 from model.show.arguments import (
     add_model_options,
     announce_compilation,
@@ -92,6 +98,7 @@ def _parser() -> _Parser:
     tracking_commands.add_commands(commands)
     export_commands.add_commands(commands)
     reference_commands.add_commands(commands)
+    claims_commands.add_commands(commands)
     return parser
 
 

@@ -322,6 +322,48 @@ class Maps(_Strict):
         return self
 
 
+class ClaimRun(_Strict):
+    """Curves that only the claims ledger reads, at the operating point of a figure.
+
+    ``centred`` starts the part with its mass centre above the edge, where the press has no arm.
+    """
+
+    title: str = Field(min_length=1)
+    figure: str
+    held: ParameterValues = {}
+    centred: bool = False
+    swept: Axis
+    family: Family
+
+
+class CoarseGrid(_Strict):
+    """A figure on fewer points along each axis, and on these values of its family only."""
+
+    points: int = Field(ge=2)
+    family: list[float] | None = Field(default=None, min_length=1)
+
+
+class ContactStiffness(_Strict):
+    """Figures on bases of other stiffness and damping; see contact_stiffness.py.
+
+    ``stiffnesses`` are tried at the device's damping ratio, ``damping_ratios`` at each of
+    ``damped_at``.
+    """
+
+    horizon: float = Field(gt=0.0)
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+    stiffnesses: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
+    damping_ratios: list[Annotated[float, Field(ge=0.0)]]
+    damped_at: list[Annotated[float, Field(gt=0.0)]]
+    figures: dict[str, CoarseGrid] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _can_be_run(self) -> "ContactStiffness":
+        for name in self.figures:
+            check_name(name, CURVES + MAPS, "figure with a grid")
+        return self
+
+
 class Study(_Strict):
     """The whole study; see config/config.yaml."""
 
@@ -333,6 +375,8 @@ class Study(_Strict):
     maps: Maps
     accuracy: Accuracy
     precision: Precision
+    claims_runs: dict[str, ClaimRun]
+    contact_stiffness: ContactStiffness
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
@@ -372,6 +416,14 @@ class Study(_Strict):
     def map_names(self) -> tuple[str, ...]:
         """Every map of the study, those of the paper first."""
         return *MAPS, *self.maps.planes, LARGEST_MISALIGNMENT
+
+    def claim_parameters(self, name: str) -> Parameters:
+        """What a run of the claims ledger holds, before it sweeps anything."""
+        run = self.claims_runs[name]
+        parameters = self.parameters(run.figure).replace(**run.held)
+        if run.centred:
+            parameters = parameters.replace(misalignment=parameters.slot_half_width)
+        return parameters
 
     def case(self, name: str) -> Parameters:
         """The operating point of a case: what its figure holds, and what the case adds."""
@@ -418,6 +470,11 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
         named: dict[str, type[BaseModel]] = {"ensemble": Ensemble, "resolution": Resolution}
         models |= {2: Maps, 3: named.get(path[1], Plane)}
         models |= {4: Plane if path[1] == "planes" else Span, 5: Span}
+    elif path[0] == "contact_stiffness":
+        models |= {2: ContactStiffness, 4: CoarseGrid}
+    elif path[0] == "claims_runs":
+        models[3] = ClaimRun
+        models[4] = Family if path[2] == "family" else Axis
     elif path[0] == "figures" and len(path) > 3:
         models[4] = kinds[path[2]]
         models[5] = Family if path[3] == "family" else Axis
@@ -483,7 +540,8 @@ def _check_figures(study: Study, source: str) -> list[str]:
                 Batch.of(parameters, **{part.parameter: part.values})
             except ValueError as error:
                 faults.append(f"{source}: figures.{name}.{key}: {error}")
-    return faults + _case_faults(study, source) + _plane_faults(study, source)
+    faults += _case_faults(study, source) + _plane_faults(study, source)
+    return faults + _claims_faults(study, source)
 
 
 def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
@@ -527,6 +585,25 @@ def _case_faults(study: Study, source: str) -> list[str]:
         try:
             check_name(case.figure, HISTORIES + CURVES + MAPS, "figure")
             study.case(name)
+        except ValueError as error:
+            faults.append(f"{place}: {error}")
+    return faults
+
+
+def _claims_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name, run in study.claims_runs.items():
+        place = f"{source}: claims_runs.{name}"
+        names = {run.family.parameter, run.swept.parameter}
+        if len(names) == 1:
+            faults.append(f"{place}: {run.swept.parameter!r} is varied twice")
+        varied = sorted(names & set(run.held))
+        faults += [f"{place}.held.{held}: is varied in the same run" for held in varied]
+        try:
+            check_name(run.figure, HISTORIES + CURVES + MAPS, "figure")
+            parameters = study.claim_parameters(name)
+            for part in (run.family, run.swept):
+                Batch.of(parameters, **{part.parameter: part.values})
         except ValueError as error:
             faults.append(f"{place}: {error}")
     return faults
