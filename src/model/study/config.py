@@ -31,6 +31,16 @@ HISTORIES = ("fig05",)
 CURVES = ("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12")
 MAPS = ("fig13", "fig14")
 FIGURES = SCHEMATICS + HISTORIES + CURVES + MAPS
+# What the identification searches of the structure; identification/candidate.py says what they mean.
+SEARCHED = (
+    "half_width",
+    "half_height",
+    "inertia_ratio",
+    "lateral_stiffness",
+    "lateral_damping_ratio",
+    "axial_damping_ratio",
+    "tilt_damping_ratio",
+)
 
 
 Value = TypeVar("Value")
@@ -195,6 +205,92 @@ class Accuracy(_Strict):
     ranges: Annotated[dict[str, Range], AfterValidator(_parameter_names)]
 
 
+class Pool(_Strict):
+    """The first samples of a search: structures, and operating points tried with each of them."""
+
+    structures: int = Field(ge=1)
+    operating_points: int = Field(ge=1)
+    chunks: int = Field(ge=1, le=1000)
+
+
+class Evolution(_Strict):
+    """How far a search is carried on from its first samples."""
+
+    population: int = Field(ge=5)
+    generations: int = Field(ge=1)
+
+
+Ranges = Annotated[dict[str, Range], Field(min_length=1)]
+
+
+class SearchLaw(_Strict):
+    """What is searched, and what is looked at; see identification/candidate.py.
+
+    Attributes:
+        seed: of every draw.
+        horizon: latest time of the search's runs.
+        tolerance: of the search's runs, each of which is run once.
+        counts: values along each axis of a figure with a grid.
+        structure: ranges of what all figures share.
+        stated: what the paper says of a figure's operating point.
+        operating_points: ranges of what it leaves open, by figure.
+        set_aside: claims that do not count in the score, with the reason.
+        goal: margin from which more of it is worth little.
+    """
+
+    seed: int = Field(ge=0)
+    horizon: float = Field(gt=0.0)
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+    counts: dict[str, Annotated[int, Field(ge=4)]]
+    structure: Ranges
+    stated: dict[str, ParameterValues]
+    operating_points: dict[str, Annotated[Ranges, AfterValidator(_parameter_names)]]
+    set_aside: dict[str, str]
+    goal: float = Field(gt=0.0, lt=1.0)
+
+    @model_validator(mode="after")
+    def _names_figures(self) -> "SearchLaw":
+        for name in (*self.counts, *self.stated, *self.operating_points):
+            check_name(name, HISTORIES + CURVES + MAPS, "figure that is computed")
+        missing = [name for name in CURVES + MAPS if name not in self.counts]
+        if missing:
+            raise ValueError(f"counts: missing {', '.join(missing)}")
+        for name in self.structure:
+            check_name(name, SEARCHED, "parameter that is searched")
+        if len(self.structure) < len(SEARCHED):
+            lacking = [name for name in SEARCHED if name not in self.structure]
+            raise ValueError(f"structure: missing {', '.join(lacking)}")
+        return self
+
+
+class Identification(_Strict):
+    """How unstated parameters are identified, and how much is spent on it.
+
+    Attributes:
+        law: what is searched.
+        pool: the first samples under the study's reading.
+        evolution: of each search over all claims.
+        starts: searches over all claims, each from structures of its own.
+        finer: how many of the best are judged again, with three times the values along each axis.
+        half: of each search over half of the claims.
+        splits: how often the claims are halved.
+        admissible: how many claims fewer than the best an admissible set may reproduce.
+        reading_pool: the first samples under each other reading.
+        reading_evolution: of each other reading's search.
+    """
+
+    law: SearchLaw
+    pool: Pool
+    evolution: Evolution
+    starts: int = Field(ge=1)
+    finer: int = Field(ge=1)
+    half: Evolution
+    splits: int = Field(ge=1)
+    admissible: int = Field(ge=0)
+    reading_pool: Pool
+    reading_evolution: Evolution
+
+
 class Case(_Strict):
     """One operating point at which methods are compared, from a figure of the study.
 
@@ -274,6 +370,7 @@ class Study(_Strict):
     figures: dict[str, FigureSpec]
     accuracy: Accuracy
     precision: Precision
+    identification: Identification
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
