@@ -360,6 +360,20 @@ class Precision(_Strict):
     fixed_steps: FixedSteps
 
 
+class ClaimRun(_Strict):
+    """Curves that only the claims ledger reads, at the operating point of a figure.
+
+    ``centred`` starts the part with its mass centre above the edge, where the press has no arm.
+    """
+
+    title: str = Field(min_length=1)
+    figure: str
+    held: ParameterValues = {}
+    centred: bool = False
+    swept: Axis
+    family: Family
+
+
 class Study(_Strict):
     """The whole study; see config/config.yaml."""
 
@@ -371,6 +385,7 @@ class Study(_Strict):
     accuracy: Accuracy
     precision: Precision
     identification: Identification
+    claims_runs: dict[str, ClaimRun]
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
@@ -392,6 +407,14 @@ class Study(_Strict):
     def parameters(self, figure: str) -> Parameters:
         """What a figure holds, before it sweeps anything."""
         return self.baseline.replace(**self.figures[figure].held)
+
+    def claim_parameters(self, name: str) -> Parameters:
+        """What a run of the claims ledger holds, before it sweeps anything."""
+        run = self.claims_runs[name]
+        parameters = self.parameters(run.figure).replace(**run.held)
+        if run.centred:
+            parameters = parameters.replace(misalignment=parameters.slot_half_width)
+        return parameters
 
     def case(self, name: str) -> Parameters:
         """The operating point of a case: what its figure holds, and what the case adds."""
@@ -434,6 +457,9 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
     elif path[0] == "precision":
         parts: dict[str, type[BaseModel]] = {"ladder": Ladder, "fixed_steps": FixedSteps}
         models |= {2: Precision, 3: parts.get(path[1], Case), 4: Case}
+    elif path[0] == "claims_runs":
+        models[3] = ClaimRun
+        models[4] = Family if path[2] == "family" else Axis
     elif path[0] == "figures" and len(path) > 3:
         models[4] = kinds[path[2]]
         models[5] = Family if path[3] == "family" else Axis
@@ -499,7 +525,7 @@ def _check_figures(study: Study, source: str) -> list[str]:
                 Batch.of(parameters, **{part.parameter: part.values})
             except ValueError as error:
                 faults.append(f"{source}: figures.{name}.{key}: {error}")
-    return faults + _case_faults(study, source)
+    return faults + _case_faults(study, source) + _claims_faults(study, source)
 
 
 def _case_faults(study: Study, source: str) -> list[str]:
@@ -509,6 +535,25 @@ def _case_faults(study: Study, source: str) -> list[str]:
         try:
             check_name(case.figure, HISTORIES + CURVES + MAPS, "figure")
             study.case(name)
+        except ValueError as error:
+            faults.append(f"{place}: {error}")
+    return faults
+
+
+def _claims_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name, run in study.claims_runs.items():
+        place = f"{source}: claims_runs.{name}"
+        names = {run.family.parameter, run.swept.parameter}
+        if len(names) == 1:
+            faults.append(f"{place}: {run.swept.parameter!r} is varied twice")
+        varied = sorted(names & set(run.held))
+        faults += [f"{place}.held.{held}: is varied in the same run" for held in varied]
+        try:
+            check_name(run.figure, HISTORIES + CURVES + MAPS, "figure")
+            parameters = study.claim_parameters(name)
+            for part in (run.family, run.swept):
+                Batch.of(parameters, **{part.parameter: part.values})
         except ValueError as error:
             faults.append(f"{place}: {error}")
     return faults

@@ -121,7 +121,9 @@ class Space(BaseModel):
         parameters: dict[str, float | None] = {**dict.fromkeys(("rest_x", "rest_y")), **self.fixed}
         parameters |= structure | self.held(point, figure)
         dimensions = [
-            dimension.model_copy(update=dict(zip(("start", "stop"), inertias(structure), strict=True)))
+            dimension.model_copy(
+                update=dict(zip(("start", "stop"), inertias(structure), strict=True))
+            )
             if isinstance(dimension, Axis) and dimension.parameter == "inertia"
             else dimension
             for dimension in self.dimensions[figure]
@@ -223,5 +225,3 @@ def space_of(study: Study, reading: str = "consistent", finer: int = 1) -> Space
             dimensions[name] = []
     fixed = {**study.operating_point, **study.structure}
     return Space(fixed=fixed, dimensions=dimensions, law=law, readings=readings_of(reading))
-
-

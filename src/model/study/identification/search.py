@@ -61,9 +61,7 @@ def _drawn(space: Space, pool: Pool) -> Array:
 
 def _margins_by_figure(space: Space, judge: Judge, trials: Array) -> Array:
     made = datasets_of(space, [(point, COMPUTED) for point in trials])
-    return np.array(
-        [[margins_of(judge, {name: each[name]}) for name in COMPUTED] for each in made]
-    )
+    return np.array([[margins_of(judge, {name: each[name]}) for name in COMPUTED] for each in made])
 
 
 def first_population(space: Space, judge: Judge, samples: Samples, size: int) -> Array:
