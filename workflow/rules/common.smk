@@ -3,7 +3,9 @@
 import sys
 from pathlib import Path
 
+from model.physics.readings import READING_NAMES
 from model.study.accuracy import trial_of
+from model.study.identification.candidate import space_of
 from model.study.plans import PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
@@ -66,6 +68,17 @@ def trial_chunks(name):
     """An accuracy trial's chunks."""
     law = study.accuracy if name == "error" else study.accuracy.settled
     return expand(root / f"accuracy/{name}/{{chunk}}.csv", chunk=range(law.chunks))
+
+
+def space(reading="consistent"):
+    """What the identification searches, as JSON."""
+    return space_of(study, reading).model_dump_json()
+
+
+def evolution(kind):
+    """How far a search of a kind is carried on, as JSON."""
+    law = study.identification.half if kind == "half" else study.identification.evolution
+    return law.model_dump_json()
 
 
 onstart:

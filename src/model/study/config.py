@@ -31,7 +31,7 @@ HISTORIES = ("fig05",)
 CURVES = ("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12")
 MAPS = ("fig13", "fig14")
 FIGURES = SCHEMATICS + HISTORIES + CURVES + MAPS
-# What the identification searches of the structure; identification/candidate.py says what they mean.
+# What the identification searches of the structure; see identification/candidate.py.
 SEARCHED = (
     "half_width",
     "half_height",

@@ -10,6 +10,7 @@ import hashlib
 import math
 from collections.abc import Mapping
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,7 +129,9 @@ class Space(BaseModel):
             else dimension
             for dimension in self.dimensions[figure]
         ]
-        kind = "history" if figure in HISTORIES else "curves" if figure in CURVES else "map"
+        kind: Literal["history", "curves", "map"] = "curves" if figure in CURVES else "map"
+        if figure in HISTORIES:
+            kind = "history"
         return Sweep.model_construct(
             figure=figure,
             kind=kind,

@@ -12,7 +12,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.physics.parameters import Batch
 from model.physics.readings import Readings
 from model.runs.batch import each_by_itself, side_by_side
 from model.runs.trajectory import simulate
@@ -20,8 +19,8 @@ from model.solver.record import Ending
 from model.study.claims import CLAIMS, Claim
 from model.study.claims.ledger import judge_claim
 from model.study.claims.reading import Data
-from model.study.config import HISTORIES
 from model.study.identification.candidate import COMPUTED, Space
+from model.study.sweeps import Sweep
 
 Array = NDArray[np.float64]
 _STORED = (
@@ -123,7 +122,7 @@ def datasets_of(
     return found
 
 
-def _grid(sweep, endings: Array) -> xr.Dataset:  # type: ignore[no-untyped-def]
+def _grid(sweep: Sweep, endings: Array) -> xr.Dataset:
     names = [dimension.parameter for dimension in sweep.dimensions]
     columns = {
         name: (names, endings[:, Ending._fields.index(name)].reshape(sweep.shape))
@@ -139,7 +138,7 @@ def _grid(sweep, endings: Array) -> xr.Dataset:  # type: ignore[no-untyped-def]
     return xr.Dataset({**columns, **held, **along})
 
 
-def _course(sweep) -> xr.Dataset:  # type: ignore[no-untyped-def]
+def _course(sweep: Sweep) -> xr.Dataset:
     run = simulate(sweep.baseline, sweep.settings.settings)
     columns = {
         "x": run.state[:, 0],

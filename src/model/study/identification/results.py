@@ -3,18 +3,19 @@
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.study.config import SEARCHED
-from model.study.identification.candidate import COMPUTED, Space, bare_inertia, inertias
+from model.study.identification.candidate import COMPUTED, Space, inertias
 from model.study.identification.evaluate import Judge
 from model.study.identification.search import Samples
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 DIGITS = 4  # of an identified value: what is known of it is far less
 
 
@@ -80,7 +81,7 @@ def rounded(value: float) -> float:
 
 
 def configured(space: Space, point: Array) -> dict[str, object]:
-    """A candidate as the configuration states it: structure, each figure's ``held``, Fig. 10's axis."""
+    """A candidate as the configuration states it, with the ends of Fig. 10's axis."""
     structure = {name: rounded(value) for name, value in space.structure(point).items()}
     held = {
         figure: {name: rounded(value) for name, value in space.held(point, figure).items()}
@@ -135,3 +136,117 @@ def correlations(space: Space, values: Array) -> Array:
 def shares(margins: Array) -> Array:
     """Share of the ensemble that reproduces each claim, shape (claims,)."""
     return np.asarray((margins > 0.0).mean(axis=0))
+
+
+def prior_shares(samples: Samples) -> Array:
+    """Share of the first samples that reproduce each claim; NaN where one figure does not suffice.
+
+    A claim on several figures is judged by each alone, and the shares are averaged.
+    """
+    known = np.isfinite(samples.margins)
+    count = known.sum(axis=(0, 1, 2))
+    held = (known & (np.nan_to_num(samples.margins, nan=-1.0) > 0.0)).sum(axis=(0, 1, 2))
+    return np.divide(held, count, out=np.full(count.size, math.nan), where=count > 0)
+
+
+class Split(NamedTuple):
+    """One split: claims searched for and those held out, and how many of each are reproduced."""
+
+    number: int
+    searched: int
+    searched_reproduced: int
+    held_out: int
+    held_out_reproduced: int
+
+    @property
+    def rate(self) -> float:
+        """Share of the claims held out that is reproduced."""
+        return self.held_out_reproduced / self.held_out
+
+
+def split_of(number: int, halves: tuple[Flags, Flags], margins: Array) -> Split:
+    """What the best candidate of a split's search shows; ``margins`` has shape (claims,)."""
+    first, second = halves
+    reproduced = margins > 0.0
+    return Split(
+        number,
+        int(first.sum()),
+        int((reproduced & first).sum()),
+        int(second.sum()),
+        int((reproduced & second).sum()),
+    )
+
+
+# --- In words -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Everything that the searches found.
+
+    Attributes:
+        space: what was searched.
+        judge: by which claims.
+        tried: how many candidates the searches over all claims tried.
+        best: point of the best of them on the finer grids.
+        best_margins: its margins there, shape (claims,).
+        ensemble: values of the admissible ones, shape (m, unknowns).
+        ensemble_margins: their margins on the coarse grids, shape (m, claims).
+        prior: share of the first samples that reproduces each claim, shape (claims,).
+        splits: the splits.
+        readings: margins of the best candidate of each reading, each of shape (claims,).
+    """
+
+    space: Space
+    judge: Judge
+    tried: int
+    best: Array
+    best_margins: Array
+    ensemble: Array
+    ensemble_margins: Array
+    prior: Array
+    splits: tuple[Split, ...]
+    readings: Mapping[str, Array]
+
+
+def _count(judge: Judge, margins: Array) -> int:
+    return int((margins[judge.counted] > 0.0).sum())
+
+
+def summary(found: Findings) -> str:
+    """What was found, as text."""
+    judge, counted = found.judge, int(found.judge.counted.sum())
+    ids = np.array(judge.ids)
+    failing = ids[judge.counted & (found.best_margins <= 0.0)]
+    shown = _count(judge, found.best_margins)
+    lines = [
+        f"the best of {found.tried} candidates reproduces {shown} of {counted} claims, finer grids",
+        f"not reproduced: {', '.join(failing) or 'none'}",
+        f"{len(found.ensemble)} admissible sets",
+        "",
+        f"{'unknown':28} {'5 %':>9} {'median':>9} {'95 %':>9}  width over the prior's",
+    ]
+    lines += [
+        f"{each.name:28} {each.low:9.4g} {each.median:9.4g} {each.high:9.4g}  {each.narrowed:.2f}"
+        for each in spreads(found.space, found.ensemble)
+    ]
+    lines += ["", f"{'claim':8} {'margin':>7} {'ensemble':>9} {'prior':>6}"]
+    lines += [
+        f"{name:8} {margin:7.2f} {share:9.2f} {prior:6.2f}" + ("" if in_score else "  set aside")
+        for name, margin, share, prior, in_score in zip(
+            ids, found.best_margins, shares(found.ensemble_margins), found.prior, judge.counted,
+            strict=True,
+        )
+    ]  # fmt: skip
+    lines += ["", "identified on half of the claims, judged on the other half"]
+    lines += [
+        f"split {each.number}: {each.searched_reproduced} of {each.searched} searched for, "
+        f"{each.held_out_reproduced} of {each.held_out} held out ({100 * each.rate:.0f} %)"
+        for each in found.splits
+    ]
+    mean = sum(each.rate for each in found.splits) / len(found.splits)
+    lines += [f"held out, mean: {100 * mean:.0f} %", "", "reading, each with the same budget"]
+    for name, margins in found.readings.items():
+        missing = ", ".join(ids[judge.counted & (margins <= 0.0)])
+        lines.append(f"{name:22} {_count(judge, margins)} of {counted}; not {missing}")
+    return "\n".join(lines) + "\n"

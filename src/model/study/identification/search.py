@@ -33,6 +33,10 @@ class Samples:
     points: Array
     margins: Array
 
+    def every(self, first: int, step: int) -> "Samples":
+        """Every ``step``-th structure from the ``first`` on."""
+        return Samples(self.points[first::step], self.margins[first::step])
+
 
 def sample(space: Space, judge: Judge, pool: Pool, chunk: int) -> Samples:
     """One chunk of the pool: every ``pool.chunks``-th structure.
@@ -141,3 +145,16 @@ def evolve(
         seed=np.random.default_rng([space.law.seed, 1, number]),
     )
     return trail.all()
+
+
+def halves(judge: Judge, seed: int, split: int) -> tuple[Flags, Flags]:
+    """A split of the claims that count into two halves, drawn; each of shape (claims,)."""
+    counted = np.flatnonzero(judge.counted)
+    drawn = np.random.default_rng([seed, 2, split]).permutation(counted)
+    first = np.isin(np.arange(judge.counted.size), drawn[: (counted.size + 1) // 2])
+    return first, judge.counted & ~first
+
+
+def best_of(judge: Judge, margins: Array, count: int) -> NDArray[np.int64]:
+    """Rows of the ``count`` candidates of greatest score, the best first."""
+    return np.argsort(-judge.score(margins), kind="stable")[:count]

@@ -1,0 +1,131 @@
+"""What the paper leaves unstated, identified: `snakemake -c2 identification`, apart from the study."""
+
+# A reading is a preset, or the one switch that is corrected while all others stay as printed.
+READINGS = ["consistent", "printed", *READING_NAMES]
+
+
+rule identify_sample:
+    input:
+        kernels=root / "data/kernels.json",
+    output:
+        data=root / "identification/samples/{chunk}.nc",
+        record=root / "identification/samples/{chunk}.run.json",
+    log:
+        root / "logs/identify_sample/{chunk}.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("identify_sample"),
+        space=space(),
+        pool=study.identification.pool.model_dump_json(),
+    message:
+        "identification: first samples, chunk {wildcards.chunk}"
+    shell:
+        "python workflow/scripts/identify_sample.py --space {params.space:q}"
+        " --pool {params.pool:q} --chunk {wildcards.chunk}"
+        " --output {output.data} --record {output.record} > {log} 2>&1"
+
+
+rule identify_search:
+    input:
+        expand(
+            root / "identification/samples/{chunk}.nc",
+            chunk=range(study.identification.pool.chunks),
+        ),
+    output:
+        data=root / "identification/{kind}{number}.nc",
+        record=root / "identification/{kind}{number}.run.json",
+    log:
+        root / "logs/identify_search/{kind}/{number}.log",
+    wildcard_constraints:
+        kind="start|half",
+        number=r"\d+",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("identify_search"),
+        space=space(),
+        evolution=lambda wildcards: evolution(wildcards.kind),
+        starts=study.identification.starts,
+    message:
+        "identification: search {wildcards.kind} {wildcards.number}"
+    shell:
+        "python workflow/scripts/identify_search.py --space {params.space:q}"
+        " --evolution {params.evolution:q} --kind {wildcards.kind}"
+        " --number {wildcards.number} --of {params.starts}"
+        " --output {output.data} --record {output.record} {input} > {log} 2>&1"
+
+
+rule identify_reading:
+    input:
+        kernels=root / "data/kernels.json",
+    output:
+        data=root / "identification/readings/{reading}.nc",
+        record=root / "identification/readings/{reading}.run.json",
+    log:
+        root / "logs/identify_reading/{reading}.log",
+    wildcard_constraints:
+        reading="|".join(READINGS),
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("identify_reading"),
+        space=lambda wildcards: space(wildcards.reading),
+        pool=study.identification.reading_pool.model_dump_json(),
+        evolution=study.identification.reading_evolution.model_dump_json(),
+    message:
+        "identification: under the reading {wildcards.reading}"
+    shell:
+        "python workflow/scripts/identify_reading.py --space {params.space:q}"
+        " --reading {wildcards.reading} --pool {params.pool:q} --evolution {params.evolution:q}"
+        " --output {output.data} --record {output.record} > {log} 2>&1"
+
+
+rule identify_summary:
+    input:
+        samples=expand(
+            root / "identification/samples/{chunk}.nc",
+            chunk=range(study.identification.pool.chunks),
+        ),
+        starts=expand(root / "identification/start{k}.nc", k=range(study.identification.starts)),
+        halves=expand(root / "identification/half{k}.nc", k=range(study.identification.splits)),
+        readings=expand(root / "identification/readings/{reading}.nc", reading=READINGS),
+    output:
+        root / "identification/best.yaml",
+        root / "identification/ensemble.nc",
+        root / "identification/ensemble.csv",
+        root / "identification/unknowns.csv",
+        root / "identification/claims.csv",
+        root / "identification/splits.csv",
+        root / "identification/readings.csv",
+        summary=root / "identification/summary.txt",
+        record=root / "identification/summary.run.json",
+    log:
+        root / "logs/identify_summary.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("identify_summary"),
+        study=study.model_dump_json(),
+        folder=root / "identification",
+    message:
+        "identification: the best set, the ensemble, splits and readings"
+    shell:
+        "python workflow/scripts/identify_summary.py --study {params.study:q}"
+        " --output {params.folder} --record {output.record}"
+        " --samples {input.samples} --starts {input.starts} --halves {input.halves} --readings {input.readings}"
+        " > {log} 2>&1"
+
+
+# Prints, whether or not anything had to be computed.
+rule identification:
+    input:
+        root / "identification/summary.txt",
+    log:
+        root / "logs/identification.log",
+    conda:
+        "../envs/study.yaml"
+    message:
+        "what the identification found"
+    shell:
+        "cat {input} | tee {log}"

@@ -1,0 +1,36 @@
+"""Search under one reading of the equations, with a budget that is the same for all readings."""
+
+import argparse
+from pathlib import Path
+
+from model.study.config import Evolution, Pool
+from model.study.datasets import write_dataset
+from model.study.identification.candidate import Space
+from model.study.identification.evaluate import judge_of
+from model.study.identification.results import candidates_dataset
+from model.study.identification.search import evolve, first_population, sample
+from model.study.provenance import Job
+
+
+def main() -> None:
+    """Read the command line and do it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--space", required=True, type=Space.model_validate_json)
+    parser.add_argument("--reading", required=True)
+    parser.add_argument("--pool", required=True, type=Pool.model_validate_json)
+    parser.add_argument("--evolution", required=True, type=Evolution.model_validate_json)
+    parser.add_argument("--output", required=True, type=Path)
+    parser.add_argument("--record", required=True, type=Path)
+    arguments = parser.parse_args()
+    space, job = arguments.space, Job("identify_reading", arguments.reading)
+    judge = judge_of(space)
+    samples = sample(space, judge, arguments.pool.model_copy(update={"chunks": 1}), 0)
+    population = first_population(space, judge, samples, arguments.evolution.population)
+    found = evolve(space, judge, population, arguments.evolution, 0)
+    title = f"Candidates under the reading {arguments.reading}"
+    write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
+    job.finish(arguments.record, [arguments.output], sweep=space.identity)
+
+
+if __name__ == "__main__":
+    main()
