@@ -75,7 +75,8 @@ A_TENTH_MORE = at_least(TENTH, 0.5, "a tenth more can be told from equality in a
 A_TENTH_STEEPER = at_least(
     asymmetry(TENTH, 1.0), 0.5, "a tenth more can be told from equality in a printed figure"
 )
-SIGNIFICANT = at_least(1.2, 0.5, "significant: a fifth, twice what can just be told from equality")
-CONSIDERABLE = at_least(1.5, 1.0, "considerable: by half, ten times what can just be seen")
+SIGNIFICANT = at_least(
+    1.2, 0.5, "significant, considerable: a fifth, twice what can just be told from equality"
+)
 VISIBLE = at_least(0.05, 0.2, "a twentieth is what can just be seen in a printed figure")
 WIDER = at_least(0.03, 0.2, "three hundredths of the axis: one point of the coarsest grid judged")
