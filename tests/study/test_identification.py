@@ -33,7 +33,7 @@ from model.study.identification.results import (
     split_of,
     spreads,
 )
-from model.study.identification.search import evolve, first_population, halves, sample
+from model.study.identification.search import first_population, halves, sample, search
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +153,7 @@ def test_a_batch_of_candidates_is_each_by_itself(space: Space) -> None:
 
 
 def test_only_claims_on_figures_are_judged_and_those_set_aside_do_not_count(
-    space: Space, judge: Judge
+    judge: Judge,
 ) -> None:
     assert set(judge.ids) <= {claim.id for claim in CLAIMS}
     assert {"C2a", "C6"} <= set(judge.ids)
@@ -212,20 +212,21 @@ def test_the_spread_of_the_prior_is_one_and_of_a_point_nothing(space: Space) -> 
     assert abs(related[0, 3]) < 0.1
 
 
-def test_a_search_repeats_itself_and_does_not_get_worse(space: Space, judge: Judge) -> None:
+def test_a_search_repeats_itself_with_the_margins_of_its_points(space: Space, judge: Judge) -> None:
     pool = Pool(structures=6, operating_points=2, chunks=2)
     samples = sample(space, judge, pool, 0)
     assert samples.points.shape == (3, 2, len(space.names))
     structure = space.places["structure"]
     np.testing.assert_array_equal(samples.points[:, 0, structure], samples.points[:, 1, structure])
-    best = first_population(space, judge, samples, 3)
-    population = np.concatenate([best, np.random.default_rng(6).random((2, best.shape[1]))])
-    evolution = Evolution(population=5, generations=1)
-    points, margins = evolve(space, judge, population, evolution, 0)
-    again, _ = evolve(space, judge, population, evolution, 0)
+    evolution = Evolution(population=5, generations=1, trials=2)
+    whole = sample(space, judge, Pool(structures=5, operating_points=2, chunks=1), 0)
+    points, margins = search(space, judge, whole, evolution, 0)
+    again, _ = search(space, judge, whole, evolution, 0)
     np.testing.assert_array_equal(points, again)
-    np.testing.assert_array_equal(points[:5], population)
-    np.testing.assert_array_equal(evaluate(space, judge, points[:1]), margins[:1])
+    assert len(points) == 10
+    np.testing.assert_array_equal(evaluate(space, judge, points[-1:]), margins[-1:])
+    first = first_population(space, judge, whole, 5)
+    np.testing.assert_allclose(points[:5, structure], first[:, structure], atol=1e-15)
 
 
 def test_a_candidate_as_configured_is_the_candidate(study: Study, space: Space) -> None:

@@ -8,7 +8,7 @@ from model.study.datasets import write_dataset
 from model.study.identification.candidate import Space
 from model.study.identification.evaluate import judge_of
 from model.study.identification.results import candidates_dataset
-from model.study.identification.search import evolve, first_population, sample
+from model.study.identification.search import sample, search
 from model.study.provenance import Job
 
 
@@ -25,8 +25,7 @@ def main() -> None:
     space, job = arguments.space, Job("identify_reading", arguments.reading)
     judge = judge_of(space)
     samples = sample(space, judge, arguments.pool.model_copy(update={"chunks": 1}), 0)
-    population = first_population(space, judge, samples, arguments.evolution.population)
-    found = evolve(space, judge, population, arguments.evolution, 0)
+    found = search(space, judge, samples, arguments.evolution, 0)
     title = f"Candidates under the reading {arguments.reading}"
     write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
     job.finish(arguments.record, [arguments.output], sweep=space.identity)

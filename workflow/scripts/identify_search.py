@@ -8,7 +8,7 @@ from model.study.datasets import read_dataset, write_dataset
 from model.study.identification.candidate import Space
 from model.study.identification.evaluate import judge_of
 from model.study.identification.results import candidates_dataset, samples_of
-from model.study.identification.search import evolve, first_population, halves
+from model.study.identification.search import halves, search
 from model.study.provenance import Job
 
 
@@ -32,9 +32,8 @@ def main() -> None:
         judge = judge.counting(halves(judge, space.law.seed, number)[0])
     else:
         samples = samples.every(number, arguments.of)
-    population = first_population(space, judge, samples, arguments.evolution.population)
     first = 0 if arguments.kind == "start" else 1000  # other draws than those over all claims
-    found = evolve(space, judge, population, arguments.evolution, first + number)
+    found = search(space, judge, samples, arguments.evolution, first + number)
     title = f"Candidates of search {arguments.kind} {number}"
     write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
     job.finish(arguments.record, [arguments.output], arguments.samples, sweep=space.identity)

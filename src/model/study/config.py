@@ -214,10 +214,15 @@ class Pool(_Strict):
 
 
 class Evolution(_Strict):
-    """How far a search is carried on from its first samples."""
+    """How far a search is carried on from its first samples.
+
+    A population of structures evolves; with each structure ``trials`` operating points of every
+    figure are tried.
+    """
 
     population: int = Field(ge=5)
     generations: int = Field(ge=1)
+    trials: int = Field(ge=2)
 
 
 Ranges = Annotated[dict[str, Range], Field(min_length=1)]

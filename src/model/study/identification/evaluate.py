@@ -60,10 +60,14 @@ class Judge:
         A margin is worth itself over the goal up to 1, and a tenth of the rest beyond it, so that
         one claim shown clearly does not make up for another not shown.
         """
+        return np.asarray(self.worth(margins).sum(axis=-1))
+
+    def worth(self, margins: Array) -> Array:
+        """What each claim adds to the score; 0 where it does not count."""
         short = np.minimum(margins, self.goal) / self.goal
         worth = np.where(margins < 0.0, 2.0 * margins, short)
         worth = worth + 0.1 * np.maximum(margins - self.goal, 0.0)
-        return np.asarray((worth * self.counted).sum(axis=-1))
+        return np.asarray(worth * self.counted)
 
     def counting(self, counted: NDArray[np.bool_]) -> "Judge":
         """The same with only some of the claims that count."""
@@ -169,5 +173,10 @@ def margins_of(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
 def evaluate(space: Space, judge: Judge, points: Array) -> Array:
     """Margins of candidates with all their figures: shape (m, n) to (m, claims)."""
     made = datasets_of(space, [(point, COMPUTED) for point in points])
-    margins = np.array([margins_of(judge, datasets) for datasets in made])
+    return np.array([known_margins(judge, datasets) for datasets in made])
+
+
+def known_margins(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
+    """Margin of each claim, shape (claims,), the worst where there is nothing to measure."""
+    margins = margins_of(judge, datasets)
     return np.where(np.isfinite(margins), margins, _WORST)

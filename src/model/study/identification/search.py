@@ -1,23 +1,30 @@
 """The search: a pool of first samples, then differential evolution from the best of them.
 
-Given the structure the figures do not depend on each other's operating points. So the pool tries
-some operating points of every figure with each structure and a search starts from structures with
-the best operating point of each figure. Everything drawn depends on the law's seed alone.
+Given the structure, the figures do not depend on each other's operating points. So only structures
+evolve, in seven dimensions; with each, some operating points are tried and every figure takes the
+one that suits it best. Everything drawn depends on the law's seed alone.
 """
 
-from dataclasses import dataclass, field
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
+from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from model.study.config import Evolution, Pool
 from model.study.identification.candidate import COMPUTED, Space
-from model.study.identification.evaluate import Judge, datasets_of, evaluate, margins_of
+from model.study.identification.evaluate import Judge, datasets_of, known_margins, margins_of
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+# Of a step beside a known operating point: its standard deviation, over the range, and the chance
+# that a coordinate is drawn anew.
+_BESIDE, _ANEW = 0.1, 0.1
 
 
 @dataclass(frozen=True)
@@ -47,8 +54,11 @@ def sample(space: Space, judge: Judge, pool: Pool, chunk: int) -> Samples:
     if not 0 <= chunk < pool.chunks:
         raise ValueError(f"chunk = {chunk}: must be 0 to {pool.chunks - 1}")
     points = _drawn(space, pool)[chunk :: pool.chunks]
-    margins = np.array([_margins_by_figure(space, judge, trials) for trials in points])
-    return Samples(points, margins)
+    margins = [
+        _margins_by_figure(judge, datasets_of(space, [(point, COMPUTED) for point in trials]))
+        for trials in points
+    ]
+    return Samples(points, np.array(margins))
 
 
 def _drawn(space: Space, pool: Pool) -> Array:
@@ -63,88 +73,131 @@ def _drawn(space: Space, pool: Pool) -> Array:
     return points
 
 
-def _margins_by_figure(space: Space, judge: Judge, trials: Array) -> Array:
-    made = datasets_of(space, [(point, COMPUTED) for point in trials])
+def _margins_by_figure(judge: Judge, made: Sequence[Mapping[str, xr.Dataset]]) -> Array:
+    """Margins of claims judged by one figure alone, shape (trials, figures, claims)."""
     return np.array([[margins_of(judge, {name: each[name]}) for name in COMPUTED] for each in made])
 
 
-def first_population(space: Space, judge: Judge, samples: Samples, size: int) -> Array:
-    """The best structures of a pool, each with the best operating point of each figure.
+def _scores_by_figure(judge: Judge, margins: Array) -> Array:
+    """What each figure adds to the score; shape (..., figures, claims) to (..., figures).
 
     A claim on several figures counts for each of them by its share.
     """
-    spread = np.array([len(set(claim.figures) & set(COMPUTED)) for claim in judge.claims])
-    known = np.isfinite(samples.margins)
-    worth = judge.counting(np.ones(len(judge.claims), dtype=np.bool_))
-    scores = np.zeros(samples.margins.shape[:3])
-    for i in range(len(judge.claims)):
-        alone = np.arange(len(judge.claims)) == i
-        margins = np.where(known[..., i], samples.margins[..., i], 0.0)[..., None] * alone
-        scores += worth.counting(alone).score(margins) / spread[i]
+    shares = 1.0 / np.array([len(set(claim.figures) & set(COMPUTED)) for claim in judge.claims])
+    return (judge.worth(np.nan_to_num(margins, nan=0.0)) * shares).sum(axis=-1)
+
+
+def first_population(space: Space, judge: Judge, samples: Samples, size: int) -> Array:
+    """The best structures of a pool, each with the best operating point of each figure."""
+    scores = _scores_by_figure(judge, samples.margins)
     best = scores.argmax(axis=1)
     total = scores.max(axis=1).sum(axis=-1)
     chosen = np.argsort(-total, kind="stable")[:size]
     population = samples.points[chosen, 0].copy()
-    for f, figure in enumerate(COMPUTED):
-        place = space.places.get(figure)
-        if place is not None:
-            population[:, place] = samples.points[chosen, best[chosen, f], place]
+    for figure, place in space.places.items():
+        if figure in COMPUTED:
+            trial = best[chosen, COMPUTED.index(figure)]
+            population[:, place] = samples.points[chosen, trial, place]
     return population
 
 
-@dataclass
-class Trail:
-    """Every candidate that a search tried, in order.
-
-    Attributes:
-        points: arrays of shape (m, n).
-        margins: arrays of shape (m, claims).
-    """
-
-    points: list[Array] = field(default_factory=list)
-    margins: list[Array] = field(default_factory=list)
-
-    def all(self) -> tuple[Array, Array]:
-        """Points and margins, each in one array."""
-        return np.concatenate(self.points), np.concatenate(self.margins)
-
-
-def evolve(
-    space: Space, judge: Judge, population: Array, evolution: Evolution, number: int
+def search(
+    space: Space, judge: Judge, samples: Samples, evolution: Evolution, number: int
 ) -> tuple[Array, Array]:
-    """Carry a search on; returns all points tried, (m, n), and their margins, (m, claims).
+    """Search from a pool: structures evolve, and operating points follow them.
 
     Args:
         space: what is searched.
         judge: whose score is made great.
-        population: the first points, shape (m, n).
-        evolution: how long.
+        samples: the pool.
+        evolution: how far.
         number: of the search, so that searches draw differently.
+
+    Returns:
+        For every structure tried the point with its best operating points, (m, n), and the margins
+        there, (m, claims).
     """
-    trail = Trail()
+    rng = np.random.default_rng([space.law.seed, 1, number])
+    population = first_population(space, judge, samples, evolution.population)
+    size = space.places["structure"].stop
+    known, scores = list(population), [-math.inf] * len(population)
+    found: list[Array] = []
 
     def minus_score(columns: Array) -> Array:
-        points = np.atleast_2d(columns.T)
-        margins = evaluate(space, judge, points)
-        trail.points.append(points.copy())
-        trail.margins.append(margins)
-        return -judge.score(margins)
+        structures = np.atleast_2d(columns.T)
+        tried = [
+            _variants(structure, size, np.array(known), np.array(scores), evolution.trials, rng)
+            for structure in structures
+        ]
+        fitted = [fit(space, judge, trials) for trials in tried]
+        values = [float(judge.score(margins)) for _, margins in fitted]
+        if not found:  # the pool's own points, now with the margins of all figures together
+            known.clear()
+            scores.clear()
+        known.extend(point for point, _ in fitted)
+        scores.extend(values)
+        found.extend(margins for _, margins in fitted)
+        return -np.array(values)
 
     differential_evolution(
         minus_score,
-        [(0.0, 1.0)] * len(space.names),
-        init=population,
+        [(0.0, 1.0)] * size,
+        init=population[:, :size],
         maxiter=evolution.generations,
         strategy="currenttobest1bin",
-        mutation=(0.3, 0.8),
-        recombination=0.5,
+        mutation=(0.4, 0.9),
+        recombination=0.8,
         tol=0.0,
         polish=False,
         vectorized=True,
         updating="deferred",
-        seed=np.random.default_rng([space.law.seed, 1, number]),
+        seed=rng,
     )
-    return trail.all()
+    return np.array(known), np.array(found)
+
+
+def _variants(
+    structure: Array, size: int, known: Array, scores: Array, trials: int, rng: Generator
+) -> Array:
+    """Operating points to try with a structure, shape (trials, n).
+
+    Those of the nearest structure known and those of the best; then ones beside either, each
+    coordinate anew from its whole range now and then.
+    """
+    distances = ((known[:, :size] - structure) ** 2).sum(axis=1)
+    nearest, best = known[int(np.argmin(distances))], known[int(np.argmax(scores))]
+    found = np.empty((trials, known.shape[1]))
+    for i in range(trials):
+        found[i] = best if i % 2 else nearest
+        if i > 1:
+            step = rng.normal(0.0, _BESIDE, known.shape[1])
+            found[i] = np.clip(found[i] + step, 0.0, 1.0)
+            drawn = rng.random((2, known.shape[1]))
+            found[i] = np.where(drawn[0] < _ANEW, drawn[1], found[i])
+    found[:, :size] = structure
+    return found
+
+
+def fit(space: Space, judge: Judge, trials: Array) -> tuple[Array, Array]:
+    """One structure with the best of several operating points of each figure.
+
+    Args:
+        space: what the trials are points of.
+        judge: by whose score.
+        trials: points with the same structure, shape (trials, n).
+
+    Returns:
+        The point, shape (n,), and its margins, shape (claims,).
+    """
+    made = datasets_of(space, [(point, COMPUTED) for point in trials])
+    margins = _margins_by_figure(judge, made)
+    best = _scores_by_figure(judge, margins).argmax(axis=0)
+    point = trials[0].copy()
+    for figure, place in space.places.items():
+        if figure in COMPUTED:
+            point[place] = trials[best[COMPUTED.index(figure)], place]
+    chosen = {name: made[best[f]][name] for f, name in enumerate(COMPUTED)}
+    return point, known_margins(judge, chosen)
 
 
 def halves(judge: Judge, seed: int, split: int) -> tuple[Flags, Flags]:
