@@ -34,6 +34,7 @@ include: "workflow/rules/common.smk"
 rule all:
     input:
         root / "report.html",
+        root / "claims.csv",
         root / "runs.csv",
         [drawn(figure) for figure in FIGURES],
         expand(root / "data/{figure}.nc", figure=computed),
@@ -42,6 +43,7 @@ rule all:
 
 include: "workflow/rules/compute.smk"
 include: "workflow/rules/precision.smk"
+include: "workflow/rules/claims.smk"
 include: "workflow/rules/show.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/identification.smk"

@@ -48,6 +48,12 @@ def records_beside():
     return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
 
 
+def records_of_claims():
+    """The sidecars of the jobs on the claims ledger."""
+    jobs = ["data/claims/runs", "claims", "figures/claims"]
+    return [root / f"{job}.run.json" for job in jobs]
+
+
 def records(figure):
     """The sidecars of a figure's jobs."""
     found = [root / f"figures/{figure}.run.json"]

@@ -58,6 +58,7 @@ rule report:
             root / "data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
         ),
         comparison=[pictured(place) for place in PICTURES.values()],
+        claims=[root / "claims.csv", *pictured("figures/claims")],
     output:
         page=root / "report.html",
         record=root / "report.run.json",
@@ -84,6 +85,7 @@ rule index:
         root / "report.run.json",
         [records(figure) for figure in FIGURES],
         records_beside(),
+        records_of_claims(),
     output:
         root / "runs.csv",
         root / "runs.sqlite",

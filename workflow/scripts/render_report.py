@@ -3,8 +3,10 @@
 import argparse
 from pathlib import Path
 
+from model.show.claims import Ledger
 from model.show.precision import Comparison
 from model.show.report import render_report
+from model.study.claims.table import read_ledger
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
 from model.study.plans import PICTURES
@@ -36,7 +38,8 @@ def main() -> None:
         wrong={name: read_dataset(path) for name, path in wrong.items()},
         pictures=compared,
     )
-    read = [*data.values(), *wrong.values(), times]
+    ledger = Ledger(read_ledger(root / "claims.csv"), root / "figures/claims.png")
+    read = [*data.values(), *wrong.values(), times, root / "claims.csv"]
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {
         "made with": versions(),
@@ -44,9 +47,9 @@ def main() -> None:
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
     datasets = {name: read_dataset(path) for name, path in data.items()}
-    page = render_report(study, datasets, pictures, provenance, comparison)
+    page = render_report(study, datasets, pictures, provenance, comparison, ledger)
     write_text(page, arguments.output)
-    shown = [*pictures.values(), *compared.values()]
+    shown = [*pictures.values(), *compared.values(), ledger.picture]
     job.finish(arguments.record, [arguments.output], [*read, *shown])
 
 

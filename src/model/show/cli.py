@@ -22,7 +22,7 @@ from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_
 from model.physics.readings import READING_NAMES, Readings
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
-from model.show import export_commands, reference_commands, tracking_commands
+from model.show import claims_commands, export_commands, reference_commands, tracking_commands
 from model.solver.outcomes import Outcome
 from model.study.config import Study, load_study, study_path
 
@@ -84,6 +84,7 @@ def _parser() -> _Parser:
     tracking_commands.add_commands(commands)
     export_commands.add_commands(commands)
     reference_commands.add_commands(commands)
+    claims_commands.add_commands(commands)
     return parser
 
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
+from model.show.claims import Ledger, claims_section
 from model.show.precision import (
     CAPTIONS as SPEED_CAPTIONS,
 )
@@ -134,6 +135,7 @@ def render_report(
     figures: Mapping[str, Path],
     provenance: Mapping[str, object],
     comparison: Comparison,
+    ledger: Ledger,
 ) -> str:
     """The page.
 
@@ -146,6 +148,7 @@ def render_report(
         figures: a picture of every figure, PNG or SVG, by its name.
         provenance: what to say of the making of the page; a value may be a mapping itself.
         comparison: what was measured of speed against error.
+        ledger: what was found of the claims of the paper.
 
     Raises:
         ValueError: a dataset or a picture is missing, or a picture is neither PNG nor SVG.
@@ -169,6 +172,10 @@ def render_report(
     return environment.get_template("report.html.j2").render(
         sections=sections,
         speed=_speed(study, comparison),
+        claims=claims_section(
+            ledger.lines, {name: run.title for name, run in study.claims_runs.items()}
+        ),
+        claims_picture=_embedded(ledger.picture),
         tau_tolerance=study.precision.fixed_steps.tau_tolerance,
         structure=[_row(name, number(value)) for name, value in study.structure.items()],
         readings=[

@@ -1,17 +1,18 @@
 """The claims ledger: what the paper says, and what the datasets say of it.
 
 ``ledger`` holds what a claim is and how it is judged, ``reading`` how checks read datasets,
-``mechanism``, ``durations`` and ``stiffness`` the claims by subject, ``runs`` the trajectories that
-the ledger needs beside the figures'.
+``mechanism``, ``durations``, ``stiffness`` and ``areas`` the claims by subject, ``runs`` the
+trajectories that the ledger needs beside the figures', ``table`` what is written to disk.
 """
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from model.study.claims.areas import AREAS
 from model.study.claims.durations import FIGURE_6, FIGURE_7, FIGURE_12, FIGURES_10_11
 from model.study.claims.ledger import VERDICTS, Claim, Finding, Part, judge_all, tally
 from model.study.claims.mechanism import HISTORY, MECHANISM
-from model.study.claims.stiffness import AREAS, FIGURE_8, FIGURE_9
+from model.study.claims.stiffness import FIGURE_8, FIGURE_9
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -70,14 +70,14 @@ class Finding:
         margin: in [-1, 1] and continuous: the least of the parts' where all are positive, otherwise
             the mean of what the others lack, negative. NaN where the claim is not checkable.
         verdict: "reproduced" (all parts), "contradicted" (no part), "mixed", or "not checkable".
-        words: what was seen, in one sentence.
+        seen: the number of every part, or what is missing.
     """
 
     value: float
     threshold: float
     margin: float
     verdict: Verdict
-    words: str
+    seen: str
 
 
 def labelled(symbol: str, curve: Curve, value: float) -> Part:
@@ -108,8 +108,7 @@ def judge_claim(claim: Claim, data: Data) -> Finding:
     seen = "; ".join(
         f"{where}: {_shown(value)}" if where else _shown(value) for where, value in parts
     )
-    words = f"{claim.measure}: {seen} ({claim.limit.demand})"
-    return Finding(worst.value, claim.limit.threshold, margin, verdict, words)
+    return Finding(worst.value, claim.limit.threshold, margin, verdict, seen)
 
 
 def _shown(value: float) -> str:

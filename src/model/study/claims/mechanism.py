@@ -273,8 +273,8 @@ MECHANISM: tuple[Claim, ...] = (
 
 
 def _course_trend(course: Course, name: str) -> float:
-    values = getattr(course, name)
-    return trend(np.arange(float(values.size)), values)
+    way = getattr(course, name) - getattr(course, name)[0]
+    return trend(np.arange(float(way.size)), way)
 
 
 def _approaches(data: Data) -> list[Part]:
