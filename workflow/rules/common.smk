@@ -6,6 +6,8 @@ from pathlib import Path
 from model.physics.readings import READING_NAMES
 from model.study.accuracy import trial_of
 from model.study.identification.candidate import space_of
+from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
+from model.study.identification.committed import TABLES
 from model.study.plans import PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of

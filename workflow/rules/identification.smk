@@ -1,5 +1,42 @@
 """What the paper leaves unstated, identified: `snakemake -c2 identification`, apart from the study."""
 
+import json
+
+# What was found is committed: these tables are made by `identification`, and then copied there.
+identified_tables = [
+    Path(workflow.basedir) / f"config/identification/{table}.csv" for table in TABLES
+]
+if not all(table.is_file() for table in identified_tables):
+    identified_tables = []
+identified_pictures = IDENTIFIED_PICTURES.values() if identified_tables else []
+
+
+rule draw_identification:
+    input:
+        identified_tables,
+    output:
+        png=root / "figures/identified_{picture}.png",
+        svg=root / "figures/identified_{picture}.svg",
+        pdf=root / "figures/identified_{picture}.pdf",
+        record=root / "figures/identified_{picture}.run.json",
+    log:
+        root / "logs/draw_identification/{picture}.log",
+    wildcard_constraints:
+        picture="|".join(IDENTIFIED_PICTURES),
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("draw_identification"),
+        structure=json.dumps(study.structure),
+        law=study.identification.law.model_dump_json(),
+    message:
+        "identification: drawing {wildcards.picture}"
+    shell:
+        "python workflow/scripts/draw_identification.py --picture {wildcards.picture}"
+        " --structure {params.structure:q} --law {params.law:q}"
+        " --output {output.png} --record {output.record} {input} > {log} 2>&1"
+
+
 # A reading is a preset, or the one switch that is corrected while all others stay as printed.
 READINGS = ["consistent", "printed", *READING_NAMES]
 

@@ -4,11 +4,14 @@ import argparse
 from pathlib import Path
 
 from model.show.claims import Ledger
+from model.show.identification import Pictured
 from model.show.precision import Comparison
 from model.show.report import render_report
 from model.study.claims.table import read_ledger
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
+from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
+from model.study.identification.committed import read_identified
 from model.study.plans import PICTURES
 from model.study.precision import read_timings
 from model.study.provenance import Job, file_hash, versions, write_text
@@ -19,6 +22,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--study", required=True, type=Study.model_validate_json)
     parser.add_argument("--root", required=True, type=Path)
+    parser.add_argument("--identified", type=Path, nargs="*", default=[], help="its tables")
     parser.add_argument("--output", required=True, type=Path)
     parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
@@ -39,6 +43,12 @@ def main() -> None:
         pictures=compared,
     )
     ledger = Ledger(read_ledger(root / "claims.csv"), root / "figures/claims.png")
+    identified = None
+    if arguments.identified:
+        identified = Pictured(
+            read_identified(arguments.identified[0].parent),
+            {name: root / f"{place}.png" for name, place in IDENTIFIED_PICTURES.items()},
+        )
     read = [*data.values(), *wrong.values(), times, root / "claims.csv"]
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {
@@ -47,9 +57,10 @@ def main() -> None:
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
     datasets = {name: read_dataset(path) for name, path in data.items()}
-    page = render_report(study, datasets, pictures, provenance, comparison, ledger)
+    page = render_report(study, datasets, pictures, provenance, comparison, ledger, identified)
     write_text(page, arguments.output)
     shown = [*pictures.values(), *compared.values(), ledger.picture]
+    shown += [*identified.pictures.values(), *arguments.identified] if identified else []
     job.finish(arguments.record, [arguments.output], [*read, *shown])
 
 

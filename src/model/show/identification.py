@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -201,6 +202,14 @@ def _rgb(colour: str) -> NDArray[np.float64]:
 
 
 # --- In words -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Pictured:
+    """What was found, and a picture for each of ``committed.PICTURES``."""
+
+    found: Identified
+    pictures: Mapping[str, Path]
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,10 @@ from numpy.typing import NDArray
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.claims import Ledger, claims_section
+from model.show.identification import (
+    CAPTIONS as IDENTIFIED_CAPTIONS,
+)
+from model.show.identification import Pictured, Section, identification_section
 from model.show.precision import (
     CAPTIONS as SPEED_CAPTIONS,
 )
@@ -36,6 +40,8 @@ from model.show.style import FORMATS
 from model.solver.outcomes import OUTCOME_TEXT, Outcome
 from model.study.config import Study
 from model.study.fixed_steps import wrong_counts
+from model.study.identification.candidate import searched_of
+from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.plans import PICTURES
 from model.study.precision import METHODS
 
@@ -136,6 +142,7 @@ def render_report(
     provenance: Mapping[str, object],
     comparison: Comparison,
     ledger: Ledger,
+    identified: Pictured | None = None,
 ) -> str:
     """The page.
 
@@ -149,6 +156,7 @@ def render_report(
         provenance: what to say of the making of the page; a value may be a mapping itself.
         comparison: what was measured of speed against error.
         ledger: what was found of the claims of the paper.
+        identified: what the identification found, where its result is committed.
 
     Raises:
         ValueError: a dataset or a picture is missing, or a picture is neither PNG nor SVG.
@@ -176,6 +184,8 @@ def render_report(
             ledger.lines, {name: run.title for name, run in study.claims_runs.items()}
         ),
         claims_picture=_embedded(ledger.picture),
+        identified=_identified(study, identified),
+        identified_pictures=_identified_pictures(identified),
         tau_tolerance=study.precision.fixed_steps.tau_tolerance,
         structure=[_row(name, number(value)) for name, value in study.structure.items()],
         readings=[
@@ -267,6 +277,22 @@ def _speed(study: Study, comparison: Comparison) -> _Speed:
             for (scheme, step), counts in wrong_counts(dataset).items()
         ),
     )
+
+
+def _identified(study: Study, identified: Pictured | None) -> Section | None:
+    if identified is None:
+        return None
+    ranges = study.identification.law.structure
+    return identification_section(identified.found, searched_of(study.structure), ranges)
+
+
+def _identified_pictures(identified: Pictured | None) -> list[_Picture]:
+    if identified is None:
+        return []
+    return [
+        _Picture(place, IDENTIFIED_CAPTIONS[name], *_embedded(identified.pictures[name]))
+        for name, place in IDENTIFIED_PICTURES.items()
+    ]
 
 
 _SCHEME_WORDS = {"rk4": "RK4", "semi_implicit_euler": "semi-implicit Euler"}
