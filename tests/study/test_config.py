@@ -184,7 +184,8 @@ def test_the_baseline_is_the_configuration_and_states_every_parameter() -> None:
 def test_smoke_changes_only_sizes() -> None:
     """config/smoke.yaml laid over config.yaml: the same study but for counts, chunks and rungs."""
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
-    assert set(smoke) == {"results_root", "figures", "accuracy", "precision"}
+    parts = {"figures", "accuracy", "precision", "claims_runs", "identification"}
+    assert set(smoke) == {"results_root", *parts}
     assert set(smoke["accuracy"]) == {"sets", "chunks", "settled"}
     assert set(smoke["accuracy"]["settled"]) == {"sets", "chunks"}
     for spec in smoke["figures"].values():
