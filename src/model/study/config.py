@@ -217,12 +217,16 @@ class Evolution(_Strict):
     """How far a search is carried on from its first samples.
 
     A population of structures evolves; with each structure ``trials`` operating points of every
-    figure are tried.
+    figure are tried. Then, with the ``polished`` best structures, ``polish`` more in each of
+    ``passes``.
     """
 
     population: int = Field(ge=5)
     generations: int = Field(ge=1)
     trials: int = Field(ge=2)
+    polished: int = Field(ge=1)
+    passes: int = Field(ge=1)
+    polish: int = Field(ge=2)
 
 
 Ranges = Annotated[dict[str, Range], Field(min_length=1)]

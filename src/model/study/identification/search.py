@@ -153,7 +153,41 @@ def search(
         updating="deferred",
         seed=rng,
     )
-    return np.array(known), np.array(found)
+    points, margins = np.array(known), np.array(found)
+    polished = polish(
+        space, judge, points[best_of(judge, margins, evolution.polished)], evolution, number
+    )
+    return np.concatenate([points, polished[0]]), np.concatenate([margins, polished[1]])
+
+
+def polish(
+    space: Space, judge: Judge, points: Array, evolution: Evolution, number: int
+) -> tuple[Array, Array]:
+    """More operating points with each structure: half from everywhere, half beside the known one.
+
+    Args:
+        space: what the points are points of.
+        judge: by whose score.
+        points: shape (m, n).
+        evolution: how many more, and how often.
+        number: of the search.
+
+    Returns:
+        Points with the same structures, shape (m, n), and their margins, (m, claims).
+    """
+    rng = np.random.default_rng([space.law.seed, 3, number])
+    size = space.places["structure"].stop
+    polished = []
+    for point in points:
+        for _ in range(evolution.passes):
+            trials = np.repeat(point[None, :], evolution.polish, axis=0)
+            shape = trials[1:, size:].shape
+            beside = np.clip(trials[1:, size:] + rng.normal(0.0, _BESIDE, shape), 0.0, 1.0)
+            anywhere, is_near = rng.random(shape), np.arange(shape[0])[:, None] % 2 == 0
+            trials[1:, size:] = np.where(is_near, beside, anywhere)
+            point, margins = fit(space, judge, trials)
+        polished.append((point, margins))
+    return np.array([each[0] for each in polished]), np.array([each[1] for each in polished])
 
 
 def _variants(
