@@ -220,10 +220,10 @@ def test_a_search_repeats_itself_with_the_margins_of_its_points(space: Space, ju
     np.testing.assert_array_equal(samples.points[:, 0, structure], samples.points[:, 1, structure])
     evolution = Evolution(population=5, generations=1, trials=2, polished=1, passes=1, polish=3)
     whole = sample(space, judge, Pool(structures=5, operating_points=2, chunks=1), 0)
-    points, margins = search(space, judge, whole, evolution, 0)
-    again, _ = search(space, judge, whole, evolution, 0)
+    points, margins = search(space, judge, whole, [evolution, evolution], 0)
+    again, _ = search(space, judge, whole, [evolution, evolution], 0)
     np.testing.assert_array_equal(points, again)
-    assert len(points) == 11
+    assert len(points) == 22
     np.testing.assert_array_equal(evaluate(space, judge, points[-1:]), margins[-1:])
     first = first_population(space, judge, whole, 5)
     np.testing.assert_allclose(points[:5, structure], first[:, structure], atol=1e-15)

@@ -1,5 +1,6 @@
 """What the rules share: how the parts of a figure or trial are named and described."""
 
+import json
 import sys
 from pathlib import Path
 
@@ -83,10 +84,9 @@ def space(reading="consistent"):
     return space_of(study, reading).model_dump_json()
 
 
-def evolution(kind):
-    """How far a search of a kind is carried on, as JSON."""
-    law = study.identification.half if kind == "half" else study.identification.evolution
-    return law.model_dump_json()
+def rounds(evolutions):
+    """How far a search is carried on, as JSON."""
+    return json.dumps([each.model_dump() for each in evolutions])
 
 
 onstart:

@@ -38,6 +38,7 @@ rule draw_identification:
 
 
 # A reading is a preset, or the one switch that is corrected while all others stay as printed.
+ROUNDS = {"start": "rounds", "half": "half"}
 READINGS = ["consistent", "printed", *READING_NAMES]
 
 
@@ -82,13 +83,13 @@ rule identify_search:
     params:
         code=code("identify_search"),
         space=space(),
-        evolution=lambda wildcards: evolution(wildcards.kind),
+        rounds=lambda wildcards: rounds(getattr(study.identification, ROUNDS[wildcards.kind])),
         starts=study.identification.starts,
     message:
         "identification: search {wildcards.kind} {wildcards.number}"
     shell:
         "python workflow/scripts/identify_search.py --space {params.space:q}"
-        " --evolution {params.evolution:q} --kind {wildcards.kind}"
+        " --rounds {params.rounds:q} --kind {wildcards.kind}"
         " --number {wildcards.number} --of {params.starts}"
         " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 
@@ -109,12 +110,12 @@ rule identify_reading:
         code=code("identify_reading"),
         space=lambda wildcards: space(wildcards.reading),
         pool=study.identification.reading_pool.model_dump_json(),
-        evolution=study.identification.reading_evolution.model_dump_json(),
+        rounds=rounds(study.identification.reading_rounds),
     message:
         "identification: under the reading {wildcards.reading}"
     shell:
         "python workflow/scripts/identify_reading.py --space {params.space:q}"
-        " --reading {wildcards.reading} --pool {params.pool:q} --evolution {params.evolution:q}"
+        " --reading {wildcards.reading} --pool {params.pool:q} --rounds {params.rounds:q}"
         " --output {output.data} --record {output.record} > {log} 2>&1"
 
 

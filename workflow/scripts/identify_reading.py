@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+from pydantic import TypeAdapter
+
 from model.study.config import Evolution, Pool
 from model.study.datasets import write_dataset
 from model.study.identification.candidate import Space
@@ -18,14 +20,14 @@ def main() -> None:
     parser.add_argument("--space", required=True, type=Space.model_validate_json)
     parser.add_argument("--reading", required=True)
     parser.add_argument("--pool", required=True, type=Pool.model_validate_json)
-    parser.add_argument("--evolution", required=True, type=Evolution.model_validate_json)
+    parser.add_argument("--rounds", required=True, type=TypeAdapter(list[Evolution]).validate_json)
     parser.add_argument("--output", required=True, type=Path)
     parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
     space, job = arguments.space, Job("identify_reading", arguments.reading)
     judge = judge_of(space)
     samples = sample(space, judge, arguments.pool.model_copy(update={"chunks": 1}), 0)
-    found = search(space, judge, samples, arguments.evolution, 0)
+    found = search(space, judge, samples, arguments.rounds, 0)
     title = f"Candidates under the reading {arguments.reading}"
     write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
     job.finish(arguments.record, [arguments.output], sweep=space.identity)

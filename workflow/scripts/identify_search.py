@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+from pydantic import TypeAdapter
+
 from model.study.config import Evolution
 from model.study.datasets import read_dataset, write_dataset
 from model.study.identification.candidate import Space
@@ -16,7 +18,7 @@ def main() -> None:
     """Read the command line and do it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--space", required=True, type=Space.model_validate_json)
-    parser.add_argument("--evolution", required=True, type=Evolution.model_validate_json)
+    parser.add_argument("--rounds", required=True, type=TypeAdapter(list[Evolution]).validate_json)
     parser.add_argument("--kind", required=True, choices=["start", "half"])
     parser.add_argument("--number", required=True, type=int)
     parser.add_argument("--of", required=True, type=int, help="searches that share the samples")
@@ -33,7 +35,7 @@ def main() -> None:
     else:
         samples = samples.every(number, arguments.of)
     first = 0 if arguments.kind == "start" else 1000  # other draws than those over all claims
-    found = search(space, judge, samples, arguments.evolution, first + number)
+    found = search(space, judge, samples, arguments.rounds, first + number)
     title = f"Candidates of search {arguments.kind} {number}"
     write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
     job.finish(arguments.record, [arguments.output], arguments.samples, sweep=space.identity)

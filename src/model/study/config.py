@@ -278,26 +278,26 @@ class Identification(_Strict):
     Attributes:
         law: what is searched.
         pool: the first samples under the study's reading.
-        evolution: of each search over all claims.
+        rounds: of each search over all claims.
         starts: searches over all claims, each from structures of its own.
         finer: how many of the best are judged again, with three times the values along each axis.
-        half: of each search over half of the claims.
+        half: rounds of each search over half of the claims.
         splits: how often the claims are halved.
         admissible: how many claims fewer than the best an admissible set may reproduce.
-        reading_pool: the first samples under each other reading.
-        reading_evolution: of each other reading's search.
+        reading_pool: the first samples under each reading.
+        reading_rounds: of each reading's search, the consistent one's again.
     """
 
     law: SearchLaw
     pool: Pool
-    evolution: Evolution
+    rounds: Annotated[list[Evolution], Field(min_length=1)]
     starts: int = Field(ge=1)
     finer: int = Field(ge=1)
-    half: Evolution
+    half: Annotated[list[Evolution], Field(min_length=1)]
     splits: int = Field(ge=1)
     admissible: int = Field(ge=0)
     reading_pool: Pool
-    reading_evolution: Evolution
+    reading_rounds: Annotated[list[Evolution], Field(min_length=1)]
 
 
 class Case(_Strict):

@@ -102,23 +102,44 @@ def first_population(space: Space, judge: Judge, samples: Samples, size: int) ->
 
 
 def search(
-    space: Space, judge: Judge, samples: Samples, evolution: Evolution, number: int
+    space: Space, judge: Judge, samples: Samples, rounds: Sequence[Evolution], number: int
 ) -> tuple[Array, Array]:
-    """Search from a pool: structures evolve, and operating points follow them.
+    """Search from a pool, and each further round from the best that was found before.
 
     Args:
         space: what is searched.
         judge: whose score is made great.
         samples: the pool.
-        evolution: how far.
+        rounds: how far.
         number: of the search, so that searches draw differently.
 
     Returns:
         For every structure tried the point with its best operating points, (m, n), and the margins
         there, (m, claims).
     """
-    rng = np.random.default_rng([space.law.seed, 1, number])
-    population = first_population(space, judge, samples, evolution.population)
+    points = np.empty((0, len(space.names)))
+    margins = np.empty((0, len(judge.claims)))
+    for stage, evolution in enumerate(rounds):
+        drawn = [np.random.default_rng([space.law.seed, k, number, stage]) for k in (1, 3)]
+        population = first_population(space, judge, samples, evolution.population)
+        if stage:
+            population = points[best_of(judge, margins, evolution.population)]
+        more = evolve(space, judge, population, evolution, drawn[0])
+        points, margins = _joined((points, margins), more)
+        best = points[best_of(judge, margins, evolution.polished)]
+        more = polish(space, judge, best, evolution, drawn[1])
+        points, margins = _joined((points, margins), more)
+    return points, margins
+
+
+def _joined(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
+    return np.concatenate([one[0], other[0]]), np.concatenate([one[1], other[1]])
+
+
+def evolve(
+    space: Space, judge: Judge, population: Array, evolution: Evolution, rng: Generator
+) -> tuple[Array, Array]:
+    """Structures evolve, and operating points follow them; see ``search``."""
     size = space.places["structure"].stop
     known, scores = list(population), [-math.inf] * len(population)
     found: list[Array] = []
@@ -131,7 +152,7 @@ def search(
         ]
         fitted = [fit(space, judge, trials) for trials in tried]
         values = [float(judge.score(margins)) for _, margins in fitted]
-        if not found:  # the pool's own points, now with the margins of all figures together
+        if not found:  # the population itself, now judged
             known.clear()
             scores.clear()
         known.extend(point for point, _ in fitted)
@@ -153,15 +174,11 @@ def search(
         updating="deferred",
         seed=rng,
     )
-    points, margins = np.array(known), np.array(found)
-    polished = polish(
-        space, judge, points[best_of(judge, margins, evolution.polished)], evolution, number
-    )
-    return np.concatenate([points, polished[0]]), np.concatenate([margins, polished[1]])
+    return np.array(known), np.array(found)
 
 
 def polish(
-    space: Space, judge: Judge, points: Array, evolution: Evolution, number: int
+    space: Space, judge: Judge, points: Array, evolution: Evolution, rng: Generator
 ) -> tuple[Array, Array]:
     """More operating points with each structure: half from everywhere, half beside the known one.
 
@@ -170,12 +187,11 @@ def polish(
         judge: by whose score.
         points: shape (m, n).
         evolution: how many more, and how often.
-        number: of the search.
+        rng: draws them.
 
     Returns:
         Points with the same structures, shape (m, n), and their margins, (m, claims).
     """
-    rng = np.random.default_rng([space.law.seed, 3, number])
     size = space.places["structure"].stop
     polished = []
     for point in points:
