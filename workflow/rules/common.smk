@@ -6,7 +6,7 @@ from pathlib import Path
 
 from model.physics.readings import READING_NAMES
 from model.study.accuracy import trial_of
-from model.study.identification.candidate import space_of
+from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES
 from model.study.plans import PICTURES
@@ -77,11 +77,6 @@ def trial_chunks(name):
     """An accuracy trial's chunks."""
     law = study.accuracy if name == "error" else study.accuracy.settled
     return expand(root / f"accuracy/{name}/{{chunk}}.csv", chunk=range(law.chunks))
-
-
-def space(reading="consistent"):
-    """What the identification searches, as JSON."""
-    return space_of(study, reading).model_dump_json()
 
 
 def rounds(evolutions):

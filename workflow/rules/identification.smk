@@ -54,7 +54,7 @@ rule identify_sample:
         "../envs/study.yaml"
     params:
         code=code("identify_sample"),
-        space=space(),
+        space=space_of(study).model_dump_json(),
         pool=study.identification.pool.model_dump_json(),
     message:
         "identification: first samples, chunk {wildcards.chunk}"
@@ -82,7 +82,7 @@ rule identify_search:
         "../envs/study.yaml"
     params:
         code=code("identify_search"),
-        space=space(),
+        space=space_of(study).model_dump_json(),
         rounds=lambda wildcards: rounds(getattr(study.identification, ROUNDS[wildcards.kind])),
         starts=study.identification.starts,
     message:
@@ -96,7 +96,10 @@ rule identify_search:
 
 rule identify_reading:
     input:
-        kernels=root / "data/kernels.json",
+        expand(
+            root / "identification/samples/{chunk}.nc",
+            chunk=range(study.identification.pool.chunks),
+        ),
     output:
         data=root / "identification/readings/{reading}.nc",
         record=root / "identification/readings/{reading}.run.json",
@@ -108,15 +111,14 @@ rule identify_reading:
         "../envs/study.yaml"
     params:
         code=code("identify_reading"),
-        space=lambda wildcards: space(wildcards.reading),
-        pool=study.identification.reading_pool.model_dump_json(),
+        space=lambda wildcards: space_of_reading(study, wildcards.reading).model_dump_json(),
         rounds=rounds(study.identification.reading_rounds),
     message:
         "identification: under the reading {wildcards.reading}"
     shell:
         "python workflow/scripts/identify_reading.py --space {params.space:q}"
-        " --reading {wildcards.reading} --pool {params.pool:q} --rounds {params.rounds:q}"
-        " --output {output.data} --record {output.record} > {log} 2>&1"
+        " --reading {wildcards.reading} --rounds {params.rounds:q}"
+        " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 
 
 rule identify_summary:

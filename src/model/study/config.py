@@ -229,6 +229,7 @@ class Evolution(_Strict):
     polish: int = Field(ge=2)
 
 
+Counts = dict[str, Annotated[int, Field(ge=4)]]
 Ranges = Annotated[dict[str, Range], Field(min_length=1)]
 
 
@@ -250,7 +251,7 @@ class SearchLaw(_Strict):
     seed: int = Field(ge=0)
     horizon: float = Field(gt=0.0)
     tolerance: float = Field(ge=1e-14, le=1e-2)
-    counts: dict[str, Annotated[int, Field(ge=4)]]
+    counts: Counts
     structure: Ranges
     stated: dict[str, ParameterValues]
     operating_points: dict[str, Annotated[Ranges, AfterValidator(_parameter_names)]]
@@ -284,7 +285,7 @@ class Identification(_Strict):
         half: rounds of each search over half of the claims.
         splits: how often the claims are halved.
         admissible: how many claims fewer than the best an admissible set may reproduce.
-        reading_pool: the first samples under each reading.
+        reading_counts: as the law's, in the searches under each reading.
         reading_rounds: of each reading's search, the consistent one's again.
     """
 
@@ -296,7 +297,7 @@ class Identification(_Strict):
     half: Annotated[list[Evolution], Field(min_length=1)]
     splits: int = Field(ge=1)
     admissible: int = Field(ge=0)
-    reading_pool: Pool
+    reading_counts: Counts
     reading_rounds: Annotated[list[Evolution], Field(min_length=1)]
 
 

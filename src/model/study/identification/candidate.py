@@ -203,18 +203,28 @@ def readings_of(name: str) -> dict[str, Reading]:
     return switches
 
 
-def space_of(study: Study, reading: str = "consistent", finer: int = 1) -> Space:
+def space_of(study: Study, finer: int = 1) -> Space:
     """The search that a study's law describes.
 
     Args:
         study: the study.
-        reading: as ``readings_of`` takes it.
         finer: times the coarse grids' values along each axis, run with a smaller tolerance.
     """
     law = study.identification.law
     if finer > 1:
         counts = {name: finer * count for name, count in law.counts.items()}
         law = law.model_copy(update={"counts": counts, "tolerance": FINE_TOLERANCE})
+    return _space(study, law, "consistent")
+
+
+def space_of_reading(study: Study, reading: str) -> Space:
+    """The smaller search under a reading, as ``readings_of`` takes it."""
+    identification = study.identification
+    few = identification.law.model_copy(update={"counts": identification.reading_counts})
+    return _space(study, few, reading)
+
+
+def _space(study: Study, law: SearchLaw, reading: str) -> Space:
     dimensions: dict[str, list[Axis | Family]] = {}
     for name in COMPUTED:
         spec, count = study.figures[name], law.counts.get(name)
