@@ -44,6 +44,7 @@ rule all:
 include: "workflow/rules/compute.smk"
 include: "workflow/rules/precision.smk"
 include: "workflow/rules/claims.smk"
+include: "workflow/rules/contact.smk"
 include: "workflow/rules/identification.smk"
 include: "workflow/rules/show.smk"
 include: "workflow/rules/accuracy.smk"

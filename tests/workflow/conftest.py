@@ -38,6 +38,10 @@ TINY: dict[str, Any] = {
         },
         "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
     },
+    "claims_runs": {
+        name: {"swept": {"count": 2}}
+        for name in ("centred", "pressed", "misaligned", "displaced", "rubbing", "by_frequency")
+    },
 }
 STUDY = ["--configfile", "config/tiny.yaml"]
 

@@ -52,8 +52,9 @@ def records_beside():
 
 
 def records_of_claims():
-    """The sidecars of the jobs on the claims ledger."""
-    jobs = ["data/claims/runs", "claims", "figures/claims"]
+    """The sidecars of the jobs on the claims ledger, and on the base."""
+    jobs = ["data/claims/runs", "claims", "figures/claims", "figures/contact_stiffness"]
+    jobs += [f"data/contact_stiffness/{name}" for name in study.contact_stiffness.figures]
     return [root / f"{job}.run.json" for job in jobs]
 
 

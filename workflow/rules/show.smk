@@ -59,6 +59,7 @@ rule report:
         ),
         comparison=[pictured(place) for place in PICTURES.values()],
         claims=[root / "claims.csv", *pictured("figures/claims")],
+        bases=[*contact_data, *pictured("figures/contact_stiffness")],
         identified=identified_tables,
         identified_pictures=[pictured(place) for place in identified_pictures],
     output:

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from model.show.claims import draw_runs
+from model.show.claim_plots import draw_runs
 from model.show.style import save
 from model.study.datasets import read_dataset
 from model.study.provenance import Job

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from model.show.claims import Ledger
+from model.show.contact_stiffness import Bases
 from model.show.identification import Pictured
 from model.show.precision import Comparison
 from model.show.report import render_report
@@ -43,13 +44,20 @@ def main() -> None:
         pictures=compared,
     )
     ledger = Ledger(read_ledger(root / "claims.csv"), root / "figures/claims.png")
+    on_bases = {
+        name: root / f"data/contact_stiffness/{name}.nc" for name in study.contact_stiffness.figures
+    }
+    bases = Bases(
+        {name: read_dataset(path) for name, path in on_bases.items()},
+        root / "figures/contact_stiffness.png",
+    )
+    read = [*data.values(), *wrong.values(), *on_bases.values(), times, root / "claims.csv"]
     identified = None
     if arguments.identified:
         identified = Pictured(
             read_identified(arguments.identified[0].parent),
             {name: root / f"{place}.png" for name, place in IDENTIFIED_PICTURES.items()},
         )
-    read = [*data.values(), *wrong.values(), times, root / "claims.csv"]
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {
         "made with": versions(),
@@ -57,9 +65,11 @@ def main() -> None:
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
     datasets = {name: read_dataset(path) for name, path in data.items()}
-    page = render_report(study, datasets, pictures, provenance, comparison, ledger, identified)
+    page = render_report(
+        study, datasets, pictures, provenance, comparison, ledger, bases, identified
+    )
     write_text(page, arguments.output)
-    shown = [*pictures.values(), *compared.values(), ledger.picture]
+    shown = [*pictures.values(), *compared.values(), ledger.picture, bases.picture]
     shown += [*identified.pictures.values(), *arguments.identified] if identified else []
     job.finish(arguments.record, [arguments.output], [*read, *shown])
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.claims import Ledger, claims_section
+from model.show.contact_stiffness import Bases, contact_section
 from model.show.identification import (
     CAPTIONS as IDENTIFIED_CAPTIONS,
 )
@@ -142,6 +143,7 @@ def render_report(
     provenance: Mapping[str, object],
     comparison: Comparison,
     ledger: Ledger,
+    bases: Bases,
     identified: Pictured | None = None,
 ) -> str:
     """The page.
@@ -156,6 +158,7 @@ def render_report(
         provenance: what to say of the making of the page; a value may be a mapping itself.
         comparison: what was measured of speed against error.
         ledger: what was found of the claims of the paper.
+        bases: figures on bases of other stiffness and damping.
         identified: what the identification found, where its result is committed.
 
     Raises:
@@ -184,6 +187,8 @@ def render_report(
             ledger.lines, {name: run.title for name, run in study.claims_runs.items()}
         ),
         claims_picture=_embedded(ledger.picture),
+        contact=contact_section(bases.datasets),
+        contact_picture=_embedded(bases.picture),
         identified=_identified(study, identified),
         identified_pictures=_identified_pictures(identified),
         tau_tolerance=study.precision.fixed_steps.tau_tolerance,

@@ -384,6 +384,34 @@ class ClaimRun(_Strict):
     family: Family
 
 
+class CoarseGrid(_Strict):
+    """A figure on fewer points along each axis, and on these values of its family only."""
+
+    points: int = Field(ge=2)
+    family: list[float] | None = Field(default=None, min_length=1)
+
+
+class ContactStiffness(_Strict):
+    """Figures on bases of other stiffness and damping; see contact_stiffness.py.
+
+    ``stiffnesses`` are tried at the device's damping ratio, ``damping_ratios`` at each of
+    ``damped_at``.
+    """
+
+    horizon: float = Field(gt=0.0)
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+    stiffnesses: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
+    damping_ratios: list[Annotated[float, Field(ge=0.0)]]
+    damped_at: list[Annotated[float, Field(gt=0.0)]]
+    figures: dict[str, CoarseGrid] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _can_be_run(self) -> "ContactStiffness":
+        for name in self.figures:
+            check_name(name, CURVES + MAPS, "figure with a grid")
+        return self
+
+
 class Study(_Strict):
     """The whole study; see config/config.yaml."""
 
@@ -396,6 +424,7 @@ class Study(_Strict):
     precision: Precision
     identification: Identification
     claims_runs: dict[str, ClaimRun]
+    contact_stiffness: ContactStiffness
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
@@ -467,6 +496,8 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
     elif path[0] == "precision":
         parts: dict[str, type[BaseModel]] = {"ladder": Ladder, "fixed_steps": FixedSteps}
         models |= {2: Precision, 3: parts.get(path[1], Case), 4: Case}
+    elif path[0] == "contact_stiffness":
+        models |= {2: ContactStiffness, 4: CoarseGrid}
     elif path[0] == "claims_runs":
         models[3] = ClaimRun
         models[4] = Family if path[2] == "family" else Axis

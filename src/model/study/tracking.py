@@ -55,7 +55,7 @@ _FULL = 1_000_000  # bytes: less than this is a full disk
 _NO_RUNS = {"index", "accuracy"}  # jobs that leave no sidecar: they write the index, and print
 # Rules whose outputs are parts of others, and rules whose data are no figure's: no copy is kept.
 PARTS = frozenset({"chunk", "trial"})
-ASIDE = PARTS | {"judge", "precision", "fixed_steps", "claims_runs"}
+ASIDE = PARTS | {"judge", "precision", "fixed_steps", "claims_runs", "contact_stiffness"}
 
 
 class TrackingError(ValueError):
