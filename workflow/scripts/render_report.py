@@ -5,11 +5,14 @@ from pathlib import Path
 
 from model.show.claims import Ledger
 from model.show.contact_stiffness import Bases
+from model.show.identification import Pictured
 from model.show.precision import Comparison
 from model.show.report import render_report
 from model.study.claims.table import read_ledger
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
+from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
+from model.study.identification.committed import read_identified
 from model.study.plans import PICTURES
 from model.study.precision import read_timings
 from model.study.provenance import Job, file_hash, versions, write_text
@@ -20,6 +23,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--study", required=True, type=Study.model_validate_json)
     parser.add_argument("--root", required=True, type=Path)
+    parser.add_argument("--identified", type=Path, nargs="*", default=[], help="its tables")
     parser.add_argument("--output", required=True, type=Path)
     parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
@@ -48,6 +52,12 @@ def main() -> None:
         root / "figures/contact_stiffness.png",
     )
     read = [*data.values(), *wrong.values(), *on_bases.values(), times, root / "claims.csv"]
+    identified = None
+    if arguments.identified:
+        identified = Pictured(
+            read_identified(arguments.identified[0].parent),
+            {name: root / f"{place}.png" for name, place in IDENTIFIED_PICTURES.items()},
+        )
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {
         "made with": versions(),
@@ -55,9 +65,12 @@ def main() -> None:
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
     datasets = {name: read_dataset(path) for name, path in data.items()}
-    page = render_report(study, datasets, pictures, provenance, comparison, ledger, bases)
+    page = render_report(
+        study, datasets, pictures, provenance, comparison, ledger, bases, identified
+    )
     write_text(page, arguments.output)
     shown = [*pictures.values(), *compared.values(), ledger.picture, bases.picture]
+    shown += [*identified.pictures.values(), *arguments.identified] if identified else []
     job.finish(arguments.record, [arguments.output], [*read, *shown])
 
 

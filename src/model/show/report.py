@@ -21,6 +21,10 @@ from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.claims import Ledger, claims_section
 from model.show.contact_stiffness import Bases, contact_section
+from model.show.identification import (
+    CAPTIONS as IDENTIFIED_CAPTIONS,
+)
+from model.show.identification import Pictured, Section, identification_section
 from model.show.precision import (
     CAPTIONS as SPEED_CAPTIONS,
 )
@@ -37,6 +41,8 @@ from model.show.style import FORMATS
 from model.solver.outcomes import OUTCOME_TEXT, Outcome
 from model.study.config import Study
 from model.study.fixed_steps import wrong_counts
+from model.study.identification.candidate import searched_of
+from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.plans import PICTURES
 from model.study.precision import METHODS
 
@@ -138,6 +144,7 @@ def render_report(
     comparison: Comparison,
     ledger: Ledger,
     bases: Bases,
+    identified: Pictured | None = None,
 ) -> str:
     """The page.
 
@@ -152,6 +159,7 @@ def render_report(
         comparison: what was measured of speed against error.
         ledger: what was found of the claims of the paper.
         bases: figures on bases of other stiffness and damping.
+        identified: what the identification found, where its result is committed.
 
     Raises:
         ValueError: a dataset or a picture is missing, or a picture is neither PNG nor SVG.
@@ -181,6 +189,8 @@ def render_report(
         claims_picture=_embedded(ledger.picture),
         contact=contact_section(bases.datasets),
         contact_picture=_embedded(bases.picture),
+        identified=_identified(study, identified),
+        identified_pictures=_identified_pictures(identified),
         tau_tolerance=study.precision.fixed_steps.tau_tolerance,
         structure=[_row(name, number(value)) for name, value in study.structure.items()],
         readings=[
@@ -272,6 +282,22 @@ def _speed(study: Study, comparison: Comparison) -> _Speed:
             for (scheme, step), counts in wrong_counts(dataset).items()
         ),
     )
+
+
+def _identified(study: Study, identified: Pictured | None) -> Section | None:
+    if identified is None:
+        return None
+    ranges = study.identification.law.structure
+    return identification_section(identified.found, searched_of(study.structure), ranges)
+
+
+def _identified_pictures(identified: Pictured | None) -> list[_Picture]:
+    if identified is None:
+        return []
+    return [
+        _Picture(place, IDENTIFIED_CAPTIONS[name], *_embedded(identified.pictures[name]))
+        for name, place in IDENTIFIED_PICTURES.items()
+    ]
 
 
 _SCHEME_WORDS = {"rk4": "RK4", "semi_implicit_euler": "semi-implicit Euler"}
