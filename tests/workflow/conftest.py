@@ -23,6 +23,12 @@ TINY: dict[str, Any] = {
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
         "fig14": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1},
     },
+    "maps": {
+        "resolution": {"figures": 4, "planes": 2},
+        "chunks": 2,
+        "ensemble": {"phases": 2, "tilts": [1.0], "every": 4},
+        "trials": 2,
+    },
     "accuracy": {
         "horizon": 30.0,
         "sets": 4,
@@ -60,6 +66,7 @@ class Workspace:
         "tiny/data/fig05.nc",
         "tiny/data/fig11.nc",
         "tiny/data/fig13.nc",
+        "tiny/data/maps/fig13.nc",
         "tiny/data/fixed_steps/fig13.nc",
         "tiny/data/precision.nc",
     )

@@ -18,10 +18,12 @@ BESIDE = {"draw_evaluations", "draw_times", "draw_wrong_points"}  # speed agains
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
 FIXED = {"fixed_steps", "draw_wrong_points"}
+MAPPED = {"map_part", "map"}
 OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
 ON_BASES = {"contact_stiffness", "draw_contact"}
 COMPUTED = {
-    "chunk", "history", "merge", "precision", "fixed_steps", *OWN_RUNS, *ON_BASES, *DRAWN, *BESIDE,
+    "chunk", "history", "merge", "precision", "fixed_steps", *MAPPED, *OWN_RUNS, *ON_BASES,
+    *DRAWN, *BESIDE,
 }  # fmt: skip
 EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED}
 
@@ -46,6 +48,8 @@ MUTATIONS = [
     ("src/model/show/cli.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
      {"merge", *FIXED, *DRAWN}),
+    ("src/model/study/maps.py", "JUMP = 0.5", "JUMP = 0.6",
+      {*MAPPED, "plot", *LAST}),
     ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math",
      {"plot", *LAST}),
     ("src/model/study/claims/limits.py", "_TREND = 0.8", "_TREND = 0.7", JUDGED),
@@ -104,8 +108,10 @@ def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[s
     tiny["figures"]["fig11"]["held"] = {"press_force": 2.6}
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"chunk", "merge", *DRAWN}
-    assert all("fig11" in output or rule in JUDGED for rule, output in planned)
+    # Maps mark where other figures stand: they are assembled anew, and not computed.
+    assert rules(planned) == {"chunk", "merge", "map", *DRAWN}
+    marked = {"map", "plot", *JUDGED}
+    assert all("fig11" in output or rule in marked for rule, output in planned)
 
 
 def test_a_caption_computes_nothing(project: Any, tiny: dict[str, Any]) -> None:
@@ -122,7 +128,8 @@ def test_another_number_of_chunks_computes_that_figure_anew(
     tiny["figures"]["fig13"]["chunks"] = 2
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"chunk", "merge", *FIXED, *DRAWN}
+    # Its picture is that of its refined map.
+    assert rules(planned) == {"chunk", "merge", *FIXED, *JUDGED}
     of_all = {"draw_wrong_points", *JUDGED}
     assert all("fig13" in output or rule in of_all for rule, output in planned)
 

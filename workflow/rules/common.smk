@@ -41,6 +41,11 @@ def drawn(figure):
     return expand(root / f"figures/{figure}.{{kind}}", kind=["png", "svg", "pdf"])
 
 
+def shown(figure):
+    """The dataset that a figure's pictures are drawn from."""
+    return root / (f"data/maps/{figure}.nc" if figure in MAPS else f"data/{figure}.nc")
+
+
 def records_beside():
     """The sidecars of the jobs on speed against error, which are no figure's."""
     jobs = ["data/precision", *PICTURES.values()]
@@ -72,6 +77,9 @@ def records(figure):
     if figure in gridded:
         chunks = range(study.figures[figure].chunks)
         found += [root / f"data/chunks/{figure}/{chunk}.run.json" for chunk in chunks]
+    if figure in MAPS:
+        parts = [figure, *[f"{figure}/{part}" for part in range(study.maps.chunks)]]
+        found += [root / f"data/maps/{part}.run.json" for part in parts]
     return found
 
 

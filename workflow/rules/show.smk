@@ -28,7 +28,7 @@ rule schematic:
 
 rule plot:
     input:
-        root / "data/{figure}.nc",
+        lambda wildcards: shown(wildcards.figure),
     output:
         png=root / "figures/{figure}.png",
         svg=root / "figures/{figure}.svg",
