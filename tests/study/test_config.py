@@ -185,6 +185,7 @@ def test_smoke_changes_only_sizes() -> None:
     """config/smoke.yaml laid over config.yaml: the same study but for counts, chunks and rungs."""
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     parts = {"figures", "accuracy", "precision", "claims_runs", "identification"}
+    parts |= {"contact_stiffness"}
     assert set(smoke) == {"results_root", *parts}
     assert set(smoke["accuracy"]) == {"sets", "chunks", "settled"}
     assert set(smoke["accuracy"]["settled"]) == {"sets", "chunks"}
