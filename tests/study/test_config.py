@@ -47,6 +47,17 @@ REFUSED = [
     ("settings.tolerance", 1.0, ["settings.tolerance = 1.0", "0.01"]),
     ("settings.readings", "prinetd", ["settings.readings = 'prinetd'", "'printed'"]),
     ("settings.readings", {"friction_lw": "printed"}, ["friction_lw", "friction_law"]),
+    ("claims_runs.rubbing.swpt", 1.0, ["claims_runs.rubbing.swpt", "unknown key", "'swept'"]),
+    ("claims_runs.rubbing.figure", "fig03", ["claims_runs.rubbing", "unknown figure 'fig03'"]),
+    ("claims_runs.rubbing.held", {"friction": 0.1}, ["held.friction", "varied in the same run"]),
+    ("claims_runs.rubbing.swept.start", -1.0, ["claims_runs.rubbing", "friction[0] = -1.0"]),
+    ("claims_runs.rubbing.family.parameter", "friction", ["'friction' is varied twice"]),
+    ("claims_runs.misaligned.swept.stop", 9.0, ["misalignment[", "wholly beside the slot"]),
+    ("contact_stiffness.stiffness", [1.0], ["contact_stiffness.stiffness", "'stiffnesses'"]),
+    ("contact_stiffness.stiffnesses", [0.0], ["stiffnesses", "greater than 0"]),
+    ("contact_stiffness.damping_ratios", [-0.1], ["damping_ratios", "equal to 0"]),
+    ("contact_stiffness.figures.fig05", {"points": 3}, ["fig05", "figure with a grid"]),
+    ("contact_stiffness.figures.fig06.points", 1, ["fig06.points = 1", "equal to 2"]),
     ("structure.inertia", -1.0, ["structure.inertia = -1.0", "> 0"]),
     ("structure.half_width", True, ["structure.half_width = True", "number"]),
     ("structure.inrtia", 1.0, ["structure", "inrtia", "'inertia'"]),
@@ -184,9 +195,14 @@ def test_the_baseline_is_the_configuration_and_states_every_parameter() -> None:
 def test_smoke_changes_only_sizes() -> None:
     """config/smoke.yaml laid over config.yaml: the same study but for counts, chunks and rungs."""
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
-    parts = {"figures", "accuracy", "precision", "claims_runs", "identification"}
-    parts |= {"contact_stiffness"}
-    assert set(smoke) == {"results_root", *parts}
+    assert set(smoke) == {
+        "results_root", "figures", "accuracy", "precision", "claims_runs", "contact_stiffness",
+        "identification",
+    }  # fmt: skip
+    assert all(
+        run == {"swept": {"count": run["swept"]["count"]}} for run in smoke["claims_runs"].values()
+    )
+    assert all(set(grid) == {"points"} for grid in smoke["contact_stiffness"]["figures"].values())
     assert set(smoke["accuracy"]) == {"sets", "chunks", "settled"}
     assert set(smoke["accuracy"]["settled"]) == {"sets", "chunks"}
     for spec in smoke["figures"].values():

@@ -19,8 +19,9 @@ JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
 FIXED = {"fixed_steps", "draw_wrong_points"}
 OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
+ON_BASES = {"contact_stiffness", "draw_contact"}
 COMPUTED = {
-    "chunk", "history", "merge", "precision", "fixed_steps", *OWN_RUNS, *DRAWN, *BESIDE,
+    "chunk", "history", "merge", "precision", "fixed_steps", *OWN_RUNS, *ON_BASES, *DRAWN, *BESIDE,
 }  # fmt: skip
 EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED}
 
@@ -32,9 +33,9 @@ MUTATIONS = [
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5', COMPUTED),
     ("src/model/show/plots.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
-     {"plot", "draw_claims", *LAST, *BESIDE}),
+     {"plot", "draw_claims", "draw_contact", *LAST, *BESIDE}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
-     {"schematic", "plot", "draw_claims", *LAST, *BESIDE}),
+     {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE}),
     ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report.html.j2", "All runs at a glance", "Every run at a glance", LAST),

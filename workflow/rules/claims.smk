@@ -1,19 +1,6 @@
 """The claims ledger: what the paper says, judged by the figures' data and by a few runs more."""
 
-import json
-
-from model.study.claims.runs import claim_sweep
-
 claims_data = expand(root / "data/claims/{run}.nc", run=study.claims_runs)
-
-
-def claims_runs():
-    """Title and computation of every run that only the ledger reads, as JSON."""
-    runs = {
-        name: (run.title, claim_sweep(study, name).model_dump(mode="json"))
-        for name, run in study.claims_runs.items()
-    }
-    return json.dumps(runs)
 
 
 # One job, because a start of Python costs as much as most of these runs.
@@ -29,7 +16,7 @@ rule claims_runs:
         "../envs/study.yaml"
     params:
         code=code("run_claims"),
-        runs=claims_runs(),
+        runs=runs_of_claims(),
         folder=root / "data/claims",
     message:
         "computing what only the claims ledger asks for"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from model.physics.readings import READING_NAMES
 from model.study.accuracy import trial_of
+from model.study.claims.runs import claim_sweep
 from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES
@@ -49,6 +50,15 @@ def records_beside():
     jobs = ["data/precision", *PICTURES.values()]
     jobs += [f"data/fixed_steps/{figure}" for figure in study.precision.fixed_steps.figures]
     return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
+
+
+def runs_of_claims():
+    """Title and computation of every run that only the ledger reads, as JSON."""
+    runs = {
+        name: (run.title, claim_sweep(study, name).model_dump(mode="json"))
+        for name, run in study.claims_runs.items()
+    }
+    return json.dumps(runs)
 
 
 def records_of_claims():

@@ -177,7 +177,7 @@ def render_report(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(number=number, power=_power)
+    environment.filters.update(number=number, power=_power, subscripts=_with_subscripts)
     sections = [_section(study, name, datasets.get(name), figures[name]) for name in study.figures]
     settings = study.settings.settings
     return environment.get_template("report.html.j2").render(
