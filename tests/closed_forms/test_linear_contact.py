@@ -74,7 +74,7 @@ def test_sticking_contact_follows_the_matrix_exponential(course, device):
     start = np.array([p.misalignment + s * depth, y0 - c * depth, TILT, 0.0, 0.0, 0.0])
     run = course(p, start, START._replace(support_slip=STICKING), horizon=1.5, tolerance=1e-13)
     assert {step.mode.support_slip for step in run.steps} == {STICKING}
-    # ζ = e_n·(C - C0): ζ'' = -k_a ζ - h_a ζ' - (k_x s² + c²) ζ - (h_x s² + h_y c²) ζ' - c (f0 + sin)
+    # Of ζ = e_n·(C - C0): -(k_a + k_x s² + c²) ζ - (h_a + h_x s² + h_y c²) ζ' - c (f0 + sin ντ).
     stiffness = p.contact_stiffness + p.lateral_stiffness * s * s + c * c
     damping = p.contact_damping + p.lateral_damping * s * s + p.axial_damping * c * c
     matrix = np.array([

@@ -68,8 +68,8 @@ def test_between_the_limits_it_bounces_once_a_period(impacts, acceleration):
 
 
 def test_below_the_first_limit_no_such_motion_exists(impacts):
-    # It loses the rhythm, comes to rest on the table and is thrown off anew as that outruns it: long
-    # flights, then short ones. (Softer, since at rest every step follows the base.)
+    # It loses the rhythm, comes to rest on the table and is thrown off anew as that outruns it:
+    # long flights, then short ones. (Softer, since at rest every step follows the base.)
     times, _ = impacts(0.98 * EXISTS, 12, stiffness=1e8)
     flights = np.diff(times)
     assert len(flights) > 15

@@ -2,9 +2,9 @@
 
 Two-point contact and wedging: D. E. Whitney, Quasi-static assembly of compliantly supported rigid
 parts, J. Dyn. Syst. Meas. Control 104 (1982) 65-77. A peg of width d = 2a, tilted by θ in a hole of
-width D = 2l, touches the edge on one side and the wall on the other at the depth ℓ with
-D = d cos θ + ℓ sin θ, about cD/θ with c = (D - d)/D. It wedges where friction can hold it between
-these two points without any outer force: for small θ below c/μ, where ℓ > μ D, it cannot.
+width D = 2l, touches the edge on one side and the wall on the other at the depth h with
+D = d cos θ + h sin θ, about cD/θ with c = (D - d)/D. It wedges where friction can hold it between
+these two points without any outer force: for small θ below c/μ, where h > μ D, it cannot.
 
 No run gets that far: a part with both corners in the slot has aligned, and the scene ends there; a
 corner that meets the wall before has left the scene. What is tried is what these ends are found by,
