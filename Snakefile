@@ -37,10 +37,11 @@ rule all:
         root / "runs.csv",
         [drawn(figure) for figure in FIGURES],
         expand(root / "data/{figure}.nc", figure=computed),
-        [pictured(place) for place in PICTURES.values()],
+        [pictured(place) for place in (*PICTURES.values(), *HARD_PICTURES.values())],
 
 
 include: "workflow/rules/compute.smk"
 include: "workflow/rules/precision.smk"
+include: "workflow/rules/hard.smk"
 include: "workflow/rules/show.smk"
 include: "workflow/rules/accuracy.smk"

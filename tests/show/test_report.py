@@ -12,11 +12,13 @@ from markupsafe import escape
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show import report
+from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
+from model.show.hard_cases import Hardness
 from model.show.precision import CAPTIONS, Comparison, advice
 from model.show.report import READING_WORDS, render_report
 from model.solver.outcomes import Outcome
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
-from model.study.plans import PICTURES
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.sweeps import sweep_of
 
 # The smallest picture there is: one transparent pixel.
@@ -85,9 +87,18 @@ def comparison(timed_rungs, wrong_datasets, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def rendered(study, datasets, pictures, comparison):
+def hardness(judged, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hardness")
+    paths = {name: folder / f"{name}.png" for name in HARD_PICTURES}
+    for path in paths.values():
+        path.write_bytes(PIXEL)
+    return Hardness(judged, paths)
+
+
+@pytest.fixture(scope="module")
+def rendered(study, datasets, pictures, comparison, hardness):
     provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
-    return render_report(study, datasets, pictures, provenance, comparison)
+    return render_report(study, datasets, pictures, provenance, comparison, hardness)
 
 
 def article(text: str, name: str) -> str:
@@ -125,7 +136,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == 14 + len(PICTURES)
+    assert len(images) == 14 + len(PICTURES) + len(HARD_PICTURES)
     for image, spec in zip(images, study.figures.values(), strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
         assert spec.title in image["alt"]
@@ -202,7 +213,7 @@ def test_the_moment_of_alignment_of_a_trajectory_is_told(rendered, datasets):
 
 
 def test_speed_against_error_is_told_in_sentences_pictures_and_tables(rendered, study, comparison):
-    part = rendered[rendered.index('id="speed"') : rendered.index('id="device"')]
+    part = rendered[rendered.index('id="speed"') : rendered.index('id="hard"')]
     text = plain(part)
     titles = {name: case.title for name, case in study.precision.cases.items()}
     for sentence in advice(comparison.rungs, comparison.wrong, titles):
@@ -221,6 +232,21 @@ def test_speed_against_error_is_told_in_sentences_pictures_and_tables(rendered, 
     assert re.findall(r"<td[^>]*>(.*?)</td>", counts) == ["RK4", "0.01", "8", "1", "2", "1"]
 
 
+def test_hard_cases_are_told_in_pictures_and_a_table_of_every_run(rendered, study):
+    part = rendered[rendered.index('id="hard"') : rendered.index('id="device"')]
+    text = plain(part)
+    for name, place in HARD_PICTURES.items():
+        assert HARD_CAPTIONS[name] in text
+        assert f'href="{place}.svg"' in part
+    for name in ("base_100_0", "overturning"):  # which of them were run, by conftest
+        assert plain(str(escape(study.hard_cases.all_cases[name].title))).replace("_", "") in text
+    # The made-up runs of conftest: two of each method, as many rows, and their marks counted.
+    assert part.count("<td>RK4, fixed steps</td>") == 2
+    assert "RK4, fixed steps: 0 stable, 2 inaccurate, 0 broken." in text
+    assert "inaccurate: wrong outcome" in text
+    assert "broken: too many evaluations" in text
+
+
 def test_provenance_is_printed_and_escaped(rendered):
     text = rendered[rendered.index('id="provenance"') :]
     assert "<code>0123abc</code>" in text
@@ -233,39 +259,45 @@ def test_every_switch_of_the_readings_is_explained(rendered):
     assert all(f"<code>{name}</code>" in rendered for name in READING_NAMES)
 
 
-def test_words_from_the_configuration_are_escaped(study, datasets, pictures, comparison):
+def test_words_from_the_configuration_are_escaped(study, datasets, pictures, comparison, hardness):
     spec = study.figures["fig06"].model_copy(update={"title": "<b>τ</b> & f0", "sees": '"<i>"'})
     hostile = study.model_copy(update={"figures": {**study.figures, "fig06": spec}})
-    text = render_report(hostile, datasets, pictures, {}, comparison)
+    text = render_report(hostile, datasets, pictures, {}, comparison, hardness)
     assert "<b>τ</b>" not in text
     assert "&lt;b&gt;τ&lt;/b&gt; &amp; f0" in text
     assert Page(text).open == []
 
 
-def test_the_same_inputs_give_the_same_page(rendered, study, datasets, pictures, comparison):
+def test_the_same_inputs_give_the_same_page(
+    rendered, study, datasets, pictures, comparison, hardness
+):
     provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
-    assert render_report(study, datasets, pictures, provenance, comparison) == rendered
+    assert render_report(study, datasets, pictures, provenance, comparison, hardness) == rendered
 
 
-def test_a_vector_picture_is_embedded_too(study, datasets, pictures, comparison, tmp_path):
+def test_a_vector_picture_is_embedded_too(
+    study, datasets, pictures, comparison, hardness, tmp_path
+):
     path = tmp_path / "fig06.svg"
     path.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
-    text = render_report(study, datasets, {**pictures, "fig06": path}, {}, comparison)
+    text = render_report(study, datasets, {**pictures, "fig06": path}, {}, comparison, hardness)
     assert "data:image/svg+xml;base64," in text
 
 
-def test_a_picture_of_another_kind_is_refused(study, datasets, pictures, comparison, tmp_path):
+def test_a_picture_of_another_kind_is_refused(
+    study, datasets, pictures, comparison, hardness, tmp_path
+):
     path = tmp_path / "fig06.pdf"
     with pytest.raises(ValueError, match=r"fig06\.pdf: must be one of \.png, \.svg"):
-        render_report(study, datasets, {**pictures, "fig06": path}, {}, comparison)
+        render_report(study, datasets, {**pictures, "fig06": path}, {}, comparison, hardness)
 
 
-def test_what_is_missing_is_named(study, datasets, pictures, comparison):
+def test_what_is_missing_is_named(study, datasets, pictures, comparison, hardness):
     some = {name: each for name, each in datasets.items() if name != "fig07"}
     few = {name: each for name, each in pictures.items() if name != "fig01"}
     without = replace(comparison, pictures={})
     with pytest.raises(ValueError, match=r"dataset of fig07, the picture of fig01, .* of times"):
-        render_report(study, some, few, {}, without)
+        render_report(study, some, few, {}, without, hardness)
 
 
 @pytest.mark.parametrize(

@@ -14,10 +14,13 @@ import pytest
 PROJECT = Path(__file__).resolve().parents[2]
 
 LAST = {"report", "index"}
+HARD = {"draw_stability", "draw_stiffness"}
 BESIDE = {"draw_evaluations", "draw_times", "draw_wrong_points"}  # speed against error
 DRAWN = {"plot", *LAST}
 FIXED = {"fixed_steps", "draw_wrong_points"}
-COMPUTED = {"chunk", "history", "merge", "precision", "fixed_steps", *DRAWN, *BESIDE}
+COMPUTED = {
+    "chunk", "history", "merge", "precision", "fixed_steps", "hard_cases", *DRAWN, *BESIDE, *HARD,
+}  # fmt: skip
 EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED}
 
 # (file, what stands there, what a mutation puts there, the rules that must run again)
@@ -28,15 +31,15 @@ MUTATIONS = [
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5', COMPUTED),
     ("src/model/show/plots.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
-     {*DRAWN, *BESIDE}),
+     {*DRAWN, *BESIDE, *HARD}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
-     {"schematic", *DRAWN, *BESIDE}),
+     {"schematic", *DRAWN, *BESIDE, *HARD}),
     ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report.html.j2", "All runs at a glance", "Every run at a glance", LAST),
     ("src/model/study/tracking.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
     ("src/model/runs/unlocated.py", "import ", "import math as _unused\nimport ",
-     {"unlocated_kernels", "precision", "fixed_steps", *BESIDE, *LAST}),
+     {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
     ("src/model/study/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/show/cli.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",

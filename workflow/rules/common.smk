@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from model.study.accuracy import trial_of
-from model.study.plans import PICTURES
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
 from model.study.tracking import Invocation
@@ -40,8 +40,8 @@ def drawn(figure):
 
 
 def records_beside():
-    """The sidecars of the jobs on speed against error, which are no figure's."""
-    jobs = ["data/precision", *PICTURES.values()]
+    """The sidecars of the jobs on speed against error and hard cases, which are no figure's."""
+    jobs = ["data/precision", *PICTURES.values(), "data/hard_cases", *HARD_PICTURES.values()]
     jobs += [f"data/fixed_steps/{figure}" for figure in study.precision.fixed_steps.figures]
     return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
 

@@ -58,6 +58,8 @@ rule report:
             root / "data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
         ),
         comparison=[pictured(place) for place in PICTURES.values()],
+        hard_times=root / "benchmarks/hard_cases.csv",
+        hard=[pictured(place) for place in HARD_PICTURES.values()],
     output:
         page=root / "report.html",
         record=root / "report.run.json",

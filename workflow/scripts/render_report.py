@@ -3,11 +3,13 @@
 import argparse
 from pathlib import Path
 
+from model.show.hard_cases import Hardness
 from model.show.precision import Comparison
 from model.show.report import render_report
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
-from model.study.plans import PICTURES
+from model.study.hard_cases import read_table
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.precision import read_timings
 from model.study.provenance import Job, file_hash, versions, write_text
 
@@ -36,7 +38,9 @@ def main() -> None:
         wrong={name: read_dataset(path) for name, path in wrong.items()},
         pictures=compared,
     )
-    read = [*data.values(), *wrong.values(), times]
+    judged = root / "benchmarks/hard_cases.csv"
+    hard = {name: root / f"{place}.png" for name, place in HARD_PICTURES.items()}
+    read = [*data.values(), *wrong.values(), times, judged]
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {
         "made with": versions(),
@@ -44,9 +48,10 @@ def main() -> None:
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
     datasets = {name: read_dataset(path) for name, path in data.items()}
-    page = render_report(study, datasets, pictures, provenance, comparison)
+    hardness = Hardness(read_table(judged), hard)
+    page = render_report(study, datasets, pictures, provenance, comparison, hardness)
     write_text(page, arguments.output)
-    shown = [*pictures.values(), *compared.values()]
+    shown = [*pictures.values(), *compared.values(), *hard.values()]
     job.finish(arguments.record, [arguments.output], [*read, *shown])
 
 

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
+from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
+from model.show.hard_cases import Hardness
 from model.show.precision import (
     CAPTIONS as SPEED_CAPTIONS,
 )
@@ -33,9 +35,10 @@ from model.show.precision import (
 from model.show.schematics import CAPTIONS
 from model.show.style import FORMATS
 from model.solver.outcomes import OUTCOME_TEXT, Outcome
-from model.study.config import Study
+from model.study.config import HardCases, Study
 from model.study.fixed_steps import wrong_counts
-from model.study.plans import PICTURES
+from model.study.hard_cases import Judged, Mark
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.precision import METHODS
 
 if TYPE_CHECKING:
@@ -128,12 +131,35 @@ class _Speed:
     wrong: tuple[tuple[str, str, float, Mapping[str, int]], ...]
 
 
+@dataclass(frozen=True)
+class _HardRow:
+    """One case and what every method makes of it."""
+
+    title: Markup
+    values: Markup
+    until: float
+    judged: tuple[Judged, ...]
+
+
+@dataclass(frozen=True)
+class _Hard:
+    """What the page says of hard cases."""
+
+    spec: HardCases
+    sentences: tuple[str, ...]
+    pictures: tuple[_Picture, ...]
+    rows: tuple[_HardRow, ...]
+    longer: tuple[str, ...]
+    labels: Mapping[str, str]
+
+
 def render_report(
     study: Study,
     datasets: Mapping[str, "xr.Dataset"],
     figures: Mapping[str, Path],
     provenance: Mapping[str, object],
     comparison: Comparison,
+    hardness: Hardness,
 ) -> str:
     """The page.
 
@@ -146,6 +172,7 @@ def render_report(
         figures: a picture of every figure, PNG or SVG, by its name.
         provenance: what to say of the making of the page; a value may be a mapping itself.
         comparison: what was measured of speed against error.
+        hardness: what every method makes of the hard cases.
 
     Raises:
         ValueError: a dataset or a picture is missing, or a picture is neither PNG nor SVG.
@@ -154,6 +181,7 @@ def render_report(
     missing = [f"the dataset of {name}" for name in computed if name not in datasets]
     missing += [f"the picture of {name}" for name in study.figures if name not in figures]
     missing += [f"the picture of {name}" for name in PICTURES if name not in comparison.pictures]
+    missing += [f"the picture of {name}" for name in HARD_PICTURES if name not in hardness.pictures]
     if missing:
         raise ValueError(f"the report needs {', '.join(missing)}")
     environment = Environment(
@@ -169,6 +197,7 @@ def render_report(
     return environment.get_template("report.html.j2").render(
         sections=sections,
         speed=_speed(study, comparison),
+        hard=_hard(study.hard_cases, hardness),
         tau_tolerance=study.precision.fixed_steps.tau_tolerance,
         structure=[_row(name, number(value)) for name, value in study.structure.items()],
         readings=[
@@ -259,6 +288,42 @@ def _speed(study: Study, comparison: Comparison) -> _Speed:
             for figure, dataset in comparison.wrong.items()
             for (scheme, step), counts in wrong_counts(dataset).items()
         ),
+    )
+
+
+def _hard(spec: HardCases, hardness: Hardness) -> _Hard:
+    cases = spec.all_cases
+    pictures = []
+    for name, place in HARD_PICTURES.items():
+        data, size = _embedded(hardness.pictures[name])
+        pictures.append(_Picture(place, HARD_CAPTIONS[name], data, size))
+    rows = tuple(
+        _HardRow(
+            title=_with_subscripts(case.title),
+            values=Markup(", ").join(
+                _equals(_row(each, number(value))) for each, value in case.at.items()
+            ),
+            until=case.until,
+            judged=tuple(each for each in hardness.judged if each.case == name),
+        )
+        for name, case in cases.items()
+    )
+    sentences = []
+    for method, how in METHODS.items():
+        marks = [each.mark for each in hardness.judged if each.method == method]
+        counts = ", ".join(f"{marks.count(mark)} {mark.value}" for mark in Mark)
+        sentences.append(f"{how.label}: {counts}.")
+    return _Hard(
+        spec=spec,
+        sentences=tuple(sentences),
+        pictures=tuple(pictures),
+        rows=rows,
+        longer=tuple(
+            f"{case.title}, {case.max_evaluations:,}"
+            for case in cases.values()
+            if case.max_evaluations
+        ),
+        labels={name: how.label for name, how in METHODS.items()},
     )
 
 
