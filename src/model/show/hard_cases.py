@@ -83,11 +83,13 @@ def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
             )  # fmt: skip
         axes.set_xlim(0.0, len(methods))
         axes.set_ylim(len(cases), 0.0)
-        labels = [
-            METHODS[method].label.replace(", ", ",\n").replace(" (", "\n(") for method in methods
-        ]
+        labels = [METHODS[method].label.replace(", ", ",\n") for method in methods]
         axes.set_xticks([i + 0.5 for i in range(len(methods))], labels, fontsize=7.0, rotation=60)
-        axes.set_yticks([i + 0.5 for i in range(len(cases))], [_set_symbols(title) for title in titles.values()], fontsize=7.5)
+        axes.set_yticks(
+            [i + 0.5 for i in range(len(cases))],
+            [_set_symbols(title) for title in titles.values()],
+            fontsize=7.5,
+        )
         axes.tick_params(length=0.0, labeltop=True, labelbottom=False)
         for label in axes.get_xticklabels():
             label.set(rotation_mode="anchor", ha="left", va="center")

@@ -49,6 +49,7 @@ from model.solver.record import (
 from model.solver.settling import HISTORY, record_period, settled_period
 from model.solver.switching import (
     CORNERS_INSIDE,
+    FACE_END,
     FACE_FAR_END,
     LEFT_EDGE_ENTERS,
     LEFT_WALL,
@@ -200,6 +201,18 @@ def begin(row, tolerance, declared, control, runs, i):
     keep_state(q, runs, i)
     keep_mode(mode, runs, i)
     _note_end_of_period(runs, i)
+    if runs[OUTCOME, i] == CONTINUES and _starts_past_the_end(q, p, mode):
+        make_switch(FACE_END, 0.0, _FIRST_STEP, declared, runs, i)
+
+
+@kernel
+def _starts_past_the_end(q, p, mode):
+    """Whether A1 already stands beyond the corner B1, which comes before any load."""
+    if mode.face != CLOSED:
+        return False
+    functions = np.empty(SAMPLE_SIZE)
+    switching_functions(0.0, q, p, mode, functions)
+    return functions[FACE_END] < 0.0
 
 
 @kernel

@@ -19,7 +19,7 @@ from model.solver.outcomes import Outcome, Reason
 
 Floats = NDArray[np.float64]
 
-SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=20_000)
+SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=4_000)
 _MOST_RUNS = 5  # of a set: two, and three more where they part
 _LAST_STEP = 200  # evaluations that a step and its switch may take beyond the limit
 
@@ -37,7 +37,7 @@ UNEXPLAINED = (Reason.CHATTER, Reason.NOT_FINITE, Reason.STEP_TOO_SMALL,
 
 
 class Law(NamedTuple):
-    """Log-uniform from ``low`` to ``high``, 0 in a share ``zero``, negative in a share ``minus``."""
+    """Log-uniform from ``low`` to ``high``; 0 in a share ``zero``, negative in ``minus``."""
 
     low: float
     high: float
@@ -150,7 +150,13 @@ def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray
 
 
 def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -> Report:
-    """Run sets of the law and try every property on them."""
+    """Run sets of the law and try every property on them.
+
+    Raises:
+        ValueError: fewer than one set.
+    """
+    if count < 1:
+        raise ValueError(f"sets = {count!r}: must be >= 1")
     batch = draw(seed, first, count)
     runs = align(batch, settings, cores=1)
     broken = broken_properties(runs, settings)

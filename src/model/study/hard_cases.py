@@ -194,6 +194,8 @@ def read_table(path: Path) -> list[Judged]:
     """
     try:
         rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+        if not rows:
+            raise ValueError("it has no rows")  # noqa: TRY301 - told with the others below
         return [
             Judged(
                 case=row["case"],
