@@ -349,3 +349,39 @@ def test_as_a_command():
     )
     lean = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
     assert lean.returncode == 0
+
+
+# --- A device in SI units -----------------------------------------------------------------------
+
+PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
+
+
+def test_a_device_file_gives_results_in_si_units(capsys):
+    assert cli.main(["simulate", "--device", PEG, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    si = record["si"]
+    assert si["time_unit_s"] == pytest.approx(math.sqrt(0.3 / 3000.0))
+    assert si["alignment_time_s"] == pytest.approx(record["tau_align"] * si["time_unit_s"])
+    assert si["contact_force_max_N"] == pytest.approx(record["contact_force_max"] * 3.0)
+    assert cli.main(["simulate", "--device", PEG]) == cli.DONE
+    said = capsys.readouterr().out
+    time = re.search(r"alignment time +(\S+) ± \S+ s\n", said)
+    assert float(time[1]) == pytest.approx(si["alignment_time_s"], abs=1e-9)
+    assert "contact force     20 N at most" in said
+
+
+def test_with_a_device_what_is_set_is_in_si_units(capsys):
+    changes = ["--set", "press_force=40", "--horizon", "1"]
+    assert cli.main(["simulate", "--device", PEG, *changes, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["parameters"]["press_force"] == pytest.approx(40.0 / 3.0)
+    assert record["outcome"] == "horizon_reached"
+    assert record["si"]["alignment_time_s"] is None
+
+
+def test_a_device_that_breaks_a_rule_is_refused_in_its_own_units(capsys):
+    assert "half_width = -0.005: must be" in refused(
+        capsys, "--device", PEG, "--set", "half_width=-0.005"
+    )
+    assert "unknown quantity of a device 'nu'" in refused(capsys, "--device", PEG, "--set", "nu=1")
+    assert "cannot be read" in refused(capsys, "--device", "nowhere.yaml")

@@ -21,11 +21,13 @@ from model.physics.compiled import cache_folder
 from model.physics.notation import State
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
+from model.physics.units import FORCE, QUANTITIES, TIME, UNITS, Units
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
 from model.show import export_commands, reference_commands, tracking_commands
 from model.solver.outcomes import Outcome
 from model.study.config import Study, load_study, study_path
+from model.study.devices import load_device
 from model.study.files import whole_file
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
@@ -115,13 +117,16 @@ def _add_simulate(commands: Any) -> None:
     parser = commands.add_parser(
         "simulate",
         help=words,
-        description=f"{words[0].upper()}{words[1:]}. All values are dimensionless.",
+        description=f"{words[0].upper()}{words[1:]}. All values are dimensionless, but for those "
+        "of a device file.",
         epilog="exit code: 0 the run was done, whatever its outcome; 1 it failed; 2 bad input",
         allow_abbrev=False,
     )
     add = parser.add_argument
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
+    words = "the device, its quantities in SI units as in docs/peg.yaml; --set is then in SI too"
+    add("--device", type=Path, metavar="FILE", help=words)
     words = "how the paper's equations are read, all switches together (default: as in the study)"
     add("--readings", choices=_READINGS, help=words)
     words = f"one switch, consistent or printed; may be repeated: {', '.join(READING_NAMES)}"
@@ -133,7 +138,8 @@ def _add_simulate(commands: Any) -> None:
         dest="switches",
         help=words,
     )
-    add("--horizon", metavar="H", help="latest time (default: that of the study)")
+    words = "latest time, in units of 1/p (default: that of the study)"
+    add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     add("--plot", type=Path, metavar="FILE", help=words)
@@ -144,7 +150,7 @@ def _add_simulate(commands: Any) -> None:
 
 def _simulate(arguments: argparse.Namespace) -> int:
     study = _study()
-    parameters = _parameters(study.baseline, arguments.changes)
+    units, parameters = _device(study.baseline, arguments)
     settings = _settings(study.settings.settings, arguments)
     if arguments.plot is not None:
         _check_picture(arguments.plot)
@@ -152,9 +158,10 @@ def _simulate(arguments: argparse.Namespace) -> int:
         print("compiling the model, this once: about half a minute …", file=sys.stderr)
     run = simulate(parameters, settings)
     if arguments.json:
-        print(json.dumps(_record(run, settings), indent=2))
+        record = _record(run, settings) | ({"si": _in_si(run, units)} if units else {})
+        print(json.dumps(record, indent=2))
     else:
-        print("\n".join(_report(run)))
+        print("\n".join([*_report(run), *(_report_in_si(run, units) if units else [])]))
     if arguments.plot is not None and not _draw(run, arguments.plot):
         return FAILED
     return FAILED if run.outcome == Outcome.FAILED else DONE
@@ -178,6 +185,14 @@ def _number(name: str, text: str, rule: str = "must be a number") -> float:
         return float(text)
     except ValueError:
         raise ValueError(f"{name} = {text!r}: {rule}") from None
+
+
+def _device(baseline: Parameters, arguments: argparse.Namespace) -> tuple[Units | None, Parameters]:
+    """What is to be run, and its units where it comes from a file in SI units."""
+    if arguments.device is None:
+        return None, _parameters(baseline, arguments.changes)
+    changes = _pairs(arguments.changes, "--set").items()
+    return load_device(arguments.device, {name: _number(name, text) for name, text in changes})
 
 
 def _parameters(baseline: Parameters, given: Sequence[str]) -> Parameters:
@@ -244,19 +259,23 @@ def _draw(run: Trajectory, path: Path) -> bool:
 
 
 def _parameter_table(baseline: Parameters) -> str:
-    """Name, symbol, baseline value and meaning of every parameter."""
-    rows = [("name", "symbol", "baseline", "meaning")]
+    """Name, symbol, baseline, SI unit and meaning of every parameter, and a device's own units."""
+    rows = [("name", "symbol", "baseline", "SI unit", "meaning")]
     for name, field in FIELDS.items():
         value = getattr(baseline, name)
         shown = f"as {field.derived}" if value is None else f"{value:g}"
         rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
-        rows.append((name, field.symbol, shown, field.description + (f"; {rule}" if rule else "")))
-    widths = [max(len(row[i]) for row in rows) for i in range(3)]
-    lines = [
-        "  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[3]])
-        for row in rows
-    ]
-    return "parameters that --set takes, each a finite number:\n  " + "\n  ".join(lines) + "\n"
+        words = field.description + (f"; {rule}" if rule else "")
+        rows.append((name, field.symbol, shown, QUANTITIES[name].unit, words))
+    lines = ["parameters that --set takes, each a finite number:", *_columns(rows)]
+    lines.append("what a file for --device states besides:")
+    lines += _columns([(name, unit, words) for name, (words, unit) in UNITS.items()])
+    return "\n".join(lines) + "\n"
+
+
+def _columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 
 
 def _name(outcome: Any) -> str:
@@ -301,6 +320,34 @@ def _report(run: Trajectory) -> list[str]:
             "do not rely on its digits"
         )
     return lines
+
+
+def _in_si(run: Trajectory, units: Units) -> dict[str, float | None]:
+    """What a designer asks for, in SI units; null for what is not a number."""
+    time, force = units.of(TIME), units.of(FORCE)
+    values = {
+        "alignment_time_s": run.tau_align * time,
+        "alignment_time_error_s": run.tau_error * time,
+        "contact_force_max_N": run.contact_force_max * force,
+        "time_unit_s": time,
+        "length_unit_m": units.amplitude,
+        "force_unit_N": force,
+    }
+    return {name: _or_null(value) for name, value in values.items()}
+
+
+def _report_in_si(run: Trajectory, units: Units) -> list[str]:
+    time, force = units.of(TIME), units.of(FORCE)
+    rows = [("contact force", f"{run.contact_force_max * force:.4g} N at most")]
+    if run.outcome == Outcome.ALIGNED:
+        rows = [
+            ("alignment time", f"{_within(run.tau_align * time, run.tau_error * time)} s"),
+            *rows,
+        ]
+    rows.append(
+        ("units", f"time {time:.4g} s, length {units.amplitude:.4g} m, force {force:.4g} N")
+    )
+    return ["in SI units:", *(f"  {name:<18}{value}" for name, value in rows)]
 
 
 def _final_state(run: Trajectory) -> dict[str, float]:

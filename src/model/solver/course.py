@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from model.physics.compiled import borrowed, kernel
-from model.physics.geometry import bottom_corner, resting_height
+from model.physics.geometry import bottom_corner, edge_place, resting_height
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, State
 from model.physics.scenes import CLOSED, OPEN, START, STICKING
@@ -55,9 +55,8 @@ from model.solver.switching import (
     LEFT_WALL,
     NEVER,
     OVERTURNED,
-    SAMPLE_SIZE,
     SWITCH_COUNT,
-    switching_functions,
+    switching_sample,
 )
 from model.solver.transitions import (
     CONTINUES,
@@ -141,8 +140,7 @@ def start(p, declared):
 
 @kernel
 def _start_is_impossible(q, p, mode):
-    functions = np.empty(SAMPLE_SIZE)
-    switching_functions(0.0, q, p, mode, functions)
+    functions = switching_sample(0.0, q, p, mode)
     return (
         functions[LEFT_EDGE_ENTERS] < -_START_TOLERANCE
         or functions[LEFT_WALL] < -_START_TOLERANCE
@@ -183,14 +181,15 @@ def begin(row, tolerance, declared, control, runs, i):
 
     ``tolerance`` is the local error admitted in a step, relative to 1 + |state|.
     """
-    runs[:, i] = 0.0
-    runs[:CONSTANTS, i] = row
+    for k in range(runs.shape[0]):
+        runs[k, i] = row[k] if k < CONSTANTS else 0.0
     p = constants_of(runs, i)
     runs[TOLERANCE, i], runs[DEADLINE, i] = tolerance, control.horizon
     runs[OUTCOME, i], runs[NEXT_STEP, i] = CONTINUES, _FIRST_STEP
     runs[TAU_ALIGN, i], runs[TAU_CORNERS_INSIDE, i], runs[TILT_AT_ALIGNMENT, i] = nan, nan, nan
     runs[TILT_MAX, i] = abs(p.initial_tilt)
-    runs[CLOSEST : CLOSEST + SWITCH_COUNT, i] = NEVER
+    for which in range(SWITCH_COUNT):
+        runs[CLOSEST + which, i] = NEVER
     q, mode = start(p, declared)
     if _start_is_impossible(q, p, mode):
         fail(runs, i, _IMPOSSIBLE_START)
@@ -210,9 +209,7 @@ def _starts_past_the_end(q, p, mode):
     """Whether A1 already stands beyond the corner B1, which comes before any load."""
     if mode.face != CLOSED:
         return False
-    functions = np.empty(SAMPLE_SIZE)
-    switching_functions(0.0, q, p, mode, functions)
-    return functions[FACE_END] < 0.0
+    return edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p).along_face > p.half_width
 
 
 @kernel
@@ -295,6 +292,7 @@ def _end_period(history, may_settle, runs, i):
     for which in range(SWITCH_COUNT):  # a switch that was made is no switch to keep clear of
         if runs[MADE + which, i] != 0.0:
             runs[CLOSEST + which, i] = NEVER
+            runs[MADE + which, i] = 0.0
     states, lowest = history.states[i], history.lowest[i]
     record_period(
         periods,
@@ -303,8 +301,8 @@ def _end_period(history, may_settle, runs, i):
         states,
         lowest,
     )
-    runs[CLOSEST : CLOSEST + SWITCH_COUNT, i] = NEVER
-    runs[MADE : MADE + SWITCH_COUNT, i] = 0.0
+    for which in range(SWITCH_COUNT):
+        runs[CLOSEST + which, i] = NEVER
     if may_settle and not mode_of(runs, i).dropped:
         noise = 100.0 * runs[TOLERANCE, i]
         p = constants_of(runs, i)

@@ -36,6 +36,7 @@ from model.solver.record import (
     TIME,
     TOLERANCE,
 )
+from model.solver.step import CAUTION, LEAST_GROWTH, LEAST_SHRINKING, MOST_GROWTH
 from model.solver.switching import (
     COMBINED_COUNT,
     CORNER_END,
@@ -45,6 +46,7 @@ from model.solver.switching import (
     FACE_LOAD,
     LEFT_CORNER_LANDS,
     NEVER,
+    ON_A_SWITCH,
     RIGHT_CORNER_LANDS,
     SAMPLE_SIZE,
     SIDE_LOAD,
@@ -92,7 +94,6 @@ SAMPLE_ROWS = SAMPLE_SIZE + 1
 _BLOCK = STATE_SIZE * LANES  # one state of every lane
 _NO_CORNER = (CORNER_LOAD, CORNER_GAP, CORNER_RELOAD, CORNER_END)
 WATCHED = np.array([which for which in range(SWITCH_COUNT) if which not in _NO_CORNER])
-_ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
 
 
 class Lanes(NamedTuple):
@@ -290,63 +291,33 @@ def _judge_step(sums, w, k):
         square = (fine + 0.01 * coarse) * STATE_SIZE
         error = length * fine / sqrt(square) if fine > 0.0 else 0.0
         error = 1e300 if isnan(fine) else error
-        growth = 0.9 / sqrt(sqrt(sqrt(max(error, 1e-12))))  # error^(-1/8), the step's order
+        growth = CAUTION / sqrt(sqrt(sqrt(max(error, 1e-12))))  # error^(-1/8), the step's order
         stands = error <= 1.0 or w[PHASE * LANES + i] != STEPPING
-        w[GROWTH * LANES + i] = min(max(growth, 0.3 if stands else 0.1), 5.0)
+        least = LEAST_GROWTH if stands else LEAST_SHRINKING
+        w[GROWTH * LANES + i] = min(max(growth, least), MOST_GROWTH)
         w[SHOWN * LANES + i] = CLEAR if stands else REJECTED_STEP
 
 
 @inlined_kernel
 def _keep_sample(sample, w, i):
-    first, n = SAMPLE * LANES + i, LANES
-    w[first + 0 * n], w[first + 1 * n], w[first + 2 * n], w[first + 3 * n] = (
-        sample[0],
-        sample[1],
-        sample[2],
-        sample[3],
-    )
-    w[first + 4 * n], w[first + 5 * n], w[first + 6 * n], w[first + 7 * n] = (
-        sample[4],
-        sample[5],
-        sample[6],
-        sample[7],
-    )
-    w[first + 8 * n], w[first + 9 * n], w[first + 10 * n], w[first + 11 * n] = (
-        sample[8],
-        sample[9],
-        sample[10],
-        sample[11],
-    )
-    w[first + 12 * n], w[first + 13 * n], w[first + 14 * n], w[first + 15 * n] = (
-        sample[12],
-        sample[13],
-        sample[14],
-        sample[15],
-    )
-    w[first + 16 * n], w[first + 17 * n], w[first + 18 * n], w[first + 19 * n] = (
-        sample[16],
-        sample[17],
-        sample[18],
-        sample[19],
-    )
-    w[first + 20 * n], w[first + 21 * n], w[first + 22 * n], w[first + 23 * n] = (
-        sample[20],
-        sample[21],
-        sample[22],
-        sample[23],
-    )
-    w[first + 24 * n], w[first + 25 * n], w[first + 26 * n], w[first + 27 * n] = (
-        sample[24],
-        sample[25],
-        sample[26],
-        sample[27],
-    )
-    w[first + 28 * n], w[first + 29 * n], w[first + 30 * n], w[first + 31 * n] = (
-        sample[28],
-        sample[29],
-        sample[30],
-        sample[31],
-    )
+    # Each by its own constant: an index that varies keeps the loop over lanes scalar.
+    at, n = SAMPLE * LANES + i, LANES
+    w[at + 0 * n], w[at + 1 * n] = sample[0], sample[1]
+    w[at + 2 * n], w[at + 3 * n] = sample[2], sample[3]
+    w[at + 4 * n], w[at + 5 * n] = sample[4], sample[5]
+    w[at + 6 * n], w[at + 7 * n] = sample[6], sample[7]
+    w[at + 8 * n], w[at + 9 * n] = sample[8], sample[9]
+    w[at + 10 * n], w[at + 11 * n] = sample[10], sample[11]
+    w[at + 12 * n], w[at + 13 * n] = sample[12], sample[13]
+    w[at + 14 * n], w[at + 15 * n] = sample[14], sample[15]
+    w[at + 16 * n], w[at + 17 * n] = sample[16], sample[17]
+    w[at + 18 * n], w[at + 19 * n] = sample[18], sample[19]
+    w[at + 20 * n], w[at + 21 * n] = sample[20], sample[21]
+    w[at + 22 * n], w[at + 23 * n] = sample[22], sample[23]
+    w[at + 24 * n], w[at + 25 * n] = sample[24], sample[25]
+    w[at + 26 * n], w[at + 27 * n] = sample[26], sample[27]
+    w[at + 28 * n], w[at + 29 * n] = sample[28], sample[29]
+    w[at + 30 * n], w[at + 31 * n] = sample[30], sample[31]
 
 
 @kernel
@@ -420,7 +391,7 @@ def _screen(which, w, samples):
         g3, g4 = samples[3, which, i], samples[4, which, i]
         s0, s1, s2, s3, s4 = slopes(g0, g1, g2, g3, g4)
         lowest = min(min(g1, g2), min(g3, g4))
-        leaves = abs(g0) <= _ON_A_SWITCH  # a mode starts on its own switch and leaves it
+        leaves = abs(g0) <= ON_A_SWITCH  # a mode starts on its own switch and leaves it
         dips = (
             (not leaves) & _may_dip(g0, g1, s0, s1)
             | _may_dip(g1, g2, s1, s2)
@@ -438,7 +409,7 @@ def _screen(which, w, samples):
         shown = max(shown, CROSSING) if lowest < 0.0 else shown
         shown = CLEAR if g0 == NEVER else shown
         w[SHOWN * LANES + i] = max(w[SHOWN * LANES + i], shown)
-        samples[NODES, which, i] = lowest if g0 > _ON_A_SWITCH else NEVER
+        samples[NODES, which, i] = lowest if g0 > ON_A_SWITCH else NEVER
 
 
 @inlined_kernel

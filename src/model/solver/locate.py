@@ -9,7 +9,7 @@ repeats the step up to it, so that the switched state has the step's full order.
 import numpy as np
 
 from model.physics.compiled import inlined_kernel, kernel
-from model.solver.step import interpolate
+from model.solver.step import interpolate, keep_in
 from model.solver.switching import (
     COMBINED_COUNT,
     NEVER,
@@ -35,7 +35,7 @@ def sample_step(time, h, y, dense, p, mode, nodes, samples):
     """
     for i in range(NODES):
         q = interpolate(NODE_PLACES[i], h, y, dense)
-        nodes[i] = q
+        keep_in(q, nodes[i])
         switching_functions(time + NODE_PLACES[i] * h, q, p, mode, samples[i])
 
 

@@ -33,14 +33,23 @@ from model.solver.record import (
     TRACKED,
     constants_of,
     ending_of,
+    keep_ending,
     keep_state,
     mode_of,
     state_in,
 )
 from model.solver.step import (
+    CAUTION,
+    LEAST_GROWTH,
+    LEAST_SHRINKING,
+    MOST_GROWTH,
+    are_finite,
     dense_output,
     error_estimate,
     interpolate,
+    is_too_short,
+    keep_in,
+    moved,
     right_hand_side,
     state_of,
     take_step,
@@ -49,6 +58,7 @@ from model.solver.switching import (
     CORNER_LOAD,
     FACE_LOAD,
     NEVER,
+    ON_A_SWITCH,
     SAMPLE_SIZE,
     SIDE_LOAD,
     SWITCH_COUNT,
@@ -61,7 +71,6 @@ _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
 
 TRACK_COLUMNS = 9  # time, the state, the support's normal force, the side's
-_ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
 SWITCH_RESOLUTION = 3e-3  # a switch's last correction over the tolerance's square root
 
 
@@ -107,11 +116,14 @@ def _accepted_step(time, h, y, p, mode, method, tolerance, work):
         take_step(time, h, y, p, mode, method, work.k, work.y_end)
         error = error_estimate(h, y, work.y_end, method, work.k, tolerance)
         if error <= 1.0:
-            growth = 5.0 if error == 0.0 else min(5.0, 0.9 * error ** (-1.0 / method.order))
-            return h, h * max(growth, 0.3), rejected
+            growth = MOST_GROWTH
+            if error > 0.0:
+                growth = min(growth, CAUTION * error ** (-1.0 / method.order))
+            return h, h * max(growth, LEAST_GROWTH), rejected
         rejected += 1
-        h *= max(0.1, 0.9 * error ** (-1.0 / method.order)) if isfinite(error) else 0.1
-        if h <= 1e-14 * max(1.0, time):
+        shrinking = CAUTION * error ** (-1.0 / method.order) if isfinite(error) else 0.0
+        h *= max(LEAST_SHRINKING, shrinking)
+        if is_too_short(h, time):
             return 0.0, 0.0, rejected
 
 
@@ -120,12 +132,12 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work)
     """Repeat the step up to the switch: (length, steps taken), the state in ``work.y_end``.
 
     Newton's iteration on whole steps, so that the switch is as accurate as a step, whatever the
-    order of the dense output that gives the slope. A last correction so small that its square is
-    below ``resolution`` moves along the tangent instead.
+    order of the dense output that gives the slope. A last correction below ``resolution`` moves
+    along the tangent instead.
     """
     length, scratch = theta * h, work.scratch
     if length == 0.0:
-        work.y_end[:] = y
+        keep_in(state_of(y), work.y_end)
         return 0.0, 0
     near = 1e-3
     low, high = max(theta - near, 0.0), min(theta + near, 1.0)
@@ -141,15 +153,14 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work)
         correction = -scratch[which] / slope if slope < 0.0 else 0.0
         if abs(correction) > near * h:
             break
-        moved = min(max(length + correction, 0.0), h)
-        if abs(moved - length) <= resolution:
-            rates = work.k[method.stages]
-            for n in range(STATE_SIZE):
-                work.y_end[n] += (moved - length) * rates[n]
-            length = moved
+        better = min(max(length + correction, 0.0), h)
+        if abs(better - length) <= resolution:
+            rates = state_of(work.k[method.stages])
+            keep_in(moved(state_of(work.y_end), better - length, rates), work.y_end)
+            length = better
             break
         if taken < 4:
-            length = moved
+            length = better
     return length, taken
 
 
@@ -199,12 +210,12 @@ def _largest(nodes, samples, last):
 
 
 @kernel
-def _track(track, time, y, sample, runs, i):
+def _track(track, time, q, sample, runs, i):
     """Write a row of the track, as far as it has rows, and count it."""
     row = int(runs[TRACKED, i])
     if row < track.shape[0]:
         track[row, 0] = time
-        track[row, 1 : 1 + STATE_SIZE] = y
+        keep_in(q, track[row, 1 : 1 + STATE_SIZE])
         track[row, 7] = max(_support_force(sample), 0.0)
         track[row, 8] = max(_side_force(sample), 0.0)
     runs[TRACKED, i] = row + 1
@@ -216,7 +227,7 @@ def _track_run(track, scratch, runs, i):
     time, q = runs[TIME, i], state_in(runs, STATE, i)
     if runs[TRACKED, i] < track.shape[0]:
         switching_functions(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
-    _track(track, time, runs[STATE : STATE + STATE_SIZE, i], scratch, runs, i)
+    _track(track, time, q, scratch, runs, i)
 
 
 @inlined_kernel
@@ -226,7 +237,7 @@ def _note_closest(samples, last, runs, i):
     A mode starts on zeros of its own functions: that it leaves them is no approach to a switch.
     """
     for which in range(SWITCH_COUNT):
-        if samples[0, which] != NEVER and samples[0, which] > _ON_A_SWITCH:
+        if samples[0, which] != NEVER and samples[0, which] > ON_A_SWITCH:
             lowest = runs[CLOSEST + which, i]
             for node in range(1, last + 1):
                 lowest = min(lowest, samples[node, which])
@@ -238,7 +249,7 @@ def advance(declared, method, control, track, history, work, runs, i):
     """Advance run ``i`` by one step, or up to the first switch in it."""
     time, p, mode = runs[TIME, i], constants_of(runs, i), mode_of(runs, i)
     y, tolerance, h = work.y, runs[TOLERANCE, i], runs[NEXT_STEP, i]
-    y[:] = runs[STATE : STATE + STATE_SIZE, i]
+    keep_in(state_in(runs, STATE, i), y)
     stop = runs[STOP, i]
     h_try = stop - time if time + 1.0001 * h >= stop else h
     right_hand_side(time, y, p, mode, work.k[0])
@@ -246,7 +257,7 @@ def advance(declared, method, control, track, history, work, runs, i):
     runs[EVALUATIONS, i] += 1 + (1 + rejected) * method.stages
     runs[REJECTED, i] += rejected
     if h_step == 0.0:
-        fail(runs, i, _STEP_TOO_SMALL if isfinite(work.k[0].sum()) else _NOT_FINITE)
+        fail(runs, i, _STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else _NOT_FINITE)
         return
     dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
     runs[EVALUATIONS, i] += method.c.size - method.stages - 1
@@ -274,11 +285,10 @@ def advance(declared, method, control, track, history, work, runs, i):
     note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
     _note_closest(work.samples, last, runs, i)
     for node in range(1, last + (0 if switches else 1)):
-        _track(
-            track, time + NODE_PLACES[node] * h_step, work.nodes[node], work.samples[node], runs, i
-        )
+        at, q = time + NODE_PLACES[node] * h_step, state_of(work.nodes[node])
+        _track(track, at, q, work.samples[node], runs, i)
 
-    runs[STATE : STATE + STATE_SIZE, i] = work.y_end
+    keep_state(state_of(work.y_end), runs, i)
     reached_stop = not switches and h_step == h_try and h_try == stop - time
     runs[TIME, i] = stop if reached_stop else time + length
     # A step cut short by a stop says nothing against the length it was cut from.
@@ -321,15 +331,17 @@ def integrate(row, tolerance, declared, method, control, track, single):
     """
     runs, history = borrowed(single.runs), borrowed_history(single.history)
     work, track = borrowed_workspace(single.work), borrowed(track)
-    begin(row, tolerance, declared, control, runs, 0)
-    _track_run(track, work.scratch, runs, 0)
-    while runs[OUTCOME, 0] == CONTINUES:
-        advance(declared, method, control, track, history, work, runs, 0)
-    return ending_of(runs, 0)
+    i = runs.shape[1] - 1  # the only one; as 0, all that takes it would be compiled for 0 alone
+    begin(row, tolerance, declared, control, runs, i)
+    _track_run(track, work.scratch, runs, i)
+    while runs[OUTCOME, i] == CONTINUES:
+        advance(declared, method, control, track, history, work, runs, i)
+    return ending_of(runs, i)
 
 
 @kernel
 def integrate_each(rows, tolerances, declared, method, control, track, endings, single):
     """``integrate`` for every row of ``rows``; shapes as in ``integrate_all``."""
     for i in range(rows.shape[0]):
-        endings[i] = integrate(rows[i], tolerances[i], declared, method, control, track, single)
+        ending = integrate(rows[i], tolerances[i], declared, method, control, track, single)
+        keep_ending(ending, endings, i)

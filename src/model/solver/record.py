@@ -143,6 +143,13 @@ def keep_mode(mode, runs, i):
 
 
 @kernel
+def keep_ending(ending, endings, row):
+    """Write an ``Ending`` into ``endings[row]``."""
+    for field in range(len(ending)):
+        endings[row, field] = ending[field]
+
+
+@kernel
 def ending_of(runs, i):
     """The ``Ending`` of run ``i``."""
     tau_align = runs[TAU_ALIGN, i]

@@ -40,8 +40,10 @@ def record_period(count, y, closest, states, lowest):
     ``states``, shape (HISTORY, 6), and ``lowest``, shape (HISTORY, SWITCH_COUNT), are rings.
     """
     row = count % HISTORY
-    states[row] = y
-    lowest[row] = closest
+    for i in range(STATE_SIZE):
+        states[row, i] = y[i]
+    for which in range(SWITCH_COUNT):
+        lowest[row, which] = closest[which]
 
 
 @kernel
@@ -62,13 +64,20 @@ def _is_close(count, n, states):
 
 @kernel
 def _largest(vector):
-    return np.abs(vector).max()
+    largest = 0.0
+    for each in vector:
+        largest = max(largest, abs(each))
+    return largest
 
 
 @kernel
 def _ratio(later, earlier):
     """What ``later`` is of ``earlier``, by least squares."""
-    return (later * earlier).sum() / (earlier * earlier).sum()
+    product, square = 0.0, 0.0
+    for i in range(STATE_SIZE):
+        product += later[i] * earlier[i]
+        square += earlier[i] * earlier[i]
+    return product / square
 
 
 @kernel

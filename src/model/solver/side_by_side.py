@@ -10,8 +10,6 @@ the reference engine's search on the dense output.
 from math import sqrt
 from typing import NamedTuple
 
-import numpy as np
-
 from model.physics.compiled import borrowed, inlined_kernel, kernel
 from model.solver.course import (
     History,
@@ -79,15 +77,17 @@ from model.solver.record import (
     TOLERANCE,
     constants_of,
     ending_of,
+    keep_ending,
     keep_state_in,
     mode_of,
     state_in,
 )
 from model.solver.step import (
+    are_finite,
     dense_coefficients,
+    is_too_short,
     moved,
     rates_of,
-    right_hand_side,
     short_step,
 )
 from model.solver.switching import (
@@ -204,13 +204,11 @@ def _complete(length, lanes, runs, i):
 
 
 @kernel
-def _go_on(lanes, runs, work, i):
+def _go_on(lanes, runs, i):
     """Let a lane step on from the state and mode that the run has come to."""
     runs[PHASE, i] = STEPPING
-    y, rates = work.y, work.trial
-    for n in range(STATE_SIZE):
-        y[n] = runs[STATE + n, i]
-    right_hand_side(runs[TIME, i], y, constants_of(runs, i), mode_of(runs, i), rates)
+    q = state_in(runs, STATE, i)
+    rates = rates_of(runs[TIME, i], q, constants_of(runs, i), mode_of(runs, i))
     runs[EVALUATIONS, i] += 1.0
     for n in range(STATE_SIZE):
         lanes.k[0, n * LANES + i] = rates[n]
@@ -225,11 +223,6 @@ def _land_on(which, theta, searched, runs, i):
     runs[LENGTH, i] *= theta
 
 
-@kernel
-def _switch(which, length, declared, runs, i):
-    make_switch(which, length, runs[FULL_STEP, i], declared, runs, i)
-
-
 @inlined_kernel
 def _look_into(declared, method, lanes, runs, work, i):
     """A step in which something shows: whether it stands, with no switch in it after all."""
@@ -242,7 +235,7 @@ def _look_into(declared, method, lanes, runs, work, i):
         return True
     _land_on(which, theta, 1.0 if search else 0.0, runs, i)
     if theta == 0.0:
-        _switch(which, 0.0, declared, runs, i)
+        make_switch(which, 0.0, runs[FULL_STEP, i], declared, runs, i)
     return False
 
 
@@ -334,7 +327,7 @@ def _land(declared, method, lanes, runs, work, i):
             runs[PHASE, i], runs[LENGTH, i] = SEARCHING, full
         return
     _complete(length, lanes, runs, i)
-    _switch(which, length, declared, runs, i)
+    make_switch(which, length, full, declared, runs, i)
     runs[PHASE, i] = STEPPING
 
 
@@ -353,19 +346,14 @@ def _stand(lanes, runs, i):
     return at_stop
 
 
-@kernel
-def _too_short(runs, i):
-    """Whether the step is below the resolution of time."""
-    return runs[NEXT_STEP, i] <= 1e-14 * max(1.0, runs[TIME, i])
-
-
 @inlined_kernel
 def _look_after(declared, method, control, lanes, runs, history, work, i):
     """Let lane ``i`` go on after a step that shows something."""
     if runs[SHOWN, i] == REJECTED_STEP:
-        if _too_short(runs, i):
-            finite = np.isfinite(lanes.k[0, i::LANES].sum())
-            fail(runs, i, _STEP_TOO_SMALL if finite else _NOT_FINITE)
+        if is_too_short(runs[NEXT_STEP, i], runs[TIME, i]):
+            q = state_in(runs, STATE, i)
+            rates = rates_of(runs[TIME, i], q, constants_of(runs, i), mode_of(runs, i))
+            fail(runs, i, _STEP_TOO_SMALL if are_finite(rates) else _NOT_FINITE)
         return
     at_stop = False
     if runs[PHASE, i] == LANDING:
@@ -379,7 +367,7 @@ def _look_after(declared, method, control, lanes, runs, history, work, i):
         elif runs[LENGTH, i] > 0.0:
             return
     end_step(at_stop, history, control, runs, i)
-    _go_on(lanes, runs, work, i)
+    _go_on(lanes, runs, i)
 
 
 @kernel
@@ -387,7 +375,7 @@ def _run_elsewhere(declared, method, control, lanes, runs, history, work, i):
     """Advance a run by the reference engine until lanes can hold it, or it ends."""
     while runs[OUTCOME, i] == CONTINUES and not lanes_hold(mode_of(runs, i)):
         advance(declared, method, control, work.nodes[:0], history, work, runs, i)
-    _go_on(lanes, runs, work, i)
+    _go_on(lanes, runs, i)
 
 
 class Many(NamedTuple):
@@ -435,14 +423,14 @@ def integrate_all(rows, tolerances, declared, method, control, endings, many):
                 if runs[EVALUATIONS, i] > control.max_evaluations and runs[OUTCOME, i] == CONTINUES:
                     fail(runs, i, _TOO_MANY_EVALUATIONS)
                 if runs[OUTCOME, i] != CONTINUES:
-                    endings[int(runs[ROW_OF_BATCH, i])] = ending_of(runs, i)
+                    keep_ending(ending_of(runs, i), endings, int(runs[ROW_OF_BATCH, i]))
                     runs[PHASE, i] = IDLE
             while runs[PHASE, i] == IDLE and queue < rows.shape[0]:
                 begin(rows[queue], tolerances[queue], declared, control, runs, i)
                 runs[ROW_OF_BATCH, i] = queue
                 _run_elsewhere(declared, method, control, lanes, runs, history, work, i)
                 if runs[OUTCOME, i] != CONTINUES:
-                    endings[queue] = ending_of(runs, i)
+                    keep_ending(ending_of(runs, i), endings, queue)
                     runs[PHASE, i] = IDLE
                 queue += 1
             active = active or runs[PHASE, i] != IDLE

@@ -1,11 +1,20 @@
 """One explicit Runge-Kutta step in a frozen mode, its error estimate, and its dense output."""
 
-from math import sqrt
+from math import isfinite, sqrt
 
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import motion
 from model.physics.notation import State
 from model.solver.record import STATE_SIZE
+
+# The next step over this one: the error estimate's proposal times CAUTION, within these bounds.
+CAUTION, MOST_GROWTH, LEAST_GROWTH, LEAST_SHRINKING = 0.9, 5.0, 0.3, 0.1
+
+
+@inlined_kernel
+def is_too_short(h, time):
+    """Whether a step is below the resolution of time."""
+    return h <= 1e-14 * max(1.0, time)
 
 
 @inlined_kernel
@@ -15,18 +24,29 @@ def state_of(y):
 
 
 @inlined_kernel
+def keep_in(q, out):
+    """Write the state ``q``, or its rates, into ``out``, shape (6,)."""
+    out[0], out[1], out[2] = q.x, q.y, q.tilt
+    out[3], out[4], out[5] = q.x_rate, q.y_rate, q.tilt_rate
+
+
+@inlined_kernel
 def rates_of(time, q, p, mode):
     """dy/dτ as a ``State``."""
     at = motion(time, q, p, mode)
     return State(q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt)
 
 
+@kernel
+def are_finite(rates):
+    """Whether no rate is infinite or not a number."""
+    return isfinite(rates.x + rates.y + rates.tilt + rates.x_rate + rates.y_rate + rates.tilt_rate)
+
+
 @inlined_kernel
 def right_hand_side(time, y, p, mode, out):
     """Write dy/dτ into ``out``, shape (6,)."""
-    rates = rates_of(time, state_of(y), p, mode)
-    out[0], out[1], out[2] = rates.x, rates.y, rates.tilt
-    out[3], out[4], out[5] = rates.x_rate, rates.y_rate, rates.tilt_rate
+    keep_in(rates_of(time, state_of(y), p, mode), out)
 
 
 @inlined_kernel
@@ -49,8 +69,7 @@ def _combination(weights, count, k):
 def _stage(i, time, h, y, p, mode, method, k, trial):
     """Evaluate stage ``i`` into ``k[i]``; its state stays in ``trial``."""
     s0, s1, s2, s3, s4, s5 = _combination(method.a[i], i, k)
-    trial[0], trial[1], trial[2] = y[0] + h * s0, y[1] + h * s1, y[2] + h * s2
-    trial[3], trial[4], trial[5] = y[3] + h * s3, y[4] + h * s4, y[5] + h * s5
+    keep_in(moved(state_of(y), h, State(s0, s1, s2, s3, s4, s5)), trial)
     right_hand_side(time + method.c[i] * h, trial, p, mode, k[i])
 
 

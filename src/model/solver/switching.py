@@ -19,6 +19,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 NEVER = 1e300
+ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
 _NOTHING = -1e300  # a quantity that a condition does not have
 
@@ -256,4 +257,6 @@ def switching_sample(time, q, p, mode):
 @kernel
 def switching_functions(time, q, p, mode, out):
     """Write ``switching_sample`` into ``out``, shape (SAMPLE_SIZE,)."""
-    out[:] = switching_sample(time, q, p, mode)
+    sample = switching_sample(time, q, p, mode)
+    for i in range(SAMPLE_SIZE):
+        out[i] = sample[i]

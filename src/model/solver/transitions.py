@@ -239,7 +239,9 @@ def without_residual_slip(which, q, p, mode):
 
 @kernel
 def _decided(time, q, p, mode, support_at_rest, side_at_rest):
-    decided, possible = decide_friction(time, q, p, mode, support_at_rest, side_at_rest)
+    # Not the literal True or False: for each of them everything below would be compiled again.
+    at_rest = bool(support_at_rest), bool(side_at_rest)
+    decided, possible = decide_friction(time, q, p, mode, at_rest[0], at_rest[1])
     if possible:
         return decided, CONTINUES, _NONE
     return mode, _FAILED, _NO_FRICTION_SOLUTION
