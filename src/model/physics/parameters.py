@@ -196,12 +196,13 @@ class Batch:
         Raises:
             TypeError: something else than a sequence of ``Parameters``.
         """
-        for each in [parameters] if isinstance(parameters, Parameters) else parameters:
-            if not isinstance(each, Parameters) or each is parameters:
-                raise TypeError(
-                    f"a batch is a Batch or a sequence of Parameters such as [parameters], got "
-                    f"{type(each).__name__}"
-                )
+        given: Any = parameters
+        each_of = [None] if isinstance(given, Parameters) else given
+        if not all(isinstance(each, Parameters) for each in each_of):
+            raise TypeError(
+                "a batch is a Batch or a sequence of Parameters such as [parameters], got "
+                f"{type(given).__name__}"
+            )
         return cls(
             {
                 name: np.array([_or_nan(getattr(each, name)) for each in parameters], dtype=float)
