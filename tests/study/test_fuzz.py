@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from model import Alignments, Batch, Outcome, Parameters, Reason, Settings, align, simulate
 from model.physics.parameters import FIELDS
-from model.study.fuzz import LAWS, SETTINGS, broken_properties, draw, try_sets
+from model.study.fuzz import LAWS, SETTINGS, UNEXPLAINED_SHARE, broken_properties, draw, try_sets
 
 SEED = 2007
 QUICK = replace(SETTINGS, max_evaluations=2_500)  # the campaign allows more: `make fuzz`
@@ -20,6 +20,8 @@ def test_ten_thousand_sets_keep_every_property():
     findings = [finding for report in reports for finding in report.findings]
     assert sum(report.sets for report in reports) == 10_000
     assert findings == []
+    # No answer is allowed where it is said, and rare.
+    assert sum(len(report.unexplained) for report in reports) <= UNEXPLAINED_SHARE * 10_000
     endings = {name.split(":")[0] for report in reports for name in report.endings}
     assert endings == {outcome.name.lower() for outcome in Outcome}  # the law meets them all
 
@@ -45,7 +47,6 @@ def test_a_set_depends_on_its_number_only():
         ("tilt_max", np.inf, "is finite"),
         ("contact_force_max", np.nan, "is finite"),
         ("sticking_share", 1.5, "sticks for a share of its time"),
-        ("reason", int(Reason.CHATTER), "fails only for a reason of its parameters"),
     ],
 )
 def test_a_property_that_is_broken_is_found(device, field, value, what):
@@ -73,7 +74,9 @@ FOUND = {
 
 @pytest.mark.parametrize("number", FOUND.values(), ids=list(FOUND))
 def test_what_was_found_stays_mended(number):
-    assert try_sets(SEED, number, 1).findings == []
+    report = try_sets(SEED, number, 1)
+    assert report.findings == []
+    assert report.unexplained == []
 
 
 # ------------------------------------------------------------------------------------- invariances
@@ -133,7 +136,6 @@ def test_any_parameters_end_in_a_declared_way_and_again_so(values):
     given_limits = Settings(horizon=2.0, tolerance=1e-8, max_evaluations=2_000)
     runs = align([p, p], given_limits, cores=1)
     broken = broken_properties(runs, given_limits)
-    broken.pop("fails only for a reason of its parameters")  # numbers of 1e6 leave no digits
     assert [what for what, which in broken.items() if which.any()] == []
     again = align(Batch.stack([p]), given_limits)
     for field in fields(Alignments):

@@ -5,7 +5,7 @@ import sys
 from collections import Counter
 from time import perf_counter
 
-from model.study.fuzz import SETTINGS, Finding, try_sets
+from model.study.fuzz import SETTINGS, UNEXPLAINED_SHARE, Finding, try_sets
 
 _AT_ONCE = 2000
 _SHOWN = 10  # findings of each kind
@@ -23,12 +23,14 @@ def main() -> int:
     started = perf_counter()
     endings: Counter[str] = Counter()
     findings: list[Finding] = []
+    unexplained: list[Finding] = []
     sensitive = done = 0
     for first in range(0, arguments.sets, _AT_ONCE):
         count = min(_AT_ONCE, arguments.sets - first)
         report = try_sets(arguments.seed, arguments.first + first, count)
         endings.update(report.endings)
         findings += report.findings
+        unexplained += report.unexplained
         sensitive += report.sensitive
         done += count
         if first // _AT_ONCE % 10 == 0:
@@ -39,13 +41,14 @@ def main() -> int:
           f"{SETTINGS.max_evaluations} evaluations a run; {sensitive} sensitive")  # fmt: skip
     for name, number in endings.most_common():
         print(f"{number:9}  {name}")
-    for what, number in Counter(finding.what for finding in findings).items():
-        print(f"{number} sets break: {what}")
-        for finding in [each for each in findings if each.what == what][:_SHOWN]:
+    told = findings + unexplained
+    for what, number in Counter(finding.what for finding in told).items():
+        print(f"{number} sets: {what}")
+        for finding in [each for each in told if each.what == what][:_SHOWN]:
             print(f"    set {finding.number}: {finding.found}")
     if not findings:
         print("every property holds")
-    return 1 if findings else 0
+    return 1 if findings or len(unexplained) > UNEXPLAINED_SHARE * done else 0
 
 
 if __name__ == "__main__":
