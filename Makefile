@@ -2,11 +2,12 @@
 # make fig06      one figure (fig01 to fig14)
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
+# make maps       the stability maps that the paper does not have, into results/figures/maps
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million
 # make truth      alignment times against heyoka and MuJoCo, in the environment of the benchmark
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
-#                 BENCH_FLAGS=--quick for a rough table in three
+#                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
@@ -31,7 +32,7 @@ in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
 unexport PYTHONHOME PYTHONPATH
 
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
-.PHONY: all $(FIGURES) smoke accuracy test lint types floors workflow unit environment python lock
+.PHONY: all $(FIGURES) smoke maps accuracy test lint types floors workflow unit environment python lock
 .PHONY: fuzz truth bench nightly export-test clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -63,6 +64,9 @@ $(FIGURES): environment
 
 smoke: environment
 	$(call run_study,--configfile config/smoke.yaml)
+
+maps: environment
+	$(call run_study,maps)
 
 accuracy: environment
 	$(call run_study,accuracy)

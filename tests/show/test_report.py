@@ -7,16 +7,21 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+import xarray as xr
 from markupsafe import escape
 
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show import report
+from model.show.claims import Ledger
+from model.show.contact_stiffness import Bases, contact_section
 from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
 from model.show.hard_cases import Hardness
 from model.show.precision import CAPTIONS, Comparison, advice
 from model.show.report import READING_WORDS, render_report
 from model.solver.outcomes import Outcome
+from model.study.claims import judge, tally
+from model.study.claims.table import lines_of
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
 from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.sweeps import sweep_of
@@ -96,9 +101,37 @@ def hardness(judged, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def rendered(study, datasets, pictures, comparison, hardness):
+def ledger(datasets, tmp_path_factory):
+    picture = tmp_path_factory.mktemp("ledger") / "claims.png"
+    picture.write_bytes(PIXEL)
+    return Ledger(lines_of(judge(datasets)), picture)
+
+
+@pytest.fixture(scope="module")
+def bases(datasets, tmp_path_factory):
+    picture = tmp_path_factory.mktemp("bases") / "contact_stiffness.png"
+    picture.write_bytes(PIXEL)
+    varied = ["contact_stiffness", "damping_ratio"]
+    found = {}
+    for name in ("fig06", "fig13"):
+        parts = [
+            datasets[name].assign_coords(contact_stiffness=k, damping_ratio=0.05)
+            for k in (100.0, 1e6)
+        ]
+        found[name] = xr.concat(parts, "variation", coords=varied, combine_attrs="override")
+    return Bases(found, picture)
+
+
+@pytest.fixture(scope="module")
+def others(comparison, ledger, bases, hardness):
+    """What the page shows beside the figures, in the order of its arguments."""
+    return comparison, ledger, bases, hardness
+
+
+@pytest.fixture(scope="module")
+def rendered(study, datasets, pictures, others):
     provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
-    return render_report(study, datasets, pictures, provenance, comparison, hardness)
+    return render_report(study, datasets, pictures, provenance, *others)
 
 
 def article(text: str, name: str) -> str:
@@ -136,7 +169,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == 14 + len(PICTURES) + len(HARD_PICTURES)
+    assert len(images) == 14 + len(PICTURES) + len(HARD_PICTURES) + 2
     for image, spec in zip(images, study.figures.values(), strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
         assert spec.title in image["alt"]
@@ -247,6 +280,32 @@ def test_hard_cases_are_told_in_pictures_and_a_table_of_every_run(rendered, stud
     assert "broken: too many evaluations" in text
 
 
+def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, ledger):
+    part = rendered[rendered.index('id="claims"') : rendered.index('id="contact"')]
+    text = plain(part)
+    assert tally([line.verdict for line in ledger.lines]).capitalize() in text
+    rows = dict(re.findall(r'id="claim-(\w+)">(.*?)</tr>', part, re.DOTALL))
+    assert list(rows) == [line.claim for line in ledger.lines]
+    for line in ledger.lines:
+        row = rows[line.claim]
+        for words in (line.place, line.statement, line.reason, line.verdict):
+            assert plain(str(report._with_subscripts(words))) in plain(row)
+        links = re.findall(r'href="#([\w-]+)"', row)
+        own = ["claims-runs" if not each.startswith("fig") else each for each in line.sources]
+        assert links == own
+        assert ("must be" in row) == bool(line.demand)
+
+
+def test_what_the_base_changes_is_told_in_sentences_and_tables(rendered, bases):
+    part = rendered[rendered.index('id="contact"') : rendered.index('id="speed"')]
+    section = contact_section(bases.datasets)
+    for sentence in section.sentences:
+        assert plain(str(report._with_subscripts(sentence))) in plain(part)
+    assert part.count("<tr>") == 2 * (1 + 2) + 1 + len(section.claims)
+    for name in bases.datasets:
+        assert f'href="data/contact_stiffness/{name}.nc"' in part
+
+
 def test_provenance_is_printed_and_escaped(rendered):
     text = rendered[rendered.index('id="provenance"') :]
     assert "<code>0123abc</code>" in text
@@ -259,45 +318,39 @@ def test_every_switch_of_the_readings_is_explained(rendered):
     assert all(f"<code>{name}</code>" in rendered for name in READING_NAMES)
 
 
-def test_words_from_the_configuration_are_escaped(study, datasets, pictures, comparison, hardness):
+def test_words_from_the_configuration_are_escaped(study, datasets, pictures, others):
     spec = study.figures["fig06"].model_copy(update={"title": "<b>τ</b> & f0", "sees": '"<i>"'})
     hostile = study.model_copy(update={"figures": {**study.figures, "fig06": spec}})
-    text = render_report(hostile, datasets, pictures, {}, comparison, hardness)
+    text = render_report(hostile, datasets, pictures, {}, *others)
     assert "<b>τ</b>" not in text
     assert "&lt;b&gt;τ&lt;/b&gt; &amp; f0" in text
     assert Page(text).open == []
 
 
-def test_the_same_inputs_give_the_same_page(
-    rendered, study, datasets, pictures, comparison, hardness
-):
+def test_the_same_inputs_give_the_same_page(rendered, study, datasets, pictures, others):
     provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
-    assert render_report(study, datasets, pictures, provenance, comparison, hardness) == rendered
+    assert render_report(study, datasets, pictures, provenance, *others) == rendered
 
 
-def test_a_vector_picture_is_embedded_too(
-    study, datasets, pictures, comparison, hardness, tmp_path
-):
+def test_a_vector_picture_is_embedded_too(study, datasets, pictures, others, tmp_path):
     path = tmp_path / "fig06.svg"
     path.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
-    text = render_report(study, datasets, {**pictures, "fig06": path}, {}, comparison, hardness)
+    text = render_report(study, datasets, {**pictures, "fig06": path}, {}, *others)
     assert "data:image/svg+xml;base64," in text
 
 
-def test_a_picture_of_another_kind_is_refused(
-    study, datasets, pictures, comparison, hardness, tmp_path
-):
+def test_a_picture_of_another_kind_is_refused(study, datasets, pictures, others, tmp_path):
     path = tmp_path / "fig06.pdf"
     with pytest.raises(ValueError, match=r"fig06\.pdf: must be one of \.png, \.svg"):
-        render_report(study, datasets, {**pictures, "fig06": path}, {}, comparison, hardness)
+        render_report(study, datasets, {**pictures, "fig06": path}, {}, *others)
 
 
-def test_what_is_missing_is_named(study, datasets, pictures, comparison, hardness):
+def test_what_is_missing_is_named(study, datasets, pictures, comparison, others):
     some = {name: each for name, each in datasets.items() if name != "fig07"}
     few = {name: each for name, each in pictures.items() if name != "fig01"}
     without = replace(comparison, pictures={})
     with pytest.raises(ValueError, match=r"dataset of fig07, the picture of fig01, .* of times"):
-        render_report(study, some, few, {}, without, hardness)
+        render_report(study, some, few, {}, without, *others[1:])
 
 
 @pytest.mark.parametrize(

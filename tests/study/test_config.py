@@ -47,6 +47,17 @@ REFUSED = [
     ("settings.tolerance", 1.0, ["settings.tolerance = 1.0", "0.01"]),
     ("settings.readings", "prinetd", ["settings.readings = 'prinetd'", "'printed'"]),
     ("settings.readings", {"friction_lw": "printed"}, ["friction_lw", "friction_law"]),
+    ("claims_runs.rubbing.swpt", 1.0, ["claims_runs.rubbing.swpt", "unknown key", "'swept'"]),
+    ("claims_runs.rubbing.figure", "fig03", ["claims_runs.rubbing", "unknown figure 'fig03'"]),
+    ("claims_runs.rubbing.held", {"friction": 0.1}, ["held.friction", "varied in the same run"]),
+    ("claims_runs.rubbing.swept.start", -1.0, ["claims_runs.rubbing", "friction[0] = -1.0"]),
+    ("claims_runs.rubbing.family.parameter", "friction", ["'friction' is varied twice"]),
+    ("claims_runs.misaligned.swept.stop", 9.0, ["misalignment[", "wholly beside the slot"]),
+    ("contact_stiffness.stiffness", [1.0], ["contact_stiffness.stiffness", "'stiffnesses'"]),
+    ("contact_stiffness.stiffnesses", [0.0], ["stiffnesses", "greater than 0"]),
+    ("contact_stiffness.damping_ratios", [-0.1], ["damping_ratios", "equal to 0"]),
+    ("contact_stiffness.figures.fig05", {"points": 3}, ["fig05", "figure with a grid"]),
+    ("contact_stiffness.figures.fig06.points", 1, ["fig06.points = 1", "equal to 2"]),
     ("structure.inertia", -1.0, ["structure.inertia = -1.0", "> 0"]),
     ("structure.half_width", True, ["structure.half_width = True", "number"]),
     ("structure.inrtia", 1.0, ["structure", "inrtia", "'inertia'"]),
@@ -78,6 +89,22 @@ REFUSED = [
     ("accuracy.ranges.inertia.zero", 0.1, ["accuracy.ranges.inertia = 0.0", "> 0"]),
     ("accuracy.ranges.misalignment.high", 2.0, ["accuracy.ranges", "misalignment = 2.0"]),
     ("figures.fig13.y.parameter", "tilt_stiffness", ["figures.fig13", "varied twice"]),
+    ("maps.resolution.figures", 1000, ["maps.resolution", "figures = 1000", "power of two"]),
+    ("maps.resolution.planes", 1, ["maps.resolution.planes = 1", "equal to 2"]),
+    ("maps.resolution.figure", 16, ["maps.resolution.figure", "unknown key", "'figures'"]),
+    ("maps.ensemble.every", 3, ["maps.ensemble", "every = 3", "power of two"]),
+    ("maps.ensemble.phases", 0, ["maps.ensemble.phases = 0", "equal to 1"]),
+    ("maps.ensemble.phase", 1, ["maps.ensemble.phase", "unknown key", "'phases'"]),
+    ("maps.ensemble.tilts", [0.0], ["maps.ensemble.tilts", "0.0", "greater than 0"]),
+    ("maps.planes.stiffnesses.z", 1, ["maps.planes.stiffnesses.z", "unknown key", "held"]),
+    ("maps.planes.stiffnesses.x.stop", -1.0, ["stiffnesses.x", "start = 0.0", "stop = -1.0"]),
+    ("maps.planes.stiffnesses.x.count", 3, ["stiffnesses.x.count", "unknown key", "start"]),
+    ("maps.planes.stiffnesses.x.start", -1.0, ["planes.stiffnesses", "lateral_stiffness = -1.0"]),
+    ("maps.planes.stiffnesses.held.friction", -1.0, ["planes.stiffnesses", "friction = -1.0"]),
+    ("maps.planes.stiffnesses.held.tilt_stiffness", 1.0, ["tilt_stiffness: is varied in the same"]),
+    ("maps.planes.stiffnesses.y.parameter", "lateral_stiffness", ["varied twice"]),
+    ("maps.largest_misalignment.x.parameter", "clearance", ["varies the misalignment or what"]),
+    ("maps.trials", 1, ["maps.trials = 1", "equal to 2"]),
     ("precision.laddr", {}, ["precision.laddr", "unknown key", "'ladder'"]),
     ("precision.cases", {}, ["precision.cases", "at least 1"]),
     ("precision.cases.aligned.figure", "fig01", ["precision.cases.aligned", "'fig01'", "fig05"]),
@@ -191,7 +218,15 @@ def test_the_baseline_is_the_configuration_and_states_every_parameter() -> None:
 def test_smoke_changes_only_sizes() -> None:
     """config/smoke.yaml laid over config.yaml: the same study but for counts, chunks and rungs."""
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
-    assert set(smoke) == {"results_root", "figures", "accuracy", "precision", "hard_cases"}
+    assert set(smoke) == {
+        "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
+        "contact_stiffness", "hard_cases",
+    }  # fmt: skip
+    assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble", "trials"}
+    assert all(
+        run == {"swept": {"count": run["swept"]["count"]}} for run in smoke["claims_runs"].values()
+    )
+    assert all(set(grid) == {"points"} for grid in smoke["contact_stiffness"]["figures"].values())
     assert set(smoke["accuracy"]) == {"sets", "chunks", "settled"}
     assert set(smoke["accuracy"]["settled"]) == {"sets", "chunks"}
     for spec in smoke["figures"].values():

@@ -23,6 +23,12 @@ TINY: dict[str, Any] = {
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
         "fig14": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1},
     },
+    "maps": {
+        "resolution": {"figures": 4, "planes": 2},
+        "chunks": 2,
+        "ensemble": {"phases": 2, "tilts": [1.0], "every": 4},
+        "trials": 2,
+    },
     "accuracy": {
         "horizon": 30.0,
         "sets": 4,
@@ -47,6 +53,16 @@ TINY: dict[str, Any] = {
             "long_horizon": {"until": 0.1, "max_evaluations": 2_000},
         },
     },
+    "claims_runs": {
+        name: {"swept": {"count": 2}}
+        for name in ("centred", "pressed", "misaligned", "displaced", "rubbing", "by_frequency")
+    },
+    "contact_stiffness": {
+        "stiffnesses": [30.0],
+        "damping_ratios": [1.0],
+        "damped_at": [100.0],
+        "figures": {name: {"points": 2} for name in ("fig06", "fig12", "fig13")},
+    },
 }
 STUDY = ["--configfile", "config/tiny.yaml"]
 
@@ -59,6 +75,7 @@ class Workspace:
         "tiny/data/fig05.nc",
         "tiny/data/fig11.nc",
         "tiny/data/fig13.nc",
+        "tiny/data/maps/fig13.nc",
         "tiny/data/fixed_steps/fig13.nc",
         "tiny/data/precision.nc",
     )

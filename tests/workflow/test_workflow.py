@@ -41,6 +41,7 @@ def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> 
     edited = copy_of_built.snakemake(*copy_of_built.DATA, "-n")
     counts = dict(line.split() for line in edited.stdout.splitlines() if len(line.split()) == 2)
     jobs = ("kernels", "chunk", "merge", "history", "unlocated_kernels", "fixed_steps", "precision")
+    jobs += ("map_part", "map")
     assert set(jobs) <= set(counts), edited.stdout
     assert int(counts["chunk"]) == 4
 

@@ -1,9 +1,11 @@
 """What the rules share: how the parts of a figure or trial are named and described."""
 
+import json
 import sys
 from pathlib import Path
 
 from model.study.accuracy import trial_of
+from model.study.claims.runs import claim_sweep
 from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
@@ -39,11 +41,32 @@ def drawn(figure):
     return expand(root / f"figures/{figure}.{{kind}}", kind=["png", "svg", "pdf"])
 
 
+def shown(figure):
+    """The dataset that a figure's pictures are drawn from."""
+    return root / (f"data/maps/{figure}.nc" if figure in MAPS else f"data/{figure}.nc")
+
+
 def records_beside():
     """The sidecars of the jobs on speed against error and hard cases, which are no figure's."""
     jobs = ["data/precision", *PICTURES.values(), "data/hard_cases", *HARD_PICTURES.values()]
     jobs += [f"data/fixed_steps/{figure}" for figure in study.precision.fixed_steps.figures]
     return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
+
+
+def runs_of_claims():
+    """Title and computation of every run that only the ledger reads, as JSON."""
+    runs = {
+        name: (run.title, claim_sweep(study, name).model_dump(mode="json"))
+        for name, run in study.claims_runs.items()
+    }
+    return json.dumps(runs)
+
+
+def records_of_claims():
+    """The sidecars of the jobs on the claims ledger, and on the base."""
+    jobs = ["data/claims/runs", "claims", "figures/claims", "figures/contact_stiffness"]
+    jobs += [f"data/contact_stiffness/{name}" for name in study.contact_stiffness.figures]
+    return [root / f"{job}.run.json" for job in jobs]
 
 
 def records(figure):
@@ -54,6 +77,9 @@ def records(figure):
     if figure in gridded:
         chunks = range(study.figures[figure].chunks)
         found += [root / f"data/chunks/{figure}/{chunk}.run.json" for chunk in chunks]
+    if figure in MAPS:
+        parts = [figure, *[f"{figure}/{part}" for part in range(study.maps.chunks)]]
+        found += [root / f"data/maps/{part}.run.json" for part in parts]
     return found
 
 

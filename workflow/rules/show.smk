@@ -28,7 +28,7 @@ rule schematic:
 
 rule plot:
     input:
-        root / "data/{figure}.nc",
+        lambda wildcards: shown(wildcards.figure),
     output:
         png=root / "figures/{figure}.png",
         svg=root / "figures/{figure}.svg",
@@ -58,6 +58,8 @@ rule report:
             root / "data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
         ),
         comparison=[pictured(place) for place in PICTURES.values()],
+        claims=[root / "claims.csv", *pictured("figures/claims")],
+        bases=[*contact_data, *pictured("figures/contact_stiffness")],
         hard_times=root / "benchmarks/hard_cases.csv",
         hard=[pictured(place) for place in HARD_PICTURES.values()],
     output:
@@ -86,6 +88,7 @@ rule index:
         root / "report.run.json",
         [records(figure) for figure in FIGURES],
         records_beside(),
+        records_of_claims(),
     output:
         root / "runs.csv",
         root / "runs.sqlite",

@@ -3,9 +3,12 @@
 import argparse
 from pathlib import Path
 
+from model.show.claims import Ledger
+from model.show.contact_stiffness import Bases
 from model.show.hard_cases import Hardness
 from model.show.precision import Comparison
 from model.show.report import render_report
+from model.study.claims.table import read_ledger
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
 from model.study.hard_cases import read_table
@@ -38,9 +41,18 @@ def main() -> None:
         wrong={name: read_dataset(path) for name, path in wrong.items()},
         pictures=compared,
     )
+    ledger = Ledger(read_ledger(root / "claims.csv"), root / "figures/claims.png")
+    on_bases = {
+        name: root / f"data/contact_stiffness/{name}.nc" for name in study.contact_stiffness.figures
+    }
+    bases = Bases(
+        {name: read_dataset(path) for name, path in on_bases.items()},
+        root / "figures/contact_stiffness.png",
+    )
     judged = root / "benchmarks/hard_cases.csv"
     hard = {name: root / f"{place}.png" for name, place in HARD_PICTURES.items()}
-    read = [*data.values(), *wrong.values(), times, judged]
+    read = [*data.values(), *wrong.values(), *on_bases.values(), times, judged]
+    read.append(root / "claims.csv")
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {
         "made with": versions(),
@@ -49,9 +61,9 @@ def main() -> None:
     }
     datasets = {name: read_dataset(path) for name, path in data.items()}
     hardness = Hardness(read_table(judged), hard)
-    page = render_report(study, datasets, pictures, provenance, comparison, hardness)
+    page = render_report(study, datasets, pictures, provenance, comparison, ledger, bases, hardness)
     write_text(page, arguments.output)
-    shown = [*pictures.values(), *compared.values(), *hard.values()]
+    shown = [*pictures.values(), *compared.values(), ledger.picture, bases.picture, *hard.values()]
     job.finish(arguments.record, [arguments.output], [*read, *shown])
 
 

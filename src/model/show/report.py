@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
+from model.show.claims import Ledger, claims_section
+from model.show.contact_stiffness import Bases, contact_section
 from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
 from model.show.hard_cases import Hardness
 from model.show.precision import (
@@ -159,6 +161,8 @@ def render_report(
     figures: Mapping[str, Path],
     provenance: Mapping[str, object],
     comparison: Comparison,
+    ledger: Ledger,
+    bases: Bases,
     hardness: Hardness,
 ) -> str:
     """The page.
@@ -172,6 +176,8 @@ def render_report(
         figures: a picture of every figure, PNG or SVG, by its name.
         provenance: what to say of the making of the page; a value may be a mapping itself.
         comparison: what was measured of speed against error.
+        ledger: what was found of the claims of the paper.
+        bases: figures on bases of other stiffness and damping.
         hardness: what every method makes of the hard cases.
 
     Raises:
@@ -191,12 +197,18 @@ def render_report(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(number=number, power=_power)
+    environment.filters.update(number=number, power=_power, subscripts=_with_subscripts)
     sections = [_section(study, name, datasets.get(name), figures[name]) for name in study.figures]
     settings = study.settings.settings
     return environment.get_template("report.html.j2").render(
         sections=sections,
         speed=_speed(study, comparison),
+        claims=claims_section(
+            ledger.lines, {name: run.title for name, run in study.claims_runs.items()}
+        ),
+        claims_picture=_embedded(ledger.picture),
+        contact=contact_section(bases.datasets),
+        contact_picture=_embedded(bases.picture),
         hard=_hard(study.hard_cases, hardness),
         tau_tolerance=study.precision.fixed_steps.tau_tolerance,
         structure=[_row(name, number(value)) for name, value in study.structure.items()],

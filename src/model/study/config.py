@@ -31,6 +31,7 @@ HISTORIES = ("fig05",)
 CURVES = ("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12")
 MAPS = ("fig13", "fig14")
 FIGURES = SCHEMATICS + HISTORIES + CURVES + MAPS
+LARGEST_MISALIGNMENT = "largest_misalignment"  # the map that is not one of outcomes
 
 
 Value = TypeVar("Value")
@@ -59,19 +60,24 @@ ParameterName = Annotated[str, AfterValidator(_parameter_name)]
 ParameterValues = Annotated[dict[str, float], AfterValidator(_parameter_names)]
 
 
-class Axis(_Strict):
-    """Equidistant values of one parameter, both ends included."""
+class Span(_Strict):
+    """A range of one parameter."""
 
     parameter: ParameterName
     start: float
     stop: float
-    count: int = Field(ge=2)
 
     @model_validator(mode="after")
-    def _is_a_range(self) -> "Axis":
+    def _is_a_range(self) -> "Span":
         if not self.start < self.stop:
             raise ValueError(f"start = {self.start} must be smaller than stop = {self.stop}")
         return self
+
+
+class Axis(Span):
+    """Equidistant values of one parameter, both ends included."""
+
+    count: int = Field(ge=2)
 
     @property
     def values(self) -> list[float]:
@@ -317,6 +323,100 @@ class HardCases(_Strict):
         return found | self.cases
 
 
+class Plane(_Figure):
+    """A map over two parameters that is not a figure of the paper."""
+
+    x: Span
+    y: Span
+
+
+class Ensemble(_Strict):
+    """The starts that a part must align from to count as reliable; see maps.py."""
+
+    phases: int = Field(ge=1)
+    tilts: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
+    every: int = Field(ge=1)
+
+    @model_validator(mode="after")
+    def _can_be_halved(self) -> "Ensemble":
+        if self.every & (self.every - 1):
+            raise ValueError(f"every = {self.every}: must be a power of two: cells are halved")
+        return self
+
+
+class Resolution(_Strict):
+    """Finest cells along a side of a map, a power of two: of the paper's, and of the others."""
+
+    figures: int = Field(ge=2, le=8192)
+    planes: int = Field(ge=2, le=8192)
+
+    @model_validator(mode="after")
+    def _can_be_halved(self) -> "Resolution":
+        for name, value in {"figures": self.figures, "planes": self.planes}.items():
+            if value & (value - 1):
+                raise ValueError(f"{name} = {value}: must be a power of two: cells are halved")
+        return self
+
+
+class Maps(_Strict):
+    """Maps that follow their boundary: those of the paper over their figures' ranges, and more."""
+
+    resolution: Resolution
+    chunks: int = Field(ge=1, le=64)
+    ensemble: Ensemble
+    planes: dict[str, Plane]
+    largest_misalignment: Plane
+    trials: int = Field(ge=2)
+
+    @model_validator(mode="after")
+    def _names_are_new(self) -> "Maps":
+        for name in set(self.planes) & {*FIGURES, LARGEST_MISALIGNMENT}:
+            raise ValueError(f"planes.{name}: is the name of a map that the study has already")
+        return self
+
+
+class ClaimRun(_Strict):
+    """Curves that only the claims ledger reads, at the operating point of a figure.
+
+    ``centred`` starts the part with its mass centre above the edge, where the press has no arm.
+    """
+
+    title: str = Field(min_length=1)
+    figure: str
+    held: ParameterValues = {}
+    centred: bool = False
+    swept: Axis
+    family: Family
+
+
+class CoarseGrid(_Strict):
+    """A figure on fewer points along each axis, and on these values of its family only."""
+
+    points: int = Field(ge=2)
+    family: list[float] | None = Field(default=None, min_length=1)
+
+
+class ContactStiffness(_Strict):
+    """Figures on bases of other stiffness and damping; see contact_stiffness.py.
+
+    ``stiffnesses`` are tried at the device's damping ratio, ``damping_ratios`` at each of
+    ``damped_at``.
+    """
+
+    horizon: float = Field(gt=0.0)
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+    stiffnesses: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
+    damping_ratios: list[Annotated[float, Field(ge=0.0)]]
+    damped_at: list[Annotated[float, Field(gt=0.0)]]
+    figures: dict[str, CoarseGrid] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _can_be_run(self) -> "ContactStiffness":
+        for name in self.figures:
+            check_name(name, CURVES + MAPS, "figure with a grid")
+        return self
+
+
 class Study(_Strict):
     """The whole study; see config/config.yaml."""
 
@@ -325,9 +425,12 @@ class Study(_Strict):
     structure: ParameterValues
     operating_point: ParameterValues
     figures: dict[str, FigureSpec]
+    maps: Maps
     accuracy: Accuracy
     precision: Precision
     hard_cases: HardCases
+    claims_runs: dict[str, ClaimRun]
+    contact_stiffness: ContactStiffness
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
@@ -349,6 +452,32 @@ class Study(_Strict):
     def parameters(self, figure: str) -> Parameters:
         """What a figure holds, before it sweeps anything."""
         return self.baseline.replace(**self.figures[figure].held)
+
+    def plane(self, name: str) -> Plane | Map:
+        """A map's ranges and wording: a figure's, one of ``maps.planes``, "largest_misalignment".
+
+        Raises:
+            ValueError: no map of that name.
+        """
+        check_name(name, self.map_names, "map")
+        if name == LARGEST_MISALIGNMENT:
+            return self.maps.largest_misalignment
+        found = self.maps.planes.get(name) or self.figures[name]
+        assert isinstance(found, (Plane, Map)), name  # noqa: S101  (checked with the figures)
+        return found
+
+    @property
+    def map_names(self) -> tuple[str, ...]:
+        """Every map of the study, those of the paper first."""
+        return *MAPS, *self.maps.planes, LARGEST_MISALIGNMENT
+
+    def claim_parameters(self, name: str) -> Parameters:
+        """What a run of the claims ledger holds, before it sweeps anything."""
+        run = self.claims_runs[name]
+        parameters = self.parameters(run.figure).replace(**run.held)
+        if run.centred:
+            parameters = parameters.replace(misalignment=parameters.slot_half_width)
+        return parameters
 
     def case(self, name: str) -> Parameters:
         """The operating point of a case: what its figure holds, and what the case adds."""
@@ -391,6 +520,15 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
     elif path[0] == "precision":
         parts: dict[str, type[BaseModel]] = {"ladder": Ladder, "fixed_steps": FixedSteps}
         models |= {2: Precision, 3: parts.get(path[1], Case), 4: Case}
+    elif path[0] == "maps":
+        named: dict[str, type[BaseModel]] = {"ensemble": Ensemble, "resolution": Resolution}
+        models |= {2: Maps, 3: named.get(path[1], Plane)}
+        models |= {4: Plane if path[1] == "planes" else Span, 5: Span}
+    elif path[0] == "contact_stiffness":
+        models |= {2: ContactStiffness, 4: CoarseGrid}
+    elif path[0] == "claims_runs":
+        models[3] = ClaimRun
+        models[4] = Family if path[2] == "family" else Axis
     elif path[0] == "hard_cases":
         models[2] = HardCases
         models[3] = StiffnessCases if path[1] == "base" else HardCase
@@ -460,7 +598,42 @@ def _check_figures(study: Study, source: str) -> list[str]:
                 Batch.of(parameters, **{part.parameter: part.values})
             except ValueError as error:
                 faults.append(f"{source}: figures.{name}.{key}: {error}")
-    return faults + _case_faults(study, source) + _hard_case_faults(study, source)
+    faults += _case_faults(study, source) + _plane_faults(study, source)
+    return faults + _claims_faults(study, source) + _hard_case_faults(study, source)
+
+
+def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
+    """Refuse a map whose parameters are one, or whose corners break a rule.
+
+    Raises:
+        ValueError: naming the parameter, its value and its rule.
+    """
+    if x.parameter == y.parameter:
+        raise ValueError(f"{x.parameter!r} is varied twice: x and y must be two parameters")
+    for x_value, y_value in itertools.product((x.start, x.stop), (y.start, y.stop)):
+        parameters.replace(**{x.parameter: x_value, y.parameter: y_value})
+
+
+def _plane_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name in study.map_names:
+        plane = study.plane(name)
+        if isinstance(plane, Map):  # a figure's: checked there
+            continue
+        own = name == LARGEST_MISALIGNMENT
+        place = f"{source}: maps.{name}" if own else f"{source}: maps.planes.{name}"
+        varied = {plane.x.parameter, plane.y.parameter}
+        if own and varied & {"misalignment", "clearance", "half_width"}:
+            faults.append(f"{place}: varies the misalignment or what bounds it")
+        faults += [
+            f"{place}.held.{held}: is varied in the same map"
+            for held in sorted(varied & set(plane.held))
+        ]
+        try:
+            check_plane(study.baseline.replace(**plane.held), plane.x, plane.y)
+        except ValueError as error:
+            faults.append(f"{place}: {error}")
+    return faults
 
 
 def _hard_case_faults(study: Study, source: str) -> list[str]:
@@ -480,6 +653,25 @@ def _case_faults(study: Study, source: str) -> list[str]:
         try:
             check_name(case.figure, HISTORIES + CURVES + MAPS, "figure")
             study.case(name)
+        except ValueError as error:
+            faults.append(f"{place}: {error}")
+    return faults
+
+
+def _claims_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name, run in study.claims_runs.items():
+        place = f"{source}: claims_runs.{name}"
+        names = {run.family.parameter, run.swept.parameter}
+        if len(names) == 1:
+            faults.append(f"{place}: {run.swept.parameter!r} is varied twice")
+        varied = sorted(names & set(run.held))
+        faults += [f"{place}.held.{held}: is varied in the same run" for held in varied]
+        try:
+            check_name(run.figure, HISTORIES + CURVES + MAPS, "figure")
+            parameters = study.claim_parameters(name)
+            for part in (run.family, run.swept):
+                Batch.of(parameters, **{part.parameter: part.values})
         except ValueError as error:
             faults.append(f"{place}: {error}")
     return faults

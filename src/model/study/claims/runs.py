@@ -1,0 +1,95 @@
+"""Trajectories that the ledger needs beside the figures': starts, frictions and rests they lack.
+
+They are curves as the figures' are, with what claims on displacement and rest ask for added.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from model.physics.parameters import Batch
+from model.runs.trajectory import Trajectory, simulate
+from model.solver.outcomes import Outcome
+from model.study.config import ClaimRun, Study
+from model.study.datasets import compute_chunk, merge_chunks
+from model.study.sweeps import Sweep
+
+COURSE_VARIABLES: dict[str, dict[str, Any]] = {
+    "tilt_end": {
+        "long_name": "tilt at the end, mean over the last excitation period",
+        "units": "rad",
+        "symbol": "φ",
+    },
+    "way": {
+        "long_name": "share of the way to the slot that the edge has slid along the bottom face at "
+        "the end, mean over the last excitation period"
+    },
+    "excursion": {"long_name": "largest distance of x from its start until alignment"},
+    "side_force_max": {"long_name": "largest force of A2 on the side face until alignment"},
+}
+_STATIC = 1.0  # time over which the end is averaged where nothing is excited
+
+
+@dataclass(frozen=True)
+class _Ending:
+    tilt_end: float
+    way: float
+    excursion: float
+    side_force_max: float
+
+
+def claim_sweep(study: Study, name: str) -> Sweep:
+    """The computation behind ``study.claims_runs[name]``."""
+    spec: ClaimRun = study.claims_runs[name]
+    return Sweep(
+        figure=name,
+        kind="curves",
+        parameters=study.claim_parameters(name).given(),
+        settings=study.settings,
+        dimensions=[spec.family, spec.swept],
+    )
+
+
+def claim_run_dataset(sweep: Sweep, title: str) -> xr.Dataset:
+    """A run of the ledger: what a figure's dataset holds, and ``COURSE_VARIABLES``."""
+    size = int(np.prod(sweep.shape))
+    dataset = merge_chunks(sweep, title, title, [compute_chunk(sweep, 0, 1)])
+    batch: Batch = sweep.batch(np.arange(size))
+    settings = sweep.settings.settings
+    endings = [_ending(simulate(batch[row], settings)) for row in range(size)]
+    dims = dataset["tau_align"].dims
+    added = {}
+    for name, known in COURSE_VARIABLES.items():
+        values = np.array([getattr(each, name) for each in endings])
+        added[name] = (dims, values.reshape(sweep.shape), {"units": "1", **known})
+    return dataset.assign(added)
+
+
+def _ending(run: Trajectory) -> _Ending:
+    aligned = run.outcome == Outcome.ALIGNED
+    until = run.time <= (run.tau_align if aligned else np.inf)
+    time, state = run.time[until], run.state[until]
+    x, y, tilt = state[:, 0], state[:, 1], state[:, 2]
+    device = run.parameters
+    arm = (device.slot_half_width - x) * np.cos(tilt) - y * np.sin(tilt)
+    # s in the paper's frame: the edge is at s on the bottom face and leaves it at s = a.
+    slid = (arm - arm[0]) / (device.half_width - arm[0])
+    period = 2.0 * np.pi / device.frequency if device.frequency > 0.0 else _STATIC
+    last = time >= time[-1] - period
+    return _Ending(
+        tilt_end=_mean(time[last], tilt[last]),
+        way=1.0 if aligned else _mean(time[last], slid[last]),
+        excursion=float(np.abs(x - x[0]).max()),
+        side_force_max=float(run.side_force[until].max()),
+    )
+
+
+def _mean(time: NDArray[np.float64], values: NDArray[np.float64]) -> float:
+    """Mean over time of a course given at uneven moments."""
+    length = float(time[-1] - time[0])
+    if length <= 0.0:
+        return float(values[-1])
+    return float(np.trapezoid(values, time) / length)

@@ -1,0 +1,84 @@
+"""The ledger on disk: ``claims.csv``, one line a claim, the same bytes for the same datasets."""
+
+import csv
+import io
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+from model.study.claims.ledger import Claim, Finding
+
+
+class LedgerError(ValueError):
+    """A ledger that cannot be read."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One claim and what was found, as it is written; numbers to six digits, "" for none."""
+
+    claim: str
+    verdict: str
+    place: str
+    kind: str
+    statement: str
+    measure: str
+    value: str
+    demand: str
+    margin: str
+    seen: str
+    reason: str
+    shown_by: str
+
+    @property
+    def sources(self) -> list[str]:
+        """Figures and own runs that show it, the most telling first."""
+        return self.shown_by.split()
+
+
+def lines_of(judged: Iterable[tuple[Claim, Finding]]) -> list[Line]:
+    """The ledger as it is written."""
+    return [
+        Line(
+            claim=claim.id,
+            verdict=finding.verdict,
+            place=claim.place,
+            kind=claim.kind,
+            statement=claim.statement,
+            measure=claim.measure,
+            value=_number(finding.value),
+            demand="" if claim.check is None else claim.limit.demand,
+            margin=_number(finding.margin),
+            seen=finding.seen,
+            reason=claim.limit.reason,
+            shown_by=" ".join(claim.figures),
+        )
+        for claim, finding in judged
+    ]
+
+
+def _number(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.6g}"
+
+
+def ledger_text(lines: Iterable[Line]) -> str:
+    """The content of ``claims.csv``."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, [each.name for each in fields(Line)], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(asdict(line) for line in lines)
+    return text.getvalue()
+
+
+def read_ledger(path: Path) -> list[Line]:
+    """The lines of ``claims.csv``.
+
+    Raises:
+        LedgerError: a file that is missing, or not a ledger.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            return [Line(**row) for row in csv.DictReader(stream)]
+    except (OSError, TypeError, UnicodeDecodeError) as error:
+        raise LedgerError(f"{path}: cannot be read as a ledger ({error}): build it again") from None

@@ -1,0 +1,236 @@
+"""Each check passes on data made to satisfy its claim, and fails on data made to violate it."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from model.study.claims import CLAIMS, VERDICTS, Finding, judge, tally
+from model.study.claims.ledger import judge_claim
+from model.study.claims.limits import at_least, at_most
+from model.study.claims.reading import Data, explained, trend
+from model.study.claims.runs import COURSE_VARIABLES, claim_run_dataset, claim_sweep
+from model.study.claims.table import LedgerError, ledger_text, lines_of, read_ledger
+from model.study.config import FIGURES, load_study, study_path
+from tests.study.claims_data import (
+    CASES,
+    NAN,
+    Course,
+    bump,
+    curves,
+    falling,
+    plane,
+    ragged,
+    with_sensitive_noise,
+)
+
+BY_ID = {claim.id: claim for claim in CLAIMS}
+CHECKED = [claim.id for claim in CLAIMS if claim.check is not None]
+
+
+def found(claim: str, datasets: dict[str, xr.Dataset]) -> Finding:
+    return judge_claim(BY_ID[claim], Data(datasets))
+
+
+def test_every_claim_has_made_up_data() -> None:
+    assert sorted(CASES) == sorted(CHECKED)
+
+
+@pytest.mark.parametrize("claim", CHECKED)
+def test_data_made_to_satisfy_a_claim_reproduce_it(claim: str) -> None:
+    finding = found(claim, CASES[claim][0]())
+    assert finding.verdict == "reproduced", finding
+    assert 0.0 < finding.margin < 1.0
+
+
+@pytest.mark.parametrize("claim", CHECKED)
+def test_data_made_to_violate_a_claim_contradict_it(claim: str) -> None:
+    finding = found(claim, CASES[claim][1]())
+    assert finding.verdict == "contradicted", finding
+    assert -1.0 <= finding.margin < 0.0
+
+
+@pytest.mark.parametrize("claim", CHECKED)
+@pytest.mark.parametrize("case", [0, 1], ids=["satisfied", "violated"])
+def test_sensitive_points_decide_nothing(claim: str, case: int) -> None:
+    datasets = CASES[claim][case]()
+    clean, noisy = found(claim, datasets), found(claim, with_sensitive_noise(datasets))
+    assert noisy.verdict == clean.verdict, (clean, noisy)
+
+
+@pytest.mark.parametrize("claim", CHECKED)
+def test_without_its_data_a_claim_is_not_checkable(claim: str) -> None:
+    finding = found(claim, {})
+    assert finding.verdict == "not checkable"
+    assert math.isnan(finding.margin)
+    assert "there is no dataset" in finding.seen
+
+
+def test_what_cannot_be_measured_says_why() -> None:
+    for claim, finding in judge({}):
+        if claim.check is None:
+            assert finding.verdict == "not checkable"
+            assert finding.seen == claim.limit.reason
+
+
+def test_some_parts_of_a_claim_make_it_mixed() -> None:
+    mixed = found("F6d", curves("fig06", lambda k, f: falling(k, f) if k < 6.0 else 1.0 + f))
+    assert mixed.verdict == "mixed"
+    assert -1.0 < mixed.margin < 0.0
+    assert mixed.value == pytest.approx(1.0), "the part that decides is the worst"
+    assert mixed.seen == "k_φ = 5: -1; k_φ = 7: 1"
+
+
+def test_a_curve_that_never_aligns_contradicts_what_is_said_of_it() -> None:
+    finding = found("F6d", curves("fig06", NAN))
+    assert finding.verdict == "contradicted"
+    assert finding.margin == -1.0
+    assert finding.seen == "k_φ = 5: nothing to measure; k_φ = 7: nothing to measure"
+
+
+def test_a_ragged_curve_has_no_rise_within_a_small_range() -> None:
+    assert found("F6b", curves("fig06", ragged)).verdict == "contradicted"
+    assert found("F6b", curves("fig06", bump, points=25)).verdict == "reproduced", "coarse as well"
+
+
+def test_curves_that_a_claim_names_may_be_missing() -> None:
+    family = curves("fig06")["fig06"].isel(tilt_stiffness=[3])
+    finding = found("F6d", {"fig06": family})
+    assert finding.verdict == "not checkable"
+    assert "no curve between 5 and 7" in finding.seen
+
+
+def test_one_run_that_does_not_align_contradicts_the_drop_of_the_force() -> None:
+    dataset = Course().datasets["fig05"].copy(deep=True)
+    dataset["outcome"].values[...] = 1
+    dataset["tau_align"].values[...] = NAN
+    assert found("F5e", {"fig05": dataset}).verdict == "contradicted"
+
+
+def test_a_margin_grows_with_the_number_and_stays_bounded() -> None:
+    least, most = at_least(1.0, 0.5, "why"), at_most(1.0, 0.5, "why")
+    margins = [least.margin(value) for value in (-1e9, 0.0, 0.9, 1.0, 1.1, 2.0, math.inf)]
+    assert margins == sorted(margins)
+    assert margins[3] == 0.0
+    assert max(map(abs, margins)) <= 1.0
+    assert most.margin(0.7) == -least.margin(0.7) > 0.0
+    assert least.margin(NAN) == most.margin(NAN) == -1.0
+
+
+def test_the_margin_of_a_claim_is_continuous_where_a_part_changes_sides() -> None:
+    def margin(shift: float) -> float:
+        # The share of aligning points of one curve passes the threshold, that of the others stays.
+        data = curves("fig09", lambda f, k: NAN if f > 2.0 and k < 10.0 else 5.0, points=2001)
+        aligned = (data["fig09"]["tilt_stiffness"] > 10.0 - shift).values
+        data["fig09"]["outcome"].values[1] = np.where(aligned, 0, 1)
+        return found("F9b", data).margin
+
+    margins = [margin(shift) for shift in np.linspace(0.3, 0.6, 31)]
+    assert min(margins) < 0.0 < max(margins)
+    assert np.abs(np.diff(margins)).max() < 0.01
+
+
+def test_the_areas_of_a_map_hang_together_across_sensitive_cells() -> None:
+    datasets = plane("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN)
+    column = datasets["fig13"]["outcome"].values[:, 15]
+    datasets["fig13"]["outcome"].values[:, 15] = 1
+    assert found("F13b", datasets).verdict == "contradicted", "a gap parts the area in two"
+    datasets["fig13"]["sensitive"].values[:, 15] = 1
+    assert found("F13b", datasets).verdict == "reproduced", f"unknown: {column}"
+
+
+def test_trend_is_kendalls_rank_correlation() -> None:
+    x = np.arange(6.0)
+    assert trend(x, np.array([1.0, 2.0, 3.0, 5.0, 4.0, 6.0])) == pytest.approx(13 / 15)
+    assert trend(x, -x) == -1.0
+    assert trend(x, 1.0 + 1e-6 * x) == 0.0, "what cannot be told apart is equal"
+    assert trend(x, np.array([1.0, NAN, 2.0, NAN, NAN, 3.0])) == 1.0
+    assert math.isnan(trend(x, np.full(6, NAN)))
+    assert trend(x, np.array([x, -x, np.full(6, NAN)])) == 0.0, "mean over rows that are known"
+
+
+def test_explained_variance() -> None:
+    x = np.linspace(0.03, 0.15, 20)
+    line = np.array([np.ones(20), x])
+    assert explained(line, 3.0 - 4.0 * x) == pytest.approx(1.0)
+    assert explained(np.array([1.0 / x]), 3.0 - 4.0 * x) == 0.0
+    assert math.isnan(explained(line, np.full(20, 2.0)))
+
+
+def test_the_ledger_is_complete_and_consistent() -> None:
+    study = load_study(study_path())
+    names = {*FIGURES, *study.claims_runs}
+    assert len(BY_ID) == len(CLAIMS)
+    for claim in CLAIMS:
+        assert set(claim.figures) <= names, claim.id
+        assert bool(claim.figures) == (claim.check is not None), claim.id
+        assert claim.statement
+        assert claim.limit.reason
+    read = {name for claim in CLAIMS for name in claim.figures}
+    assert read >= {name for name, spec in study.figures.items() if spec.kind != "schematic"}
+    assert read >= set(study.claims_runs)
+
+
+def test_tally_counts_every_verdict() -> None:
+    words = tally(["reproduced", "mixed", "reproduced"])
+    assert words == "reproduced 2, mixed 1, contradicted 0, not checkable 0"
+    assert tally([]).count(" 0") == len(VERDICTS)
+
+
+# --- The ledger on disk -------------------------------------------------------------------------
+
+
+def test_the_ledger_is_read_as_it_was_written(tmp_path: Path) -> None:
+    lines = lines_of(judge({**curves("fig06", bump), **curves("fig11")}))
+    path = tmp_path / "claims.csv"
+    path.write_text(ledger_text(lines), encoding="utf-8")
+    assert read_ledger(path) == lines
+    assert ledger_text(read_ledger(path)) == path.read_text(encoding="utf-8")
+    (line,) = [line for line in lines if line.claim == "F6b"]
+    assert (line.verdict, line.sources, line.demand) == ("reproduced", ["fig06"], "at least 0.05")
+
+
+def test_a_ledger_that_is_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(LedgerError, match=r"missing\.csv: cannot be read as a ledger"):
+        read_ledger(tmp_path / "missing.csv")
+    (tmp_path / "other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
+    with pytest.raises(LedgerError, match="build it again"):
+        read_ledger(tmp_path / "other.csv")
+
+
+# --- The ledger's own runs ----------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def own_runs() -> dict[str, xr.Dataset]:
+    """Two of the ledger's runs on three points a curve, from a rest that is the study's."""
+    study = load_study(study_path())
+    small = {
+        name: run.model_copy(update={"swept": run.swept.model_copy(update={"count": 3})})
+        for name, run in study.claims_runs.items()
+    }
+    coarse = study.model_copy(update={"claims_runs": small})
+    names = ("centred", "misaligned")
+    return {name: claim_run_dataset(claim_sweep(coarse, name), "title") for name in names}
+
+
+def test_a_start_without_asymmetry_is_one(own_runs: dict[str, xr.Dataset]) -> None:
+    centred = own_runs["centred"]
+    assert float(centred["misalignment"]) == pytest.approx(
+        float(centred["half_width"]) * (1.0 + float(centred["clearance"]))
+    )
+    still = centred["excursion"].sel(initial_tilt=0.0)
+    assert (still == 0.0).all(), "forces through one line move nothing sideways"
+    assert (centred["excursion"].sel(initial_tilt=0.001) > 0.0).all()
+
+
+def test_own_runs_say_how_far_the_part_came(own_runs: dict[str, xr.Dataset]) -> None:
+    misaligned = own_runs["misaligned"]
+    assert set(COURSE_VARIABLES) <= set(misaligned.data_vars)
+    aligned = misaligned["outcome"].values == 0
+    assert (misaligned["way"].values[aligned] == 1.0).all()
+    assert (misaligned["way"].values[~aligned] < 1.0).all()
+    assert (misaligned["side_force_max"].values >= 0.0).all()
+    assert np.isfinite(misaligned["tilt_end"].values).all()
