@@ -376,6 +376,59 @@ class Precision(_Strict):
     fixed_steps: FixedSteps
 
 
+class HardCase(_Strict):
+    """One scene that is hard to integrate, and how long it is run: the baseline but for ``at``.
+
+    ``max_evaluations`` takes the place of the section's for a case that is long by itself.
+    """
+
+    title: str = Field(min_length=1)
+    at: ParameterValues
+    until: float = Field(gt=0.0)
+    max_evaluations: int | None = Field(default=None, ge=1)
+
+
+class StiffnessCases(_Strict):
+    """A case for each pair of stiffness and damping of the base."""
+
+    stiffness: list[float] = Field(min_length=1)
+    damping: list[float] = Field(min_length=1)
+    at: ParameterValues
+    until: float = Field(gt=0.0)
+
+
+class HardCases(_Strict):
+    """The section on hard cases: every method on every case, and when its answer counts.
+
+    Adaptive methods run at ``tolerance``, the others with steps of ``step``. An answer is accurate
+    if it is off by no more than ``accurate``; a method is broken where it needs more evaluations
+    than it may.
+    """
+
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+    step: float = Field(gt=0.0)
+    true_tolerance: float = Field(ge=1e-14, le=1e-2)
+    accurate: float = Field(gt=0.0)
+    max_evaluations: int = Field(ge=1)
+    max_evaluations_scipy: int = Field(ge=1)
+    base: StiffnessCases
+    cases: dict[str, HardCase] = Field(min_length=1)
+
+    @property
+    def all_cases(self) -> dict[str, HardCase]:
+        """The cases by name: those of the base first, stiffness by stiffness."""
+        found = {}
+        for stiffness in self.base.stiffness:
+            for damping in self.base.damping:
+                values = {"contact_stiffness": stiffness, "contact_damping": damping}
+                found[f"base_{stiffness:g}_{damping:g}"] = HardCase(
+                    title=f"base k_a = {stiffness:g}, h_a = {damping:g}",
+                    at=self.base.at | values,
+                    until=self.base.until,
+                )
+        return found | self.cases
+
+
 class Plane(_Figure):
     """A map over two parameters that is not a figure of the paper."""
 
@@ -482,6 +535,7 @@ class Study(_Strict):
     accuracy: Accuracy
     precision: Precision
     identification: Identification
+    hard_cases: HardCases
     claims_runs: dict[str, ClaimRun]
     contact_stiffness: ContactStiffness
 
@@ -582,6 +636,10 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
     elif path[0] == "claims_runs":
         models[3] = ClaimRun
         models[4] = Family if path[2] == "family" else Axis
+    elif path[0] == "hard_cases":
+        models[2] = HardCases
+        models[3] = StiffnessCases if path[1] == "base" else HardCase
+        models[4] = HardCase
     elif path[0] == "figures" and len(path) > 3:
         models[4] = kinds[path[2]]
         models[5] = Family if path[3] == "family" else Axis
@@ -648,7 +706,7 @@ def _check_figures(study: Study, source: str) -> list[str]:
             except ValueError as error:
                 faults.append(f"{source}: figures.{name}.{key}: {error}")
     faults += _case_faults(study, source) + _plane_faults(study, source)
-    return faults + _claims_faults(study, source)
+    return faults + _claims_faults(study, source) + _hard_case_faults(study, source)
 
 
 def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
@@ -682,6 +740,16 @@ def _plane_faults(study: Study, source: str) -> list[str]:
             check_plane(study.baseline.replace(**plane.held), plane.x, plane.y)
         except ValueError as error:
             faults.append(f"{place}: {error}")
+    return faults
+
+
+def _hard_case_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name, case in study.hard_cases.all_cases.items():
+        try:
+            study.baseline.replace(**case.at)
+        except (TypeError, ValueError) as error:
+            faults.append(f"{source}: hard_cases.cases.{name}.at: {error}")
     return faults
 
 
