@@ -41,13 +41,15 @@ rule all:
         [drawn(figure) for figure in FIGURES],
         expand(root / "data/{figure}.nc", figure=computed),
         expand(root / "data/maps/{map}.nc", map=MAPS),
-        [pictured(place) for place in PICTURES.values()],
+        [pictured(place) for place in (*PICTURES.values(), *HARD_PICTURES.values())],
 
 
 include: "workflow/rules/compute.smk"
 include: "workflow/rules/maps.smk"
 include: "workflow/rules/precision.smk"
+include: "workflow/rules/hard.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/contact.smk"
+include: "workflow/rules/identification.smk"
 include: "workflow/rules/show.smk"
 include: "workflow/rules/accuracy.smk"

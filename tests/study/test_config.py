@@ -112,6 +112,13 @@ REFUSED = [
     ("precision.cases.aligned.at.friction", -0.1, ["cases.aligned", "friction = -0.1", ">= 0"]),
     ("precision.cases.aligned.untl", 1.0, ["cases.aligned.untl", "unknown key", "'until'"]),
     ("precision.cases.aligned.until", 0.0, ["cases.aligned.until = 0.0", "greater than 0"]),
+    ("hard_cases.cases", {}, ["hard_cases.cases", "at least 1"]),
+    ("hard_cases.cases.slow.at.frequncy", 1.0, ["frequncy", "'frequency'"]),
+    ("hard_cases.cases.slow.at.frequency", -1.0, ["cases.slow.at", "frequency = -1.0", ">= 0"]),
+    ("hard_cases.cases.slow.untl", 1.0, ["cases.slow.untl", "unknown key", "'until'"]),
+    ("hard_cases.base.stifness", [1.0], ["base.stifness", "unknown key", "'stiffness'"]),
+    ("hard_cases.base.stiffness", [0.0], ["cases.base_0", "contact_stiffness = 0.0", "> 0"]),
+    ("hard_cases.max_evaluations", 0, ["max_evaluations = 0", "equal to 1"]),
     ("precision.ladder.tolerances", [1e-3, 1e-2], ["[0.001, 0.01]", "must fall"]),
     ("precision.ladder.tolerances", [1e-1], ["tolerances = [0.1]", "between 1e-14 and 1e-2"]),
     ("precision.ladder.steps", [0.1, 0.0], ["steps = [0.1, 0.0]", "> 0"]),
@@ -213,7 +220,7 @@ def test_smoke_changes_only_sizes() -> None:
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     assert set(smoke) == {
         "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
-        "contact_stiffness",
+        "contact_stiffness", "identification", "hard_cases",
     }  # fmt: skip
     assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble", "trials"}
     assert all(
@@ -230,3 +237,8 @@ def test_smoke_changes_only_sizes() -> None:
         "ladder": ladder,
         "fixed_steps": {"figures"},
     }
+    hard = {"max_evaluations", "max_evaluations_scipy", "base", "cases"}
+    assert set(smoke["hard_cases"]) == hard
+    assert set(smoke["hard_cases"]["base"]) == {"stiffness", "damping", "until"}
+    for case in smoke["hard_cases"]["cases"].values():
+        assert set(case) == {"until", "max_evaluations"}

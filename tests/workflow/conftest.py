@@ -44,6 +44,15 @@ TINY: dict[str, Any] = {
         },
         "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
     },
+    "hard_cases": {
+        "max_evaluations": 2_000,
+        "max_evaluations_scipy": 50,
+        "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},
+        "cases": {
+            "micro_bounces": {"until": 0.1, "max_evaluations": 2_000},
+            "long_horizon": {"until": 0.1, "max_evaluations": 2_000},
+        },
+    },
     "claims_runs": {
         name: {"swept": {"count": 2}}
         for name in ("centred", "pressed", "misaligned", "displaced", "rubbing", "by_frequency")

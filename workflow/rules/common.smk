@@ -4,9 +4,13 @@ import json
 import sys
 from pathlib import Path
 
+from model.physics.readings import READING_NAMES
 from model.study.accuracy import trial_of
 from model.study.claims.runs import claim_sweep
-from model.study.plans import PICTURES
+from model.study.identification.candidate import space_of, space_of_reading
+from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
+from model.study.identification.committed import TABLES
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
 from model.study.tracking import Invocation
@@ -47,8 +51,8 @@ def shown(figure):
 
 
 def records_beside():
-    """The sidecars of the jobs on speed against error, which are no figure's."""
-    jobs = ["data/precision", *PICTURES.values()]
+    """The sidecars of the jobs on speed against error and hard cases, which are no figure's."""
+    jobs = ["data/precision", *PICTURES.values(), "data/hard_cases", *HARD_PICTURES.values()]
     jobs += [f"data/fixed_steps/{figure}" for figure in study.precision.fixed_steps.figures]
     return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
 
@@ -92,6 +96,11 @@ def trial_chunks(name):
     """An accuracy trial's chunks."""
     law = study.accuracy if name == "error" else study.accuracy.settled
     return expand(root / f"accuracy/{name}/{{chunk}}.csv", chunk=range(law.chunks))
+
+
+def rounds(evolutions):
+    """How far a search is carried on, as JSON."""
+    return json.dumps([each.model_dump() for each in evolutions])
 
 
 onstart:

@@ -60,6 +60,10 @@ rule report:
         comparison=[pictured(place) for place in PICTURES.values()],
         claims=[root / "claims.csv", *pictured("figures/claims")],
         bases=[*contact_data, *pictured("figures/contact_stiffness")],
+        identified=identified_tables,
+        identified_pictures=[pictured(place) for place in identified_pictures],
+        hard_times=root / "benchmarks/hard_cases.csv",
+        hard=[pictured(place) for place in HARD_PICTURES.values()],
     output:
         page=root / "report.html",
         record=root / "report.run.json",
@@ -75,7 +79,8 @@ rule report:
         "rendering the report"
     shell:
         "python workflow/scripts/render_report.py --study {params.study:q}"
-        " --root {params.root} --output {output.page} --record {output.record} > {log} 2>&1"
+        " --root {params.root} --output {output.page} --record {output.record}"
+        " --identified {input.identified} > {log} 2>&1"
 
 
 # The index of all runs. Snakemake's handlers write it anew when an invocation ends, so that one of
@@ -87,6 +92,7 @@ rule index:
         [records(figure) for figure in FIGURES],
         records_beside(),
         records_of_claims(),
+        [root / f"{place}.run.json" for place in identified_pictures],
     output:
         root / "runs.csv",
         root / "runs.sqlite",

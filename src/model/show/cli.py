@@ -5,6 +5,7 @@ the value, the rule and the valid choices. What is slow to import is imported wh
 """
 
 import argparse
+import contextlib
 import importlib.metadata
 import io
 import json
@@ -42,6 +43,7 @@ from model.show.arguments import (
 from model.solver.outcomes import Outcome
 from model.study.config import Study, load_study, study_path
 from model.study.devices import load_device
+from model.study.files import whole_file
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
@@ -74,6 +76,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except BrokenPipeError:  # `vibralign … | head`: nobody reads on, so nothing is left to say
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except OSError as error:
+        print(f"vibralign: error: {error}: free some space or choose another place and run it "
+              "again", file=sys.stderr)  # fmt: skip
+        # What is left unwritten would be tried again, and fail again, as Python ends.
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
 
 
@@ -168,8 +177,8 @@ def _draw(run: Trajectory, path: Path) -> bool:
 
     figure = plots.trajectory(run)
     try:
-        with style.context():
-            figure.savefig(path)
+        with whole_file(path) as part, style.context():
+            figure.savefig(part, format=path.suffix.lower().lstrip("."))
     except (OSError, ValueError) as error:  # a full disk, a picture library that is missing
         print(f"vibralign: error: --plot {path}: {error}", file=sys.stderr)
         return False

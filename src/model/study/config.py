@@ -32,6 +32,16 @@ CURVES = ("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12")
 MAPS = ("fig13", "fig14")
 FIGURES = SCHEMATICS + HISTORIES + CURVES + MAPS
 LARGEST_MISALIGNMENT = "largest_misalignment"  # the map that is not one of outcomes
+# What the identification searches of the structure; see identification/candidate.py.
+SEARCHED = (
+    "half_width",
+    "half_height",
+    "inertia_ratio",
+    "lateral_stiffness",
+    "lateral_damping_ratio",
+    "axial_damping_ratio",
+    "tilt_damping_ratio",
+)
 
 
 Value = TypeVar("Value")
@@ -201,6 +211,102 @@ class Accuracy(_Strict):
     ranges: Annotated[dict[str, Range], AfterValidator(_parameter_names)]
 
 
+class Pool(_Strict):
+    """The first samples of a search: structures, and operating points tried with each of them."""
+
+    structures: int = Field(ge=1)
+    operating_points: int = Field(ge=1)
+    chunks: int = Field(ge=1, le=1000)
+
+
+class Evolution(_Strict):
+    """How far a search is carried on from its first samples.
+
+    A population of structures evolves; with each structure ``trials`` operating points of every
+    figure are tried. Then, with the ``polished`` best structures, ``polish`` more in each of
+    ``passes``.
+    """
+
+    population: int = Field(ge=5)
+    generations: int = Field(ge=1)
+    trials: int = Field(ge=2)
+    polished: int = Field(ge=1)
+    passes: int = Field(ge=1)
+    polish: int = Field(ge=2)
+
+
+Counts = dict[str, Annotated[int, Field(ge=4)]]
+Ranges = Annotated[dict[str, Range], Field(min_length=1)]
+
+
+class SearchLaw(_Strict):
+    """What is searched, and what is looked at; see identification/candidate.py.
+
+    Attributes:
+        seed: of every draw.
+        horizon: latest time of the search's runs.
+        tolerance: of the search's runs, each of which is run once.
+        counts: values along each axis of a figure with a grid.
+        structure: ranges of what all figures share.
+        stated: what the paper says of a figure's operating point.
+        operating_points: ranges of what it leaves open, by figure.
+        set_aside: claims that do not count in the score, with the reason.
+        goal: margin from which more of it is worth little.
+    """
+
+    seed: int = Field(ge=0)
+    horizon: float = Field(gt=0.0)
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+    counts: Counts
+    structure: Ranges
+    stated: dict[str, ParameterValues]
+    operating_points: dict[str, Annotated[Ranges, AfterValidator(_parameter_names)]]
+    set_aside: dict[str, str]
+    goal: float = Field(gt=0.0, lt=1.0)
+
+    @model_validator(mode="after")
+    def _names_figures(self) -> "SearchLaw":
+        for name in (*self.counts, *self.stated, *self.operating_points):
+            check_name(name, HISTORIES + CURVES + MAPS, "figure that is computed")
+        missing = [name for name in CURVES + MAPS if name not in self.counts]
+        if missing:
+            raise ValueError(f"counts: missing {', '.join(missing)}")
+        for name in self.structure:
+            check_name(name, SEARCHED, "parameter that is searched")
+        if len(self.structure) < len(SEARCHED):
+            lacking = [name for name in SEARCHED if name not in self.structure]
+            raise ValueError(f"structure: missing {', '.join(lacking)}")
+        return self
+
+
+class Identification(_Strict):
+    """How unstated parameters are identified, and how much is spent on it.
+
+    Attributes:
+        law: what is searched.
+        pool: the first samples under the study's reading.
+        rounds: of each search over all claims.
+        starts: searches over all claims, each from structures of its own.
+        finer: how many of the best are judged again, with three times the values along each axis.
+        half: rounds of each search over half of the claims.
+        splits: how often the claims are halved.
+        admissible: how many claims fewer than the best an admissible set may reproduce.
+        reading_counts: as the law's, in the searches under each reading.
+        reading_rounds: of each reading's search, the consistent one's again.
+    """
+
+    law: SearchLaw
+    pool: Pool
+    rounds: Annotated[list[Evolution], Field(min_length=1)]
+    starts: int = Field(ge=1)
+    finer: int = Field(ge=1)
+    half: Annotated[list[Evolution], Field(min_length=1)]
+    splits: int = Field(ge=1)
+    admissible: int = Field(ge=0)
+    reading_counts: Counts
+    reading_rounds: Annotated[list[Evolution], Field(min_length=1)]
+
+
 class Case(_Strict):
     """One operating point at which methods are compared, from a figure of the study.
 
@@ -268,6 +374,59 @@ class Precision(_Strict):
     cases: dict[str, Case] = Field(min_length=1)
     ladder: Ladder
     fixed_steps: FixedSteps
+
+
+class HardCase(_Strict):
+    """One scene that is hard to integrate, and how long it is run: the baseline but for ``at``.
+
+    ``max_evaluations`` takes the place of the section's for a case that is long by itself.
+    """
+
+    title: str = Field(min_length=1)
+    at: ParameterValues
+    until: float = Field(gt=0.0)
+    max_evaluations: int | None = Field(default=None, ge=1)
+
+
+class StiffnessCases(_Strict):
+    """A case for each pair of stiffness and damping of the base."""
+
+    stiffness: list[float] = Field(min_length=1)
+    damping: list[float] = Field(min_length=1)
+    at: ParameterValues
+    until: float = Field(gt=0.0)
+
+
+class HardCases(_Strict):
+    """The section on hard cases: every method on every case, and when its answer counts.
+
+    Adaptive methods run at ``tolerance``, the others with steps of ``step``. An answer is accurate
+    if it is off by no more than ``accurate``; a method is broken where it needs more evaluations
+    than it may.
+    """
+
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+    step: float = Field(gt=0.0)
+    true_tolerance: float = Field(ge=1e-14, le=1e-2)
+    accurate: float = Field(gt=0.0)
+    max_evaluations: int = Field(ge=1)
+    max_evaluations_scipy: int = Field(ge=1)
+    base: StiffnessCases
+    cases: dict[str, HardCase] = Field(min_length=1)
+
+    @property
+    def all_cases(self) -> dict[str, HardCase]:
+        """The cases by name: those of the base first, stiffness by stiffness."""
+        found = {}
+        for stiffness in self.base.stiffness:
+            for damping in self.base.damping:
+                values = {"contact_stiffness": stiffness, "contact_damping": damping}
+                found[f"base_{stiffness:g}_{damping:g}"] = HardCase(
+                    title=f"base k_a = {stiffness:g}, h_a = {damping:g}",
+                    at=self.base.at | values,
+                    until=self.base.until,
+                )
+        return found | self.cases
 
 
 class Plane(_Figure):
@@ -375,6 +534,8 @@ class Study(_Strict):
     maps: Maps
     accuracy: Accuracy
     precision: Precision
+    identification: Identification
+    hard_cases: HardCases
     claims_runs: dict[str, ClaimRun]
     contact_stiffness: ContactStiffness
 
@@ -475,6 +636,10 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
     elif path[0] == "claims_runs":
         models[3] = ClaimRun
         models[4] = Family if path[2] == "family" else Axis
+    elif path[0] == "hard_cases":
+        models[2] = HardCases
+        models[3] = StiffnessCases if path[1] == "base" else HardCase
+        models[4] = HardCase
     elif path[0] == "figures" and len(path) > 3:
         models[4] = kinds[path[2]]
         models[5] = Family if path[3] == "family" else Axis
@@ -541,7 +706,7 @@ def _check_figures(study: Study, source: str) -> list[str]:
             except ValueError as error:
                 faults.append(f"{source}: figures.{name}.{key}: {error}")
     faults += _case_faults(study, source) + _plane_faults(study, source)
-    return faults + _claims_faults(study, source)
+    return faults + _claims_faults(study, source) + _hard_case_faults(study, source)
 
 
 def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
@@ -575,6 +740,16 @@ def _plane_faults(study: Study, source: str) -> list[str]:
             check_plane(study.baseline.replace(**plane.held), plane.x, plane.y)
         except ValueError as error:
             faults.append(f"{place}: {error}")
+    return faults
+
+
+def _hard_case_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name, case in study.hard_cases.all_cases.items():
+        try:
+            study.baseline.replace(**case.at)
+        except (TypeError, ValueError) as error:
+            faults.append(f"{source}: hard_cases.cases.{name}.at: {error}")
     return faults
 
 

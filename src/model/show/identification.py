@@ -1,0 +1,275 @@
+"""What the identification found, in pictures: how unique the device is, and what it shows."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from model.show import style
+from model.study.config import Range
+from model.study.identification.committed import Identified
+from model.study.identification.results import Split
+
+Array = NDArray[np.float64]
+
+SYMBOLS: Mapping[str, str] = {
+    "half_width": "a",
+    "half_height": "b",
+    "inertia_ratio": "I/I₀",
+    "lateral_stiffness": "kₓ",
+    "lateral_damping_ratio": "ζₓ",
+    "axial_damping_ratio": "ζᵧ",
+    "tilt_damping_ratio": "ζᵩ",
+}
+WORDS: Mapping[str, str] = {
+    "half_width": "half-width of the part",
+    "half_height": "half-height of the part",
+    "inertia_ratio": "moment of inertia over that of the bare part, (a² + b²)/3",
+    "lateral_stiffness": "lateral stiffness of the suspension",
+    "lateral_damping_ratio": "damping ratio of the lateral motion",
+    "axial_damping_ratio": "damping ratio along the axis",
+    "tilt_damping_ratio": "damping ratio of the tilt at k_φ = 10",
+}
+CAPTIONS: Mapping[str, str] = {
+    "structure": "The admissible sets: every two unknowns of the structure, on axes as wide as the "
+    "priors' ranges; the star and the lines are the study's device.",
+    "claims": "How many of the admissible sets reproduce each claim, and how many draws from the "
+    "prior do: a claim that the prior reproduces as often says nothing about the device.",
+    "readings": "Which claims the best set found under each reading of the equations reproduces; "
+    "all readings were searched with the same budget. In brackets how many.",
+}
+_BINS = 12
+READING_LABELS: Mapping[str, str] = {
+    "consistent": "consistent",
+    "printed": "as printed",
+    "normal_sign": "R1 corrected: sign of U1",
+    "friction_law": "R2 corrected: friction",
+    "contact_damping_law": "R3 corrected: base damping",
+    "side_gap": "R4 corrected: gap at A2",
+    "side_force": "R5 corrected: force at A2",
+    "preload": "R6 corrected: preload",
+    "alignment_criterion": "R8 corrected: criterion",
+    "moment_arms": "R9 corrected: arms",
+}
+
+
+def structure_pairs(
+    ensemble: Mapping[str, Array], chosen: Mapping[str, float], ranges: Mapping[str, Range]
+) -> Figure:
+    """Every two unknowns of the structure over the ensemble; axes are the priors' ranges.
+
+    Args:
+        ensemble: values by unknown, each of shape (sets,).
+        chosen: the study's own values.
+        ranges: the priors.
+    """
+    names, size = list(ranges), len(ranges)
+    with style.context():
+        figure = style.new_figure(height=style.FIGURE_WIDTH)
+        grid = np.asarray(figure.subplots(size, size))
+        for row, y in enumerate(names):
+            for column, x in enumerate(names):
+                axes = grid[row, column]
+                if column > row:
+                    axes.set_axis_off()
+                    continue
+                _prior_axis(axes, "x", ranges[x])
+                if column == row:
+                    law = ranges[x]
+                    edges = np.geomspace(law.low, law.high, _BINS + 1)
+                    axes.hist(ensemble[x], edges, color=style.SKY_BLUE)
+                    axes.axvline(chosen[x], color=style.VERMILLION)
+                    axes.set_yticks([])
+                else:
+                    _prior_axis(axes, "y", ranges[y])
+                    axes.plot(
+                        ensemble[x], ensemble[y], ".", color=style.BLUE, markersize=2.0, alpha=0.5
+                    )
+                    axes.plot(chosen[x], chosen[y], "*", color=style.VERMILLION, markersize=7.0)
+                if row == size - 1:
+                    axes.set_xlabel(SYMBOLS[x])
+                else:
+                    axes.tick_params(axis="x", labelbottom=False)
+                if column == 0 and row > 0:
+                    axes.set_ylabel(SYMBOLS[y])
+                elif column > 0:
+                    axes.tick_params(axis="y", labelleft=False)
+    return figure
+
+
+def _prior_axis(axes: Axes, which: str, law: Range) -> None:
+    axes.set(**{f"{which}scale": "log", f"{which}lim": (law.low, law.high)})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    ticks = [law.low, float(np.sqrt(law.low * law.high)), law.high]
+    axis.set_ticks(ticks, [f"{tick:.2g}" for tick in ticks], fontsize=6.0)
+    axis.set_ticks([], minor=True)
+    if which == "x":
+        axes.tick_params(axis="x", labelrotation=60.0)
+
+
+def claim_shares(
+    claims: Sequence[str], ensemble: Array, prior: Array, reproduced: NDArray[np.bool_]
+) -> Figure:
+    """For each claim the share of the ensemble, and of draws from the prior, that reproduces it.
+
+    Args:
+        claims: their names.
+        ensemble: shares, shape (claims,).
+        prior: shares, shape (claims,), NaN where unknown.
+        reproduced: whether the study's own device does, shape (claims,).
+    """
+    half = (len(claims) + 1) // 2
+    with style.context():
+        figure = style.new_figure(height=0.95 * style.FIGURE_WIDTH)
+        for column, axes in enumerate(np.asarray(figure.subplots(1, 2))):
+            part = slice(half * column, half * (column + 1))
+            names = claims[part]
+            rows = np.arange(len(names))
+            axes.plot(prior[part], rows, "o", color=style.GREY, fillstyle="none")
+            shown = reproduced[part]
+            share = ensemble[part]
+            axes.plot(share[shown], rows[shown], "o", color=style.BLUE)
+            axes.plot(share[~shown], rows[~shown], "X", color=style.VERMILLION)
+            axes.set_yticks(rows, names, fontsize=7.0)
+            axes.set_ylim(half - 0.5, -0.5)
+            axes.set_xlim(-0.04, 1.04)
+            axes.set_xlabel("share that reproduces the claim")
+        figure.legend(
+            handles=[
+                _dot("o", style.BLUE, "admissible sets; the study's device reproduces it"),
+                _dot("X", style.VERMILLION, "admissible sets; the study's device does not"),
+                _dot("o", style.GREY, "draws from the prior", hollow=True),
+            ],
+            loc="outside lower center",
+            ncols=2,
+        )
+    return figure
+
+
+def _dot(marker: str, colour: str, label: str, hollow: bool = False) -> Line2D:
+    return Line2D(
+        [], [], marker=marker, color=colour, linestyle="", label=label,
+        fillstyle="none" if hollow else "full",
+    )  # fmt: skip
+
+
+def readings_by_claims(readings: Sequence[str], claims: Sequence[str], margins: Array) -> Figure:
+    """Which claims the best set found under each reading reproduces.
+
+    Args:
+        readings: their names.
+        claims: their names.
+        margins: shape (readings, claims).
+    """
+    shown = np.asarray(margins > 0.0)
+    with style.context():
+        figure = style.new_figure(height=8.0 * style.CENTIMETRE)
+        axes = figure.subplots()
+        colours = np.where(shown[..., None], _rgb(style.BLUE), _rgb("#F4D9C8"))
+        axes.imshow(colours, aspect="auto", interpolation="none")
+        for row, column in zip(*np.nonzero(~shown), strict=True):
+            axes.plot(column, row, "x", color=style.VERMILLION, markersize=3.0)
+        axes.set_xticks(np.arange(len(claims)), claims, rotation=90.0, fontsize=5.5)
+        names = [
+            f"{READING_LABELS.get(each, each)} ({row.sum()})"
+            for each, row in zip(readings, shown, strict=True)
+        ]
+        axes.set_yticks(np.arange(len(readings)), names, fontsize=7.0)
+        axes.set_xticks(np.arange(len(claims)) - 0.5, minor=True)
+        axes.set_yticks(np.arange(len(readings)) - 0.5, minor=True)
+        axes.grid(visible=False)
+        axes.grid(visible=True, which="minor", color="white", linewidth=0.6)
+        axes.tick_params(which="minor", length=0)
+        figure.legend(
+            handles=[
+                Patch(color=style.BLUE, label="reproduced"),
+                Patch(color="#F4D9C8", label="not reproduced"),
+            ],
+            loc="outside lower center",
+            ncols=2,
+        )
+    return figure
+
+
+def _rgb(colour: str) -> NDArray[np.float64]:
+    return np.array([int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)])
+
+
+# --- In words -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Pictured:
+    """What was found, and a picture for each of ``committed.PICTURES``."""
+
+    found: Identified
+    pictures: Mapping[str, Path]
+
+
+@dataclass(frozen=True)
+class Section:
+    """What the report says of the identification.
+
+    Attributes:
+        sets: how many admissible sets.
+        reproduced: claims that the study's device reproduces on the search's finer grids.
+        counted: claims that counted.
+        unknowns: of the structure: symbol, words, the study's value, 5 %, median, 95 %, and the
+            width of the middle nine tenths over the prior's.
+        held_out: for each split its number, claims searched for, of these reproduced, claims held
+            out, of these reproduced.
+        rate: mean share of the claims held out that is reproduced.
+        prior_rate: share of the claims that a draw from the prior reproduces.
+        readings: label, claims reproduced of those that counted, and names of the others.
+    """
+
+    sets: int
+    reproduced: int
+    counted: int
+    unknowns: tuple[tuple[str, str, float, float, float, float, float], ...]
+    held_out: tuple[Split, ...]
+    rate: float
+    prior_rate: float
+    readings: tuple[tuple[str, int, str], ...]
+
+
+def identification_section(
+    found: Identified, chosen: Mapping[str, float], ranges: Mapping[str, Range]
+) -> Section:
+    """What the report says of the identification.
+
+    Args:
+        found: the committed result.
+        chosen: the study's own values of what was searched.
+        ranges: the priors.
+    """
+    unknowns = []
+    for name, law in ranges.items():
+        low, median, high = np.quantile(found.ensemble[name], (0.05, 0.5, 0.95)).tolist()
+        width = float(np.log(high / low) / (0.9 * np.log(law.high / law.low)))
+        unknowns.append((SYMBOLS[name], WORDS[name], chosen[name], low, median, high, width))
+    names = np.array(found.claims)
+    readings = tuple(
+        (
+            READING_LABELS.get(name, name),
+            int((found.counted & (margins > 0.0)).sum()),
+            ", ".join(names[found.counted & (margins <= 0.0)]),
+        )
+        for name, margins in found.readings.items()
+    )
+    return Section(
+        sets=len(next(iter(found.ensemble.values()))),
+        reproduced=int((found.counted & (found.margins > 0.0)).sum()),
+        counted=int(found.counted.sum()),
+        unknowns=tuple(unknowns),
+        held_out=found.splits,
+        rate=float(np.mean([split.rate for split in found.splits])),
+        prior_rate=float(np.nanmean(found.prior_shares[found.counted])),
+        readings=readings,
+    )

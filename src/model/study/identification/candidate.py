@@ -1,0 +1,240 @@
+"""The space that is searched: what a point of it says about the device and its figures.
+
+A candidate is a point of the unit cube. Each coordinate is one unknown on a logarithmic axis: first
+those of the structure, shared by all figures, then each figure's operating point. Dampings are
+searched as damping ratios and the inertia as a multiple of the bare part's, because the priors are
+stated in these; ``structure_of`` turns them into the parameters of the equations.
+"""
+
+import hashlib
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from model.physics.parameters import check_name
+from model.physics.readings import READING_NAMES, Reading
+from model.study.config import (
+    CURVES,
+    HISTORIES,
+    MAPS,
+    Axis,
+    Curves,
+    Family,
+    Map,
+    RunSettings,
+    SearchLaw,
+    Study,
+)
+from model.study.sweeps import Sweep
+
+COMPUTED = HISTORIES + CURVES + MAPS
+TYPICAL_TILT_STIFFNESS = 10.0  # at which the tilt's damping ratio is taken; the paper varies k_φ
+FINE_TOLERANCE = 1e-8
+MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
+
+Array = NDArray[np.float64]
+
+
+class Space(BaseModel):
+    """The search as data; its JSON is its identity.
+
+    Attributes:
+        fixed: parameters that are not searched: stated by the paper, or held.
+        dimensions: of each figure's sweep, on the coarse grid.
+        law: priors, grids and settings.
+        readings: how the equations are read; every switch by name.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    fixed: dict[str, float]
+    dimensions: dict[str, list[Axis | Family]]
+    law: SearchLaw
+    readings: dict[str, Reading]
+
+    @property
+    def identity(self) -> str:
+        """Hash of everything that the results depend on besides the code."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
+
+    @cached_property
+    def settings(self) -> RunSettings:
+        """How the search runs."""
+        return RunSettings(
+            readings=self.readings, horizon=self.law.horizon, tolerance=self.law.tolerance
+        )
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Every coordinate: "inertia_ratio", …, "fig06.friction", …."""
+        of_figures = [
+            f"{figure}.{name}"
+            for figure, ranges in self.law.operating_points.items()
+            for name in ranges
+        ]
+        return (*self.law.structure, *of_figures)
+
+    @cached_property
+    def places(self) -> Mapping[str, slice]:
+        """Where the coordinates of the structure ("structure") and of each figure stand."""
+        found, start = {}, 0
+        parts = {"structure": self.law.structure, **self.law.operating_points}
+        for part, ranges in parts.items():
+            found[part] = slice(start, start + len(ranges))
+            start += len(ranges)
+        return found
+
+    @cached_property
+    def _ends(self) -> tuple[Array, Array]:
+        parts = [self.law.structure, *self.law.operating_points.values()]
+        ranges = [law for part in parts for law in part.values()]
+        return np.array([law.low for law in ranges]), np.array([law.high for law in ranges])
+
+    def values(self, points: Array) -> Array:
+        """What coordinates in [0, 1] stand for; shape (..., n) both."""
+        low, high = self._ends
+        return low * (high / low) ** points
+
+    def point(self, values: Array) -> Array:
+        """Coordinates of values, held inside the space; the inverse of ``values``."""
+        low, high = self._ends
+        return np.clip(np.log(values / low) / np.log(high / low), 0.0, 1.0)
+
+    def structure(self, point: Array) -> dict[str, float]:
+        """The parameters of the device at a point."""
+        part = self.values(point)[self.places["structure"]].tolist()
+        return structure_of(dict(zip(self.law.structure, part, strict=True)))
+
+    def held(self, point: Array, figure: str) -> dict[str, float]:
+        """The operating point of a figure."""
+        names = self.law.operating_points.get(figure, {})
+        part = self.values(point)[self.places[figure]].tolist() if names else []
+        return {**self.law.stated.get(figure, {}), **dict(zip(names, part, strict=True))}
+
+    def sweep(self, point: Array, figure: str) -> Sweep:
+        """A figure of the device at a point, on the coarse grid."""
+        structure = self.structure(point)
+        parameters: dict[str, float | None] = {**dict.fromkeys(("rest_x", "rest_y")), **self.fixed}
+        parameters |= structure | self.held(point, figure)
+        dimensions = [
+            dimension.model_copy(
+                update=dict(zip(("start", "stop"), inertias(structure), strict=True))
+            )
+            if isinstance(dimension, Axis) and dimension.parameter == "inertia"
+            else dimension
+            for dimension in self.dimensions[figure]
+        ]
+        kind: Literal["history", "curves", "map"] = "curves" if figure in CURVES else "map"
+        if figure in HISTORIES:
+            kind = "history"
+        return Sweep.model_construct(
+            figure=figure,
+            kind=kind,
+            parameters=parameters,
+            settings=self.settings,
+            dimensions=dimensions,
+        )
+
+
+def structure_of(searched: Mapping[str, float]) -> dict[str, float]:
+    """Parameters of the equations from what is searched.
+
+    A damping is 2 ζ √(k m), with the mass 1 of the body or its inertia and the stiffness of the
+    same direction; the inertia is the ratio times that of the homogeneous rectangle, (a² + b²)/3.
+    """
+    inertia = searched["inertia_ratio"] * bare_inertia(searched)
+    return {
+        "half_width": searched["half_width"],
+        "half_height": searched["half_height"],
+        "inertia": inertia,
+        "lateral_stiffness": searched["lateral_stiffness"],
+        "lateral_damping": 2.0
+        * searched["lateral_damping_ratio"]
+        * math.sqrt(searched["lateral_stiffness"]),
+        "axial_damping": 2.0 * searched["axial_damping_ratio"],
+        "tilt_damping": 2.0
+        * searched["tilt_damping_ratio"]
+        * math.sqrt(TYPICAL_TILT_STIFFNESS * inertia),
+    }
+
+
+def searched_of(structure: Mapping[str, float]) -> dict[str, float]:
+    """The inverse of ``structure_of``."""
+    inertia, stiffness = structure["inertia"], structure["lateral_stiffness"]
+    return {
+        "half_width": structure["half_width"],
+        "half_height": structure["half_height"],
+        "inertia_ratio": inertia / bare_inertia(structure),
+        "lateral_stiffness": stiffness,
+        "lateral_damping_ratio": structure["lateral_damping"] / (2.0 * math.sqrt(stiffness)),
+        "axial_damping_ratio": structure["axial_damping"] / 2.0,
+        "tilt_damping_ratio": structure["tilt_damping"]
+        / (2.0 * math.sqrt(TYPICAL_TILT_STIFFNESS * inertia)),
+    }
+
+
+def bare_inertia(structure: Mapping[str, float]) -> float:
+    """Moment of inertia of the homogeneous rectangle, mass 1."""
+    return (structure["half_width"] ** 2 + structure["half_height"] ** 2) / 3.0
+
+
+def inertias(structure: Mapping[str, float]) -> tuple[float, float]:
+    """Ends of Fig. 10's axis: from the bare part's inertia, below which there is none, upwards."""
+    bare = bare_inertia(structure)
+    return bare, MOST_INERTIA * bare
+
+
+def readings_of(name: str) -> dict[str, Reading]:
+    """Switches of a reading that is searched: "consistent", "printed", or one correction alone.
+
+    ``name`` is a preset, or that of the one switch that is consistent while all others are printed.
+    """
+    if name == "consistent":
+        return dict.fromkeys(READING_NAMES, "consistent")
+    switches: dict[str, Reading] = dict.fromkeys(READING_NAMES, "printed")
+    if name != "printed":
+        check_name(name, READING_NAMES, "reading")
+        switches[name] = "consistent"
+    return switches
+
+
+def space_of(study: Study, finer: int = 1) -> Space:
+    """The search that a study's law describes.
+
+    Args:
+        study: the study.
+        finer: times the coarse grids' values along each axis, run with a smaller tolerance.
+    """
+    law = study.identification.law
+    if finer > 1:
+        counts = {name: finer * count for name, count in law.counts.items()}
+        law = law.model_copy(update={"counts": counts, "tolerance": FINE_TOLERANCE})
+    return _space(study, law, "consistent")
+
+
+def space_of_reading(study: Study, reading: str) -> Space:
+    """The smaller search under a reading, as ``readings_of`` takes it."""
+    identification = study.identification
+    few = identification.law.model_copy(update={"counts": identification.reading_counts})
+    return _space(study, few, reading)
+
+
+def _space(study: Study, law: SearchLaw, reading: str) -> Space:
+    dimensions: dict[str, list[Axis | Family]] = {}
+    for name in COMPUTED:
+        spec, count = study.figures[name], law.counts.get(name)
+        if isinstance(spec, Curves):
+            dimensions[name] = [spec.family, spec.swept.model_copy(update={"count": count})]
+        elif isinstance(spec, Map):
+            dimensions[name] = [
+                axis.model_copy(update={"count": count}) for axis in (spec.y, spec.x)
+            ]
+        else:
+            dimensions[name] = []
+    fixed = {**study.operating_point, **study.structure}
+    return Space(fixed=fixed, dimensions=dimensions, law=law, readings=readings_of(reading))

@@ -1,0 +1,100 @@
+"""The identification's result as it is committed in config/identification.
+
+``make identification`` writes these tables anew. A search takes hours; figures and report read what
+it found.
+"""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.study.identification.results import Split
+
+TABLES = ("ensemble", "claims", "splits", "readings")
+# Its pictures, and where each belongs in the results root, without extension.
+PICTURES: Mapping[str, str] = {
+    "structure": "figures/identified_structure",
+    "claims": "figures/identified_claims",
+    "readings": "figures/identified_readings",
+}
+
+Array = NDArray[np.float64]
+
+
+class IdentificationError(ValueError):
+    """A committed table that is missing, or not what it should be."""
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What was found.
+
+    Attributes:
+        ensemble: values of the admissible sets by unknown, each of shape (sets,).
+        claims: their names.
+        counted: whether a claim counted in the score, shape (claims,).
+        margins: of the best set, on the finer grids, shape (claims,).
+        ensemble_shares: share of the ensemble that reproduces each claim, shape (claims,).
+        prior_shares: share of draws from the prior that does, NaN where unknown, shape (claims,).
+        splits: identified on one half of the claims, judged on the other.
+        readings: margins of the best set under each reading, each of shape (claims,).
+    """
+
+    ensemble: Mapping[str, Array]
+    claims: tuple[str, ...]
+    counted: NDArray[np.bool_]
+    margins: Array
+    ensemble_shares: Array
+    prior_shares: Array
+    splits: tuple[Split, ...]
+    readings: Mapping[str, Array]
+
+
+def read_identified(folder: Path) -> Identified:
+    """The tables in ``folder``.
+
+    Raises:
+        IdentificationError: a table is missing, empty, or has other columns than it should.
+    """
+    read = {name: _read(folder / f"{name}.csv") for name in TABLES}
+    try:
+        header, *rows = read["ensemble"]
+        values = np.array(rows, dtype=np.float64)
+        claims = {row[0]: [float(cell) for cell in row[1:]] for row in read["claims"][1:]}
+        columns = np.array(list(claims.values()))
+        return Identified(
+            ensemble=dict(zip(header, values.T, strict=True)),
+            claims=tuple(claims),
+            counted=columns[:, 0] == 1.0,
+            margins=columns[:, 1],
+            ensemble_shares=columns[:, 2],
+            prior_shares=columns[:, 3],
+            splits=tuple(Split(*(int(cell) for cell in row)) for row in read["splits"][1:]),
+            readings=_by_claim(read["readings"], tuple(claims)),
+        )
+    except (ValueError, TypeError, IndexError) as error:
+        raise IdentificationError(
+            f"{folder}: is not what `make identification` writes ({error}): take its tables anew"
+        ) from None
+
+
+def _by_claim(table: list[list[str]], claims: tuple[str, ...]) -> dict[str, Array]:
+    header, *rows = table
+    if tuple(header[1:]) != claims:
+        raise ValueError("readings.csv and claims.csv name other claims")
+    return {row[0]: np.array(row[1:], dtype=np.float64) for row in rows}
+
+
+def _read(path: Path) -> list[list[str]]:
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+    except (OSError, UnicodeDecodeError) as error:
+        raise IdentificationError(f"{path}: cannot be read ({error})") from None
+    if len(rows) < 2:
+        raise IdentificationError(f"{path}: holds no row: take it anew from `make identification`")
+    return rows

@@ -1,0 +1,182 @@
+"""Coarse figures of many candidates at once, and how well they show what the paper says.
+
+All trajectories of all candidates are one batch, so that no lane of the engine waits for another.
+Each is run once: an estimated error of every point would double the cost and decide nothing here.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from model.physics.readings import Readings
+from model.runs.batch import each_by_itself, side_by_side
+from model.runs.trajectory import simulate
+from model.solver.record import Ending
+from model.study.claims import CLAIMS, Claim
+from model.study.claims.ledger import judge_claim
+from model.study.claims.reading import Data
+from model.study.identification.candidate import COMPUTED, Space
+from model.study.sweeps import Sweep
+
+Array = NDArray[np.float64]
+_STORED = (
+    "outcome",
+    "tau_align",
+    "tau_corners_inside",
+    "tilt_at_alignment",
+    "tilt_max",
+    "separations",
+    "contact_force_max",
+)
+_WORST = -1.0  # margin of a claim for which there is nothing to measure
+
+
+@dataclass(frozen=True)
+class Judge:
+    """The claims that count in a score, and how.
+
+    Attributes:
+        claims: those judged by the figures alone.
+        counted: which of them count, shape (claims,).
+        goal: margin from which more of it is worth little.
+    """
+
+    claims: tuple[Claim, ...]
+    counted: NDArray[np.bool_]
+    goal: float
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """The claims' names."""
+        return tuple(claim.id for claim in self.claims)
+
+    def score(self, margins: Array) -> Array:
+        """Sum over the claims that count of what their margins are worth; shape (..., claims) in.
+
+        A margin is worth itself over the goal up to 1, and a tenth of the rest beyond it, so that
+        one claim shown clearly does not make up for another not shown.
+        """
+        return np.asarray(self.worth(margins).sum(axis=-1))
+
+    def worth(self, margins: Array) -> Array:
+        """What each claim adds to the score; 0 where it does not count."""
+        short = np.minimum(margins, self.goal) / self.goal
+        worth = np.where(margins < 0.0, 2.0 * margins, short)
+        worth = worth + 0.1 * np.maximum(margins - self.goal, 0.0)
+        return np.asarray(worth * self.counted)
+
+    def counting(self, counted: NDArray[np.bool_]) -> "Judge":
+        """The same with only some of the claims that count."""
+        return Judge(self.claims, self.counted & counted, self.goal)
+
+
+def judge_of(space: Space) -> Judge:
+    """The judge of the study: every claim that needs no runs of its own and is not set aside."""
+    figures = set(COMPUTED)
+    claims = tuple(
+        claim for claim in CLAIMS if claim.check is not None and figures >= set(claim.figures)
+    )
+    counted = np.array([claim.id not in space.law.set_aside for claim in claims])
+    return Judge(claims, counted, space.law.goal)
+
+
+def datasets_of(
+    space: Space, wanted: Sequence[tuple[Array, Sequence[str]]]
+) -> list[dict[str, xr.Dataset]]:
+    """The coarse figures of many candidates.
+
+    Args:
+        space: what the candidates are points of.
+        wanted: for each candidate its point, shape (n,), and the figures asked for.
+
+    Returns:
+        For each candidate its datasets by figure, with what the claims read of them.
+    """
+    sweeps = [{name: space.sweep(point, name) for name in names} for point, names in wanted]
+    settings = space.settings.settings
+    pieces = [
+        sweep.batch(np.arange(math.prod(sweep.shape))).constants(settings.readings)
+        for each in sweeps
+        for sweep in each.values()
+        if sweep.dimensions
+    ]
+    rows = np.concatenate(pieces) if pieces else np.empty((0, 0))
+    fast = settings.readings == Readings.consistent()
+    run = side_by_side(settings) if fast else each_by_itself(settings)
+    endings = np.empty((len(rows), len(Ending._fields)))
+    # In a drawn order the long runs do not come together, and few lanes idle at the end.
+    order = np.random.default_rng(0).permutation(len(rows))
+    if len(rows):
+        endings[order] = run(rows[order], np.full(len(rows), settings.tolerance))
+    found, start = [], 0
+    for each in sweeps:
+        made = {}
+        for name, sweep in each.items():
+            if sweep.dimensions:
+                size = math.prod(sweep.shape)
+                made[name] = _grid(sweep, endings[start : start + size])
+                start += size
+            else:
+                made[name] = _course(sweep)
+        found.append(made)
+    return found
+
+
+def _grid(sweep: Sweep, endings: Array) -> xr.Dataset:
+    names = [dimension.parameter for dimension in sweep.dimensions]
+    columns = {
+        name: (names, endings[:, Ending._fields.index(name)].reshape(sweep.shape))
+        for name in _STORED
+    }
+    columns["sensitive"] = (names, np.zeros(sweep.shape, dtype=np.int8))
+    held = {
+        name: ((), math.nan if value is None else value)
+        for name, value in sweep.parameters.items()
+        if name not in names
+    }
+    along = {each.parameter: (each.parameter, np.array(each.values)) for each in sweep.dimensions}
+    return xr.Dataset({**columns, **held, **along})
+
+
+def _course(sweep: Sweep) -> xr.Dataset:
+    run = simulate(sweep.baseline, sweep.settings.settings)
+    columns = {
+        "x": run.state[:, 0],
+        "y": run.state[:, 1],
+        "tilt": run.state[:, 2],
+        "contact_force": run.contact_force,
+    }
+    scalars = {name: float(getattr(run, name)) for name in _STORED}
+    held = {name: math.nan if value is None else value for name, value in sweep.parameters.items()}
+    return xr.Dataset(
+        {name: ("time", values) for name, values in columns.items()}
+        | {name: ((), value) for name, value in {**scalars, **held, "sensitive": 0}.items()},
+        {"time": ("time", run.time)},
+    )
+
+
+def margins_of(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
+    """Margin of each claim, shape (claims,); NaN where none of its figures is there."""
+    data = Data(datasets)
+    found = np.full(len(judge.claims), math.nan)
+    for i, claim in enumerate(judge.claims):
+        if any(name in datasets for name in claim.figures):
+            margin = judge_claim(claim, data).margin
+            found[i] = margin
+    return found
+
+
+def evaluate(space: Space, judge: Judge, points: Array) -> Array:
+    """Margins of candidates with all their figures: shape (m, n) to (m, claims)."""
+    made = datasets_of(space, [(point, COMPUTED) for point in points])
+    return np.array([known_margins(judge, datasets) for datasets in made])
+
+
+def known_margins(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
+    """Margin of each claim, shape (claims,), the worst where there is nothing to measure."""
+    margins = margins_of(judge, datasets)
+    return np.where(np.isfinite(margins), margins, _WORST)

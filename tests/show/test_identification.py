@@ -1,0 +1,143 @@
+"""What was identified: tables read whole or refused, pictures that show their numbers."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model.show.identification import (
+    claim_shares,
+    identification_section,
+    readings_by_claims,
+    structure_pairs,
+)
+from model.study.config import Range
+from model.study.identification.committed import (
+    IdentificationError,
+    Identified,
+    read_identified,
+)
+from model.study.identification.results import Split
+
+RANGES = {"half_width": Range(low=0.5, high=2.0), "half_height": Range(low=1.0, high=4.0)}
+CHOSEN = {"half_width": 1.0, "half_height": 2.0}
+CLAIMS = ("N1", "F6a", "C2a")
+
+
+@pytest.fixture
+def found() -> Identified:
+    rng = np.random.default_rng(1)
+    return Identified(
+        ensemble={
+            "half_width": 0.5 * 4.0 ** rng.random(4000),
+            "half_height": np.full(4000, 2.0),
+        },
+        claims=CLAIMS,
+        counted=np.array([True, True, False]),
+        margins=np.array([0.1, -0.2, -0.9]),
+        ensemble_shares=np.array([0.75, 0.25, 0.0]),
+        prior_shares=np.array([0.5, 0.1, 0.02]),
+        splits=(Split(0, 1, 1, 1, 1), Split(1, 1, 1, 1, 0)),
+        readings={"consistent": np.array([0.1, 0.2, -0.9]), "printed": np.array([-1, -0.1, 0.3])},
+    )
+
+
+def write(folder: Path, found: Identified) -> None:
+    columns = zip(
+        found.claims, found.counted.astype(int), found.margins, found.ensemble_shares,
+        found.prior_shares, strict=True,
+    )  # fmt: skip
+    tables = {
+        "ensemble": [list(found.ensemble), *zip(*found.ensemble.values(), strict=True)],
+        "claims": [["claim", "counted", "margin", "ensemble", "prior"], *columns],
+        "splits": [Split._fields, *found.splits],
+        "readings": [
+            ["reading", *found.claims],
+            *([name, *margins] for name, margins in found.readings.items()),
+        ],
+    }
+    for name, rows in tables.items():
+        with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows(rows)
+
+
+def test_tables_are_read_as_they_were_written(tmp_path: Path, found: Identified) -> None:
+    write(tmp_path, found)
+    again = read_identified(tmp_path)
+    assert again.claims == found.claims
+    assert again.splits == found.splits
+    np.testing.assert_array_equal(again.counted, found.counted)
+    for name in ("margins", "ensemble_shares", "prior_shares"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
+    for name, values in found.ensemble.items():
+        np.testing.assert_array_equal(again.ensemble[name], values)
+    for name, margins in found.readings.items():
+        np.testing.assert_array_equal(again.readings[name], margins)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "named"),
+    [
+        ("claims", None, "claims.csv: cannot be read"),
+        ("splits", "number\n", "splits.csv: holds no row"),
+        ("ensemble", "half_width\nwide\n", "is not what `make identification` writes"),
+        ("readings", "reading,N1\nprinted,0.1\n", "name other claims"),
+        ("splits", "number\n1,2\n", "is not what `make identification` writes"),
+    ],
+)
+def test_a_table_that_is_none_is_refused(
+    tmp_path: Path, found: Identified, name: str, content: str | None, named: str
+) -> None:
+    write(tmp_path, found)
+    path = tmp_path / f"{name}.csv"
+    path.unlink()
+    if content is not None:
+        path.write_text(content, encoding="utf-8")
+    with pytest.raises(IdentificationError, match=named):
+        read_identified(tmp_path)
+
+
+def test_a_pair_shows_every_set_and_the_chosen_one(found: Identified) -> None:
+    figure = structure_pairs(found.ensemble, CHOSEN, RANGES)
+    axes = {each.get_ylabel() + each.get_xlabel(): each for each in figure.axes}["ba"]
+    sets, chosen = axes.lines
+    np.testing.assert_array_equal(sets.get_xdata(), found.ensemble["half_width"])
+    np.testing.assert_array_equal(sets.get_ydata(), found.ensemble["half_height"])
+    assert (chosen.get_xdata()[0], chosen.get_ydata()[0]) == (1.0, 2.0)
+    assert axes.get_xlim() == (0.5, 2.0)
+    assert axes.get_ylim() == (1.0, 4.0)
+
+
+def test_claims_that_the_device_does_not_show_look_different(found: Identified) -> None:
+    figure = claim_shares(
+        found.claims, found.ensemble_shares, found.prior_shares, found.margins > 0.0
+    )
+    left = figure.axes[0]
+    assert [label.get_text() for label in left.get_yticklabels()] == ["N1", "F6a"]
+    prior, shown, missing = left.lines
+    assert prior.get_xdata().tolist() == [0.5, 0.1]
+    assert shown.get_xdata().tolist() == [0.75]
+    assert missing.get_xdata().tolist() == [0.25]
+    assert shown.get_marker() != missing.get_marker()
+
+
+def test_readings_are_marked_where_they_fail(found: Identified) -> None:
+    margins = np.array(list(found.readings.values()))
+    figure = readings_by_claims(list(found.readings), found.claims, margins)
+    axes = figure.axes[0]
+    crosses = {(line.get_xdata()[0], line.get_ydata()[0]) for line in axes.lines}
+    assert crosses == {(2, 0), (0, 1), (1, 1)}
+    names = [label.get_text() for label in axes.get_yticklabels()]
+    assert names == ["consistent (2)", "as printed (1)"]
+
+
+def test_the_section_counts_only_what_counts(found: Identified) -> None:
+    section = identification_section(found, CHOSEN, RANGES)
+    assert (section.sets, section.reproduced, section.counted) == (4000, 1, 2)
+    assert section.rate == 0.5
+    assert section.prior_rate == pytest.approx(0.3)
+    wide, narrow = section.unknowns
+    assert wide[-1] == pytest.approx(1.0, abs=0.03)  # as wide as the prior: nothing was learnt
+    assert narrow[-1] == 0.0
+    assert section.readings == (("consistent", 2, ""), ("as printed", 0, "N1, F6a"))

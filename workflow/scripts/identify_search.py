@@ -1,0 +1,45 @@
+"""Search over all claims, or over half of them, from the best of the first samples."""
+
+import argparse
+from pathlib import Path
+
+from pydantic import TypeAdapter
+
+from model.study.config import Evolution
+from model.study.datasets import read_dataset, write_dataset
+from model.study.identification.candidate import Space
+from model.study.identification.evaluate import judge_of
+from model.study.identification.results import candidates_dataset, samples_of
+from model.study.identification.search import halves, search
+from model.study.provenance import Job
+
+
+def main() -> None:
+    """Read the command line and do it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--space", required=True, type=Space.model_validate_json)
+    parser.add_argument("--rounds", required=True, type=TypeAdapter(list[Evolution]).validate_json)
+    parser.add_argument("--kind", required=True, choices=["start", "half"])
+    parser.add_argument("--number", required=True, type=int)
+    parser.add_argument("--of", required=True, type=int, help="searches that share the samples")
+    parser.add_argument("--output", required=True, type=Path)
+    parser.add_argument("--record", required=True, type=Path)
+    parser.add_argument("samples", nargs="+", type=Path)
+    arguments = parser.parse_args()
+    space, number = arguments.space, arguments.number
+    job = Job("identify_search", arguments.kind, number)
+    judge = judge_of(space)
+    samples = samples_of([read_dataset(path) for path in arguments.samples])
+    if arguments.kind == "half":
+        judge = judge.counting(halves(judge, space.law.seed, number)[0])
+    else:
+        samples = samples.every(number, arguments.of)
+    first = 0 if arguments.kind == "start" else 1000  # other draws than those over all claims
+    found = search(space, judge, samples, arguments.rounds, first + number)
+    title = f"Candidates of search {arguments.kind} {number}"
+    write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
+    job.finish(arguments.record, [arguments.output], arguments.samples, sweep=space.identity)
+
+
+if __name__ == "__main__":
+    main()
