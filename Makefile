@@ -2,10 +2,13 @@
 # make fig06      one figure (fig01 to fig14)
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
+# make maps       the stability maps that the paper does not have, into results/figures/maps
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make identification  what the paper leaves unstated, searched for anew: hours; the result is committed
+# make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million
+# make truth      alignment times against heyoka and MuJoCo, in the environment of the benchmark
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
-#                 BENCH_FLAGS=--quick for a rough table in three
+#                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
@@ -30,8 +33,9 @@ in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
 unexport PYTHONHOME PYTHONPATH
 
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
-.PHONY: all $(FIGURES) smoke accuracy identification test lint types floors workflow unit environment python lock
-.PHONY: bench nightly export-test clean distclean
+.PHONY: all $(FIGURES) smoke maps accuracy identification
+.PHONY: test lint types floors workflow unit environment python lock
+.PHONY: fuzz truth bench nightly export-test clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -63,11 +67,18 @@ $(FIGURES): environment
 smoke: environment
 	$(call run_study,--configfile config/smoke.yaml)
 
+maps: environment
+	$(call run_study,maps)
+
 accuracy: environment
 	$(call run_study,accuracy)
 
 identification: environment
 	$(call run_study,identification)
+
+SETS ?= 10000
+fuzz: environment
+	$(in_env) python workflow/scripts/fuzz.py --sets $(SETS)
 
 # Steps 2 and 3. A job is a script in workflow/scripts, run by Python from a shell.
 define SETTLE
@@ -161,6 +172,10 @@ nightly: environment
 # PYTHONPATH in place of an installation: the environment holds other people's packages only.
 bench: environment-bench
 	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
+
+TRUTH_FLAGS ?=
+truth: environment-bench
+	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.truth $(TRUTH_FLAGS)
 
 # ---------------------------------------------------------------------------------- the environment
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
-from model.study.config import CURVES, FIGURES, HISTORIES, MAPS, SCHEMATICS
+from model.study.config import CURVES, FIGURES, HISTORIES, LARGEST_MISALIGNMENT, MAPS, SCHEMATICS
 from model.study.config import ConfigError, check_study
 
 min_version("9.0")
@@ -21,11 +21,13 @@ except ConfigError as fault:
 root = Path(study.results_root)
 gridded = CURVES + MAPS
 computed = HISTORIES + gridded
+outcome_maps = [name for name in study.map_names if name != LARGEST_MISALIGNMENT]
 
 
 wildcard_constraints:
     figure=r"fig\d\d",
     chunk=r"\d+",
+    map="|".join(study.map_names),
 
 
 include: "workflow/rules/common.smk"
@@ -38,11 +40,14 @@ rule all:
         root / "runs.csv",
         [drawn(figure) for figure in FIGURES],
         expand(root / "data/{figure}.nc", figure=computed),
-        [pictured(place) for place in PICTURES.values()],
+        expand(root / "data/maps/{map}.nc", map=MAPS),
+        [pictured(place) for place in (*PICTURES.values(), *HARD_PICTURES.values())],
 
 
 include: "workflow/rules/compute.smk"
+include: "workflow/rules/maps.smk"
 include: "workflow/rules/precision.smk"
+include: "workflow/rules/hard.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/contact.smk"
 include: "workflow/rules/identification.smk"

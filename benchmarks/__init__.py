@@ -19,4 +19,5 @@ times), and of the cases that which nine of ten do not exceed.
 - ``precision``: equal error, and time at it
 - ``machine``: what depends on no problem
 - ``table``: ratios
+- ``maps``: maps that follow their boundary against full grids (``--maps`` for these alone)
 """

@@ -1,6 +1,7 @@
-"""Measure, print the table, keep it: ``python -m benchmarks [--quick]``."""
+"""Measure, print the table, keep it: ``python -m benchmarks [--quick | --maps]``."""
 
 import argparse
+import json
 import math
 import os
 from collections.abc import Callable
@@ -13,6 +14,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUM
 if hasattr(os, "sched_setaffinity"):
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
+from benchmarks import maps  # noqa: E402
 from benchmarks.machine import (  # noqa: E402 - after the line above
     bare_evaluation_ns,
     compilation,
@@ -31,12 +33,12 @@ from model.physics.compiled import kernel_fingerprint  # noqa: E402
 _PLAN = argparse.Namespace(
     points=40, neighbours=8, targets=(1e-5, 1e-8), budget=8.0, rounds=5, starts=5,
     map_points=200, horizons=(300.0, 3000.0), cores_points=2000,
-    compilation=True,
+    compilation=True, map_cells=1024, map_finest=4096,
 )  # fmt: skip
 _QUICK = argparse.Namespace(
     points=10, neighbours=4, targets=(1e-8,), budget=2.0, rounds=3, starts=3,
     map_points=40, horizons=(300.0,), cores_points=400,
-    compilation=False,
+    compilation=False, map_cells=128, map_finest=256,
 )  # fmt: skip
 
 
@@ -62,6 +64,12 @@ def compare(
     return costs, missed, [method.package for method in methods]
 
 
+def _report_maps(plan: argparse.Namespace, folder: Path) -> None:
+    measured = maps.report(plan.map_cells, plan.map_finest, _say)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "maps.json").write_text(json.dumps(measured, indent=1) + "\n", encoding="utf-8")
+
+
 def main() -> None:
     """Read the command line and do it."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
@@ -69,8 +77,12 @@ def main() -> None:
     parser.add_argument("--only", default="", metavar="TEXT", help="methods with this in the name")
     parser.add_argument("--problems", nargs="*", metavar="NAME", help="W1, W2, W3, fig06, fig13")
     parser.add_argument("--output", type=Path, default=Path("results/benchmarks"))
+    parser.add_argument("--maps", action="store_true", help="maps against full grids, no more")
     arguments = parser.parse_args()
     plan = _QUICK if arguments.quick else _PLAN
+    if arguments.maps:
+        _report_maps(plan, arguments.output)
+        return
 
     machine: dict[str, object] = {"peak_gflops": peak_gflops(), "quick": arguments.quick}
     machine["bare_evaluation_ns"] = bare_evaluation_ns()
@@ -92,6 +104,7 @@ def main() -> None:
     for name, value in sorted(machine.items()):
         if isinstance(value, float):
             _say(f"{name}: {value:.3g}")
+    _report_maps(plan, arguments.output)
     _say(f"kept in {arguments.output}")
 
 

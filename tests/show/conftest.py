@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from model.study import fixed_steps
 from model.study.config import Curves, Family, Map, Study, load_study, study_path
-from model.study.fixed_steps import FIXED_SCHEMES, Wrong, judged
-from model.study.precision import TimedRung, Verdict
+from model.study.fixed_steps import FIXED_SCHEMES, Wrong
+from model.study.hard_cases import Judged, Mark
+from model.study.precision import METHODS, TimedRung, Verdict
 
 NAN = np.nan
 CASES = ("aligned", "sticking", "bouncing", "never_aligning")
@@ -75,7 +77,7 @@ def _made_up(figure: str, kind: str, names: tuple[str, str], located: np.ndarray
     return xr.Dataset(
         {
             "tau_align": (("scheme", "step", *names), tau),
-            "wrong": (("scheme", "step", *names), judged(tau, located, 0.1)),
+            "wrong": (("scheme", "step", *names), fixed_steps.judged(tau, located, 0.1)),
             "tau_located": (names, located),
             "sensitive": (names, sensitive),
         },
@@ -103,4 +105,21 @@ def wrong_datasets() -> dict[str, xr.Dataset]:
         wrong = dataset["wrong"].values
         assert (wrong[0, 0] != Wrong.NOT_WRONG).sum() == 3
         assert (wrong[0, 1] != Wrong.NOT_WRONG).sum() == 1
+    return made
+
+
+@pytest.fixture(scope="session")
+def judged() -> list[Judged]:
+    """Made-up marks of two cases of the study: only the first method is stable on both."""
+    made = []
+    for case, error in (("base_100_0", 1e-3), ("overturning", NAN)):
+        for method in METHODS:
+            stable, spent = method == "dop853_located", method.startswith("scipy")
+            verdict = RIGHT if stable else SPENT if spent else WRONG
+            mark = Mark.STABLE if stable else Mark.BROKEN if spent else Mark.INACCURATE
+            if method == "rk4_fixed" and case == "base_100_0":
+                verdict = RIGHT
+            known = error if verdict == RIGHT else NAN
+            outcome = "left_scene" if case == "overturning" else "horizon_reached"
+            made.append(Judged(case, method, outcome, verdict, mark, known, 1e-9, 1000, 50.0))
     return made

@@ -15,13 +15,15 @@ from model.physics.readings import READING_NAMES
 from model.show import report
 from model.show.claims import Ledger
 from model.show.contact_stiffness import Bases, contact_section
+from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
+from model.show.hard_cases import Hardness
 from model.show.precision import CAPTIONS, Comparison, advice
 from model.show.report import READING_WORDS, render_report
 from model.solver.outcomes import Outcome
 from model.study.claims import judge, tally
 from model.study.claims.table import lines_of
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
-from model.study.plans import PICTURES
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.sweeps import sweep_of
 
 # The smallest picture there is: one transparent pixel.
@@ -90,6 +92,15 @@ def comparison(timed_rungs, wrong_datasets, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def hardness(judged, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hardness")
+    paths = {name: folder / f"{name}.png" for name in HARD_PICTURES}
+    for path in paths.values():
+        path.write_bytes(PIXEL)
+    return Hardness(judged, paths)
+
+
+@pytest.fixture(scope="module")
 def ledger(datasets, tmp_path_factory):
     picture = tmp_path_factory.mktemp("ledger") / "claims.png"
     picture.write_bytes(PIXEL)
@@ -112,9 +123,9 @@ def bases(datasets, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def others(comparison, ledger, bases):
+def others(comparison, ledger, bases, hardness):
     """What the page shows beside the figures, in the order of its arguments."""
-    return comparison, ledger, bases
+    return comparison, ledger, bases, hardness
 
 
 @pytest.fixture(scope="module")
@@ -158,7 +169,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == 14 + len(PICTURES) + 2
+    assert len(images) == 14 + len(PICTURES) + len(HARD_PICTURES) + 2
     for image, spec in zip(images, study.figures.values(), strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
         assert spec.title in image["alt"]
@@ -235,7 +246,7 @@ def test_the_moment_of_alignment_of_a_trajectory_is_told(rendered, datasets):
 
 
 def test_speed_against_error_is_told_in_sentences_pictures_and_tables(rendered, study, comparison):
-    part = rendered[rendered.index('id="speed"') : rendered.index('id="device"')]
+    part = rendered[rendered.index('id="speed"') : rendered.index('id="hard"')]
     text = plain(part)
     titles = {name: case.title for name, case in study.precision.cases.items()}
     for sentence in advice(comparison.rungs, comparison.wrong, titles):
@@ -252,6 +263,21 @@ def test_speed_against_error_is_told_in_sentences_pictures_and_tables(rendered, 
     assert cells == [["4,000<br>200 µs", "–", "–", "–"], ["–"] * 4]
     counts = re.findall(r"<tr><td>Fig. 6</td>(.*?)</tr>", part, re.DOTALL)[0]
     assert re.findall(r"<td[^>]*>(.*?)</td>", counts) == ["RK4", "0.01", "8", "1", "2", "1"]
+
+
+def test_hard_cases_are_told_in_pictures_and_a_table_of_every_run(rendered, study):
+    part = rendered[rendered.index('id="hard"') : rendered.index('id="device"')]
+    text = plain(part)
+    for name, place in HARD_PICTURES.items():
+        assert HARD_CAPTIONS[name] in text
+        assert f'href="{place}.svg"' in part
+    for name in ("base_100_0", "overturning"):  # which of them were run, by conftest
+        assert plain(str(escape(study.hard_cases.all_cases[name].title))).replace("_", "") in text
+    # The made-up runs of conftest: two of each method, as many rows, and their marks counted.
+    assert part.count("<td>RK4, fixed steps</td>") == 2
+    assert "RK4, fixed steps: 0 stable, 2 inaccurate, 0 broken." in text
+    assert "inaccurate: wrong outcome" in text
+    assert "broken: too many evaluations" in text
 
 
 def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, ledger):

@@ -89,6 +89,22 @@ REFUSED = [
     ("accuracy.ranges.inertia.zero", 0.1, ["accuracy.ranges.inertia = 0.0", "> 0"]),
     ("accuracy.ranges.misalignment.high", 2.0, ["accuracy.ranges", "misalignment = 2.0"]),
     ("figures.fig13.y.parameter", "tilt_stiffness", ["figures.fig13", "varied twice"]),
+    ("maps.resolution.figures", 1000, ["maps.resolution", "figures = 1000", "power of two"]),
+    ("maps.resolution.planes", 1, ["maps.resolution.planes = 1", "equal to 2"]),
+    ("maps.resolution.figure", 16, ["maps.resolution.figure", "unknown key", "'figures'"]),
+    ("maps.ensemble.every", 3, ["maps.ensemble", "every = 3", "power of two"]),
+    ("maps.ensemble.phases", 0, ["maps.ensemble.phases = 0", "equal to 1"]),
+    ("maps.ensemble.phase", 1, ["maps.ensemble.phase", "unknown key", "'phases'"]),
+    ("maps.ensemble.tilts", [0.0], ["maps.ensemble.tilts", "0.0", "greater than 0"]),
+    ("maps.planes.stiffnesses.z", 1, ["maps.planes.stiffnesses.z", "unknown key", "held"]),
+    ("maps.planes.stiffnesses.x.stop", -1.0, ["stiffnesses.x", "start = 0.0", "stop = -1.0"]),
+    ("maps.planes.stiffnesses.x.count", 3, ["stiffnesses.x.count", "unknown key", "start"]),
+    ("maps.planes.stiffnesses.x.start", -1.0, ["planes.stiffnesses", "lateral_stiffness = -1.0"]),
+    ("maps.planes.stiffnesses.held.friction", -1.0, ["planes.stiffnesses", "friction = -1.0"]),
+    ("maps.planes.stiffnesses.held.tilt_stiffness", 1.0, ["tilt_stiffness: is varied in the same"]),
+    ("maps.planes.stiffnesses.y.parameter", "lateral_stiffness", ["varied twice"]),
+    ("maps.largest_misalignment.x.parameter", "clearance", ["varies the misalignment or what"]),
+    ("maps.trials", 1, ["maps.trials = 1", "equal to 2"]),
     ("precision.laddr", {}, ["precision.laddr", "unknown key", "'ladder'"]),
     ("precision.cases", {}, ["precision.cases", "at least 1"]),
     ("precision.cases.aligned.figure", "fig01", ["precision.cases.aligned", "'fig01'", "fig05"]),
@@ -96,6 +112,13 @@ REFUSED = [
     ("precision.cases.aligned.at.friction", -0.1, ["cases.aligned", "friction = -0.1", ">= 0"]),
     ("precision.cases.aligned.untl", 1.0, ["cases.aligned.untl", "unknown key", "'until'"]),
     ("precision.cases.aligned.until", 0.0, ["cases.aligned.until = 0.0", "greater than 0"]),
+    ("hard_cases.cases", {}, ["hard_cases.cases", "at least 1"]),
+    ("hard_cases.cases.slow.at.frequncy", 1.0, ["frequncy", "'frequency'"]),
+    ("hard_cases.cases.slow.at.frequency", -1.0, ["cases.slow.at", "frequency = -1.0", ">= 0"]),
+    ("hard_cases.cases.slow.untl", 1.0, ["cases.slow.untl", "unknown key", "'until'"]),
+    ("hard_cases.base.stifness", [1.0], ["base.stifness", "unknown key", "'stiffness'"]),
+    ("hard_cases.base.stiffness", [0.0], ["cases.base_0", "contact_stiffness = 0.0", "> 0"]),
+    ("hard_cases.max_evaluations", 0, ["max_evaluations = 0", "equal to 1"]),
     ("precision.ladder.tolerances", [1e-3, 1e-2], ["[0.001, 0.01]", "must fall"]),
     ("precision.ladder.tolerances", [1e-1], ["tolerances = [0.1]", "between 1e-14 and 1e-2"]),
     ("precision.ladder.steps", [0.1, 0.0], ["steps = [0.1, 0.0]", "> 0"]),
@@ -196,9 +219,10 @@ def test_smoke_changes_only_sizes() -> None:
     """config/smoke.yaml laid over config.yaml: the same study but for counts, chunks and rungs."""
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     assert set(smoke) == {
-        "results_root", "figures", "accuracy", "precision", "claims_runs", "contact_stiffness",
-        "identification",
+        "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
+        "contact_stiffness", "identification", "hard_cases",
     }  # fmt: skip
+    assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble", "trials"}
     assert all(
         run == {"swept": {"count": run["swept"]["count"]}} for run in smoke["claims_runs"].values()
     )
@@ -213,3 +237,8 @@ def test_smoke_changes_only_sizes() -> None:
         "ladder": ladder,
         "fixed_steps": {"figures"},
     }
+    hard = {"max_evaluations", "max_evaluations_scipy", "base", "cases"}
+    assert set(smoke["hard_cases"]) == hard
+    assert set(smoke["hard_cases"]["base"]) == {"stiffness", "damping", "until"}
+    for case in smoke["hard_cases"]["cases"].values():
+        assert set(case) == {"until", "max_evaluations"}

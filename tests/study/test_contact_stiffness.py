@@ -10,15 +10,17 @@ import xarray as xr
 
 from model.runs.trajectory import simulate
 from model.study.config import Study, load_study, study_path
-from model.study.contact_stiffness import (
-    RATIO,
-    VARIATION,
+from model.study.contact_comparison import (
     OnBase,
     claims_on_bases,
-    critical_damping,
     on_bases,
     settled_from,
     stiffest,
+)
+from model.study.contact_stiffness import (
+    RATIO,
+    VARIATION,
+    critical_damping,
     stiffness_dataset,
     stiffness_plan,
     variations_of,

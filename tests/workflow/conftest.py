@@ -23,6 +23,12 @@ TINY: dict[str, Any] = {
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
         "fig14": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1},
     },
+    "maps": {
+        "resolution": {"figures": 4, "planes": 2},
+        "chunks": 2,
+        "ensemble": {"phases": 2, "tilts": [1.0], "every": 4},
+        "trials": 2,
+    },
     "accuracy": {
         "horizon": 30.0,
         "sets": 4,
@@ -37,6 +43,15 @@ TINY: dict[str, Any] = {
             "max_evaluations_scipy": 1_000,
         },
         "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
+    },
+    "hard_cases": {
+        "max_evaluations": 2_000,
+        "max_evaluations_scipy": 50,
+        "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},
+        "cases": {
+            "micro_bounces": {"until": 0.1, "max_evaluations": 2_000},
+            "long_horizon": {"until": 0.1, "max_evaluations": 2_000},
+        },
     },
     "claims_runs": {
         name: {"swept": {"count": 2}}
@@ -60,6 +75,7 @@ class Workspace:
         "tiny/data/fig05.nc",
         "tiny/data/fig11.nc",
         "tiny/data/fig13.nc",
+        "tiny/data/maps/fig13.nc",
         "tiny/data/fixed_steps/fig13.nc",
         "tiny/data/precision.nc",
     )

@@ -14,14 +14,17 @@ import pytest
 PROJECT = Path(__file__).resolve().parents[2]
 
 LAST = {"report", "index"}
+HARD = {"draw_stability", "draw_stiffness"}
 BESIDE = {"draw_evaluations", "draw_times", "draw_wrong_points"}  # speed against error
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
 FIXED = {"fixed_steps", "draw_wrong_points"}
+MAPPED = {"map_part", "map"}
 OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
 ON_BASES = {"contact_stiffness", "draw_contact"}
 COMPUTED = {
-    "chunk", "history", "merge", "precision", "fixed_steps", *OWN_RUNS, *ON_BASES, *DRAWN, *BESIDE,
+    "chunk", "history", "merge", "precision", "fixed_steps", *MAPPED, *OWN_RUNS, *ON_BASES,
+    "hard_cases", *DRAWN, *BESIDE, *HARD,
 }  # fmt: skip
 EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED}
 
@@ -33,19 +36,21 @@ MUTATIONS = [
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5', COMPUTED),
     ("src/model/show/plots.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
-     {"plot", "draw_claims", "draw_contact", *LAST, *BESIDE}),
+     {"plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
-     {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE}),
+     {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD}),
     ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report.html.j2", "All runs at a glance", "Every run at a glance", LAST),
     ("src/model/study/tracking.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
     ("src/model/runs/unlocated.py", "import ", "import math as _unused\nimport ",
-     {"unlocated_kernels", "precision", "fixed_steps", *BESIDE, *LAST}),
+     {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
     ("src/model/study/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/show/cli.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
      {"merge", *FIXED, *DRAWN}),
+    ("src/model/study/maps.py", "JUMP = 0.5", "JUMP = 0.6",
+      {*MAPPED, "plot", *LAST}),
     ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math",
      {"plot", *LAST}),
     ("src/model/study/claims/limits.py", "_TREND = 0.8", "_TREND = 0.7", JUDGED),
@@ -104,8 +109,10 @@ def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[s
     tiny["figures"]["fig11"]["held"] = {"press_force": 2.6}
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"chunk", "merge", *DRAWN}
-    assert all("fig11" in output or rule in JUDGED for rule, output in planned)
+    # Maps mark where other figures stand: they are assembled anew, and not computed.
+    assert rules(planned) == {"chunk", "merge", "map", *DRAWN}
+    marked = {"map", "plot", *JUDGED}
+    assert all("fig11" in output or rule in marked for rule, output in planned)
 
 
 def test_a_caption_computes_nothing(project: Any, tiny: dict[str, Any]) -> None:
@@ -122,7 +129,8 @@ def test_another_number_of_chunks_computes_that_figure_anew(
     tiny["figures"]["fig13"]["chunks"] = 2
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"chunk", "merge", *FIXED, *DRAWN}
+    # Its picture is that of its refined map.
+    assert rules(planned) == {"chunk", "merge", *FIXED, *JUDGED}
     of_all = {"draw_wrong_points", *JUDGED}
     assert all("fig13" in output or rule in of_all for rule, output in planned)
 
@@ -130,7 +138,8 @@ def test_another_number_of_chunks_computes_that_figure_anew(
 def test_a_setting_of_all_figures_computes_everything(project: Any, tiny: dict[str, Any]) -> None:
     tiny["settings"] = {"tolerance": 1e-9}
     project.configure(tiny)
-    assert rules(project.planned()) == COMPUTED
+    # The figures on other bases have a tolerance of their own.
+    assert rules(project.planned()) == COMPUTED - ON_BASES
 
 
 def test_a_run_of_the_ledger_runs_the_ledger_only(project: Any, tiny: dict[str, Any]) -> None:

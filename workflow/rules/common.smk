@@ -10,7 +10,7 @@ from model.study.claims.runs import claim_sweep
 from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES
-from model.study.plans import PICTURES
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of
 from model.study.tracking import Invocation
@@ -45,9 +45,14 @@ def drawn(figure):
     return expand(root / f"figures/{figure}.{{kind}}", kind=["png", "svg", "pdf"])
 
 
+def shown(figure):
+    """The dataset that a figure's pictures are drawn from."""
+    return root / (f"data/maps/{figure}.nc" if figure in MAPS else f"data/{figure}.nc")
+
+
 def records_beside():
-    """The sidecars of the jobs on speed against error, which are no figure's."""
-    jobs = ["data/precision", *PICTURES.values()]
+    """The sidecars of the jobs on speed against error and hard cases, which are no figure's."""
+    jobs = ["data/precision", *PICTURES.values(), "data/hard_cases", *HARD_PICTURES.values()]
     jobs += [f"data/fixed_steps/{figure}" for figure in study.precision.fixed_steps.figures]
     return [root / f"{job}.run.json" for job in ["data/unlocated_kernels", *jobs]]
 
@@ -76,6 +81,9 @@ def records(figure):
     if figure in gridded:
         chunks = range(study.figures[figure].chunks)
         found += [root / f"data/chunks/{figure}/{chunk}.run.json" for chunk in chunks]
+    if figure in MAPS:
+        parts = [figure, *[f"{figure}/{part}" for part in range(study.maps.chunks)]]
+        found += [root / f"data/maps/{part}.run.json" for part in parts]
     return found
 
 

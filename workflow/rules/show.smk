@@ -28,7 +28,7 @@ rule schematic:
 
 rule plot:
     input:
-        root / "data/{figure}.nc",
+        lambda wildcards: shown(wildcards.figure),
     output:
         png=root / "figures/{figure}.png",
         svg=root / "figures/{figure}.svg",
@@ -62,6 +62,8 @@ rule report:
         bases=[*contact_data, *pictured("figures/contact_stiffness")],
         identified=identified_tables,
         identified_pictures=[pictured(place) for place in identified_pictures],
+        hard_times=root / "benchmarks/hard_cases.csv",
+        hard=[pictured(place) for place in HARD_PICTURES.values()],
     output:
         page=root / "report.html",
         record=root / "report.run.json",

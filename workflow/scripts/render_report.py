@@ -5,15 +5,17 @@ from pathlib import Path
 
 from model.show.claims import Ledger
 from model.show.contact_stiffness import Bases
+from model.show.hard_cases import Hardness
 from model.show.identification import Pictured
 from model.show.precision import Comparison
 from model.show.report import render_report
 from model.study.claims.table import read_ledger
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
+from model.study.hard_cases import read_table
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import read_identified
-from model.study.plans import PICTURES
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.precision import read_timings
 from model.study.provenance import Job, file_hash, versions, write_text
 
@@ -51,7 +53,10 @@ def main() -> None:
         {name: read_dataset(path) for name, path in on_bases.items()},
         root / "figures/contact_stiffness.png",
     )
-    read = [*data.values(), *wrong.values(), *on_bases.values(), times, root / "claims.csv"]
+    judged = root / "benchmarks/hard_cases.csv"
+    hard = {name: root / f"{place}.png" for name, place in HARD_PICTURES.items()}
+    read = [*data.values(), *wrong.values(), *on_bases.values(), times, judged]
+    read.append(root / "claims.csv")
     identified = None
     if arguments.identified:
         identified = Pictured(
@@ -65,11 +70,12 @@ def main() -> None:
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
     datasets = {name: read_dataset(path) for name, path in data.items()}
+    hardness = Hardness(read_table(judged), hard)
     page = render_report(
-        study, datasets, pictures, provenance, comparison, ledger, bases, identified
+        study, datasets, pictures, provenance, comparison, ledger, bases, hardness, identified
     )
     write_text(page, arguments.output)
-    shown = [*pictures.values(), *compared.values(), ledger.picture, bases.picture]
+    shown = [*pictures.values(), *compared.values(), ledger.picture, bases.picture, *hard.values()]
     shown += [*identified.pictures.values(), *arguments.identified] if identified else []
     job.finish(arguments.record, [arguments.output], [*read, *shown])
 

@@ -131,9 +131,10 @@ class Parameters:
                 continue
             if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
                 raise TypeError(f"{name} = {value!r}: {field.rule}")
-            if math.isnan(value) or not field.admits(value):
+            number = _as_float(value)
+            if math.isnan(number) or not field.admits(number):
                 raise ValueError(f"{name} = {value!r}: {field.rule}")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, number)
         if _misplaced(self.half_width, self.clearance, self.misalignment):
             raise ValueError(f"misalignment = {self.misalignment!r}: {_MISPLACED_RULE}")
 
@@ -169,7 +170,10 @@ class Batch:
         arrays = {}
         for name, values in swept.items():
             check_name(name, PARAMETER_NAMES, "parameter")
-            arrays[name] = np.array(values, dtype=np.float64)
+            try:
+                arrays[name] = np.array(values, dtype=np.float64)
+            except (TypeError, ValueError):
+                raise ValueError(f"{name}: must be an array of numbers, got {values!r}") from None
             if arrays[name].ndim != 1 or arrays[name].size == 0:
                 raise ValueError(f"{name}: must be a non-empty array of one dimension")
         sizes = {array.size for array in arrays.values()} or {1}
@@ -187,7 +191,18 @@ class Batch:
 
     @classmethod
     def stack(cls, parameters: Sequence[Parameters]) -> "Batch":
-        """One row for each of ``parameters``, in order."""
+        """One row for each of ``parameters``, in order.
+
+        Raises:
+            TypeError: something else than a sequence of ``Parameters``.
+        """
+        given: Any = parameters
+        each_of = [None] if isinstance(given, Parameters) else given
+        if not all(isinstance(each, Parameters) for each in each_of):
+            raise TypeError(
+                "a batch is a Batch or a sequence of Parameters such as [parameters], got "
+                f"{type(given).__name__}"
+            )
         return cls(
             {
                 name: np.array([_or_nan(getattr(each, name)) for each in parameters], dtype=float)
@@ -232,6 +247,13 @@ class Batch:
         for name in READING_NAMES:
             columns[f"printed_{name}"] = np.full(len(self), readings.is_printed(name))
         return np.column_stack([columns[name] for name in Constants._fields])
+
+
+def _as_float(value: Any) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # an integer beyond all floats
+        return math.inf
 
 
 def _or_nan(value: float | None) -> float:

@@ -1,8 +1,11 @@
 """How runs are computed: reading, scene, method, tolerance and horizon, checked once."""
 
 import math
-from dataclasses import dataclass, field
+import numbers
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
+from model.physics.parameters import check_name
 from model.physics.readings import Readings
 from model.physics.scenes import ALIGNMENT, Declared, Scene
 from model.solver.course import Control
@@ -36,6 +39,9 @@ class Settings:
     method: Tableau = DOP853
 
     def __post_init__(self) -> None:
+        for name in ("horizon", "tolerance", "max_evaluations"):
+            if not isinstance(getattr(self, name), numbers.Real):
+                raise TypeError(f"{name} = {getattr(self, name)!r}: must be a number")
         kinds = {"readings": Readings, "scene": Scene, "method": Tableau}
         for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
@@ -62,3 +68,17 @@ class Settings:
             int(self.max_evaluations),
             float(self.may_settle),
         )
+
+
+def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:
+    """``settings``, or the default ones, with ``changes``.
+
+    Raises:
+        TypeError: something else than ``Settings``, or a setting of the wrong type.
+        ValueError: an unknown setting, or one outside its range.
+    """
+    if settings is not None and not isinstance(settings, Settings):
+        raise TypeError(f"settings = {settings!r}: must be a Settings")
+    for name in changes:
+        check_name(name, [each.name for each in fields(Settings)], "setting")
+    return replace(settings or Settings(), **changes)

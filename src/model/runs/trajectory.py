@@ -1,6 +1,6 @@
 """One trajectory, with its whole course."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from model.physics.parameters import Batch, Parameters
 from model.runs.batch import each_by_itself
 from model.runs.errors import estimate
-from model.runs.settings import Settings
+from model.runs.settings import Settings, settings_with
 from model.solver.loop import TRACK_COLUMNS, integrate_each, new_single
 from model.solver.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.solver.record import Ending
@@ -73,7 +73,7 @@ def simulate(
     Raises:
         ValueError: a setting outside its range.
     """
-    settings = replace(settings or Settings(), **changes)
+    settings = settings_with(settings, changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
     single = new_single(settings.method.method)
     endings = np.empty((1, len(Ending._fields)))

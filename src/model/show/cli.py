@@ -5,6 +5,7 @@ the value, the rule and the valid choices. What is slow to import is imported wh
 """
 
 import argparse
+import contextlib
 import importlib.metadata
 import io
 import json
@@ -16,23 +17,35 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NoReturn
 
-from model.physics.compiled import cache_folder
 from model.physics.notation import State
-from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
-from model.physics.readings import READING_NAMES, Readings
-from model.physics.units import FORCE, QUANTITIES, TIME, UNITS, Units
+from model.physics.parameters import Parameters
+from model.physics.units import FORCE, TIME, UNITS, Units
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
-from model.show import claims_commands, export_commands, reference_commands, tracking_commands
+from model.show import (
+    claims_commands,
+    export_commands,
+    map_commands,
+    reference_commands,
+    tracking_commands,
+)
+from model.show.arguments import (
+    add_model_options,
+    announce_compilation,
+    check_picture,
+    in_columns,
+    number,
+    pairs,
+    parameter_table,
+    parameters_of,
+    settings_of,
+)
 from model.solver.outcomes import Outcome
 from model.study.config import Study, load_study, study_path
 from model.study.devices import load_device
+from model.study.files import whole_file
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
-
-_READINGS = ("consistent", "printed")
-# Formats of matplotlib that are no pictures, or that need a LaTeX installation.
-_NOT_PICTURES = {"pgf", "raw", "rgba"}
 
 
 class _Parser(argparse.ArgumentParser):
@@ -64,6 +77,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # `vibralign … | head`: nobody reads on, so nothing is left to say
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
+    except OSError as error:
+        print(f"vibralign: error: {error}: free some space or choose another place and run it "
+              "again", file=sys.stderr)  # fmt: skip
+        # What is left unwritten would be tried again, and fail again, as Python ends.
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
 
 
 def _run(argv: Sequence[str] | None) -> int:
@@ -83,6 +103,7 @@ def _parser() -> _Parser:
     parser.add_argument("--version", action="version", version=f"%(prog)s {_version()}")
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=_Parser)
     _add_simulate(commands)
+    map_commands.add_commands(commands)
     tracking_commands.add_commands(commands)
     export_commands.add_commands(commands)
     reference_commands.add_commands(commands)
@@ -115,39 +136,23 @@ def _add_simulate(commands: Any) -> None:
         allow_abbrev=False,
     )
     add = parser.add_argument
-    words = "set a parameter of the table below; may be repeated"
-    add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
+    add_model_options(parser)
     words = "the device, its quantities in SI units as in docs/peg.yaml; --set is then in SI too"
     add("--device", type=Path, metavar="FILE", help=words)
-    words = "how the paper's equations are read, all switches together (default: as in the study)"
-    add("--readings", choices=_READINGS, help=words)
-    words = f"one switch, consistent or printed; may be repeated: {', '.join(READING_NAMES)}"
-    add(
-        "--reading",
-        action="append",
-        default=[],
-        metavar="NAME=READING",
-        dest="switches",
-        help=words,
-    )
-    words = "latest time, in units of 1/p (default: that of the study)"
-    add("--horizon", metavar="H", help=words)
-    add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     add("--plot", type=Path, metavar="FILE", help=words)
     add("--json", action="store_true", help="print everything as JSON")
-    parser.appendix = lambda: _parameter_table(_study().baseline)
+    parser.appendix = lambda: parameter_table(_study().baseline) + _units_table()
     parser.set_defaults(run=_simulate)
 
 
 def _simulate(arguments: argparse.Namespace) -> int:
     study = _study()
     units, parameters = _device(study.baseline, arguments)
-    settings = _settings(study.settings.settings, arguments)
+    settings = settings_of(study.settings.settings, arguments)
     if arguments.plot is not None:
-        _check_picture(arguments.plot)
-    if sys.stderr.isatty() and not any(cache_folder().rglob("*.nbi")):
-        print("compiling the model, this once: about half a minute …", file=sys.stderr)
+        check_picture(arguments.plot)
+    announce_compilation()
     run = simulate(parameters, settings)
     if arguments.json:
         record = _record(run, settings) | ({"si": _in_si(run, units)} if units else {})
@@ -159,88 +164,21 @@ def _simulate(arguments: argparse.Namespace) -> int:
     return FAILED if run.outcome == Outcome.FAILED else DONE
 
 
-def _pairs(given: Sequence[str], option: str) -> dict[str, str]:
-    """NAME=VALUE, …: as a dictionary."""
-    pairs: dict[str, str] = {}
-    for pair in given:
-        name, equals, value = pair.partition("=")
-        if not equals:
-            raise ValueError(f"{option} {pair!r}: must be NAME=VALUE")
-        if name in pairs:
-            raise ValueError(f"{option} {name}: given twice, as {pairs[name]!r} and {value!r}")
-        pairs[name] = value
-    return pairs
-
-
-def _number(name: str, text: str, rule: str = "must be a number") -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise ValueError(f"{name} = {text!r}: {rule}") from None
-
-
 def _device(baseline: Parameters, arguments: argparse.Namespace) -> tuple[Units | None, Parameters]:
     """What is to be run, and its units where it comes from a file in SI units."""
     if arguments.device is None:
-        return None, _parameters(baseline, arguments.changes)
-    changes = _pairs(arguments.changes, "--set").items()
-    return load_device(arguments.device, {name: _number(name, text) for name, text in changes})
-
-
-def _parameters(baseline: Parameters, given: Sequence[str]) -> Parameters:
-    changes: dict[str, float | None] = {}
-    for name, text in _pairs(given, "--set").items():
-        check_name(name, PARAMETER_NAMES, "parameter")
-        field = FIELDS[name]
-        if field.derived and text.lower() == "none":
-            changes[name] = None
-        else:
-            changes[name] = _number(name, text, field.rule)
-    return baseline.replace(**changes)
-
-
-def _settings(of_study: Settings, arguments: argparse.Namespace) -> Settings:
-    switches: dict[str, Any] = asdict(of_study.readings)
-    if arguments.readings:
-        switches = dict.fromkeys(READING_NAMES, arguments.readings)
-    for name, value in _pairs(arguments.switches, "--reading").items():
-        check_name(name, READING_NAMES, "reading")
-        switches[name] = value
-    horizon, tolerance = of_study.horizon, of_study.tolerance
-    if arguments.horizon is not None:
-        horizon = _number("horizon", arguments.horizon)
-    if arguments.tolerance is not None:
-        tolerance = _number("tolerance", arguments.tolerance)
-    return Settings(readings=Readings(**switches), horizon=horizon, tolerance=tolerance)
-
-
-def _check_picture(path: Path) -> None:
-    """Refuse a picture that could not be written, before the run is computed."""
-    try:
-        # Half a second that only a plot is worth, and a package that only a plot needs.
-        from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
-    except ImportError:
-        raise ValueError(
-            "--plot needs matplotlib, which is not installed: pip install 'vibralign[plot]'"
-        ) from None
-    valid = sorted(set(FigureCanvasBase.get_supported_filetypes()) - _NOT_PICTURES)
-    if path.suffix.lower().lstrip(".") not in valid:
-        raise ValueError(f"--plot {path}: must end in one of .{', .'.join(valid)}")
-    if not path.parent.is_dir():
-        raise ValueError(f"--plot {path}: the folder {path.parent} does not exist")
-    if path.is_dir():
-        raise ValueError(f"--plot {path}: is a folder, must be a file")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise ValueError(f"--plot {path}: cannot be written, permission denied")
+        return None, parameters_of(baseline, arguments.changes)
+    changes = pairs(arguments.changes, "--set").items()
+    return load_device(arguments.device, {name: number(name, text) for name, text in changes})
 
 
 def _draw(run: Trajectory, path: Path) -> bool:
-    from model.show import plots, style  # noqa: PLC0415  (as in _check_picture)
+    from model.show import plots, style  # noqa: PLC0415  (as in check_picture)
 
     figure = plots.trajectory(run)
     try:
-        with style.context():
-            figure.savefig(path)
+        with whole_file(path) as part, style.context():
+            figure.savefig(part, format=path.suffix.lower().lstrip("."))
     except (OSError, ValueError) as error:  # a full disk, a picture library that is missing
         print(f"vibralign: error: --plot {path}: {error}", file=sys.stderr)
         return False
@@ -250,24 +188,9 @@ def _draw(run: Trajectory, path: Path) -> bool:
 # --- What is printed ----------------------------------------------------------------------------
 
 
-def _parameter_table(baseline: Parameters) -> str:
-    """Name, symbol, baseline, SI unit and meaning of every parameter, and a device's own units."""
-    rows = [("name", "symbol", "baseline", "SI unit", "meaning")]
-    for name, field in FIELDS.items():
-        value = getattr(baseline, name)
-        shown = f"as {field.derived}" if value is None else f"{value:g}"
-        rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
-        words = field.description + (f"; {rule}" if rule else "")
-        rows.append((name, field.symbol, shown, QUANTITIES[name].unit, words))
-    lines = ["parameters that --set takes, each a finite number:", *_columns(rows)]
-    lines.append("what a file for --device states besides:")
-    lines += _columns([(name, unit, words) for name, (words, unit) in UNITS.items()])
-    return "\n".join(lines) + "\n"
-
-
-def _columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+def _units_table() -> str:
+    rows = [(name, unit, words) for name, (words, unit) in UNITS.items()]
+    return "\n".join(["what a file for --device states besides:", *in_columns(rows)]) + "\n"
 
 
 def _name(outcome: Any) -> str:

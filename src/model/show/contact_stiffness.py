@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from model.study.claims import VERDICTS
-from model.study.contact_stiffness import (
+from model.study.contact_comparison import (
     SAME,
     ClaimOnBases,
     OnBase,

@@ -22,6 +22,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from model.show import style
+from model.show.maps import add_contours, add_marks, add_reliable
 from model.solver.outcomes import Outcome
 
 if TYPE_CHECKING:  # a trajectory is drawn where xarray is not installed
@@ -316,7 +317,11 @@ LEFT_LABEL = "of these, leaves the scene"
 
 
 def stability_map(dataset: "xr.Dataset") -> Figure:
-    """Figs. 13, 14: durations in colour where the part aligns, hatching where it does not."""
+    """Figs. 13, 14: durations in colour where the part aligns, hatching where it does not.
+
+    A map that says how sure it is (study/maps.py) is drawn with contours of the duration, the
+    outline of its reliable area, and where other figures stand.
+    """
     y, x = (dataset[name] for name in dataset["tau_align"].dims)
     durations = np.ma.masked_invalid(dataset["tau_align"].values)
     outcome = dataset["outcome"].values
@@ -326,7 +331,8 @@ def stability_map(dataset: "xr.Dataset") -> Figure:
         figure = style.new_figure(height=11.0 * style.CENTIMETRE)
         axes = figure.subplots()
         axes.grid(visible=False)
-        handles = [_add_area(axes, *edges, gaps, NOT_ALIGNED, **style.NON_ALIGNING)]
+        hatched = _add_area(axes, *edges, gaps, NOT_ALIGNED, **style.NON_ALIGNING)
+        handles: list[Patch | Line2D] = [hatched]
         left, failed = outcome == Outcome.LEFT_SCENE, outcome == Outcome.FAILED
         if left.any():
             shade: dict[str, Any] = {"facecolor": style.BLACK, "alpha": 0.16, "linewidth": 0.0}
@@ -347,13 +353,35 @@ def stability_map(dataset: "xr.Dataset") -> Figure:
         axes.set_xlabel(axis_label(x))
         axes.set_ylabel(axis_label(y))
         axes.spines[["top", "right"]].set_visible(True)
+        if "resolution" in dataset.attrs:
+            add_contours(axes, x.values, y.values, durations)
+            handles += [*add_reliable(axes, dataset), *add_marks(axes, dataset)]
         figure.legend(
             handles=handles,
             loc="outside lower center",
-            ncols=len(handles),
+            ncols=len(handles) if len(handles) < 4 else 2,
             handler_map={PathPatch: HandlerPatch()},
             handleheight=1.4,
         )
+        return figure
+
+
+def limit_map(dataset: "xr.Dataset") -> Figure:
+    """The largest misalignment up to which every one aligns, in colour with contours."""
+    y, x = (dataset[name] for name in dataset["misalignment_max"].dims)
+    values = np.ma.masked_invalid(dataset["misalignment_max"].values)
+    with style.context():
+        figure = style.new_figure(height=11.0 * style.CENTIMETRE)
+        axes = figure.subplots()
+        axes.grid(visible=False)
+        mesh = axes.pcolormesh(cell_edges(x.values), cell_edges(y.values), values, rasterized=True)
+        figure.colorbar(mesh, ax=axes, pad=0.02).set_label("largest misalignment $ε$")
+        add_contours(axes, x.values, y.values, values)
+        axes.set_xlim(x.values[0], x.values[-1])
+        axes.set_ylim(y.values[0], y.values[-1])
+        axes.set_xlabel(axis_label(x))
+        axes.set_ylabel(axis_label(y))
+        axes.spines[["top", "right"]].set_visible(True)
         return figure
 
 
@@ -400,4 +428,4 @@ def _borders(x: Floats, y: Floats, cells: Bools) -> Iterator[list[tuple[float, f
             yield [(x[i], y[row]), (x[j], y[row])]
 
 
-_DRAW = {"history": history, "curves": curves, "map": stability_map}
+_DRAW = {"history": history, "curves": curves, "map": stability_map, "limit": limit_map}

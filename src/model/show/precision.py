@@ -28,7 +28,7 @@ WRONG_TIME_LABEL = "wrong time"
 TYPICAL_SCHEME = "rk4"  # what a study of 2007 would have used
 
 # Blue is located; warm colours are compiled without; the rest is scipy.
-_LOOKS: Mapping[str, Mapping[str, Any]] = {
+LOOKS: Mapping[str, Mapping[str, Any]] = {
     "dop853_located": {"color": style.BLUE, "marker": "o", "linestyle": "-", "linewidth": 2.2},
     "dormand_prince_located": {"color": style.BLUE, "marker": "s", "linestyle": "--"},
     "dormand_prince_unlocated": {"color": style.VERMILLION, "marker": "D", "linestyle": "-"},
@@ -126,7 +126,7 @@ def _work_over_error(
 
 def _draw_case(axes: Axes, rungs: Sequence[Rung], work: Sequence[float]) -> None:
     """A line for each method; a rung with the wrong outcome has no error and no point."""
-    for method, look in _LOOKS.items():
+    for method, look in LOOKS.items():
         drawn = [rung.method == method and rung.verdict == Verdict.RIGHT_OUTCOME for rung in rungs]
         errors = [rung.error for rung in compress(rungs, drawn)]
         axes.plot(errors, list(compress(work, drawn)), label=method, **look)
@@ -136,7 +136,7 @@ def _handles(rungs: Iterable[Rung]) -> list[Line2D]:
     met = {rung.method for rung in rungs}
     return [
         Line2D([], [], label=METHODS[method].label, **look)
-        for method, look in _LOOKS.items()
+        for method, look in LOOKS.items()
         if method in met
     ]
 

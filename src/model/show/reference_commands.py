@@ -55,6 +55,8 @@ def _verify(arguments: argparse.Namespace) -> int:
     from model.study.reference import COMPUTED, Finding, verify  # noqa: PLC0415
 
     root, reference = arguments.root, arguments.reference
+    if not root.is_dir():
+        raise ValueError(f"{root}: is no folder; build the small study first: make smoke")
     chosen = [figure_name(text) for text in arguments.figure] or list(FIGURES)
     computed = [name for name in chosen if name in COMPUTED]
     findings = verify(root, reference, computed)

@@ -21,6 +21,8 @@ from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.claims import Ledger, claims_section
 from model.show.contact_stiffness import Bases, contact_section
+from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
+from model.show.hard_cases import Hardness
 from model.show.identification import (
     CAPTIONS as IDENTIFIED_CAPTIONS,
 )
@@ -39,11 +41,12 @@ from model.show.precision import (
 from model.show.schematics import CAPTIONS
 from model.show.style import FORMATS
 from model.solver.outcomes import OUTCOME_TEXT, Outcome
-from model.study.config import Study
+from model.study.config import HardCases, Study
 from model.study.fixed_steps import wrong_counts
+from model.study.hard_cases import Judged, Mark
 from model.study.identification.candidate import searched_of
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
-from model.study.plans import PICTURES
+from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.precision import METHODS
 
 if TYPE_CHECKING:
@@ -136,6 +139,28 @@ class _Speed:
     wrong: tuple[tuple[str, str, float, Mapping[str, int]], ...]
 
 
+@dataclass(frozen=True)
+class _HardRow:
+    """One case and what every method makes of it."""
+
+    title: Markup
+    values: Markup
+    until: float
+    judged: tuple[Judged, ...]
+
+
+@dataclass(frozen=True)
+class _Hard:
+    """What the page says of hard cases."""
+
+    spec: HardCases
+    sentences: tuple[str, ...]
+    pictures: tuple[_Picture, ...]
+    rows: tuple[_HardRow, ...]
+    longer: tuple[str, ...]
+    labels: Mapping[str, str]
+
+
 def render_report(
     study: Study,
     datasets: Mapping[str, "xr.Dataset"],
@@ -144,6 +169,7 @@ def render_report(
     comparison: Comparison,
     ledger: Ledger,
     bases: Bases,
+    hardness: Hardness,
     identified: Pictured | None = None,
 ) -> str:
     """The page.
@@ -159,6 +185,7 @@ def render_report(
         comparison: what was measured of speed against error.
         ledger: what was found of the claims of the paper.
         bases: figures on bases of other stiffness and damping.
+        hardness: what every method makes of the hard cases.
         identified: what the identification found, where its result is committed.
 
     Raises:
@@ -168,6 +195,7 @@ def render_report(
     missing = [f"the dataset of {name}" for name in computed if name not in datasets]
     missing += [f"the picture of {name}" for name in study.figures if name not in figures]
     missing += [f"the picture of {name}" for name in PICTURES if name not in comparison.pictures]
+    missing += [f"the picture of {name}" for name in HARD_PICTURES if name not in hardness.pictures]
     if missing:
         raise ValueError(f"the report needs {', '.join(missing)}")
     environment = Environment(
@@ -191,6 +219,7 @@ def render_report(
         contact_picture=_embedded(bases.picture),
         identified=_identified(study, identified),
         identified_pictures=_identified_pictures(identified),
+        hard=_hard(study.hard_cases, hardness),
         tau_tolerance=study.precision.fixed_steps.tau_tolerance,
         structure=[_row(name, number(value)) for name, value in study.structure.items()],
         readings=[
@@ -298,6 +327,42 @@ def _identified_pictures(identified: Pictured | None) -> list[_Picture]:
         _Picture(place, IDENTIFIED_CAPTIONS[name], *_embedded(identified.pictures[name]))
         for name, place in IDENTIFIED_PICTURES.items()
     ]
+
+
+def _hard(spec: HardCases, hardness: Hardness) -> _Hard:
+    cases = spec.all_cases
+    pictures = []
+    for name, place in HARD_PICTURES.items():
+        data, size = _embedded(hardness.pictures[name])
+        pictures.append(_Picture(place, HARD_CAPTIONS[name], data, size))
+    rows = tuple(
+        _HardRow(
+            title=_with_subscripts(case.title),
+            values=Markup(", ").join(
+                _equals(_row(each, number(value))) for each, value in case.at.items()
+            ),
+            until=case.until,
+            judged=tuple(each for each in hardness.judged if each.case == name),
+        )
+        for name, case in cases.items()
+    )
+    sentences = []
+    for method, how in METHODS.items():
+        marks = [each.mark for each in hardness.judged if each.method == method]
+        counts = ", ".join(f"{marks.count(mark)} {mark.value}" for mark in Mark)
+        sentences.append(f"{how.label}: {counts}.")
+    return _Hard(
+        spec=spec,
+        sentences=tuple(sentences),
+        pictures=tuple(pictures),
+        rows=rows,
+        longer=tuple(
+            f"{case.title}, {case.max_evaluations:,}"
+            for case in cases.values()
+            if case.max_evaluations
+        ),
+        labels={name: how.label for name, how in METHODS.items()},
+    )
 
 
 _SCHEME_WORDS = {"rk4": "RK4", "semi_implicit_euler": "semi-implicit Euler"}

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from model.physics.compiled import borrowed, kernel
-from model.physics.geometry import bottom_corner, resting_height
+from model.physics.geometry import bottom_corner, edge_place, resting_height
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, State
 from model.physics.scenes import CLOSED, OPEN, START, STICKING
@@ -49,6 +49,7 @@ from model.solver.record import (
 from model.solver.settling import HISTORY, record_period, settled_period
 from model.solver.switching import (
     CORNERS_INSIDE,
+    FACE_END,
     FACE_FAR_END,
     LEFT_EDGE_ENTERS,
     LEFT_WALL,
@@ -199,6 +200,16 @@ def begin(row, tolerance, declared, control, runs, i):
     keep_state(q, runs, i)
     keep_mode(mode, runs, i)
     _note_end_of_period(runs, i)
+    if runs[OUTCOME, i] == CONTINUES and _starts_past_the_end(q, p, mode):
+        make_switch(FACE_END, 0.0, _FIRST_STEP, declared, runs, i)
+
+
+@kernel
+def _starts_past_the_end(q, p, mode):
+    """Whether A1 already stands beyond the corner B1, which comes before any load."""
+    if mode.face != CLOSED:
+        return False
+    return edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p).along_face > p.half_width
 
 
 @kernel

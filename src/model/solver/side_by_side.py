@@ -102,6 +102,7 @@ from model.solver.transitions import CONTINUES
 
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
+_TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
 _MOST_LANDINGS = 8
 _MOST_TRIALS = 3  # landings before the dense output is searched
 _MOST_APPROACHES = 8
@@ -418,6 +419,9 @@ def integrate_all(rows, tolerances, declared, method, control, endings, many):
                     _look_after(declared, method, control, lanes, runs, history, work, i)
                     if runs[PHASE, i] == STEPPING and not lanes_hold(mode_of(runs, i)):
                         _run_elsewhere(declared, method, control, lanes, runs, history, work, i)
+                # Whatever a lane does between two ends of a step, also while it only steps on.
+                if runs[EVALUATIONS, i] > control.max_evaluations and runs[OUTCOME, i] == CONTINUES:
+                    fail(runs, i, _TOO_MANY_EVALUATIONS)
                 if runs[OUTCOME, i] != CONTINUES:
                     keep_ending(ending_of(runs, i), endings, int(runs[ROW_OF_BATCH, i]))
                     runs[PHASE, i] = IDLE

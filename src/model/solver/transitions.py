@@ -58,8 +58,10 @@ _NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
 
 # A slip below this is no slip: rounding of velocities of order one, with room.
 REST_SLIP = 1e-12
-# A load below this is none, and how far to look ahead then.
+# A load below this is none, and so is what rounding of lengths makes of one on a hard base; how far
+# to look ahead then.
 NO_LOAD = 1e-12
+_ROUNDING = 4e-16
 _MOMENT = 1e-5
 
 
@@ -148,7 +150,8 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     A contact that slips keeps the sign of its slip. For a contact at rest every state is tried,
     sticking first, and the first set of states that is consistent with its own accelerations holds.
     Where a contact at rest carries no load yet, nothing decides at this instant: the states are
-    tried on what follows a moment later.
+    tried on what follows a moment later. Slip begins along the acceleration that there is without
+    friction, though: a state that says otherwise would end at once, and come back without end.
     """
     mode = _with_slip_place(mode)
     if never_sticks(p):
@@ -158,9 +161,16 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     beside = mode.side == CLOSED
     support_at_rest = supported and (support_at_rest or abs(now.support_slip) <= REST_SLIP)
     side_at_rest = beside and (side_at_rest or abs(now.side_slip) <= REST_SLIP)
-    no_load = (support_at_rest and now.support_load <= NO_LOAD) or (
-        side_at_rest and now.side_load <= NO_LOAD
-    )
+    lengths = p.half_width + p.half_height + abs(q.x) + abs(q.y)
+    least = NO_LOAD + _ROUNDING * p.contact_stiffness * lengths
+    support_unloaded = support_at_rest and now.support_load <= least
+    side_unloaded = side_at_rest and now.side_load <= least
+    no_load = support_unloaded or side_unloaded
+    begins = now  # as slip begins: without friction where there is no load
+    if no_load:
+        support_begins = -1 if support_at_rest else _sign(now.support_slip)
+        side_begins = -1 if side_at_rest else _sign(now.side_slip)
+        begins = motion(time, q, p, _with_friction(mode, support_begins, side_begins))
     for i in range(3 if support_at_rest else 1):
         support = (STICKING, -1, 1)[i] if support_at_rest else _sign(now.support_slip)
         for j in range(3 if side_at_rest else 1):
@@ -178,8 +188,16 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
                 holds = holds and _friction_holds(
                     side, at.side_friction, at.side_load, at.side_drive, p
                 )
+            if support_unloaded and support != STICKING:
+                holds = holds and begins.support_drive * support >= 0.0
+            if side_unloaded and side != STICKING:
+                holds = holds and begins.side_drive * side >= 0.0
             if holds:
                 return trial, True
+    if no_load and support_unloaded == support_at_rest and side_unloaded == side_at_rest:
+        support = _sign(begins.support_drive if support_at_rest else now.support_slip)
+        side = _sign(begins.side_drive if side_at_rest else now.side_slip)
+        return _with_friction(mode, support, side), True
     return mode, False
 
 

@@ -312,11 +312,18 @@ def read_tables(paths: Sequence[Path]) -> Table:
     """
     columns: dict[str, list[str]] = {}
     for path in paths:
-        with path.open(newline="", encoding="utf-8") as file:
-            header, *rows = list(csv.reader(file))
+        try:
+            with path.open(newline="", encoding="utf-8") as file:
+                header, *rows = [list(row) for row in csv.reader(file)]
+            columns_of = list(zip(*rows, strict=True))
+            pairs = list(zip(header, columns_of, strict=True))
+            np.array(dict(pairs)["set"], dtype=float)
+        except (OSError, ValueError, KeyError, csv.Error) as error:
+            fault = f"{path}: is not a chunk of a trial ({error}): delete it and run again"
+            raise ValueError(fault) from None
         if columns and list(columns) != header:
             raise ValueError(f"{path}: its columns differ from the other chunks': build it again")
-        for name, values in zip(header, zip(*rows, strict=True), strict=True):
+        for name, values in pairs:
             columns.setdefault(name, []).extend(values)
     table = {name: _column(name, values) for name, values in columns.items()}
     order = np.argsort(table["set"])

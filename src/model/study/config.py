@@ -31,6 +31,7 @@ HISTORIES = ("fig05",)
 CURVES = ("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12")
 MAPS = ("fig13", "fig14")
 FIGURES = SCHEMATICS + HISTORIES + CURVES + MAPS
+LARGEST_MISALIGNMENT = "largest_misalignment"  # the map that is not one of outcomes
 # What the identification searches of the structure; see identification/candidate.py.
 SEARCHED = (
     "half_width",
@@ -69,19 +70,24 @@ ParameterName = Annotated[str, AfterValidator(_parameter_name)]
 ParameterValues = Annotated[dict[str, float], AfterValidator(_parameter_names)]
 
 
-class Axis(_Strict):
-    """Equidistant values of one parameter, both ends included."""
+class Span(_Strict):
+    """A range of one parameter."""
 
     parameter: ParameterName
     start: float
     stop: float
-    count: int = Field(ge=2)
 
     @model_validator(mode="after")
-    def _is_a_range(self) -> "Axis":
+    def _is_a_range(self) -> "Span":
         if not self.start < self.stop:
             raise ValueError(f"start = {self.start} must be smaller than stop = {self.stop}")
         return self
+
+
+class Axis(Span):
+    """Equidistant values of one parameter, both ends included."""
+
+    count: int = Field(ge=2)
 
     @property
     def values(self) -> list[float]:
@@ -370,6 +376,111 @@ class Precision(_Strict):
     fixed_steps: FixedSteps
 
 
+class HardCase(_Strict):
+    """One scene that is hard to integrate, and how long it is run: the baseline but for ``at``.
+
+    ``max_evaluations`` takes the place of the section's for a case that is long by itself.
+    """
+
+    title: str = Field(min_length=1)
+    at: ParameterValues
+    until: float = Field(gt=0.0)
+    max_evaluations: int | None = Field(default=None, ge=1)
+
+
+class StiffnessCases(_Strict):
+    """A case for each pair of stiffness and damping of the base."""
+
+    stiffness: list[float] = Field(min_length=1)
+    damping: list[float] = Field(min_length=1)
+    at: ParameterValues
+    until: float = Field(gt=0.0)
+
+
+class HardCases(_Strict):
+    """The section on hard cases: every method on every case, and when its answer counts.
+
+    Adaptive methods run at ``tolerance``, the others with steps of ``step``. An answer is accurate
+    if it is off by no more than ``accurate``; a method is broken where it needs more evaluations
+    than it may.
+    """
+
+    tolerance: float = Field(ge=1e-14, le=1e-2)
+    step: float = Field(gt=0.0)
+    true_tolerance: float = Field(ge=1e-14, le=1e-2)
+    accurate: float = Field(gt=0.0)
+    max_evaluations: int = Field(ge=1)
+    max_evaluations_scipy: int = Field(ge=1)
+    base: StiffnessCases
+    cases: dict[str, HardCase] = Field(min_length=1)
+
+    @property
+    def all_cases(self) -> dict[str, HardCase]:
+        """The cases by name: those of the base first, stiffness by stiffness."""
+        found = {}
+        for stiffness in self.base.stiffness:
+            for damping in self.base.damping:
+                values = {"contact_stiffness": stiffness, "contact_damping": damping}
+                found[f"base_{stiffness:g}_{damping:g}"] = HardCase(
+                    title=f"base k_a = {stiffness:g}, h_a = {damping:g}",
+                    at=self.base.at | values,
+                    until=self.base.until,
+                )
+        return found | self.cases
+
+
+class Plane(_Figure):
+    """A map over two parameters that is not a figure of the paper."""
+
+    x: Span
+    y: Span
+
+
+class Ensemble(_Strict):
+    """The starts that a part must align from to count as reliable; see maps.py."""
+
+    phases: int = Field(ge=1)
+    tilts: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
+    every: int = Field(ge=1)
+
+    @model_validator(mode="after")
+    def _can_be_halved(self) -> "Ensemble":
+        if self.every & (self.every - 1):
+            raise ValueError(f"every = {self.every}: must be a power of two: cells are halved")
+        return self
+
+
+class Resolution(_Strict):
+    """Finest cells along a side of a map, a power of two: of the paper's, and of the others."""
+
+    figures: int = Field(ge=2, le=8192)
+    planes: int = Field(ge=2, le=8192)
+
+    @model_validator(mode="after")
+    def _can_be_halved(self) -> "Resolution":
+        for name, value in {"figures": self.figures, "planes": self.planes}.items():
+            if value & (value - 1):
+                raise ValueError(f"{name} = {value}: must be a power of two: cells are halved")
+        return self
+
+
+class Maps(_Strict):
+    """Maps that follow their boundary: those of the paper over their figures' ranges, and more."""
+
+    resolution: Resolution
+    chunks: int = Field(ge=1, le=64)
+    ensemble: Ensemble
+    planes: dict[str, Plane]
+    largest_misalignment: Plane
+    trials: int = Field(ge=2)
+
+    @model_validator(mode="after")
+    def _names_are_new(self) -> "Maps":
+        for name in set(self.planes) & {*FIGURES, LARGEST_MISALIGNMENT}:
+            raise ValueError(f"planes.{name}: is the name of a map that the study has already")
+        return self
+
+
 class ClaimRun(_Strict):
     """Curves that only the claims ledger reads, at the operating point of a figure.
 
@@ -420,9 +531,11 @@ class Study(_Strict):
     structure: ParameterValues
     operating_point: ParameterValues
     figures: dict[str, FigureSpec]
+    maps: Maps
     accuracy: Accuracy
     precision: Precision
     identification: Identification
+    hard_cases: HardCases
     claims_runs: dict[str, ClaimRun]
     contact_stiffness: ContactStiffness
 
@@ -446,6 +559,24 @@ class Study(_Strict):
     def parameters(self, figure: str) -> Parameters:
         """What a figure holds, before it sweeps anything."""
         return self.baseline.replace(**self.figures[figure].held)
+
+    def plane(self, name: str) -> Plane | Map:
+        """A map's ranges and wording: a figure's, one of ``maps.planes``, "largest_misalignment".
+
+        Raises:
+            ValueError: no map of that name.
+        """
+        check_name(name, self.map_names, "map")
+        if name == LARGEST_MISALIGNMENT:
+            return self.maps.largest_misalignment
+        found = self.maps.planes.get(name) or self.figures[name]
+        assert isinstance(found, (Plane, Map)), name  # noqa: S101  (checked with the figures)
+        return found
+
+    @property
+    def map_names(self) -> tuple[str, ...]:
+        """Every map of the study, those of the paper first."""
+        return *MAPS, *self.maps.planes, LARGEST_MISALIGNMENT
 
     def claim_parameters(self, name: str) -> Parameters:
         """What a run of the claims ledger holds, before it sweeps anything."""
@@ -496,11 +627,19 @@ def _known_keys(path: tuple[Any, ...]) -> list[str]:
     elif path[0] == "precision":
         parts: dict[str, type[BaseModel]] = {"ladder": Ladder, "fixed_steps": FixedSteps}
         models |= {2: Precision, 3: parts.get(path[1], Case), 4: Case}
+    elif path[0] == "maps":
+        named: dict[str, type[BaseModel]] = {"ensemble": Ensemble, "resolution": Resolution}
+        models |= {2: Maps, 3: named.get(path[1], Plane)}
+        models |= {4: Plane if path[1] == "planes" else Span, 5: Span}
     elif path[0] == "contact_stiffness":
         models |= {2: ContactStiffness, 4: CoarseGrid}
     elif path[0] == "claims_runs":
         models[3] = ClaimRun
         models[4] = Family if path[2] == "family" else Axis
+    elif path[0] == "hard_cases":
+        models[2] = HardCases
+        models[3] = StiffnessCases if path[1] == "base" else HardCase
+        models[4] = HardCase
     elif path[0] == "figures" and len(path) > 3:
         models[4] = kinds[path[2]]
         models[5] = Family if path[3] == "family" else Axis
@@ -566,7 +705,52 @@ def _check_figures(study: Study, source: str) -> list[str]:
                 Batch.of(parameters, **{part.parameter: part.values})
             except ValueError as error:
                 faults.append(f"{source}: figures.{name}.{key}: {error}")
-    return faults + _case_faults(study, source) + _claims_faults(study, source)
+    faults += _case_faults(study, source) + _plane_faults(study, source)
+    return faults + _claims_faults(study, source) + _hard_case_faults(study, source)
+
+
+def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
+    """Refuse a map whose parameters are one, or whose corners break a rule.
+
+    Raises:
+        ValueError: naming the parameter, its value and its rule.
+    """
+    if x.parameter == y.parameter:
+        raise ValueError(f"{x.parameter!r} is varied twice: x and y must be two parameters")
+    for x_value, y_value in itertools.product((x.start, x.stop), (y.start, y.stop)):
+        parameters.replace(**{x.parameter: x_value, y.parameter: y_value})
+
+
+def _plane_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name in study.map_names:
+        plane = study.plane(name)
+        if isinstance(plane, Map):  # a figure's: checked there
+            continue
+        own = name == LARGEST_MISALIGNMENT
+        place = f"{source}: maps.{name}" if own else f"{source}: maps.planes.{name}"
+        varied = {plane.x.parameter, plane.y.parameter}
+        if own and varied & {"misalignment", "clearance", "half_width"}:
+            faults.append(f"{place}: varies the misalignment or what bounds it")
+        faults += [
+            f"{place}.held.{held}: is varied in the same map"
+            for held in sorted(varied & set(plane.held))
+        ]
+        try:
+            check_plane(study.baseline.replace(**plane.held), plane.x, plane.y)
+        except ValueError as error:
+            faults.append(f"{place}: {error}")
+    return faults
+
+
+def _hard_case_faults(study: Study, source: str) -> list[str]:
+    faults = []
+    for name, case in study.hard_cases.all_cases.items():
+        try:
+            study.baseline.replace(**case.at)
+        except (TypeError, ValueError) as error:
+            faults.append(f"{source}: hard_cases.cases.{name}.at: {error}")
+    return faults
 
 
 def _case_faults(study: Study, source: str) -> list[str]:

@@ -23,6 +23,7 @@ from model.study.files import whole_file
 from model.study.sweeps import Sweep
 
 POINT = "point"
+_LARGE = 2**16  # values of a grid that is stored in pieces
 
 
 class DatasetError(ValueError):
@@ -226,6 +227,8 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
         encoding[str(name)] = {"_FillValue": None}
         if variable.ndim:
             encoding[str(name)] |= {"zlib": True, "complevel": 4, "shuffle": True}
+        if variable.ndim == 2 and variable.size > _LARGE:
+            encoding[str(name)] |= {"chunksizes": tuple(min(n, 256) for n in variable.shape)}
     with whole_file(path) as part:
         dataset.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
 

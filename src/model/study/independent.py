@@ -542,5 +542,11 @@ def solve(parameters: Parameters, horizon: float, tolerance: float = 1e-13) -> S
 
     Raises:
         ArithmeticError: scipy gives up, or no friction force is consistent.
+        ValueError: a part that starts tilted away from the slot, on its corner.
     """
+    if parameters.initial_tilt < 0.0:
+        raise ValueError(
+            f"initial_tilt = {parameters.initial_tilt!r}: must be >= 0 for the independent "
+            "solution, which starts on the edge"
+        )
     return _Run(_Device(parameters), tolerance).align(horizon)

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
-from model.study.config import Axis, Ladder, RunSettings, Study
+from model.study.config import Axis, HardCases, Ladder, RunSettings, Study
 from model.study.sweeps import Sweep, sweep_of
 
 # Its pictures, and where each belongs in the results root, without extension.
@@ -14,6 +14,12 @@ PICTURES: Mapping[str, str] = {
     "evaluations": "figures/precision",
     "times": "benchmarks/precision",
     "wrong_points": "figures/wrong_points",
+}
+
+# Those of the section on hard cases.
+HARD_PICTURES: Mapping[str, str] = {
+    "stability": "figures/stability",
+    "stiffness": "figures/stiffness",
 }
 
 
@@ -50,6 +56,21 @@ def precision_plan(study: Study) -> PrecisionPlan:
         for name, case in study.precision.cases.items()
     }
     return PrecisionPlan(cases=cases, ladder=study.precision.ladder, settings=study.settings)
+
+
+class HardCasesPlan(_Plan):
+    """Every method on every hard case."""
+
+    parameters: dict[str, float | None]
+    spec: HardCases
+    settings: RunSettings
+
+
+def hard_cases_plan(study: Study) -> HardCasesPlan:
+    """The hard cases of a study."""
+    return HardCasesPlan(
+        parameters=study.baseline.given(), spec=study.hard_cases, settings=study.settings
+    )
 
 
 class FixedStepPlan(_Plan):

@@ -460,6 +460,8 @@ def read_timings(path: Path) -> list[TimedRung]:
     """
     try:
         rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+        if not rows:
+            raise ValueError("it has no rows")  # noqa: TRY301 - told with the others below
         return [
             TimedRung(
                 case=row["case"],

@@ -54,8 +54,10 @@ _ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
 _FULL = 1_000_000  # bytes: less than this is a full disk
 _NO_RUNS = {"index", "accuracy"}  # jobs that leave no sidecar: they write the index, and print
 # Rules whose outputs are parts of others, and rules whose data are no figure's: no copy is kept.
-PARTS = frozenset({"chunk", "trial"})
-ASIDE = PARTS | {"judge", "precision", "fixed_steps", "claims_runs", "contact_stiffness"}
+PARTS = frozenset({"chunk", "trial", "map_part"})
+ASIDE = PARTS | {
+    "judge", "precision", "fixed_steps", "map", "limit", "claims_runs", "contact_stiffness",
+}  # fmt: skip
 
 
 class TrackingError(ValueError):

@@ -1,0 +1,221 @@
+"""Alignment times against engines that share no code: ``python -m benchmarks.truth``.
+
+Sets are drawn by the law of ``make accuracy`` and kept where a run aligns, is not flagged, and
+meets nothing but the edge A1 under the bottom face, which is what the peers model. heyoka solves
+the peers' own statement of the equations (equations.py) with located switches; MuJoCo is given
+bodies, joints and a soft contact, no equations at all. The independent solution in
+``model.study.independent`` covers the whole scene: ``make accuracy``.
+"""
+
+import argparse
+import csv
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.problems import Problem, only_right_edge
+from model import Outcome, Parameters, Scene, align
+from model.study.accuracy import trial_of
+from model.study.config import load_study, study_path
+
+Floats = NDArray[np.float64]
+
+_RIGHT_EDGE_ONLY = Scene("right_edge", frozenset({"edge_on_face"}))
+_HEYOKA_TOLERANCES = (1e-15, 1e-12)
+_CLOSE = 0.05  # relative; what MuJoCo is to keep in the median
+_FAR = 0.2  # relative; beyond it a set is looked at again
+_TIME_STEP = 5e-4
+_EDGE_RADIUS = 0.01  # of the ball that stands for an edge
+_IMPEDANCE = 0.01  # share of the constraint in an acceleration: small, so that it is a plain spring
+_NO_CREEP = 1e6  # how much harder friction holds than the normal constraint
+
+
+class Sets(NamedTuple):
+    """Sets that the peers can run: parameters, the package's alignment times and their errors."""
+
+    cases: list[Parameters]
+    tau: Floats
+    error: Floats
+
+
+def draw(count: int) -> Sets:
+    """The first ``count`` sets of the law that qualify."""
+    study = load_study(study_path())
+    trial = trial_of(study, "error").model_copy(update={"sets": 8 * count})
+    settings = trial.settings.settings
+    cases: list[Parameters] = []
+    times: list[float] = []
+    errors: list[float] = []
+    for first in range(0, 8 * count, 500):
+        numbers = np.arange(first, min(first + 500, 8 * count))
+        batch = trial.batch(numbers)
+        runs = align(batch, settings, cores=1)
+        edge = align(batch, settings, cores=1, scene=_RIGHT_EDGE_ONLY)
+        fit = (runs.outcome == Outcome.ALIGNED) & ~runs.sensitive
+        fit &= runs.tau_align == edge.tau_align
+        for row in np.flatnonzero(fit).tolist():
+            if only_right_edge(batch[row], settings.horizon):
+                cases.append(batch[row])
+                times.append(float(runs.tau_align[row]))
+                errors.append(float(runs.tau_error[row]))
+            if len(cases) == count:
+                return Sets(cases, np.array(times), np.array(errors))
+    raise ValueError(f"only {len(cases)} of {count} sets qualify")
+
+
+def by_heyoka(sets: Sets) -> tuple[Floats, Floats]:
+    """(alignment times, their errors: how far a run at a coarser tolerance is off)."""
+    from benchmarks.methods.heyoka_taylor import HeyokaScalar  # noqa: PLC0415  (a peer)
+
+    problem = Problem("truth", tuple(sets.cases), float(sets.tau.max()) + 1.0)
+    engine = HeyokaScalar()
+    fine, coarse = (
+        engine.solve(problem, sets.cases, tolerance, math.inf).answers[:, 0]
+        for tolerance in _HEYOKA_TOLERANCES
+    )
+    return fine, np.abs(fine - coarse) + _HEYOKA_TOLERANCES[1]
+
+
+def _scene(p: Parameters) -> str:
+    """The scene as MuJoCo takes it; the mass centre's joints are relaxed where the springs are."""
+    rest_x = p.misalignment if p.rest_x is None else p.rest_x
+    rest_y = p.half_height if p.rest_y is None else p.rest_y
+
+    def joint(
+        name: str, kind: str, axis: str, stiffness: float, damping: float, rest: float
+    ) -> str:
+        return (
+            f'<joint name="{name}" type="{kind}" axis="{axis}" stiffness="{stiffness!r}" '
+            f'damping="{damping!r}" springref="{rest!r}"/>'
+        )
+
+    edges = "".join(
+        f'<geom type="sphere" size="{_EDGE_RADIUS}" pos="{side * p.slot_half_width!r} '
+        f'{-_EDGE_RADIUS} 0" contype="1" conaffinity="2"/>'
+        for side in (1.0, -1.0)
+    )
+    return f"""
+<mujoco>
+  <compiler angle="radian" autolimits="true"/>
+  <option timestep="{_TIME_STEP}" gravity="0 0 0" integrator="implicitfast" cone="elliptic"
+    impratio="{_NO_CREEP}"/>
+  <worldbody>
+    {edges}
+    <body name="part">
+      {joint("x", "slide", "1 0 0", p.lateral_stiffness, p.lateral_damping, rest_x)}
+      {joint("y", "slide", "0 1 0", 1.0, p.axial_damping, rest_y)}
+      {joint("tilt", "hinge", "0 0 1", p.tilt_stiffness, p.tilt_damping, p.rest_tilt)}
+      <inertial pos="0 0 0" mass="1" diaginertia="{p.inertia!r} {p.inertia!r} {p.inertia!r}"/>
+      <geom name="face" type="box" size="{p.half_width!r} {p.half_height!r} 1" contype="2"
+        conaffinity="1" condim="3" friction="{p.friction!r} 0 0"/>
+    </body>
+  </worldbody>
+</mujoco>"""
+
+
+def by_mujoco(p: Parameters, horizon: float) -> float:
+    """Alignment time, NaN if it does not align by ``horizon``; the contact is fitted to the base.
+
+    A constraint of small impedance d gives f = (k r + b v)/w for a body's inverse weight w, so that
+    stiffness and damping are the base's times w.
+    """
+    import mujoco  # noqa: PLC0415  (a peer)
+
+    model = mujoco.MjModel.from_xml_string(_scene(p))
+    weight = float(model.body_invweight0[1, 0])
+    for geom in range(model.ngeom):
+        model.geom_solref[geom] = (-p.contact_stiffness * weight, -p.contact_damping * weight)
+        model.geom_solimp[geom] = (_IMPEDANCE, _IMPEDANCE, 1e-3, 0.5, 2.0)
+        model.geom_friction[geom, 0] = p.friction
+    data = mujoco.MjData(model)
+    reach, tilt = p.slot_half_width - p.misalignment, p.initial_tilt
+    touch = (p.half_height - reach * math.sin(tilt)) / math.cos(tilt)
+    data.qpos[:] = (p.misalignment, touch, tilt)
+    before, along = 0.0, _along_face(data.qpos, p)
+    while data.time < horizon:
+        data.qfrc_applied[1] = -p.press_force - math.sin(p.frequency * data.time + p.phase)
+        mujoco.mj_step(model, data)
+        place = _along_face(data.qpos, p)
+        if place >= p.half_width:
+            return before + _TIME_STEP * (p.half_width - along) / (place - along)
+        before, along = float(data.time), place
+    return math.nan
+
+
+def _along_face(pose: Any, p: Parameters) -> float:
+    """Where A1 stands along the bottom face."""
+    x, y, tilt = (float(each) for each in pose)
+    return (p.slot_half_width - x) * math.cos(tilt) - y * math.sin(tilt)
+
+
+def summary(sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats) -> list[str]:
+    """What the comparison shows, one line each."""
+    apart = np.abs(heyoka[0] - sets.tau)
+    allowed = sets.error + heyoka[1]
+    within = apart <= allowed
+    off = np.abs(mujoco - sets.tau) / sets.tau
+    known = off[np.isfinite(off)]
+    lines = [
+        f"sets: {sets.tau.size}",
+        f"heyoka within the sum of the error estimates: {int(within.sum())} of {within.size}",
+        f"heyoka apart: median {np.nanmedian(apart):.1e}, largest {np.nanmax(apart):.1e}",
+        (
+            f"MuJoCo off: median {100 * np.median(known):.2f} % of tau, 90 % of the sets below "
+            f"{100 * np.quantile(known, 0.9):.1f} %; {int((~np.isfinite(off)).sum())} do not align"
+        ),
+        (
+            f"MuJoCo within {100 * _CLOSE:g} % in the median: "
+            f"{'holds' if np.median(known) <= _CLOSE else 'FAILS'}"
+        ),
+        f"MuJoCo off by more than {100 * _FAR:g} %: {int((known > _FAR).sum())} sets",
+    ]
+    rows = np.flatnonzero(~within).tolist()
+    lines += [
+        f"    set {row}: tau {sets.tau[row]!r}, heyoka {heyoka[0][row]!r}, apart {apart[row]:.1e}, "
+        f"estimates {sets.error[row]:.1e} + {heyoka[1][row]:.1e}"
+        for row in rows
+    ]
+    return lines
+
+
+def write(sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats, path: Path) -> None:
+    """Every set as a row of a CSV file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    names = list(sets.cases[0].given())
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["tau", "tau_error", "heyoka", "heyoka_error", "mujoco", *names])
+        for row, case in enumerate(sets.cases):
+            found = (sets.tau, sets.error, *heyoka, mujoco)
+            values = [float(column[row]) for column in found]
+            writer.writerow([*values, *case.given().values()])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Read the command line and do it; the exit code is 1 where an agreement fails."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.truth", description=__doc__)
+    parser.add_argument("--sets", type=int, default=500)
+    parser.add_argument("--output", type=Path, default=Path("results/benchmarks/truth.csv"))
+    given = parser.parse_args(arguments)
+    if given.sets < 1:
+        parser.error(f"--sets {given.sets}: must be >= 1")
+    sets = draw(given.sets)
+    heyoka = by_heyoka(sets)
+    mujoco = np.array(
+        [by_mujoco(case, 3.0 * tau + 5.0) for case, tau in zip(sets.cases, sets.tau, strict=True)]
+    )
+    write(sets, heyoka, mujoco, given.output)
+    lines = summary(sets, heyoka, mujoco)
+    sys.stdout.write("\n".join(lines) + "\n")
+    agree = np.abs(heyoka[0] - sets.tau) <= sets.error + heyoka[1]
+    off = np.abs(mujoco - sets.tau) / sets.tau
+    return 0 if agree.all() and np.nanmedian(off) <= _CLOSE else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

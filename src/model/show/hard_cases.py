@@ -1,0 +1,140 @@
+"""Hard cases: the stability table as a picture, and the error over the stiffness of the base."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+
+from model.show import style
+from model.show.precision import LOOKS
+from model.study.config import HardCases
+from model.study.hard_cases import Judged, Mark
+from model.study.precision import METHODS, Verdict
+
+CAPTIONS: Mapping[str, str] = {
+    "stability": "What each method makes of each hard case. A number is the power of ten of the "
+    "error; W a wrong outcome, N more evaluations than it may, F a failure; a dot a right outcome "
+    "without an error to measure.",
+    "stiffness": "Error at the end over the stiffness of the base, by its damping. A method that "
+    "gives no answer has no point.",
+}
+# Light to dark, so that the marks stay apart in grey and for any colour vision.
+_FILLS: Mapping[Mark, str] = {
+    Mark.STABLE: "#D6E8F5",
+    Mark.INACCURATE: style.ORANGE,
+    Mark.BROKEN: "#5A5A5A",
+}
+_INKS: Mapping[Mark, str] = {
+    Mark.STABLE: style.BLACK,
+    Mark.INACCURATE: style.BLACK,
+    Mark.BROKEN: "#FFFFFF",
+}
+_WORDS: Mapping[Verdict, str] = {
+    Verdict.RIGHT_OUTCOME: "",
+    Verdict.WRONG_OUTCOME: "W",
+    Verdict.FAILED: "F",
+    Verdict.TOO_MANY_EVALUATIONS: "N",
+    Verdict.NOT_TRIED: "",
+}
+
+
+@dataclass(frozen=True)
+class Hardness:
+    """What the report says of hard cases; ``pictures`` holds a file for each of HARD_PICTURES."""
+
+    judged: Sequence[Judged]
+    pictures: Mapping[str, Path]
+
+
+def cell_text(judged: Judged) -> str:
+    """What stands in a cell of the picture."""
+    if judged.verdict != Verdict.RIGHT_OUTCOME:
+        return _WORDS[judged.verdict]
+    if math.isnan(judged.error):
+        return "·"
+    # No error is below the rounding of numbers of order one.
+    return f"{math.floor(math.log10(max(judged.error, 1e-16)))}".replace("-", "−")
+
+
+def _set_symbols(title: str) -> str:
+    """A title with its symbols set: k_a gets a subscript."""
+    return re.sub(r"\b(\w)_(\w)\b", r"$\1_\2$", title)
+
+
+def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
+    """A row for each case, a column for each method, coloured by its mark."""
+    cases, methods = list(titles), list(METHODS)
+    with style.context():
+        figure = style.new_figure(height=(4.5 + 0.5 * len(cases)) * style.CENTIMETRE)
+        axes = figure.subplots()
+        for each in judged:
+            x, y = methods.index(each.method), cases.index(each.case)
+            axes.add_patch(
+                Rectangle((x, y), 1.0, 1.0, facecolor=_FILLS[each.mark], edgecolor="white")
+            )
+            axes.text(
+                x + 0.5, y + 0.5, cell_text(each), ha="center", va="center", fontsize=7.5,
+                color=_INKS[each.mark],
+            )  # fmt: skip
+        axes.set_xlim(0.0, len(methods))
+        axes.set_ylim(len(cases), 0.0)
+        labels = [METHODS[method].label.replace(", ", ",\n") for method in methods]
+        axes.set_xticks([i + 0.5 for i in range(len(methods))], labels, fontsize=7.0, rotation=60)
+        axes.set_yticks(
+            [i + 0.5 for i in range(len(cases))],
+            [_set_symbols(title) for title in titles.values()],
+            fontsize=7.5,
+        )
+        axes.tick_params(length=0.0, labeltop=True, labelbottom=False)
+        for label in axes.get_xticklabels():
+            label.set(rotation_mode="anchor", ha="left", va="center")
+        axes.grid(visible=False)
+        for spine in axes.spines.values():
+            spine.set_visible(False)
+        figure.legend(
+            handles=[Patch(facecolor=fill, label=mark.value) for mark, fill in _FILLS.items()],
+            loc="outside lower center",
+            ncols=3,
+        )
+        return figure
+
+
+def error_over_stiffness(judged: Sequence[Judged], spec: HardCases) -> Figure:
+    """Error over the stiffness of the base, a panel for each damping."""
+    errors = {(each.case, each.method): each.error for each in judged}
+    cases, base = spec.all_cases, spec.base
+    with style.context():
+        figure = style.new_figure(height=11.0 * style.CENTIMETRE)
+        panels = figure.subplots(1, len(base.damping), sharex=True, sharey=True, squeeze=False)
+        met = set()
+        for axes, damping in zip(panels.flat, base.damping, strict=True):
+            names = [
+                name
+                for name in list(cases)[: len(base.stiffness) * len(base.damping)]
+                if cases[name].at["contact_damping"] == damping
+            ]
+            stiffness = [cases[name].at["contact_stiffness"] for name in names]
+            for method, look in LOOKS.items():
+                values = [max(errors[name, method], 1e-16) for name in names]
+                if any(math.isfinite(value) for value in values):
+                    met.add(method)
+                    axes.plot(stiffness, values, label=method, **look)
+            axes.axhline(spec.accurate, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
+            axes.set_title(f"$h_a$ = {damping:g}", loc="left")
+        corner = panels[0, 0]
+        corner.set_xscale("log")
+        corner.set_yscale("log")
+        corner.set_ylabel(f"error at τ = {base.until:g}")
+        figure.supxlabel("stiffness of the base $k_a$", fontsize=9.0)
+        handles = [
+            Line2D([], [], label=METHODS[method].label, **look)
+            for method, look in LOOKS.items()
+            if method in met
+        ]
+        figure.legend(handles=handles, loc="outside upper center", ncols=2)
+        return figure

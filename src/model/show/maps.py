@@ -1,0 +1,150 @@
+"""What is drawn upon a stability map: contours of the duration, the reliable area, other figures.
+
+``plots.stability_map`` draws the areas; these functions take its axes and the dataset, and return
+the handles of what they drew, for the legend.
+"""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.contour import QuadContourSet
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import Stroke, withStroke
+from matplotlib.ticker import LogLocator, MaxNLocator
+from numpy.typing import NDArray
+
+from model.show import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+RELIABLE_LABEL = "reliable: at every phase"
+MARK_LABEL = "other figures, by number"
+_CONTOURS = 5  # about as many
+_CONTOUR_NODES = 128  # along a side, of those that contours are drawn from
+_LEAST = 0.004  # of the map: a contour around less is no help to the eye
+
+
+def add_contours(axes: Axes, x: Floats, y: Floats, values: np.ma.MaskedArray) -> None:
+    """Labelled contours of ``values``, shape (y, x), at round numbers."""
+    levels = round_levels(values.compressed())
+    if not levels:
+        return
+    # Of a fine map every n-th node: what the eye sees, without the teeth of every jump.
+    every = max(1, (len(x) - 1) // _CONTOUR_NODES)
+    lines = axes.contour(
+        x[::every],
+        y[::every],
+        values[::every, ::every],
+        levels,
+        colors="white",
+        linewidths=0.8,
+        zorder=2.5,
+    )
+    lines.set_label("_contours")
+    lines.set_path_effects([Stroke(linewidth=1.4, foreground="#00000066"), Stroke(linewidth=0.8)])
+    labels = axes.clabel(
+        lines,
+        manual=list(_label_places(lines, float(np.ptp(x)), float(np.ptp(y)))),
+        fmt=lambda value: f"{value:g}",
+        fontsize=7.0,
+        inline_spacing=2,
+    )
+    for label in labels:
+        label.set_path_effects([withStroke(linewidth=1.6, foreground="#000000AA")])
+
+
+def _label_places(lines: QuadContourSet, width: float, height: float) -> Iterator[Any]:
+    """One place for each level: the middle of the longest of its lines."""
+    for path in lines.get_paths():
+        parts = [np.asarray(part) for part in path.to_polygons(closed_only=False)]
+        lengths = [np.hypot(*(np.diff(part, axis=0) / (width, height)).T).sum() for part in parts]
+        if lengths:
+            longest = parts[int(np.argmax(lengths))]
+            yield tuple(longest[len(longest) // 2])
+
+
+def round_levels(values: Floats) -> list[float]:
+    """Round numbers inside ``values``, with some of them on both sides; logarithmic if wide."""
+    if values.size == 0:
+        return []
+    low, high = (float(each) for each in np.quantile(values, [_LEAST, 1.0 - _LEAST]))
+    if low > 0.0 and high > 8.0 * low:
+        locator: Any = LogLocator(subs=(1.0, 2.0, 3.0, 5.0))
+    else:
+        locator = MaxNLocator(_CONTOURS, steps=[1, 2, 5, 10])
+    found = [float(level) for level in locator.tick_values(low, high) if low < level < high]
+    return found[:: max(1, round(len(found) / _CONTOURS))]
+
+
+def add_reliable(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
+    """The outline of the reliable area."""
+    if "reliable" not in dataset or "ensemble_phases" not in dataset.attrs:
+        return []
+    y, x = (dataset[name].values for name in dataset["reliable"].dims)
+    reliable = dataset["reliable"].values
+    if reliable.min() == reliable.max():
+        return []
+    outline: QuadContourSet = axes.contour(
+        x, y, reliable.astype(float), [0.5], colors=style.VERMILLION, linewidths=1.6, zorder=3.0
+    )
+    outline.set_label("_reliable")
+    return [Line2D([], [], color=style.VERMILLION, linewidth=1.6, label=RELIABLE_LABEL)]
+
+
+def add_marks(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
+    """Operating points of other figures: their number, and a line along what a figure sweeps."""
+    places: dict[tuple[float, float], list[str]] = {}
+    for figure, x, y in json.loads(dataset.attrs.get("operating_points", "[]")):
+        inside_x, inside_y = np.clip(x, *axes.get_xlim()), np.clip(y, *axes.get_ylim())
+        if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
+            continue  # beside the map
+        if max(len(x), len(y)) > 1:
+            _add_swept(axes, np.broadcast_to(inside_x, 2), np.broadcast_to(inside_y, 2), figure)
+        # Of a range, where it ends or leaves the map.
+        names = places.setdefault((float(inside_x[-1]), float(inside_y[-1])), [])
+        if figure not in names:
+            names.append(figure)
+    for place, figures in places.items():
+        _add_number(axes, place, figures)
+    if not places:
+        return []
+    look: Mapping[str, Any] = {"markerfacecolor": "white", "markeredgecolor": style.BLACK}
+    return [Line2D([], [], linestyle="none", marker="o", markersize=6, label=MARK_LABEL, **look)]
+
+
+def _add_swept(axes: Axes, x: Floats, y: Floats, figure: str) -> None:
+    axes.plot(
+        x,
+        y,
+        color="white",
+        linewidth=0.8,
+        linestyle=(0, (2, 2)),
+        label=f"_swept {figure}",
+        path_effects=[Stroke(linewidth=1.5, foreground="#00000055"), Stroke(linewidth=0.8)],
+        zorder=3.5,
+    )
+
+
+def _add_number(axes: Axes, place: tuple[float, float], figures: Sequence[str]) -> None:
+    words = ", ".join(figure.removeprefix("fig").lstrip("0") for figure in figures)
+    axes.annotate(
+        words,
+        place,
+        ha="center",
+        va="center",
+        fontsize=5.5,
+        bbox={
+            "boxstyle": "circle,pad=0.25" if len(words) < 3 else "round,pad=0.3",
+            "facecolor": "white",
+            "edgecolor": style.BLACK,
+            "linewidth": 0.6,
+        },
+        annotation_clip=False,
+        zorder=4.0,
+    )

@@ -1,0 +1,226 @@
+"""Random sets over the whole domain of the parameters, and what must hold of every run of them.
+
+The law reaches far beyond what a device could be: it is there to find runs that do not end, end in
+nothing declared, or end differently when they are done again. `make fuzz` runs it.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.physics.parameters import Batch
+from model.runs.batch import Alignments, align
+from model.runs.errors import SENSITIVE
+from model.runs.settings import Settings
+from model.solver.outcomes import Outcome, Reason
+
+Floats = NDArray[np.float64]
+
+SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=10_000)
+_MOST_RUNS = 5  # of a set: two, and three more where they part
+_LAST_STEP = 200  # evaluations that a step and its switch may take beyond the limit
+
+_LEAVING = (
+    Reason.MOVED_AWAY, Reason.OVERSHOT, Reason.CORNER_ON_WALL, Reason.EDGE_ON_OTHER_FACE,
+    Reason.BOTH_SIDES, Reason.OVERTURNED, Reason.UNDECLARED_CONTACT,
+)  # fmt: skip
+_FAILING = (
+    Reason.IMPOSSIBLE_START, Reason.STEP_TOO_SMALL, Reason.TOO_MANY_EVALUATIONS, Reason.CHATTER,
+    Reason.NOT_FINITE, Reason.NO_FRICTION_SOLUTION,
+)  # fmt: skip
+# A failure that is the solver's own, and not that of a set which asks for too much. It says that
+# there is no answer, which is allowed, but rarely.
+UNEXPLAINED = (Reason.CHATTER, Reason.NOT_FINITE, Reason.STEP_TOO_SMALL,
+               Reason.NO_FRICTION_SOLUTION)  # fmt: skip
+
+
+class Law(NamedTuple):
+    """Log-uniform from ``low`` to ``high``; 0 in a share ``zero``, negative in ``minus``."""
+
+    low: float
+    high: float
+    zero: float = 0.0
+    minus: float = 0.0
+
+
+LAWS: Mapping[str, Law] = {
+    "half_width": Law(1e-2, 1e2),
+    "half_height": Law(1e-2, 1e2),
+    "clearance": Law(1e-9, 1e1),
+    "initial_tilt": Law(1e-9, 1.5, zero=0.2, minus=0.3),
+    "inertia": Law(1e-4, 1e4),
+    "lateral_stiffness": Law(1e-4, 1e4, zero=0.1),
+    "tilt_stiffness": Law(1e-4, 1e4, zero=0.1),
+    "lateral_damping": Law(1e-4, 1e2, zero=0.2),
+    "axial_damping": Law(1e-4, 1e2, zero=0.2),
+    "tilt_damping": Law(1e-4, 1e2, zero=0.2),
+    "contact_stiffness": Law(1e-1, 1e8),
+    "contact_damping": Law(1e-3, 1e4, zero=0.2),
+    "friction": Law(1e-3, 1e1, zero=0.1),
+    "press_force": Law(1e-2, 1e2, zero=0.1, minus=0.1),
+    "frequency": Law(1e-3, 1e3, zero=0.1),
+    "phase": Law(1e-2, 6.3, zero=0.5, minus=0.5),
+    "rest_x": Law(1e-3, 1e1, minus=0.5),
+    "rest_y": Law(1e-2, 1e2, minus=0.1),
+    "rest_tilt": Law(1e-6, 1.0, zero=0.5, minus=0.5),
+}
+UNEXPLAINED_SHARE = 1e-3
+_DERIVED = 0.7  # share of the sets whose rest_x and rest_y follow the start
+
+
+def draw(seed: int, first: int, count: int) -> Batch:
+    """Sets ``first`` to ``first + count``; a set depends on its number and the seed only."""
+    rows = np.array(
+        [np.random.default_rng([seed, first + i]).random((3, 1 + len(LAWS))) for i in range(count)]
+    )
+    values: dict[str, Floats] = {}
+    for i, (name, law) in enumerate(LAWS.items()):
+        value = law.low * (law.high / law.low) ** rows[:, 0, i]
+        value = np.where(rows[:, 1, i] < law.minus, -value, value)
+        value = np.where(rows[:, 2, i] < law.zero, 0.0, value)
+        if name.startswith("rest_") and law.zero == 0.0:
+            value = np.where(rows[:, 2, i] < _DERIVED, np.nan, value)
+        values[name] = value
+    # Anywhere on the edge, near its ends above all.
+    reach = values["half_width"] * (2.0 + values["clearance"])
+    place = rows[:, 0, -1]
+    values["misalignment"] = reach * np.where(rows[:, 1, -1] < 0.5, place, 1e-3**place * 0.999)
+    return Batch(values)
+
+
+class Finding(NamedTuple):
+    """A property that a set breaks: its number, the property, and what was found."""
+
+    number: int
+    what: str
+    found: str
+
+
+class Report(NamedTuple):
+    """What a campaign found: how runs ended, how many sets are sensitive, and every violation.
+
+    ``unexplained`` holds the sets that failed without a reason of their own.
+    """
+
+    sets: int
+    endings: dict[str, int]
+    sensitive: int
+    evaluations: int
+    findings: list[Finding]
+    unexplained: list[Finding]
+
+
+def _same(one: Alignments, other: Alignments) -> NDArray[np.bool_]:
+    """Which sets agree to the bit, NaN included."""
+    agree = np.ones(len(one), dtype=np.bool_)
+    for field in fields(Alignments):
+        a, b = getattr(one, field.name), getattr(other, field.name)
+        equal = a == b
+        if a.dtype.kind == "f":
+            equal |= np.isnan(a) & np.isnan(b)
+        agree &= equal
+    return agree
+
+
+def _taken(runs: Alignments, order: NDArray[np.int64]) -> Alignments:
+    return Alignments(
+        **{field.name: getattr(runs, field.name)[order] for field in fields(Alignments)}
+    )
+
+
+def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray[np.bool_]]:
+    """Which sets break what must hold of each run by itself."""
+    aligned, left = runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.LEFT_SCENE
+    failed = runs.outcome == Outcome.FAILED
+    spent = _MOST_RUNS * (settings.max_evaluations + _LAST_STEP)
+    reasons = np.where(left, np.isin(runs.reason, _LEAVING), runs.reason == Reason.NONE)
+    reasons = np.where(failed, np.isin(runs.reason, _FAILING), reasons)
+    with np.errstate(invalid="ignore"):
+        in_time = (runs.tau_align >= 0.0) & (runs.tau_align <= settings.horizon)
+        inside = (runs.sticking_share >= 0.0) & (runs.sticking_share <= 1.0 + 1e-12)
+    return {
+        "ends within its evaluations": runs.rhs_evaluations > spent,
+        "ends in a declared outcome": ~np.isin(runs.outcome, list(Outcome)),
+        "has a reason that fits its outcome": ~reasons,
+        "has an alignment time if and only if it aligns": aligned != in_time,
+        "has a positive error or says that it is sensitive": aligned
+        & ~runs.sensitive
+        & ~(np.nan_to_num(runs.tau_error, nan=-1.0) > 0.0),
+        "is finite": ~(np.isfinite(runs.tilt_max) & np.isfinite(runs.contact_force_max)),
+        "sticks for a share of its time": ~inside,
+    }
+
+
+def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -> Report:
+    """Run sets of the law and try every property on them.
+
+    Raises:
+        ValueError: fewer than one set.
+    """
+    if count < 1:
+        raise ValueError(f"sets = {count!r}: must be >= 1")
+    batch = draw(seed, first, count)
+    runs = align(batch, settings, cores=1)
+    broken = broken_properties(runs, settings)
+
+    # Again, backwards and dealt out to other threads.
+    order = np.arange(count)[::-1]
+    turned = Batch({name: values[order] for name, values in batch.values.items()})
+    again = _taken(align(turned, settings, cores=3), order)
+    broken["is the same to the bit in another order on other cores"] = ~_same(runs, again)
+
+    # A neighbour: what says that it is not sensitive must end alike a tolerance away.
+    moved = dict(batch.values)
+    moved["misalignment"] = moved["misalignment"] + 0.5 * settings.tolerance
+    near = align(Batch(moved), settings, cores=1)
+    broken["agrees with its neighbour unless either is sensitive"] = _differ(runs, near)
+
+    # The reference engine, one run at a time.
+    alone = align(batch, settings, cores=1, engine="scalar")
+    broken["agrees with the reference engine unless either is sensitive"] = _differ(runs, alone)
+
+    describe = _describer(runs)
+    findings = [
+        Finding(first + int(row), what, describe(int(row)))
+        for what, which in broken.items()
+        for row in np.flatnonzero(which)
+    ]
+    unexplained = [
+        Finding(first + int(row), "failed without a reason of its own", describe(int(row)))
+        for row in np.flatnonzero(np.isin(runs.reason, UNEXPLAINED))
+    ]
+    names = [
+        f"{Outcome(int(outcome)).name.lower()}: {Reason(int(reason)).name.lower()}"
+        for outcome, reason in zip(runs.outcome, runs.reason, strict=True)
+    ]
+    endings = {name: names.count(name) for name in sorted(set(names))}
+    evaluations = int(runs.rhs_evaluations.sum())
+    sensitive = int(runs.sensitive.sum())
+    return Report(count, endings, sensitive, evaluations, findings, unexplained)
+
+
+def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
+    """Which sets end otherwise, or at another time, without a flag on either of the two.
+
+    What stopped short, at its limit of evaluations, may have stopped before or after its end.
+    """
+    spent = Reason.TOO_MANY_EVALUATIONS
+    judged = ~runs.sensitive & ~others.sensitive & (runs.reason != spent) & (others.reason != spent)
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
+    return judged & ((runs.outcome != others.outcome) | apart)
+
+
+def _describer(runs: Alignments) -> Callable[[int], str]:
+    def describe(row: int) -> str:
+        outcome, reason = Outcome(int(runs.outcome[row])), Reason(int(runs.reason[row]))
+        return (
+            f"{outcome.name.lower()} ({reason.name.lower()}), tau_align "
+            f"{runs.tau_align[row]!r} ± {runs.tau_error[row]!r}, "
+            f"{int(runs.rhs_evaluations[row])} evaluations"
+        )
+
+    return describe

@@ -1,0 +1,215 @@
+"""Hard cases: what every method of the comparison makes of scenes that are hard to integrate.
+
+A method is stable on a case where it comes to the right outcome within the accuracy asked for,
+inaccurate where it answers, but wrongly or less accurately, and broken where it gives no answer.
+The true solution is the default method's at a far smaller tolerance; where two such tolerances
+disagree, errors of a state mean nothing and only the outcome is judged.
+"""
+
+import csv
+import io
+import math
+import time
+from dataclasses import dataclass, fields, replace
+from enum import Enum
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.physics.parameters import Batch, Parameters
+from model.runs.batch import NO_TRACK
+from model.runs.settings import Settings
+from model.solver.loop import integrate_each, new_single
+from model.solver.outcomes import Outcome
+from model.solver.record import STATE, STATE_SIZE, Ending
+from model.solver.tableaux import DOP853
+from model.study.datasets import DatasetError
+from model.study.plans import HardCasesPlan
+from model.study.precision import METHODS, Passed, Problem, Verdict
+
+_COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
+_TRUE_EVALUATIONS = 2_000_000_000  # the limit is for the others
+
+
+class Mark(Enum):
+    """What a method is on a case."""
+
+    STABLE = "stable"
+    INACCURATE = "inaccurate"
+    BROKEN = "broken"
+
+
+@dataclass(frozen=True)
+class Run:
+    """How one run ended: outcome, alignment time (NaN if not aligned), final state, shape (6,)."""
+
+    outcome: Outcome
+    tau_align: float
+    state: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The true run of a case; ``uncertainty`` of its alignment time or final state."""
+
+    run: Run
+    uncertainty: float
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One method on one case.
+
+    ``outcome`` is the true one, ``error`` NaN where there is none to measure, ``uncertainty`` that
+    of the truth, and ``microseconds`` the CPU time of this one run.
+    """
+
+    case: str
+    method: str
+    outcome: str
+    verdict: Verdict
+    mark: Mark
+    error: float
+    uncertainty: float
+    rhs_evaluations: int
+    microseconds: float
+
+
+def problem_of(plan: HardCasesPlan, name: str) -> Problem:
+    """The case ``name`` as methods get it."""
+    case = plan.spec.all_cases[name]
+    parameters = Parameters(**plan.parameters).replace(**case.at)  # type: ignore[arg-type]
+    settings = replace(
+        plan.settings.settings,
+        horizon=case.until,
+        max_evaluations=case.max_evaluations or plan.spec.max_evaluations,
+        may_settle=False,
+    )
+    return Problem(parameters, settings, plan.spec.max_evaluations_scipy)
+
+
+def run_once(parameters: Parameters, settings: Settings) -> Run:
+    """One run by the reference engine, without an estimate of its error or a track."""
+    rows = Batch.stack([parameters]).constants(settings.readings)
+    endings, single = np.empty((1, len(Ending._fields))), new_single(settings.method.method)
+    tolerances = np.array([settings.tolerance])
+    integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, endings, single)
+    ending = Ending(*endings[0].tolist())
+    state = single.runs[STATE : STATE + STATE_SIZE, 0].copy()
+    return Run(Outcome(int(ending.outcome)), ending.tau_align, state)
+
+
+def true_run(plan: HardCasesPlan, name: str) -> Truth:
+    """The case ``name`` at the true tolerance, and how far a coarser one is from it."""
+    problem, tolerance = problem_of(plan, name), plan.spec.true_tolerance
+    settings = replace(problem.settings, method=DOP853, max_evaluations=_TRUE_EVALUATIONS)
+    fine, coarse = (
+        run_once(problem.parameters, replace(settings, tolerance=factor * tolerance))
+        for factor in (1.0, _COARSER_TRUTH)
+    )
+    if fine.outcome != coarse.outcome:
+        return Truth(fine, math.inf)
+    if fine.outcome == Outcome.ALIGNED:
+        return Truth(fine, abs(fine.tau_align - coarse.tau_align))
+    return Truth(fine, float(np.abs(fine.state - coarse.state).max()))
+
+
+def judge(plan: HardCasesPlan, name: str, method: str, truth: Truth) -> Judged:
+    """Run ``method`` on the case ``name`` and mark it."""
+    problem, how = problem_of(plan, name), METHODS[method]
+    resolution = plan.spec.step if how.fixed else plan.spec.tolerance
+    started = time.thread_time()
+    passed = how.run(problem, resolution)
+    seconds = time.thread_time() - started
+    error, verdict, mark = mark_of(passed, truth, plan.spec.accurate)
+    return Judged(
+        case=name,
+        method=method,
+        outcome=truth.run.outcome.name.lower(),
+        verdict=verdict,
+        mark=mark,
+        error=error,
+        uncertainty=truth.uncertainty,
+        rhs_evaluations=passed.rhs_evaluations,
+        microseconds=1e6 * seconds,
+    )
+
+
+def mark_of(passed: Passed, truth: Truth, accurate: float) -> tuple[float, Verdict, Mark]:
+    """(error, verdict, mark) of a run; the error is NaN where only the outcome can be judged."""
+    if passed.failure is None and not np.isfinite(passed.state).all():
+        return math.nan, Verdict.FAILED, Mark.BROKEN
+    error, verdict = _error_of(passed, truth.run)
+    if verdict in (Verdict.FAILED, Verdict.TOO_MANY_EVALUATIONS):
+        return math.nan, verdict, Mark.BROKEN
+    if verdict == Verdict.WRONG_OUTCOME:
+        return math.nan, verdict, Mark.INACCURATE
+    # A part that leaves the scene does so at a switch that the others do not have.
+    if truth.run.outcome == Outcome.LEFT_SCENE or truth.uncertainty > 0.1 * accurate:
+        return math.nan, verdict, Mark.STABLE
+    return error, verdict, Mark.STABLE if error <= accurate else Mark.INACCURATE
+
+
+def _error_of(passed: Passed, truth: Run) -> tuple[float, Verdict]:
+    """As ``precision.error_of``: of the alignment time, or else of the state at the end."""
+    if passed.failure is not None:
+        return math.nan, passed.failure
+    aligns = truth.outcome == Outcome.ALIGNED
+    if math.isnan(passed.tau_align) == aligns:
+        return math.nan, Verdict.WRONG_OUTCOME
+    if aligns:
+        return abs(passed.tau_align - truth.tau_align), Verdict.RIGHT_OUTCOME
+    return float(np.abs(passed.state - truth.state).max()), Verdict.RIGHT_OUTCOME
+
+
+# ------------------------------------------------------------------------------------------ tables
+
+_COLUMNS = tuple(field.name for field in fields(Judged))
+
+
+def table_of(judged: list[Judged], *, times: bool) -> str:
+    """The judged runs as CSV, with or without their CPU times, which are new in every build."""
+    columns = _COLUMNS if times else _COLUMNS[:-1]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for each in judged:
+        row = vars(each) | {
+            "verdict": each.verdict.name.lower(),
+            "mark": each.mark.value,
+            "error": f"{each.error:.3e}",
+            "uncertainty": f"{each.uncertainty:.1e}",
+            "microseconds": f"{each.microseconds:.0f}",
+        }
+        writer.writerow([row[name] for name in columns])
+    return text.getvalue()
+
+
+def read_table(path: Path) -> list[Judged]:
+    """What ``table_of`` wrote to ``path``; times that are not there are NaN.
+
+    Raises:
+        DatasetError: a file that is missing or not such a table.
+    """
+    try:
+        rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+        if not rows:
+            raise ValueError("it has no rows")  # noqa: TRY301 - told with the others below
+        return [
+            Judged(
+                case=row["case"],
+                method=row["method"],
+                outcome=row["outcome"],
+                verdict=Verdict[row["verdict"].upper()],
+                mark=Mark(row["mark"]),
+                error=float(row["error"]),
+                uncertainty=float(row["uncertainty"]),
+                rhs_evaluations=int(row["rhs_evaluations"]),
+                microseconds=float(row.get("microseconds", "nan")),
+            )
+            for row in rows
+        ]
+    except (OSError, UnicodeDecodeError, KeyError, ValueError, TypeError) as error:
+        fault = f"{path}: is not a table of hard cases ({error}): build it again"
+        raise DatasetError(fault) from None

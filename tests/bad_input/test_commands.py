@@ -1,0 +1,191 @@
+"""Bad input to the command: one line that names the remedy, exit code 2, nothing left behind."""
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from model import simulate
+from model.show import cli
+from model.study.config import ConfigError, baseline, load_study, study_path
+from model.study.datasets import read_dataset, write_dataset
+from model.study.provenance import Job, write_text
+
+COMMAND = [sys.executable, "-m", "model.show.cli"]
+
+# The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
+LINES = [
+    (["simulate", "--set", "half_width=0"], ["half_width", "> 0"]),
+    (["simulate", "--set", "=1"], ["''", "half_width"]),
+    (["simulate", "--set", "friction=0.1=2"], ["friction", "'0.1=2'"]),
+    (["simulate", "--set", "rest_x=anywhere"], ["rest_x", "'anywhere'", "None"]),
+    (["simulate", "--tolerance", "1e-20"], ["tolerance", "1e-14"]),
+    (["simulate", "--horizon", "-1"], ["horizon", "> 0"]),
+    (["simulate", "--readings", "both"], ["both", "printed"]),
+    (["simulate", "--reading", "preload"], ["preload", "NAME=VALUE"]),
+    (["simulate", "--plot", "ROOT/run"], ["run", ".png"]),
+    (["simulate", "--plot", "/dev/full/run.png"], ["/dev/full", "does not exist"]),
+    (["simulate", "extra"], ["extra", "--help"]),
+    (["simulte"], ["simulte", "simulate"]),
+    (["runs", "--root", "ROOT/nowhere"], ["nowhere"]),
+    (["runs", "--root", "ROOT/file"], ["file"]),
+    (["runs", "--root", "ROOT", "--figure", "99"], ["ROOT", "build the study first"]),
+    (["runs", "--root", "ROOT", "--outcome", ""], ["outcome", "aligned"]),
+    (["runs", "--root", "ROOT", "--outcome", "happy"], ["happy", "aligned"]),
+    (["runs", "--root", "ROOT", "--since", "yesterday"], ["yesterday"]),
+    (["runs", "--root", "ROOT", "--parameter", "mass"], ["mass"]),
+    (["runs", "--root", "ROOT", "--invocations"], ["ROOT", "build the study first"]),
+    (["show", "--root", "ROOT", "merge/fig06"], ["ROOT", "build the study first"]),
+    (["show", "--root", "ROOT/nowhere", "last"], ["nowhere"]),
+    (["diff", "--root", "ROOT", "one", "other"], ["ROOT", "build the study first"]),
+    (["diff", "--root", "ROOT", "merge/fig06"], ["B"]),
+    (["verify", "--root", "ROOT/nowhere"], ["nowhere", "make smoke"]),
+    (["verify", "--root", "ROOT/file"], ["file", "make smoke"]),
+    (["verify", "--root", "ROOT", "--figure", "0"], ["fig00"]),
+    (["accept", "--root", "ROOT"], ["--reason"]),
+    (["accept", "--root", "ROOT", "--reason", "so"], ["--figure"]),
+    (["accept", "--root", "ROOT", "--reason", "so", "--figure", "6"], ["reason", "words"]),
+    (["accept", "--root", "ROOT", "--reason", "", "--figure", "6"], ["reason"]),
+    (["export", "mlflow", "--root", "ROOT", "ROOT/out.db"], ["ROOT"]),
+    (["export", "zip", "ROOT/out.zip"], ["zip", "mlflow"]),
+]
+
+
+@pytest.fixture
+def root(tmp_path):
+    folder = tmp_path / "results"
+    folder.mkdir()
+    (folder / "file").write_text("no folder\n", encoding="utf-8")
+    return folder
+
+
+@pytest.mark.parametrize(("line", "words"), LINES, ids=[" ".join(line) for line, _ in LINES])
+def test_a_command_line(capsys, monkeypatch, root, line, words):
+    monkeypatch.chdir(root)
+    before = {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
+    given = [word.replace("ROOT", str(root)) for word in line]
+    code = cli.main(given)
+    out, err = capsys.readouterr()
+    assert code == cli.REFUSED
+    assert out == ""
+    assert err.count("\n") == 1, err
+    for word in words:
+        assert word.replace("ROOT", str(root)) in err
+    assert {path: path.read_bytes() for path in root.rglob("*") if path.is_file()} == before
+
+
+CONFIGURATIONS = {
+    "nothing": b"",
+    "a list": b"- 1\n- 2\n",
+    "a number": b"42\n",
+    "half of it": None,
+    "a bracket left open": b"figures: {fig06: [1, 2\n",
+    "tabs": b"figures:\n\tfig06: 1\n",
+    "a picture": b"\x89PNG\r\n\x1a\n\x00\x00",
+    "a reference to nothing": b"figures: *missing\n",
+    "a Python object": b"figures: !!python/object/apply:os.getcwd []\n",
+    "a key of two": b"? [a, b]\n: 1\n",
+}
+
+
+@pytest.mark.parametrize("content", CONFIGURATIONS.values(), ids=list(CONFIGURATIONS))
+def test_a_configuration(tmp_path, content):
+    path = tmp_path / "config.yaml"
+    whole = study_path().read_bytes()
+    path.write_bytes(whole[: len(whole) // 2] if content is None else content)
+    with pytest.raises(ConfigError) as refusal:
+        load_study(path)
+    assert str(path) in str(refusal.value)
+
+
+@pytest.mark.parametrize("name", ["", "nowhere/config.yaml"])
+def test_a_configuration_that_is_not_there_or_a_folder(tmp_path, name):
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load_study(tmp_path / name)
+
+
+# --------------------------------------------------------------------------------------- full disk
+
+
+def _small_files_only() -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
+
+
+@pytest.fixture
+def compiled():
+    """Kernels are on disk already: a command that cannot write must not have to compile."""
+    simulate(baseline(), horizon=0.1)
+
+
+@pytest.mark.usefixtures("compiled")
+def test_a_picture_on_a_full_disk(tmp_path):
+    # A limit on the size of files stands for the full disk: the same call fails, half-way.
+    picture = tmp_path / "run.png"
+    done = subprocess.run(
+        [*COMMAND, "simulate", "--horizon", "1", "--plot", str(picture)],
+        capture_output=True, text=True, check=False, preexec_fn=_small_files_only,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+    )  # fmt: skip
+    assert done.returncode == cli.FAILED
+    assert "Traceback" not in done.stderr
+    assert str(picture) in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("compiled")
+def test_printing_to_a_full_disk():
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        done = subprocess.run(
+            [*COMMAND, "simulate", "--horizon", "1"], stdout=full, stderr=subprocess.PIPE,
+            text=True, check=False,
+        )  # fmt: skip
+    assert done.returncode == cli.FAILED
+    assert "Traceback" not in done.stderr
+    assert "space" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+WRITERS = {
+    "a dataset": lambda path, make: write_dataset(make(), path),
+    "a table": lambda path, _make: write_text("x" * 10_000, path),
+    "a record": lambda path, _make: Job("trial").finish(path, [], parameters={"x": "y" * 10_000}),
+}
+
+
+@pytest.mark.parametrize("write", WRITERS.values(), ids=list(WRITERS))
+@pytest.mark.parametrize("was_there", [True, False])
+def test_a_result_on_a_full_disk(tmp_path, make_dataset, write, was_there):
+    path = tmp_path / "result"
+    if was_there:
+        path.write_text("as it was\n", encoding="utf-8")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2048, limits[1]))
+    try:
+        with pytest.raises((OSError, RuntimeError)):
+            write(path, make_dataset)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert [each.name for each in tmp_path.iterdir()] == (["result"] if was_there else [])
+    if was_there:
+        assert path.read_text(encoding="utf-8") == "as it was\n"
+
+
+@pytest.mark.parametrize("write", WRITERS.values(), ids=list(WRITERS))
+def test_a_result_in_a_folder_that_is_a_file(tmp_path, make_dataset, write):
+    blocked = tmp_path / "results"
+    blocked.write_text("a file\n", encoding="utf-8")
+    with pytest.raises(OSError, match="results"):
+        write(blocked / "result", make_dataset)
+    assert blocked.read_text(encoding="utf-8") == "a file\n"
+
+
+def test_a_dataset_that_was_cut_after_it_was_written_is_not_taken_for_good(tmp_path, make_dataset):
+    path = tmp_path / "fig06.nc"
+    write_dataset(make_dataset(), path)
+    with path.open("r+b") as file:
+        file.truncate(path.stat().st_size - 100)
+    with pytest.raises(ValueError, match="build it again"):
+        read_dataset(path)

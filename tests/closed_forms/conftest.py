@@ -1,0 +1,167 @@
+"""Scenes of a few lines, run by the project's own engine from any state.
+
+A part is reduced to what a closed form is about by its parameters: without friction, flat and with
+the edge A1 right under its mass centre it is a ball; with an immense inertia it cannot tilt; with a
+weak spring that is relaxed far away a constant force pulls it.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from model import ALIGNMENT, Batch, Parameters, Readings
+from model.physics.motion import motion
+from model.physics.notation import State
+from model.physics.parameters import Constants
+from model.physics.scenes import CLOSED, START, Mode
+from model.solver.course import Control, begin
+from model.solver.loop import TRACK_COLUMNS, advance, new_single
+from model.solver.outcomes import Outcome, Reason
+from model.solver.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
+from model.solver.step import dense_output, interpolate, right_hand_side, take_step
+from model.solver.tableaux import DOP853
+from model.solver.transitions import CONTINUES
+
+LOCKED = 1e12
+"""An inertia with which no moment of these scenes turns the part."""
+
+
+class Step(NamedTuple):
+    """A step of the engine: from (time, state, mode) to what a switch at its end left."""
+
+    time: float
+    state: np.ndarray
+    mode: Mode
+    end: float
+    end_state: np.ndarray
+    end_mode: Mode
+
+
+class Course:
+    """A run from any state, or from the start, with every step that the engine made."""
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        state: np.ndarray | None = None,
+        mode: Mode = START,
+        *,
+        horizon: float,
+        tolerance: float = 1e-12,
+        until: Callable[["Course"], bool] = lambda _: False,
+    ) -> None:
+        row = Batch.stack([parameters]).constants(Readings.consistent())[0]
+        self.p = Constants(*row.tolist())
+        self.parameters, self.steps = parameters, []
+        single = new_single(DOP853.method)
+        control = Control(horizon, 50_000_000, 0.0)
+        runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
+        begin(row, tolerance, ALIGNMENT.declared, control, runs, 0)
+        if state is not None:
+            runs[OUTCOME, 0], runs[REASON, 0] = CONTINUES, 0.0
+            runs[STATE : STATE + 6, 0] = state
+            runs[MODE : MODE + 9, 0] = mode
+        while runs[OUTCOME, 0] == CONTINUES:
+            time, before, mode = runs[TIME, 0], runs[STATE : STATE + 6, 0].copy(), _mode(runs)
+            advance(
+                ALIGNMENT.declared, DOP853.method, control, track, single.history, single.work,
+                runs, 0,
+            )  # fmt: skip
+            after = runs[STATE : STATE + 6, 0].copy()
+            self.steps.append(Step(time, before, mode, runs[TIME, 0], after, _mode(runs)))
+            if until(self):
+                break
+        self.outcome, self.reason = runs[OUTCOME, 0], Reason(int(runs[REASON, 0]))
+        if self.outcome != CONTINUES:
+            self.outcome = Outcome(int(self.outcome))
+        self.tau_align = runs[TAU_ALIGN, 0]
+
+    @property
+    def time(self) -> np.ndarray:
+        return np.array([self.steps[0].time] + [step.end for step in self.steps])
+
+    @property
+    def state(self) -> np.ndarray:
+        return np.array([self.steps[0].state] + [step.end_state for step in self.steps])
+
+    def switches(self, field: str, was, becomes) -> list[Step]:
+        """The steps at whose end ``field`` of the mode goes from ``was`` to ``becomes``."""
+        return [
+            step
+            for step in self.steps
+            if getattr(step.mode, field) == was and getattr(step.end_mode, field) == becomes
+        ]
+
+    def impacts(self) -> list[Step]:
+        """The steps that end as A1 meets the bottom face."""
+        return [
+            step for step in self.steps
+            if step.mode.face != CLOSED and step.mode.face == 0 and step.end_mode.face == CLOSED
+        ]  # fmt: skip
+
+    def places(self, step: Step, fractions: np.ndarray) -> list[tuple[float, State]]:
+        """(time, state) at fractions of a step, by its dense output."""
+        method = DOP853.method
+        k, end, trial = np.empty((method.c.size, 6)), np.empty(6), np.empty(6)
+        dense = np.empty((6, method.dense.shape[1]))
+        length = step.end - step.time
+        right_hand_side(step.time, step.state, self.p, step.mode, k[0])
+        take_step(step.time, length, step.state, self.p, step.mode, method, k, end)
+        dense_output(step.time, length, step.state, self.p, step.mode, method, k, trial, dense)
+        return [
+            (step.time + theta * length, interpolate(theta, length, step.state, dense))
+            for theta in fractions
+        ]
+
+    def forces(self, time: float, q: State, mode: Mode):
+        """``Motion`` at a place of the course."""
+        return motion(time, q, self.p, mode)
+
+
+def _mode(runs) -> Mode:
+    edge, face, corner, offset, at_corner, slip, side, side_slip, dropped = runs[MODE : MODE + 9, 0]
+    return Mode(
+        float(edge), int(face), int(corner), float(offset), bool(at_corner), int(slip), int(side),
+        int(side_slip), bool(dropped),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def course():
+    return Course
+
+
+@pytest.fixture(scope="session")
+def ball(device):
+    """The part as a ball of unit mass over A1, above a base of given stiffness and damping.
+
+    Flat, without friction, and with the edge right under the mass centre no moment and no lateral
+    force ever arises. ``height`` is that of the free surface below the part's mass centre.
+    """
+
+    def make(stiffness, damping, **changes):
+        bare = {
+            "lateral_stiffness": 0.0, "tilt_stiffness": 0.0, "lateral_damping": 0.0,
+            "axial_damping": 0.0, "tilt_damping": 0.0, "friction": 0.0, "press_force": 0.0,
+            "frequency": 0.0, "phase": 0.0, "initial_tilt": 0.0,
+            "misalignment": device.slot_half_width,
+        }  # fmt: skip
+        return device.replace(
+            **bare | changes, contact_stiffness=stiffness, contact_damping=damping
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def at(device):
+    """State of a ball at ``height`` above the base, with a velocity upward."""
+
+    def make(height, velocity=0.0):
+        return np.array(
+            [device.slot_half_width, device.half_height + height, 0.0, 0.0, velocity, 0.0]
+        )
+
+    return make

@@ -1,0 +1,213 @@
+"""The refined map against the full one, on maps with known areas, islands and jumps."""
+
+import numpy as np
+import pytest
+
+from model.runs.refinement import Lattice, Refined, refine
+
+CELLS = 256
+COARSE = 16
+LINES = 64
+
+
+def plane(cells: int = CELLS) -> tuple[np.ndarray, np.ndarray]:
+    """x and y of every node, from 0 to 1."""
+    along = np.arange(cells + 1) / cells
+    y, x = np.meshgrid(along, along, indexing="ij")
+    return x, y
+
+
+class Map:
+    """A known map that counts what is asked of it, and refuses to be asked twice."""
+
+    def __init__(self, kind: np.ndarray, value: np.ndarray | None = None) -> None:
+        self.kind = np.asarray(kind, dtype=np.int64)
+        self.value = np.full(kind.shape, np.nan) if value is None else value
+        self.asked = np.zeros(kind.shape, dtype=np.bool_)
+
+    def __call__(self, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        assert not self.asked[rows, columns].any()
+        self.asked[rows, columns] = True
+        return self.kind[rows, columns], self.value[rows, columns]
+
+
+def half(cells: int = CELLS) -> np.ndarray:
+    x, y = plane(cells)
+    return y > 0.3 + 0.4 * x + 0.05 * np.sin(9.0 * x)
+
+
+def disc(x0: float, y0: float, radius: float, cells: int = CELLS) -> np.ndarray:
+    x, y = plane(cells)
+    return (x - x0) ** 2 + (y - y0) ** 2 < radius**2
+
+
+def stripe(angle: float, offset: float, width: float, length: float = 9.0) -> np.ndarray:
+    """A band of ``width`` cells around a line through near the middle, ``length`` of the side."""
+    x, y = plane()
+    across = (x - 0.5) * np.sin(angle) - (y - 0.5) * np.cos(angle) - offset
+    along = (x - 0.5) * np.cos(angle) + (y - 0.5) * np.sin(angle)
+    return (np.abs(across) <= 0.5 * width / CELLS) & (np.abs(along) <= 0.5 * length)
+
+
+def fractal() -> np.ndarray:
+    """The Mandelbrot set's neighbourhood: a border with islands on every scale."""
+    x, y = plane()
+    c = (x * 3.0 - 2.2) + 1j * (y * 2.6 - 1.3)
+    z = np.zeros_like(c)
+    inside = np.ones(c.shape, dtype=np.bool_)
+    for _ in range(30):
+        z[inside] = z[inside] ** 2 + c[inside]
+        inside &= np.abs(z) <= 2.0
+    return inside
+
+
+def refined(kind: np.ndarray, value: np.ndarray | None = None, **rule: float) -> Refined:
+    given = {"cells": CELLS, "coarse": COARSE, "lines": LINES, **rule}
+    return refine(Map(kind, value), Lattice(**given))
+
+
+def wrong(found: Refined, kind: np.ndarray) -> int:
+    return int((found.kind != kind).sum())
+
+
+def test_a_border_is_followed_cell_by_cell_and_equals_the_full_map():
+    kind = half()
+    found = refined(kind)
+    assert wrong(found, kind) == 0
+    assert found.computed.mean() < 0.12
+    edges = kind[1:] != kind[:-1]  # every node beside the border was computed
+    assert found.computed[1:][edges].all()
+    assert found.computed[:-1][edges].all()
+
+
+def test_three_areas_that_meet_in_a_point():
+    x, y = plane()
+    kind = np.where(y > x, 0, np.where(x + y > 1.0, 1, 2))
+    assert wrong(refined(kind), kind) == 0
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.1, 0.5, 0.785398, 1.2, np.pi / 2])
+@pytest.mark.parametrize("offset", [0.013, 0.0503, 0.121])
+def test_a_stripe_one_node_wide_across_a_line_is_found_whole(angle, offset):
+    """It is narrower than any coarse cell; a node of it on a line is enough to find the rest.
+
+    1.5 cells are the least width at which a slanting stripe is one connected set of nodes.
+    """
+    kind = stripe(angle, offset, 1.5)
+    assert kind.any()
+    assert wrong(refined(kind), kind) == 0
+
+
+def test_without_lines_such_a_stripe_is_missed():
+    kind = stripe(0.0, 0.013, 1.5)
+    assert wrong(refined(kind, lines=0), kind) == kind.sum()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_an_island_that_holds_a_coarse_cell_is_found_wherever_it_lies(seed):
+    x0, y0 = np.random.default_rng(seed).uniform(0.1, 0.9, 2)
+    kind = disc(x0, y0, np.sqrt(0.5) * COARSE / CELLS)
+    assert wrong(refined(kind, lines=0), kind) == 0
+
+
+def test_islands_are_missed_as_often_as_they_hold_no_node_that_is_computed():
+    """The share of coarse cells and lines that small discs miss, by counting positions."""
+    lattice = Lattice(cells=CELLS, coarse=COARSE, lines=LINES)
+    always = lattice.watched()
+    always[::COARSE, ::COARSE] = True
+    missed = met = 0
+    for place in np.random.default_rng(1).uniform(0.1, 0.9, (60, 2)):
+        kind = disc(*place, 3.0 / CELLS)
+        found = wrong(refined(kind), kind) == 0
+        assert found == bool((kind & always).any())
+        missed, met = missed + (not found), met + found
+    assert missed
+    assert met
+
+
+def test_a_fractal_border_is_followed_and_islands_are_found_once_met():
+    kind = fractal()
+    found = refined(kind)
+    away = found.kind != kind
+    assert away.mean() < 1e-3
+    assert found.computed.mean() < 0.5
+
+
+def test_what_is_not_computed_beside_a_border_is_marked():
+    kind = half()
+    found = refined(kind)
+    beside = found.beside(2)
+    assert not (beside & found.computed).any()
+    rows, columns = np.nonzero(beside)
+    for row, column in list(zip(rows, columns, strict=True))[::50]:
+        near = found.kind[max(row - 2, 0) : row + 3, max(column - 2, 0) : column + 3]
+        assert near.min() != near.max()
+
+
+def test_values_are_interpolated_and_jumps_followed_down_to_their_size():
+    x, y = plane()
+    value = 2.0 * x + 3.0 * y + np.where(half(), 5.0, 0.0)
+    kind = np.zeros(value.shape, dtype=np.int64)
+    found = refined(kind, value, jump=0.5)
+    assert np.abs(found.value - value).max() <= 0.5
+    coarser = refined(kind, value, jump=0.5, jump_size=4)
+    assert coarser.computed.sum() < 0.8 * found.computed.sum()
+    assert coarser.size.min() == 4
+    smooth = refined(kind, 2.0 * x + 3.0 * y, jump=0.5)
+    assert np.allclose(smooth.value, 2.0 * x + 3.0 * y, atol=1e-12)
+    assert smooth.size.min() == COARSE
+
+
+@pytest.mark.parametrize("parts", [2, 3, 5])
+def test_a_map_made_in_parts_is_the_map_made_in_one_piece(parts):
+    x, _ = plane()
+    kind, value = fractal(), np.where(half(), 1.0, 0.0) + x
+    lattice = Lattice(cells=CELLS, coarse=COARSE, lines=LINES, jump=0.3)
+    whole = refine(Map(kind, value), lattice)
+    cells = np.arange((CELLS // COARSE) ** 2).reshape(CELLS // COARSE, -1) % parts
+    known = np.zeros(kind.shape, dtype=np.bool_)
+    for part in range(parts):
+        known |= refine(Map(kind, value), lattice, within=cells == part).computed
+    assert not (known & ~whole.computed).any()
+    fresh = []
+
+    def remembered(rows, columns):
+        fresh.append(int((~known[rows, columns]).sum()))
+        return kind[rows, columns].astype(np.int64), value[rows, columns]
+
+    again = refine(remembered, lattice)
+    for name in ("kind", "computed", "size"):
+        assert np.array_equal(getattr(again, name), getattr(whole, name))
+    assert sum(fresh) < 0.2 * whole.computed.sum()
+
+
+@pytest.mark.parametrize("cells", [256, 512, 1024])
+def test_the_cost_grows_with_the_length_of_the_border(cells):
+    def cost(cells: int) -> int:
+        lattice = Lattice(cells=cells, coarse=cells // 16, lines=cells // 4)
+        return int(refine(Map(half(cells)), lattice).computed.sum())
+
+    assert cost(cells) < 2.1 * cost(cells // 2)
+
+
+def test_the_smallest_lattices_are_full_maps():
+    for cells in (1, 2, 4):
+        lattice = Lattice(cells=cells, coarse=1)
+        kind = np.arange((cells + 1) ** 2).reshape(cells + 1, -1) % 3
+        found = refine(Map(kind), lattice)
+        assert found.computed.all()
+        assert np.array_equal(found.kind, kind)
+
+
+REFUSED: list[tuple[dict[str, int], str]] = [
+    ({"cells": 100, "coarse": 4}, "cells = 100: must be a power of two"),
+    ({"cells": 64, "coarse": 3}, "coarse = 3: must be a power of two"),
+    ({"cells": 64, "coarse": 128}, "coarse = 128: must be at most cells = 64"),
+    ({"cells": 64, "coarse": 8, "lines": 12}, "lines = 12: must be a multiple of coarse = 8"),
+]
+
+
+@pytest.mark.parametrize(("rule", "words"), REFUSED)
+def test_a_lattice_that_cannot_be_is_refused(rule: dict[str, int], words: str):
+    with pytest.raises(ValueError, match=words):
+        Lattice(**rule)

@@ -1,0 +1,128 @@
+"""What is drawn upon a stability map, read back from its artists."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
+
+from model.show.artists import disagreements
+from model.show.maps import MARK_LABEL, RELIABLE_LABEL, round_levels
+from model.show.plots import NOT_ALIGNED, draw
+from model.solver.outcomes import Outcome
+
+CELLS = 32
+
+
+def dataset(marks=(), reliable=True) -> xr.Dataset:
+    """A map that aligns to the right of a slanting border, reliably a little further in."""
+    x, y = np.linspace(1.0, 30.0, CELLS + 1), np.linspace(0.25, 10.0, CELLS + 1)
+    right = x[None, :] - 2.0 * y[:, None]
+    aligns, sure = right > 0.0, right > 4.0
+    tau = np.where(aligns, 2.0 + 60.0 / (1.0 + np.abs(right)), np.nan)
+    outcome = np.where(aligns, Outcome.ALIGNED, Outcome.SETTLED).astype(np.int8)
+    dims = ("press_force", "tilt_stiffness")
+    variables = {
+        "tau_align": (dims, tau),
+        "outcome": (dims, outcome),
+        "reliable": (dims, (sure & reliable).astype(np.int8)),
+    }
+    coordinates = {
+        "tilt_stiffness": ("tilt_stiffness", x, {"long_name": "tilt stiffness", "symbol": "k_φ"}),
+        "press_force": ("press_force", y, {"long_name": "pressing force", "symbol": "f0"}),
+    }
+    attributes = {
+        "kind": "map",
+        "resolution": CELLS,
+        "ensemble_phases": [0.0, 1.0],
+        "operating_points": json.dumps(list(marks)),
+    }
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def words(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def contours(figure: Figure, label: str) -> list[QuadContourSet]:
+    return [
+        each
+        for each in figure.axes[0].collections
+        if isinstance(each, QuadContourSet) and each.get_label() == label
+    ]
+
+
+def test_a_map_shows_areas_contours_and_the_reliable_area():
+    shown = dataset()
+    figure = draw(shown)
+    assert disagreements(shown) == []
+    assert words(figure) == [NOT_ALIGNED, RELIABLE_LABEL]
+    (outline,) = contours(figure, "_reliable")
+    x, y = (shown[name].values for name in ("tilt_stiffness", "press_force"))
+    for across, up in np.concatenate([path.vertices for path in outline.get_paths()]):
+        assert across - 2.0 * up == pytest.approx(4.0, abs=2.0 * (x[1] - x[0]))
+    assert len(y) == CELLS + 1
+    (lines,) = contours(figure, "_contours")
+    assert len(lines.labelTexts) >= 2
+    tau = shown["tau_align"].values
+    assert all(np.nanmin(tau) < level < np.nanmax(tau) for level in lines.levels)
+
+
+def test_without_reliability_there_is_no_outline():
+    assert contours(draw(dataset(reliable=False)), "_reliable") == []
+    without = dataset()
+    del without.attrs["ensemble_phases"]
+    assert RELIABLE_LABEL not in words(draw(without))
+
+
+def test_operating_points_stand_where_the_other_figures_have_them():
+    marks = [
+        ("fig05", [20.0], [1.5]),
+        ("fig06", [10.0], [0.25, 10.0]),
+        ("fig07", [20.0], [1.5]),
+        ("fig08", [1.0, 30.0], [3.0]),
+        ("fig09", [99.0], [3.0]),
+    ]
+    figure = draw(dataset(marks))
+    assert MARK_LABEL in words(figure)
+    axes = figure.axes[0]
+    places = {text.get_text(): text.xy for text in axes.texts if hasattr(text, "xy")}
+    assert places["5, 7"] == (20.0, 1.5)
+    assert places["6"] == (10.0, 10.0)
+    assert places["8"] == (30.0, 3.0)
+    assert not {"9", "5", "7"} & set(places)
+    swept = {str(line.get_label()): line for line in axes.lines}
+    assert swept["_swept fig06"].get_xdata().tolist() == [10.0, 10.0]
+    assert swept["_swept fig06"].get_ydata().tolist() == [0.25, 10.0]
+    assert "_swept fig05" not in swept
+
+
+def test_the_map_of_the_largest_misalignment_is_drawn():
+    shown = dataset()
+    shown["misalignment_max"] = shown["tau_align"].fillna(1.0)
+    shown.attrs["kind"] = "limit"
+    figure = draw(shown)
+    assert "ε" in figure.axes[1].get_ylabel()
+    assert contours(figure, "_contours")
+
+
+@pytest.mark.parametrize(
+    ("values", "within"),
+    [
+        (np.linspace(2.0, 9.0, 500), (2.0, 9.0)),
+        (np.geomspace(1.0, 300.0, 500), (1.0, 300.0)),
+        (np.linspace(-3.0, 3.0, 500), (-3.0, 3.0)),
+    ],
+)
+def test_contours_stand_at_round_numbers_inside_the_values(values, within):
+    levels = round_levels(values)
+    assert 2 <= len(levels) <= 9
+    assert all(within[0] < level < within[1] for level in levels)
+    assert all(float(f"{level:.2g}") == level for level in levels)
+
+
+def test_nothing_to_contour():
+    assert round_levels(np.array([])) == []
+    assert round_levels(np.array([2.0, 2.0])) == []

@@ -1,0 +1,107 @@
+"""Hard cases: what a method is marked on a case, and that what is marked is what was run."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.solver.outcomes import Outcome
+from model.study.config import load_study, study_path
+from model.study.datasets import DatasetError
+from model.study.hard_cases import (
+    Judged,
+    Mark,
+    Run,
+    Truth,
+    judge,
+    mark_of,
+    read_table,
+    table_of,
+    true_run,
+)
+from model.study.plans import hard_cases_plan
+from model.study.precision import METHODS, Passed, Verdict
+
+STATE = np.zeros(6)
+NAN = math.nan
+ALIGNS = Truth(Run(Outcome.ALIGNED, 5.0, STATE), 1e-9)
+STAYS = Truth(Run(Outcome.HORIZON_REACHED, NAN, STATE), 1e-9)
+LEAVES = Truth(Run(Outcome.LEFT_SCENE, NAN, STATE), 1e-9)
+WILD = Truth(Run(Outcome.HORIZON_REACHED, NAN, STATE), 0.5)
+
+
+@pytest.mark.parametrize(
+    ("passed", "truth", "mark", "verdict", "error"),
+    [
+        (Passed(5.00001, STATE, 1), ALIGNS, Mark.STABLE, Verdict.RIGHT_OUTCOME, 1e-5),
+        (Passed(5.01, STATE, 1), ALIGNS, Mark.INACCURATE, Verdict.RIGHT_OUTCOME, 1e-2),
+        (Passed(NAN, STATE, 1), ALIGNS, Mark.INACCURATE, Verdict.WRONG_OUTCOME, NAN),
+        (Passed(NAN, STATE + 1e-5, 1), STAYS, Mark.STABLE, Verdict.RIGHT_OUTCOME, 1e-5),
+        (Passed(NAN, STATE + 1e-3, 1), STAYS, Mark.INACCURATE, Verdict.RIGHT_OUTCOME, 1e-3),
+        (Passed(3.0, STATE, 1), STAYS, Mark.INACCURATE, Verdict.WRONG_OUTCOME, NAN),
+        (Passed(NAN, STATE * NAN, 1), STAYS, Mark.BROKEN, Verdict.FAILED, NAN),
+        (Passed(NAN, STATE + 1.0, 1), LEAVES, Mark.STABLE, Verdict.RIGHT_OUTCOME, NAN),
+        (Passed(NAN, STATE + 1.0, 1), WILD, Mark.STABLE, Verdict.RIGHT_OUTCOME, NAN),
+        (Passed(NAN, STATE, 1, Verdict.FAILED), STAYS, Mark.BROKEN, Verdict.FAILED, NAN),
+        (
+            Passed(NAN, STATE, 1, Verdict.TOO_MANY_EVALUATIONS), ALIGNS, Mark.BROKEN,
+            Verdict.TOO_MANY_EVALUATIONS, NAN,
+        ),
+    ],
+)  # fmt: skip
+def test_a_run_is_marked_by_its_outcome_and_error(passed, truth, mark, verdict, error):
+    found = mark_of(passed, truth, 1e-4)
+    assert found[1:] == (verdict, mark)
+    assert found[0] == pytest.approx(error, rel=1e-6, nan_ok=True)
+
+
+@pytest.fixture(scope="module")
+def plan():
+    study = load_study(study_path())
+    few = {name: study.hard_cases.cases[name] for name in ("no_friction", "on_a_switch")}
+    base = study.hard_cases.base.model_copy(update={"stiffness": [1e4], "damping": [0.0, 1e4]})
+    spec = study.hard_cases.model_copy(update={"cases": few, "base": base})
+    return hard_cases_plan(study.model_copy(update={"hard_cases": spec}))
+
+
+def test_every_stiffness_meets_every_damping(plan):
+    names = list(plan.spec.all_cases)
+    assert names == ["base_10000_0", "base_10000_10000", "no_friction", "on_a_switch"]
+    at = plan.spec.all_cases["base_10000_0"].at
+    assert (at["contact_stiffness"], at["contact_damping"]) == (1e4, 0.0)
+
+
+def test_located_methods_are_stable_where_a_coarse_step_is_not(plan):
+    truth = true_run(plan, "base_10000_10000")
+    assert truth.uncertainty < 1e-7
+    judged = {name: judge(plan, "base_10000_10000", name, truth) for name in METHODS
+              if not name.startswith("scipy")}  # fmt: skip
+    assert judged["dop853_located"].mark is Mark.STABLE
+    assert judged["dormand_prince_located"].mark is Mark.STABLE
+    # h_a h = 10: far outside the region in which RK4 and Euler are stable.
+    assert judged["rk4_fixed"].mark is not Mark.STABLE
+    assert judged["semi_implicit_euler_fixed"].mark is not Mark.STABLE
+
+
+def test_a_table_comes_back_as_it_was_written(tmp_path):
+    judged = [
+        Judged("a", "rk4_fixed", "aligned", Verdict.RIGHT_OUTCOME, Mark.STABLE, 1e-5, 1e-9, 7, 3.0),
+        Judged("b", "rk4_fixed", "settled", Verdict.FAILED, Mark.BROKEN, NAN, math.inf, 8, 4.0),
+    ]
+    timed, plain = tmp_path / "timed.csv", tmp_path / "plain.csv"
+    timed.write_text(table_of(judged, times=True), encoding="utf-8")
+    plain.write_text(table_of(judged, times=False), encoding="utf-8")
+    assert [vars(replace(each, error=0.0)) for each in read_table(timed)] == [
+        vars(replace(each, error=0.0)) for each in judged
+    ]
+    assert math.isnan(read_table(plain)[0].microseconds)
+    assert "microseconds" not in plain.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("text", ["case\n1\n", "case,method\nx", "a,b\n1,2\n"])
+def test_what_is_no_such_table_is_refused(tmp_path, text):
+    path = tmp_path / "hard_cases.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(DatasetError, match="build it again"):
+        read_table(path)

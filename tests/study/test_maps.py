@@ -1,0 +1,260 @@
+"""Stability maps: what is computed where, how sure they are, and that parts make the whole."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.ndimage import distance_transform_edt
+
+from model import Batch, align
+from model.solver.outcomes import Outcome
+from model.study import maps
+from model.study.config import Axis, Ensemble, RunSettings, Span, load_study, study_path
+from model.study.datasets import DatasetError, write_dataset
+from model.study.largest_misalignment import (
+    BISECTIONS,
+    LimitPlan,
+    limit_dataset,
+    limit_map,
+    limit_plan,
+    limits,
+)
+from model.study.map_datasets import map_dataset, marks_of, part_dataset, read_part
+from model.study.maps import MapPlan, Work, areas, assemble, compute_part, map_plan, plan_of
+
+SETTINGS = RunSettings(readings="consistent", horizon=40.0, tolerance=1e-8)
+X = Span(parameter="tilt_stiffness", start=2.0, stop=16.0)
+Y = Span(parameter="press_force", start=1.0, stop=9.0)
+ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=4)
+CELLS = 16
+
+
+@pytest.fixture(scope="module")
+def plan(device) -> MapPlan:
+    return plan_of("trial", device, SETTINGS, (X, Y), CELLS, ENSEMBLE)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _coarse_cells():
+    """Coarse cells of 4: small enough a map that the full one is computed beside it."""
+    changed = pytest.MonkeyPatch()
+    changed.setattr(maps, "COARSE", 4)
+    changed.setattr(maps, "LINES", 2)
+    changed.setattr(maps, "COARSE_ENSEMBLE", 2)
+    yield
+    changed.undo()
+
+
+@pytest.fixture(scope="module")
+def found(plan):
+    return assemble(plan)
+
+
+@pytest.fixture(scope="module")
+def full(plan):
+    rows, columns = (each.ravel() for each in np.indices(plan.lattice.shape))
+    batch = Batch.of(plan.baseline, **plan.swept(rows, columns))
+    return align(batch, plan.settings.settings)
+
+
+def test_the_map_is_the_full_grid_where_it_does_not_say_that_it_may_not_be(found, full):
+    outcome = areas(full.outcome).reshape(found.outcome.shape)
+    wrong = areas(found.outcome) != outcome
+    assert not (wrong & (found.flagged == 0)).any()
+    assert {0, 1} <= set(outcome.ravel().tolist())
+    assert found.computed.mean() < 0.9
+    tau = full.tau_align.reshape(found.tau_align.shape)
+    computed = found.computed
+    assert np.array_equal(found.tau_align[computed], tau[computed], equal_nan=True)
+    assert np.array_equal(found.outcome[computed], full.outcome.reshape(tau.shape)[computed])
+
+
+def test_what_is_stored_says_what_was_computed(found, plan):
+    starts = len(plan.starts())
+    assert starts == 6
+    assert (found.trajectories[found.computed] >= 1).all()
+    ensemble = np.zeros_like(found.computed)
+    ensemble[::4, ::4] = True
+    assert set(found.trajectories[~ensemble].tolist()) <= {0, 1}
+    assert set(found.trajectories[ensemble].tolist()) <= {0, 1, starts, starts + 1}
+    assert found.level.min() >= 0
+    assert found.level.max() == 2
+    assert np.isnan(found.tau_error[~found.computed]).all()
+    assert not found.sensitive[~found.computed].any()
+
+
+def test_reliable_is_what_aligns_from_every_start(found, plan):
+    """Each node of the ensemble's lattice by itself, start by start."""
+    for row, column in ((0, 16), (8, 8), (16, 0), (4, 12)):
+        point = {name: float(value[0]) for name, value in
+                 plan.swept(np.array([row]), np.array([column])).items()}  # fmt: skip
+        runs = align(
+            [plan.baseline.replace(**point, **start) for start in plan.starts()],
+            plan.settings.settings,
+        )
+        aligned = runs.outcome == Outcome.ALIGNED
+        assert found.reliable_share[row, column] == aligned.mean()
+        if found.reliable[row, column]:
+            assert found.tau_worst[row, column] == pytest.approx(runs.tau_align.max(), abs=1e-6)
+
+
+def test_reliable_is_within_aligned_and_its_worst_duration_is_the_longest(found):
+    reliable = found.reliable == 1
+    assert reliable.any()
+    assert not reliable.all()
+    assert (found.outcome[reliable] == Outcome.ALIGNED).all()
+    assert (found.reliable_share[reliable] == 1.0).all()
+    assert np.isnan(found.tau_worst[~reliable]).all()
+    nodes = np.zeros_like(reliable)
+    nodes[::4, ::4] = True
+    # The paper's start is one of the ensemble's, up to the error of either run.
+    at = nodes & reliable & found.computed
+    assert (found.tau_worst[at] >= found.tau_align[at] - 1e-6).all()
+
+
+def test_the_margin_is_the_distance_to_what_is_not_reliable(found):
+    reliable = found.reliable == 1
+    rows, columns = np.nonzero(~reliable)
+    for row, column in ((0, 16), (3, 9), (16, 0)):
+        nearest = np.hypot(rows - row, columns - column).min() / CELLS
+        assert found.margin[row, column] == pytest.approx(nearest, abs=1e-12)
+    assert np.array_equal(found.margin == 0.0, ~reliable)
+    assert maps._margin(np.ones((3, 3), dtype=np.bool_)).min() == math.inf
+    assert distance_transform_edt(reliable).max() > 1.0
+
+
+def test_between_nodes_of_the_ensemble_the_worst_counts():
+    values = np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]])
+    finer = maps._between(np.minimum, values, 2)
+    assert finer.shape == (5, 5)
+    assert np.array_equal(finer[::2, ::2], values)
+    assert finer[0, 3] == finer[1, 4] == finer[1, 3] == 0.0
+    assert finer[3, 3] == 1.0
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3])
+def test_parts_and_cores_do_not_change_the_map(plan, found, parts, tmp_path):
+    works = []
+    for part in range(parts):
+        work = compute_part(plan, part, parts, cores=1 + part % 2)
+        path = tmp_path / f"{part}.nc"
+        write_dataset(part_dataset(work, part, parts), path)
+        works.append(read_part(plan, path, part, parts))
+    again = map_dataset(assemble(plan, works), "title", "summary")
+    xr.testing.assert_identical(again, map_dataset(found, "title", "summary"))
+
+
+def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
+    work = Work.nothing(plan)
+    write_dataset(part_dataset(work, 0, 2), tmp_path / "0.nc")
+    other = plan_of("trial", device.replace(friction=0.2), SETTINGS, (X, Y), CELLS, ENSEMBLE)
+    for wanted, part, parts in ((other, 0, 2), (plan, 1, 2), (plan, 0, 3)):
+        with pytest.raises(DatasetError, match="is not part"):
+            read_part(wanted, tmp_path / "0.nc", part, parts)
+    with pytest.raises(ValueError, match="part = 2: must be 0 to 1"):
+        compute_part(plan, 2, 2)
+
+
+def test_the_dataset_is_an_ordinary_grid_in_pieces_and_compressed(found, tmp_path):
+    dataset = map_dataset(found, "title", "summary", [("fig06", [3.0], [1.0, 2.0])])
+    path = tmp_path / "map.nc"
+    write_dataset(dataset, path)
+    with xr.open_dataset(path) as stored:
+        assert stored["tau_align"].dims == ("press_force", "tilt_stiffness")
+        assert stored["tau_align"].encoding["zlib"]
+        assert {"level", "trajectories", "reliable_share", "margin", "tau_worst"} <= set(stored)
+        assert int(stored["trajectories"].sum()) == stored.attrs["trajectories"]
+        assert stored["friction"].ndim == 0
+        mesh = stored["tau_align"].plot()
+        assert mesh.get_array().size == (CELLS + 1) ** 2
+    large = xr.Dataset({"a": (("y", "x"), np.zeros((300, 300)))})
+    write_dataset(large, path)
+    with xr.open_dataset(path) as stored:
+        assert stored["a"].encoding["chunksizes"] == (256, 256)
+
+
+def test_bad_maps_are_refused(device):
+    with pytest.raises(ValueError, match="resolution = 12: must be a power of two"):
+        plan_of("trial", device, SETTINGS, (X, Y), 12, None)
+    with pytest.raises(ValueError, match="'tilt_stiffness' is varied twice"):
+        plan_of("trial", device, SETTINGS, (X, X), 16, None)
+    wide = Span(parameter="misalignment", start=0.2, stop=9.0)
+    with pytest.raises(ValueError, match=r"misalignment = 9\.0: must be smaller than half_width"):
+        plan_of("trial", device, SETTINGS, (X, wide), 16, None)
+    uneven = Axis(parameter="press_force", start=1.0, stop=2.0, count=5)
+    plan = plan_of("trial", device, SETTINGS, (X, Y), 8, None)
+    with pytest.raises(ValueError, match="9 and 5 nodes"):
+        MapPlan.model_validate({**plan.model_dump(), "y": uneven.model_dump()})
+
+
+def test_without_an_ensemble_reliability_is_not_known(device):
+    phases = Span(parameter="phase", start=0.0, stop=6.0)
+    plan = plan_of("trial", device, SETTINGS, (X, phases), 4, ENSEMBLE)
+    assert plan.ensemble is None
+    found = assemble(plan)
+    assert np.isnan(found.reliable_share).all()
+    assert np.array_equal(found.reliable == 1, found.outcome == Outcome.ALIGNED)
+
+
+def test_the_maps_of_the_study_stand_on_the_ranges_of_its_figures():
+    study = load_study(study_path())
+    for name in study.map_names[:-1]:
+        plan = map_plan(study, name)
+        plane = study.plane(name)
+        assert (plan.x.start, plan.x.stop) == (plane.x.start, plane.x.stop)
+        assert plan.cells == (1024 if name in ("fig13", "fig14") else 512)
+        assert len(plan.starts()) >= 16
+    with pytest.raises(ValueError, match="is no map of outcomes"):
+        map_plan(study, "largest_misalignment")
+    assert limit_plan(study).name == "largest_misalignment"
+    marks = marks_of(study, "fig13")
+    five = study.parameters("fig05")
+    assert ("fig05", [five.tilt_stiffness], [five.press_force]) in marks
+    swept = study.figures["fig06"].swept
+    assert ("fig06", [study.figures["fig06"].family.values[0]], [swept.start, swept.stop]) in marks
+
+
+# --- The largest misalignment -------------------------------------------------------------------
+
+
+def test_the_limit_is_the_last_before_the_first_failure_and_bisected():
+    """Limits: 0.33, none within what is tried, at once, and one beyond which it aligns again."""
+    limit = np.array([0.33, 9.0, 0.0, 0.5])
+    tried = np.linspace(0.1, 1.0, 10)
+
+    def aligns(nodes, misalignment):
+        inside = misalignment <= limit[nodes]
+        return inside | ((nodes == 3) & (misalignment > 0.75))
+
+    found, runs = limits(aligns, tried, 0.05, 4)
+    spacing = 0.1 / 2**BISECTIONS
+    assert limit[0] - spacing <= found[0] <= limit[0]
+    assert found[1] == tried[-1]
+    assert 0.05 <= found[2] <= 0.05 + spacing
+    assert limit[3] - spacing <= found[3] <= limit[3]
+    assert runs.tolist() == [4 + BISECTIONS, 10, 1 + BISECTIONS, 6 + BISECTIONS]
+
+
+def test_every_misalignment_tried_below_the_limit_aligns(device):
+    spans = Span(parameter="press_force", start=1.0, stop=4.0), X
+    plane = plan_of("largest_misalignment", device, SETTINGS, spans, 2, None)
+    plan = LimitPlan(plane=plane, trials=4)
+    found = limit_map(plan)
+    inner, outer = plan.bounds
+    assert inner == device.half_width * device.clearance
+    assert (found.misalignment >= inner).all()
+    assert (found.misalignment < outer).all()
+    for row, column in ((0, 0), (2, 2)):
+        point = {name: float(value[0]) for name, value in
+                 plane.swept(np.array([row]), np.array([column])).items()}  # fmt: skip
+        runs = align(
+            [device.replace(misalignment=each, **point) for each in plan.tried], horizon=40.0
+        )
+        aligned = runs.outcome == Outcome.ALIGNED
+        below = plan.tried <= found.misalignment[row, column]
+        assert aligned[below].all()
+        assert below.all() or not aligned[below.sum()]
+    dataset = limit_dataset(found, "title", "summary")
+    assert "misalignment" not in dataset.coords
+    assert dataset["misalignment_max"].dims == ("tilt_stiffness", "press_force")

@@ -1,0 +1,54 @@
+"""Assemble a stability map from its parts, computing what shows at their borders only."""
+
+import argparse
+import json
+from pathlib import Path
+
+from model.study.datasets import DatasetError, write_dataset
+from model.study.map_datasets import map_counts, map_dataset, read_part
+from model.study.maps import MapPlan, Work, assemble
+from model.study.provenance import Job
+
+
+def read_parts(plan: MapPlan, paths: list[Path]) -> list[Work]:
+    """The parts of a map; what is not one is deleted, so that the next run makes it.
+
+    Raises:
+        DatasetError: a file that cannot be read, or that is not the part of its name.
+    """
+    parts, faults = [], {}
+    for part, path in enumerate(paths):
+        try:
+            parts.append(read_part(plan, path, part, len(paths)))
+        except DatasetError as fault:
+            faults[path] = str(fault)
+    for path in faults:
+        path.unlink(missing_ok=True)
+        path.with_suffix(".run.json").unlink(missing_ok=True)
+    if faults:
+        raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
+    return parts
+
+
+def main() -> None:
+    """Read the command line and do it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--plan", required=True, type=MapPlan.model_validate_json)
+    parser.add_argument("--title", required=True)
+    parser.add_argument("--summary", required=True)
+    parser.add_argument("--marks", required=True, type=json.loads)
+    parser.add_argument("--output", required=True, type=Path)
+    parser.add_argument("--record", required=True, type=Path)
+    parser.add_argument("parts", nargs="+", type=Path)
+    arguments = parser.parse_args()
+    plan = arguments.plan
+    job = Job("map", plan.name)
+    found = assemble(plan, read_parts(plan, arguments.parts))
+    dataset = map_dataset(found, arguments.title, arguments.summary, arguments.marks)
+    write_dataset(dataset, arguments.output)
+    made, counts = [arguments.output], map_counts(found)
+    job.finish(arguments.record, made, arguments.parts, **plan.facts, counts=counts)
+
+
+if __name__ == "__main__":
+    main()
