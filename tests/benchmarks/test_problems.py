@@ -45,12 +45,13 @@ def test_the_trajectories_need_no_contact_but_the_edge_under_the_face(
 def test_points_of_a_figure_are_the_same_every_time_and_qualify() -> None:
     points = drawn_points("fig13", 4)
     assert points == drawn_points("fig13", 4)
-    horizon = load_study(study_path()).settings.horizon
+    study = load_study(study_path())
+    horizon = study.settings.horizon
     runs = align(points, horizon=horizon, scene=EDGE_ONLY)
     assert set(runs.outcome) == {Outcome.ALIGNED}
     assert not runs.sensitive.any()
     assert all(only_right_edge(point, horizon) for point in points)
-    assert {point.frequency for point in points} == {10.0}  # what Fig. 13 holds
+    assert {point.frequency for point in points} == {study.parameters("fig13").frequency}
 
 
 def test_neighbours_begin_with_the_cases_themselves_and_differ() -> None:

@@ -48,7 +48,7 @@ def test_values_of_another_type_are_refused(change, kind):
 
 
 def test_an_unknown_setting_is_refused(device):
-    with pytest.raises(TypeError, match="tolerence"):
+    with pytest.raises(ValueError, match=r"unknown setting 'tolerence'\. Did you mean 'tolerance'"):
         simulate(device, tolerence=1e-8)
 
 

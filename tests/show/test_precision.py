@@ -59,10 +59,10 @@ def drawn(axes, label: str) -> list[tuple[float, float]]:
 
 
 def test_every_method_and_picture_has_its_look_and_words():
-    assert list(precision._LOOKS) == list(METHODS)
-    looks = [(look["color"], look["marker"]) for look in precision._LOOKS.values()]
+    assert list(precision.LOOKS) == list(METHODS)
+    looks = [(look["color"], look["marker"]) for look in precision.LOOKS.values()]
     assert len(set(looks)) == len(METHODS)
-    assert len({look["marker"] for look in precision._LOOKS.values()}) == len(METHODS)
+    assert len({look["marker"] for look in precision.LOOKS.values()}) == len(METHODS)
     assert set(CAPTIONS) == set(PICTURES)
 
 

@@ -85,7 +85,7 @@ def test_identity_is_that_of_the_numbers(trial):
 def tables(study, tmp_path_factory):
     """Both trials on a few sets, through files."""
     found = {}
-    for name, sets, horizon in (("error", 8, 30.0), ("settled", 12, 60.0)):
+    for name, sets, horizon in (("error", 8, 30.0), ("settled", 12, 300.0)):
         trial = trial_of(study, name)
         settings = trial.settings.model_copy(update={"horizon": horizon})
         trial = trial.model_copy(update={"sets": sets, "settings": settings, "longer": 2.0})

@@ -41,7 +41,7 @@ def plan() -> PrecisionPlan:
         update={
             "tolerances": [1e-4, 1e-7],
             "steps": [0.01, 0.001, 0.0001],
-            "max_evaluations": 30_000,
+            "max_evaluations": 25_000,
             "max_evaluations_scipy": 2_000,
         }
     )

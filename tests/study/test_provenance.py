@@ -52,6 +52,17 @@ def test_an_edit_changes_what_depends_on_it_and_nothing_else(package: Path) -> N
     assert after["style"] == before["style"]
 
 
+def test_where_script_and_package_stand_changes_nothing(tmp_path: Path, package: Path) -> None:
+    script = "workflow/scripts/draw_plot.py"
+    found = []
+    for folder in (tmp_path / "a", tmp_path / "z"):  # before and after the package, by name
+        (folder / script).parent.mkdir(parents=True)
+        shutil.copy(PROJECT / script, folder / script)
+        found.append(closure_hash(folder / script))
+    assert package.is_dir()
+    assert found[0] == found[1]
+
+
 def test_a_plotting_script_does_not_depend_on_the_integrator() -> None:
     closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/draw_schematic.py")}
     assert {"draw_schematic.py", "schematics.py", "geometry.py"} <= closure

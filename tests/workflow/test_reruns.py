@@ -26,19 +26,20 @@ COMPUTED = {
     "chunk", "history", "merge", "precision", "fixed_steps", *MAPPED, *OWN_RUNS, *ON_BASES,
     "hard_cases", *DRAWN, *BESIDE, *HARD,
 }  # fmt: skip
-EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED}
+IDENTIFIED = "draw_identification"  # from tables that are committed
+EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED, IDENTIFIED}
 
 # (file, what stands there, what a mutation puts there, the rules that must run again)
 MUTATIONS = [
     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
-     {"kernels", "unlocated_kernels", *COMPUTED}),
+     {"kernels", "unlocated_kernels", *COMPUTED, IDENTIFIED}),
     ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5', COMPUTED),
     ("src/model/show/plots.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
      {"plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
-     {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD}),
+     {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, IDENTIFIED}),
     ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report.html.j2", "All runs at a glance", "Every run at a glance", LAST),
@@ -50,10 +51,11 @@ MUTATIONS = [
     ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
      {"merge", *FIXED, *DRAWN}),
     ("src/model/study/maps.py", "JUMP = 0.5", "JUMP = 0.6",
-      {*MAPPED, "plot", *LAST}),
+     {*MAPPED, "plot", *LAST}),
     ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math",
      {"plot", *LAST}),
-    ("src/model/study/claims/limits.py", "_TREND = 0.8", "_TREND = 0.7", JUDGED),
+    ("src/model/study/claims/limits.py", "_TREND = 0.8", "_TREND = 0.7",
+     {*JUDGED, IDENTIFIED}),
     ("src/model/study/claims/runs.py", "_STATIC = 1.0", "_STATIC = 2.0", {*OWN_RUNS, *JUDGED}),
     ("src/model/show/claims.html.j2", "judged", "on trial", LAST),
     ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),

@@ -4,7 +4,7 @@ import json
 
 # What was found is committed: these tables are made by `identification`, and then copied there.
 identified_tables = [
-    Path(workflow.basedir) / f"config/identification/{table}.csv" for table in TABLES
+    Path(f"config/identification/{table}.csv") for table in TABLES
 ]
 if not all(table.is_file() for table in identified_tables):
     identified_tables = []

@@ -86,12 +86,11 @@ def import_closure(source: Path) -> list[Path]:
 def closure_hash(source: Path) -> str:
     """Hash of the code that ``source`` runs: syntax trees of its import closure.
 
-    Comments, layout and docstrings do not count, so that a reformat reruns nothing.
+    Comments, layout and docstrings do not count, so that a reformat reruns nothing; neither does
+    the place of script and package, which may be installed in different folders.
     """
-    digest = hashlib.sha256()
-    for file in import_closure(source):
-        digest.update(file.name.encode() + _parsed(file)[0].encode())
-    return digest.hexdigest()[:16]
+    parts = sorted(file.name + _parsed(file)[0] for file in import_closure(source))
+    return hashlib.sha256("".join(parts).encode()).hexdigest()[:16]
 
 
 @cache
