@@ -3,9 +3,7 @@
 import json
 
 # What was found is committed: these tables are made by `identification`, and then copied there.
-identified_tables = [
-    Path(f"config/identification/{table}.csv") for table in TABLES
-]
+identified_tables = [Path(f"config/identification/{table}.csv") for table in TABLES]
 if not all(table.is_file() for table in identified_tables):
     identified_tables = []
 identified_pictures = IDENTIFIED_PICTURES.values() if identified_tables else []
