@@ -4,7 +4,7 @@ import argparse
 import json
 from pathlib import Path
 
-from model.study.datasets import DatasetError, write_dataset
+from model.study.datasets import DatasetError, discard, write_dataset
 from model.study.map_datasets import map_counts, map_dataset, read_part
 from model.study.maps import MapPlan, Work, assemble
 from model.study.provenance import Job
@@ -22,11 +22,7 @@ def read_parts(plan: MapPlan, paths: list[Path]) -> list[Work]:
             parts.append(read_part(plan, path, part, len(paths)))
         except DatasetError as fault:
             faults[path] = str(fault)
-    for path in faults:
-        path.unlink(missing_ok=True)
-        path.with_suffix(".run.json").unlink(missing_ok=True)
-    if faults:
-        raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
+    discard(faults)
     return parts
 
 

@@ -7,6 +7,7 @@ import xarray as xr
 
 from model.study.datasets import (
     DatasetError,
+    discard,
     merge_chunks,
     outcome_counts,
     read_dataset,
@@ -33,11 +34,7 @@ def read_chunks(sweep: Sweep, paths: list[Path]) -> list[xr.Dataset]:
             if any(part.attrs.get(name) != value for name, value in is_this.items()):
                 faults[path] = f"{path}: is not chunk {chunk} of this sweep"
             parts.append(part)
-    for path in faults:
-        path.unlink(missing_ok=True)
-        path.with_suffix(".run.json").unlink(missing_ok=True)
-    if faults:
-        raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
+    discard(faults)
     return parts
 
 

@@ -56,7 +56,6 @@ QUANTITIES: Mapping[str, Quantity] = {
     "rest_y": _LENGTH,
     "rest_tilt": _ANGLE,
 }
-TIME, FORCE = Quantity("s", time=1), _FORCE
 
 # The quantities that are the units of a device: meaning and SI unit.
 UNITS: Mapping[str, tuple[str, str]] = {

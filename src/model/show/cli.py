@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 
 from model.physics.notation import State
 from model.physics.parameters import Parameters
-from model.physics.units import FORCE, TIME, UNITS, Units
+from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
 from model.show import (
@@ -155,7 +155,9 @@ def _simulate(arguments: argparse.Namespace) -> int:
     announce_compilation()
     run = simulate(parameters, settings)
     if arguments.json:
-        record = _record(run, settings) | ({"si": _in_si(run, units)} if units else {})
+        record = _record(run, settings)
+        if units:
+            record["si"] = {name: _or_null(value) for name, value in _in_si(run, units).items()}
         print(json.dumps(record, indent=2))
     else:
         print("\n".join([*_report(run), *(_report_in_si(run, units) if units else [])]))
@@ -237,31 +239,24 @@ def _report(run: Trajectory) -> list[str]:
     return lines
 
 
-def _in_si(run: Trajectory, units: Units) -> dict[str, float | None]:
-    """What a designer asks for, in SI units; null for what is not a number."""
-    time, force = units.of(TIME), units.of(FORCE)
-    values = {
-        "alignment_time_s": run.tau_align * time,
-        "alignment_time_error_s": run.tau_error * time,
-        "contact_force_max_N": run.contact_force_max * force,
-        "time_unit_s": time,
+def _in_si(run: Trajectory, units: Units) -> dict[str, float]:
+    """What a designer asks for, in SI units; NaN for the time of a part that does not align."""
+    return {
+        "alignment_time_s": run.tau_align * units.time,
+        "alignment_time_error_s": run.tau_error * units.time,
+        "contact_force_max_N": run.contact_force_max * units.force,
+        "time_unit_s": units.time,
         "length_unit_m": units.amplitude,
-        "force_unit_N": force,
+        "force_unit_N": units.force,
     }
-    return {name: _or_null(value) for name, value in values.items()}
 
 
 def _report_in_si(run: Trajectory, units: Units) -> list[str]:
-    time, force = units.of(TIME), units.of(FORCE)
-    rows = [("contact force", f"{run.contact_force_max * force:.4g} N at most")]
+    time, error, force, *scales = _in_si(run, units).values()
+    rows = [("contact force", f"{force:.4g} N at most")]
     if run.outcome == Outcome.ALIGNED:
-        rows = [
-            ("alignment time", f"{_within(run.tau_align * time, run.tau_error * time)} s"),
-            *rows,
-        ]
-    rows.append(
-        ("units", f"time {time:.4g} s, length {units.amplitude:.4g} m, force {force:.4g} N")
-    )
+        rows.insert(0, ("alignment time", f"{_within(time, error)} s"))
+    rows.append(("units", "time {:.4g} s, length {:.4g} m, force {:.4g} N".format(*scales)))
     return ["in SI units:", *(f"  {name:<18}{value}" for name, value in rows)]
 
 

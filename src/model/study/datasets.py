@@ -5,7 +5,7 @@ like go into sidecars (provenance.py).
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from enum import IntEnum
 from pathlib import Path
@@ -28,6 +28,19 @@ _LARGE = 2**16  # values of a grid that is stored in pieces
 
 class DatasetError(ValueError):
     """A dataset that is not what it should be: unreadable, incomplete, or of another study."""
+
+
+def discard(faults: Mapping[Path, str]) -> None:
+    """Delete the parts in which ``faults`` were found, with their sidecars; none is no fault.
+
+    Raises:
+        DatasetError: what was found, if anything was.
+    """
+    for path in faults:
+        path.unlink(missing_ok=True)
+        path.with_suffix(".run.json").unlink(missing_ok=True)
+    if faults:
+        raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
 
 
 def flags(values: type[IntEnum]) -> dict[str, Any]:
