@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from model.physics.parameters import FIELDS
+from model.physics.units import QUANTITIES, UNITS, Quantity, Units
 from model.solver.outcomes import Outcome, Reason
 from model.study.config import CURVES, HISTORIES, Curves, Study
 from model.study.datasets import (
@@ -85,6 +86,20 @@ def map_dataset(
             "ensemble_resolution": plan.ensemble_lattice.cells,
         }
     return xr.Dataset(variables, plane_coordinates(plan), attributes)
+
+
+def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
+    """A map with its parameters and durations in SI units, which ``units`` and "units" name."""
+    time = Quantity("s", time=1)
+    quantities = {name: QUANTITIES[str(name)] for name in dataset.coords}
+    quantities |= {name: time for name in dataset.data_vars if str(name).startswith("tau_")}
+    found = dataset.copy()
+    for name, quantity in quantities.items():
+        attributes = {**dataset[name].attrs, "units": quantity.unit}
+        found[name] = (dataset[name].dims, dataset[name].values * units.of(quantity), attributes)
+    for name, (words, unit) in UNITS.items():
+        found.coords[name] = ((), getattr(units, name), {"long_name": words, "units": unit})
+    return found
 
 
 def map_counts(found: StabilityMap) -> dict[str, int]:
