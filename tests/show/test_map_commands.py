@@ -39,6 +39,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
         assert stored["tilt_stiffness"].values.tolist() == [6.0, 9.5, 13.0, 16.5, 20.0]
         assert stored.attrs["horizon"] == 30.0
         assert len(stored.attrs["ensemble_phases"]) >= 16
+        assert stored.attrs["ensemble_resolution"] == 4  # a coarse map tries them at every node
         assert np.isin(stored["outcome"], range(5)).all()
     assert picture.read_bytes().startswith(b"\x89PNG")
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 _NEEDED = ("netCDF4", "scipy", "xarray")
 _FINEST = 8192
 _DEFAULT = 256
+_ENSEMBLE = 32  # cells along a side on which reliability is tried, at least, where the map has them
 
 
 def add_commands(commands: Any) -> None:
@@ -112,7 +113,8 @@ def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
     run_settings = RunSettings(
         readings=asdict(settings.readings), horizon=settings.horizon, tolerance=settings.tolerance
     )
-    ensemble = study.maps.ensemble
+    every = min(study.maps.ensemble.every, max(resolution // _ENSEMBLE, 1))
+    ensemble = study.maps.ensemble.model_copy(update={"every": every})
     return plan_of("map", parameters, run_settings, spans, resolution, ensemble), units
 
 
