@@ -37,9 +37,8 @@ from model.study.config import (
 
 COARSE = 64  # coarse cells along a side of a map
 LINES = 8  # squares, along a side, on whose border every node is computed
-JUMP = 0.5  # excitation periods by which durations may differ within a cell that is left whole
-JUMP_SIZE = 2  # length of the smallest cells that such a jump makes, in finest cells
-BESIDE = 2  # nodes; what is filled so near to another area is flagged
+JUMP = 0.4  # excitation periods by which durations may differ within a cell that is left whole
+BESIDE = 4  # nodes; what is filled so near to another area is flagged
 COARSE_ENSEMBLE = 32  # coarse cells along a side of the ensemble's lattice
 _AT_ONCE = 2048  # nodes, so that progress can be told
 
@@ -116,7 +115,6 @@ class MapPlan(BaseModel):
             coarse=coarse,
             lines=max(cells // LINES, coarse),
             jump=JUMP,
-            jump_size=min(JUMP_SIZE, coarse),
         )
 
     @property
