@@ -11,7 +11,7 @@ from model.runs.settings import Settings
 from model.runs.trajectory import simulate
 from model.show import cli, map_commands
 from model.solver.outcomes import Outcome
-from model.study import maps
+from model.study import maps, starts
 from model.study.config import baseline
 from model.study.devices import load_device
 from model.study.map_datasets import MAP_VARIABLES
@@ -103,7 +103,7 @@ def test_bad_input_is_refused_in_one_line_before_anything_is_computed(
         raise AssertionError("computed")
 
     monkeypatch.setattr(maps, "align", no_runs)
-    monkeypatch.setattr(maps, "run_once", no_runs)
+    monkeypatch.setattr(starts, "run_once", no_runs)
     assert run(tmp_path, *arguments) == cli.REFUSED
     out, err = capsys.readouterr()
     assert out == ""
@@ -119,7 +119,7 @@ def test_a_map_that_is_interrupted_leaves_the_old_one(tmp_path, capsys, monkeypa
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(maps, "run_once", interrupted)
+    monkeypatch.setattr(starts, "run_once", interrupted)
     assert run(tmp_path) == cli.INTERRUPTED
     assert "interrupted" in capsys.readouterr().err
     assert old.read_text() == "old"

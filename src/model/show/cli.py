@@ -22,6 +22,7 @@ from model.physics.units import Units
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
 from model.show import (
+    assess_commands,
     claims_commands,
     export_commands,
     map_commands,
@@ -98,6 +99,7 @@ def _parser() -> _Parser:
     parser.add_argument("--version", action="version", version=f"%(prog)s {_version()}")
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=_Parser)
     _add_simulate(commands)
+    assess_commands.add_commands(commands)
     map_commands.add_commands(commands)
     tracking_commands.add_commands(commands)
     export_commands.add_commands(commands)

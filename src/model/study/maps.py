@@ -8,7 +8,6 @@ from every start of an ensemble. That ensemble is tried on a coarser lattice, re
 """
 
 import hashlib
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,10 +19,9 @@ from pydantic import BaseModel, ConfigDict, model_validator
 from scipy.ndimage import distance_transform_edt
 
 from model.physics.parameters import Batch, Parameters
-from model.runs.batch import align, run_once
+from model.runs.batch import align
 from model.runs.refinement import Bools, Evaluate, Floats, Ints, Lattice, Refined, refine
 from model.solver.outcomes import Outcome
-from model.solver.record import Ending
 from model.study.config import (
     LARGEST_MISALIGNMENT,
     MAPS,
@@ -34,6 +32,7 @@ from model.study.config import (
     Study,
     check_plane,
 )
+from model.study.starts import from_every_start, starts_of
 
 COARSE = 64  # coarse cells along a side of a map
 LINES = 8  # squares, along a side, on whose border every node is computed
@@ -125,16 +124,8 @@ class MapPlan(BaseModel):
         return Lattice(cells=cells, coarse=max(cells // COARSE_ENSEMBLE, 1))
 
     def starts(self) -> list[dict[str, float]]:
-        """Phase and tilt of every start of the ensemble; the first is the paper's."""
-        if self.ensemble is None:
-            return []
-        base, count = self.baseline, self.ensemble.phases
-        phases = [base.phase + 2.0 * math.pi * k / count for k in range(count)]
-        tilts = [base.initial_tilt * factor for factor in self.ensemble.tilts]
-        return [
-            {"phase": phase, "initial_tilt": tilt}
-            for tilt, phase in itertools.product(tilts, phases)
-        ]
+        """Every start of the ensemble; the first is the paper's."""
+        return [] if self.ensemble is None else starts_of(self.baseline, self.ensemble)
 
 
 def map_plan(study: Study, name: str) -> MapPlan:
@@ -282,25 +273,16 @@ def paper_start(plan: MapPlan, cores: int) -> Compute:
 
 def ensemble_starts(plan: MapPlan, cores: int) -> Compute:
     """How nodes are computed from every start of the ensemble, one run each."""
-    settings, base, starts = plan.settings.settings, plan.baseline, plan.starts()
+    settings, starts = plan.settings.settings, plan.starts()
     every = plan.cells // plan.ensemble_lattice.cells
-    varied = {name: np.array([start[name] for start in starts]) for name in starts[0]}
 
     def compute(rows: Ints, columns: Ints) -> Columns:
-        count = rows.size
         swept = plan.swept(every * rows, every * columns)
-        values = {name: np.repeat(value, len(starts)) for name, value in swept.items()}
-        values |= {name: np.tile(value, count) for name, value in varied.items()}
-        endings = run_once(Batch.of(base, **values), settings, cores=cores)
-        outcome, tau, evaluations = (
-            endings[:, Ending._fields.index(name)].reshape(count, len(starts))
-            for name in ("outcome", "tau_align", "rhs_evaluations")
-        )
-        aligned = outcome == Outcome.ALIGNED
+        found = from_every_start(plan.baseline, swept, starts, settings, cores)
         return {
-            "aligned": aligned.sum(axis=1),
-            "tau_worst": np.where(aligned.all(axis=1), tau.max(axis=1), np.nan),
-            "rhs_evaluations": evaluations.sum(axis=1),
+            "aligned": found.aligned.sum(axis=1),
+            "tau_worst": found.tau_worst,
+            "rhs_evaluations": found.rhs_evaluations,
         }
 
     return compute
