@@ -7,7 +7,7 @@ from benchmarks.maps import compare, costs, judge, slope
 from model.runs.refinement import refine
 from model.solver.outcomes import Outcome
 from model.study.config import RunSettings, Span
-from model.study.maps import BESIDE, periods, plan_of
+from model.study.maps import BESIDE, graded, plan_of
 
 CELLS = 256
 ALIGNED, SETTLED = int(Outcome.ALIGNED), int(Outcome.SETTLED)
@@ -30,7 +30,7 @@ def areas():
 
 def refined(plan, area, tau):
     def evaluate(rows, columns):
-        value = periods(plan, rows, columns, tau[rows, columns])
+        value = graded(plan, rows, columns, tau[rows, columns])
         return area[rows, columns].astype(np.int64), value
 
     return refine(evaluate, plan.lattice)

@@ -50,7 +50,7 @@ MUTATIONS = [
     ("src/model/show/cli.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
      {"merge", *FIXED, *DRAWN}),
-    ("src/model/study/maps.py", "JUMP = 0.5", "JUMP = 0.6",
+    ("src/model/study/maps.py", "PERIODS = 0.4", "PERIODS = 0.5",
      {*MAPPED, "plot", *LAST}),
     ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math",
      {"plot", *LAST}),

@@ -19,7 +19,7 @@ from model.study.datasets import (
     parameter_attributes,
     read_dataset,
 )
-from model.study.maps import BESIDE, JUMP, Known, MapPlan, StabilityMap, Work
+from model.study.maps import BESIDE, PERIODS, SHARE, Known, MapPlan, StabilityMap, Work
 
 _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
 
@@ -29,7 +29,8 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
     "tau_align": {
         "long_name": "alignment duration",
         "symbol": "τ",
-        "comment": f"between computed nodes interpolated, within about {JUMP:g} excitation periods",
+        "comment": f"between computed nodes interpolated, within about {PERIODS:g} excitation "
+        f"periods or {SHARE:g} of the duration, whichever is more",
     },
     "tau_error": {"long_name": "estimated error of the alignment duration, where computed"},
     "sensitive": {

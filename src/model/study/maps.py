@@ -36,7 +36,9 @@ from model.study.starts import from_every_start, starts_of
 
 COARSE = 64  # coarse cells along a side of a map
 LINES = 8  # squares, along a side, on whose border every node is computed
-JUMP = 0.4  # excitation periods by which durations may differ within a cell that is left whole
+# By how much durations may differ within a cell that is left whole: the larger of these.
+PERIODS = 0.4  # excitation periods; a part that misses one takes one longer
+SHARE = 0.1  # of the duration
 BESIDE = 4  # nodes; what is filled so near to another area is flagged
 COARSE_ENSEMBLE = 32  # coarse cells along a side of the ensemble's lattice
 _AT_ONCE = 2048  # nodes, so that progress can be told
@@ -113,7 +115,7 @@ class MapPlan(BaseModel):
             cells=cells,
             coarse=coarse,
             lines=max(cells // LINES, coarse),
-            jump=JUMP,
+            jump=1.0,
         )
 
     @property
@@ -295,10 +297,16 @@ def areas(outcome: NDArray[np.int8]) -> Ints:
     return found
 
 
-def periods(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
-    """Durations in periods of the excitation; a constant one counts as of frequency 1."""
+def graded(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
+    """Durations on a scale on which 1 is how much they may differ: linear, then logarithmic.
+
+    A constant excitation counts as of frequency 1.
+    """
     frequency = plan.swept(rows, columns).get("frequency", np.array(plan.baseline.frequency))
-    return tau * np.where(frequency > 0.0, frequency, 1.0) / (2.0 * math.pi)
+    periods = tau * np.where(frequency > 0.0, frequency, 1.0) / (2.0 * math.pi)
+    knee = PERIODS / SHARE  # from here on the share is the larger
+    logarithmic = (1.0 + np.log(np.maximum(periods, knee) / knee)) / SHARE
+    return np.where(periods < knee, periods / PERIODS, logarithmic)
 
 
 def _remembered(known: Known, compute: Compute, progress: Callable[[int], None]) -> Compute:
@@ -318,7 +326,7 @@ def _remembered(known: Known, compute: Compute, progress: Callable[[int], None])
 def _paper_areas(plan: MapPlan, look_up: Compute) -> Evaluate:
     def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
         found = look_up(rows, columns)
-        return areas(found["outcome"]), periods(plan, rows, columns, found["tau_align"])
+        return areas(found["outcome"]), graded(plan, rows, columns, found["tau_align"])
 
     return evaluate
 
@@ -393,7 +401,7 @@ class StabilityMap:
     Attributes:
         plan: what it is of.
         outcome, reason, tau_align: from the paper's start, computed or filled. A duration is
-            interpolated between nodes, within ``JUMP`` periods of the excitation.
+            interpolated between nodes, within ``PERIODS`` or ``SHARE``.
         tau_error: where computed, NaN elsewhere.
         sensitive: where computed, a start displaced by the tolerance ends elsewhere; else 0.
         flagged: the outcome may be another: sensitive, or filled at most ``BESIDE`` nodes from
