@@ -87,8 +87,8 @@ def mutated(folder: Path, mutation: str) -> Path:
     return source
 
 
-# Runs the unit tests on each copy in a process of its own. What they import from elsewhere is loaded
-# once, before these processes are forked.
+# Runs the unit tests on each copy in a process of its own. What they import from elsewhere is
+# loaded once, before these processes are forked.
 RUN_EACH = """
 import json, os, sys
 import netCDF4, numba, pydantic, pytest, scipy, xarray
