@@ -78,8 +78,7 @@ FIGURES = [f"fig{number:02}" for number in range(5, 15)]
 
 def mutated(folder: Path, mutation: str) -> Path:
     """A copy of the sources with one error in it."""
-    ignored = shutil.ignore_patterns("__pycache__")
-    source = Path(shutil.copytree(PROJECT / "src", folder / "src", ignore=ignored))
+    source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
     file, old, new = MUTATIONS[mutation]
     path = source / "model" / "physics" / file
     text = path.read_text(encoding="utf-8")
@@ -88,20 +87,56 @@ def mutated(folder: Path, mutation: str) -> Path:
     return source
 
 
-@pytest.mark.parametrize("mutation", MUTATIONS)
-def test_a_unit_test_catches_it(tmp_path: Path, mutation: str) -> None:
-    source = mutated(tmp_path, mutation)
-    options = ["-x", "-q", "-p", "no:cacheprovider", "-o", f"pythonpath={source}"]
+# Runs the unit tests on each copy in a process of its own. What they import from elsewhere is
+# loaded once, before these processes are forked.
+RUN_EACH = """
+import json, os, sys
+import netCDF4, numba, pydantic, pytest, scipy, xarray
+
+sources, options = json.loads(sys.argv[1]), json.loads(sys.argv[2])
+codes = {}
+for mutation, source in sources.items():
+    child = os.fork()
+    if not child:
+        written = os.open(f"{source}/log", os.O_WRONLY | os.O_CREAT)
+        os.dup2(written, 1), os.dup2(written, 2)
+        os._exit(pytest.main([*options, "-o", f"pythonpath={source}"]))
+    codes[mutation] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+print(json.dumps(codes))
+"""
+
+
+@pytest.fixture(scope="module")
+def tried(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]]:
+    """(exit code, output) of the unit tests, uncompiled, on each mutation and on none."""
+    folder = tmp_path_factory.mktemp("mutated")
+    sources = {name: str(mutated(folder / str(i), name)) for i, name in enumerate(MUTATIONS)}
+    right = shutil.copytree(PROJECT / "src", folder / "right")
+    options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:hypothesispytest", *UNIT_TESTS]
     run = subprocess.run(
-        [sys.executable, "-m", "pytest", *options, *UNIT_TESTS],
+        [sys.executable, "-c", RUN_EACH, json.dumps({**sources, "none": str(right)})]
+        + [json.dumps(options)],
         cwd=PROJECT,
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(source)},
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "VIBRALIGN_CACHE": str(folder / "kernels")},
         capture_output=True,
         text=True,
-        check=False,
+        check=True,
     )
-    assert run.returncode == 1, run.stdout + run.stderr
-    assert "1 failed" in run.stdout
+    sources["none"] = str(right)
+    logs = {name: Path(source, "log").read_text("utf-8") for name, source in sources.items()}
+    return {name: (code, logs[name]) for name, code in json.loads(run.stdout).items()}
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS)
+def test_a_unit_test_catches_it(tried: dict[str, tuple[int, str]], mutation: str) -> None:
+    code, told = tried[mutation]
+    assert code == pytest.ExitCode.TESTS_FAILED, told
+    assert "1 failed" in told
+
+
+def test_without_a_mutation_no_unit_test_fails(tried: dict[str, tuple[int, str]]) -> None:
+    code, told = tried["none"]
+    assert code == pytest.ExitCode.OK, told
 
 
 # Prints, for every figure, how often the comparison finds each variable to differ.

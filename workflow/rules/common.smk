@@ -5,15 +5,14 @@ import sys
 from pathlib import Path
 
 from model.physics.readings import READING_NAMES
-from model.study.accuracy import trial_of
-from model.study.claims.runs import claim_sweep
 from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES
 from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.provenance import code_hash
-from model.study.sweeps import sweep_of
+from model.study.sweeps import claim_sweep, sweep_of
 from model.study.tracking import Invocation
+from model.study.trials import trial_of
 
 invocation = Invocation(root, study=study.model_dump(mode="json"))
 if workflow.is_main_process:

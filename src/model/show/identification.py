@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from model.show import style
 from model.study.config import Range
-from model.study.identification.committed import Identified
-from model.study.identification.results import Split
+from model.study.identification.committed import Identified, Split
 
 Array = NDArray[np.float64]
 

@@ -8,11 +8,10 @@ import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from model.study.identification.results import Split
 
 TABLES = ("ensemble", "claims", "splits", "readings")
 # Its pictures, and where each belongs in the results root, without extension.
@@ -27,6 +26,21 @@ Array = NDArray[np.float64]
 
 class IdentificationError(ValueError):
     """A committed table that is missing, or not what it should be."""
+
+
+class Split(NamedTuple):
+    """One split: claims searched for and those held out, and how many of each are reproduced."""
+
+    number: int
+    searched: int
+    searched_reproduced: int
+    held_out: int
+    held_out_reproduced: int
+
+    @property
+    def rate(self) -> float:
+        """Share of the claims held out that is reproduced."""
+        return self.held_out_reproduced / self.held_out
 
 
 @dataclass(frozen=True)
