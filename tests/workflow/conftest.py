@@ -153,7 +153,7 @@ class Workspace:
             env=self.environment,
             capture_output=True,
             text=True,
-            timeout=600,
+            timeout=3600,
             check=False,
         )
 
@@ -182,7 +182,7 @@ class Workspace:
             env=self.environment,
             capture_output=True,
             text=True,
-            timeout=600,
+            timeout=3600,
             check=False,
             **options,
         )

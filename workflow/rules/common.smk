@@ -1,5 +1,6 @@
 """What the rules share: how the parts of a figure or trial are named and described."""
 
+import atexit
 import json
 import sys
 from pathlib import Path
@@ -15,8 +16,18 @@ from model.study.tracking import Invocation
 from model.study.trials import trial_of
 
 invocation = Invocation(root, study=study.model_dump(mode="json"))
+
+
+def record_idle():
+    """Record what Snakemake calls no handler for: nothing to do, or a stop before the first job."""
+    settings = workflow.execution_settings
+    if settings is not None and not settings.no_hooks and not workflow.dryrun:
+        invocation.pass_by("failed" if workflow.dag is None or len(workflow.dag) else "done")
+
+
 if workflow.is_main_process:
     invocation.announce()
+    atexit.register(record_idle)
 
 
 def code(script):
