@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.runs.batch import each_by_itself
-from model.runs.errors import estimate
+from model.runs.batch import NO_TRACK, each_by_itself, implicitly, where_stiff
+from model.runs.errors import Array, estimate
 from model.runs.settings import Settings, settings_with
-from model.solver.loop import TRACK_COLUMNS, integrate_each, new_single
+from model.solver.loop import TRACK_COLUMNS
 from model.solver.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.solver.record import Ending
 
@@ -75,21 +75,17 @@ def simulate(
     """
     settings = settings_with(settings, changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
-    single = new_single(settings.method.method)
-    endings = np.empty((1, len(Ending._fields)))
 
-    def run(tolerance: float, track: NDArray[np.float64]) -> Ending:
-        tolerances = np.array([tolerance])
-        integrate_each(rows, tolerances, *settings.for_kernels, track, endings, single)
-        return Ending(*endings[0].tolist())
+    def run(rows: Array, tolerances: Array, track: Array = NO_TRACK) -> Array:
+        engines = implicitly(settings, track), each_by_itself(settings, track)
+        return where_stiff(settings, *engines)(rows, tolerances)
 
-    found = estimate(each_by_itself(settings), rows, settings.tolerance)
-    tolerance = float(found.tolerance[0])
+    found = estimate(run, rows, settings.tolerance)
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
-    ending = run(tolerance, track)
+    ending = Ending(*run(rows, found.tolerance, track)[0].tolist())
     if ending.tracked > len(track):
         track = np.empty((int(ending.tracked), TRACK_COLUMNS))
-        ending = run(tolerance, track)
+        ending = Ending(*run(rows, found.tolerance, track)[0].tolist())
     track = track[: int(ending.tracked)].copy()
     return Trajectory(
         parameters=parameters,
