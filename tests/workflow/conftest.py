@@ -71,7 +71,7 @@ STUDY = ["--configfile", "config/tiny.yaml"]
 # Snakemake for runs that start no job. What it and the package import from elsewhere, most of its
 # time, is loaded once; each run is a fork with the sources that it is given.
 PRELOADED = """
-import json, os, sys
+import atexit, json, os, sys
 import netCDF4, numba, pydantic, scipy.ndimage, scipy.special, xarray
 from snakemake.cli import main
 
@@ -84,12 +84,14 @@ for line in sys.stdin:
         os.chdir(folder)
         os.environ["PYTHONPATH"] = source
         sys.path.insert(0, source)
+        code = 2
         try:
             main(arguments)
         except SystemExit as ended:
-            sys.stdout.flush(), sys.stderr.flush()
-            os._exit(ended.code or 0)
-        os._exit(2)
+            code = ended.code or 0
+        atexit._run_exitfuncs()
+        sys.stdout.flush(), sys.stderr.flush()
+        os._exit(code)
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 """
 
@@ -158,9 +160,13 @@ class Workspace:
         )
 
     def dry_run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """As ``snakemake``, without doing anything."""
+        return self.snakemake_without_jobs("-n", *arguments)
+
+    def snakemake_without_jobs(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         """As ``snakemake``, for what starts no job."""
         out, err = self.folder / "stdout", self.folder / "stderr"
-        words = ["-n", "-c2", *arguments, *STUDY]
+        words = ["-c2", *arguments, *STUDY]
         request = [str(self.folder), str(self.source), words, str(out), str(err)]
         self.preloaded.stdin.write(json.dumps(request) + "\n")
         self.preloaded.stdin.flush()

@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from model.study.tracking import load_history
+
 
 def test_a_fault_in_the_configuration_stops_before_anything_is_made(
     workspace: Any, tiny: dict[str, Any]
@@ -30,6 +32,22 @@ def test_one_figure_is_a_target(workspace: Any) -> None:
 def test_a_build_is_complete_and_a_second_has_nothing_to_do(built: Any) -> None:
     again = built.dry_run(*built.DATA, *built.BESIDE, *built.PICTURES)
     assert "Nothing to be done" in again.stdout + again.stderr
+
+
+def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) -> None:
+    def recorded() -> list[tuple[str, int]]:
+        history = load_history(copy_of_built.folder / "tiny")
+        return [(each["outcome"], len(each["runs"])) for each in history]
+
+    first = recorded()
+    assert [outcome for outcome, _ in first] == ["done"]
+    assert copy_of_built.snakemake_without_jobs(*copy_of_built.DATA).returncode == 0
+    assert recorded() == [*first, ("done", 0)]
+    assert copy_of_built.snakemake_without_jobs("no_such_target").returncode == 1
+    assert recorded() == [*first, ("done", 0), ("failed", 0)]
+    copy_of_built.dry_run(*copy_of_built.DATA)
+    copy_of_built.dry_run("no_such_target")
+    assert len(recorded()) == 3
 
 
 def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> None:
