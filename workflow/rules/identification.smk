@@ -83,11 +83,12 @@ rule identify_search:
         space=space_of(study).model_dump_json(),
         rounds=lambda wildcards: rounds(getattr(study.identification, ROUNDS[wildcards.kind])),
         starts=study.identification.starts,
+        known=json.dumps(study.identification.known),
     message:
         "identification: search {wildcards.kind} {wildcards.number}"
     shell:
         "python workflow/scripts/identify_search.py --space {params.space:q}"
-        " --rounds {params.rounds:q} --kind {wildcards.kind}"
+        " --rounds {params.rounds:q} --known {params.known:q} --kind {wildcards.kind}"
         " --number {wildcards.number} --of {params.starts}"
         " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 

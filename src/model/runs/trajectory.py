@@ -1,6 +1,7 @@
 """One trajectory, with its whole course."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -75,21 +76,40 @@ def simulate(
     """
     settings = settings_with(settings, changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
+    found = estimate(each_by_itself(settings), rows, settings.tolerance)
+    run = _followed(parameters, settings, float(found.tolerance[0]))
+    return replace(
+        run,
+        tau_error=float(found.tau_error[0]),
+        sensitive=bool(found.sensitive[0]),
+        rhs_evaluations=int(found.rhs_evaluations[0]),
+    )
+
+
+def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
+    """As ``simulate``, without an estimate of the error: ``tau_error`` is NaN.
+
+    A third of the cost, for statistics over many sets.
+    """
+    return _followed(parameters, settings, settings.tolerance)
+
+
+def _followed(parameters: Parameters, settings: Settings, tolerance: float) -> Trajectory:
+    """One run at a tolerance, with its course."""
+    rows = Batch.stack([parameters]).constants(settings.readings)
+    tolerances = np.array([tolerance])
     single = new_single(settings.method.method)
     endings = np.empty((1, len(Ending._fields)))
 
-    def run(tolerance: float, track: NDArray[np.float64]) -> Ending:
-        tolerances = np.array([tolerance])
+    def run(track: NDArray[np.float64]) -> Ending:
         integrate_each(rows, tolerances, *settings.for_kernels, track, endings, single)
         return Ending(*endings[0].tolist())
 
-    found = estimate(each_by_itself(settings), rows, settings.tolerance)
-    tolerance = float(found.tolerance[0])
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
-    ending = run(tolerance, track)
+    ending = run(track)
     if ending.tracked > len(track):
         track = np.empty((int(ending.tracked), TRACK_COLUMNS))
-        ending = run(tolerance, track)
+        ending = run(track)
     track = track[: int(ending.tracked)].copy()
     return Trajectory(
         parameters=parameters,
@@ -100,15 +120,15 @@ def simulate(
         outcome=Outcome(int(ending.outcome)),
         reason=Reason(int(ending.reason)),
         tau_align=ending.tau_align,
-        tau_error=float(found.tau_error[0]),
+        tau_error=math.nan,
         tau_corners_inside=ending.tau_corners_inside,
-        sensitive=bool(found.sensitive[0]),
+        sensitive=False,
         tilt_at_alignment=ending.tilt_at_alignment,
         tilt_max=ending.tilt_max,
         separations=int(ending.separations),
         contact_force_max=ending.contact_force_max,
         sticking_share=ending.sticking_share,
-        rhs_evaluations=int(found.rhs_evaluations[0]),
+        rhs_evaluations=int(ending.rhs_evaluations),
         steps=int(ending.steps),
         switches=int(ending.switches),
         period=int(ending.period),
