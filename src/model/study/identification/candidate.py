@@ -89,6 +89,11 @@ class Space(BaseModel):
         }
 
     @cached_property
+    def everything(self) -> tuple[str, ...]:
+        """All figures and own runs."""
+        return tuple(name for names in self.parts.values() for name in names)
+
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Every coordinate: "inertia_ratio", …, "fig06.friction", …."""
         of_figures = [

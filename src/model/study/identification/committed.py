@@ -12,13 +12,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from model.study.identification.bands import Band, bands_in
 from model.study.identification.results import Split
 
-TABLES = ("ensemble", "claims", "splits", "readings")
+TABLES = ("ensemble", "claims", "splits", "readings", "bands")
 # Its pictures, and where each belongs in the results root, without extension.
 PICTURES: Mapping[str, str] = {
     "structure": "figures/identified_structure",
     "claims": "figures/identified_claims",
+    "bands": "figures/identified_bands",
     "readings": "figures/identified_readings",
 }
 
@@ -42,6 +44,7 @@ class Identified:
         prior_shares: share of draws from the prior that does, NaN where unknown, shape (claims,).
         splits: identified on one half of the claims, judged on the other.
         readings: margins of the best set under each reading, each of shape (claims,).
+        bands: of Figs. 6 to 12 over the ensemble, a band for each curve.
     """
 
     ensemble: Mapping[str, Array]
@@ -52,6 +55,7 @@ class Identified:
     prior_shares: Array
     splits: tuple[Split, ...]
     readings: Mapping[str, Array]
+    bands: Mapping[str, tuple[Band, ...]]
 
 
 def read_identified(folder: Path) -> Identified:
@@ -75,6 +79,7 @@ def read_identified(folder: Path) -> Identified:
             prior_shares=columns[:, 3],
             splits=tuple(Split(*(int(cell) for cell in row)) for row in read["splits"][1:]),
             readings=_by_claim(read["readings"], tuple(claims)),
+            bands=bands_in(read["bands"][1:]),
         )
     except (ValueError, TypeError, IndexError) as error:
         raise IdentificationError(

@@ -89,16 +89,12 @@ def datasets_of(
 
     Args:
         space: what the candidates are points of.
-        wanted: for each candidate its point, shape (n,), and the figures asked for; with each come
-            the ledger's own runs at its operating point.
+        wanted: for each candidate its point, shape (n,), and the names of figures and own runs.
 
     Returns:
         For each candidate its datasets by name, with what the claims read of them.
     """
-    sweeps = [
-        {name: space.sweep(point, name) for figure in figures for name in space.parts[figure]}
-        for point, figures in wanted
-    ]
+    sweeps = [{name: space.sweep(point, name) for name in names} for point, names in wanted]
     settings = space.settings.settings
     pieces = [
         sweep.batch(np.arange(math.prod(sweep.shape))).constants(settings.readings)
@@ -181,7 +177,7 @@ def margins_of(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
 
 def evaluate(space: Space, judge: Judge, points: Array) -> Array:
     """Margins of candidates with all their figures: shape (m, n) to (m, claims)."""
-    made = datasets_of(space, [(point, tuple(space.parts)) for point in points])
+    made = datasets_of(space, [(point, space.everything) for point in points])
     return np.array([known_margins(judge, datasets) for datasets in made])
 
 

@@ -56,7 +56,7 @@ def sample(space: Space, judge: Judge, pool: Pool, chunk: int) -> Samples:
     points = _drawn(space, pool)[chunk :: pool.chunks]
     margins = [
         _margins_by_figure(
-            space, judge, datasets_of(space, [(point, COMPUTED) for point in trials])
+            space, judge, datasets_of(space, [(point, space.everything) for point in trials])
         )
         for trials in points
     ]
@@ -271,7 +271,7 @@ def fit(space: Space, judge: Judge, trials: Array) -> tuple[Array, Array]:
     Returns:
         The point, shape (n,), and its margins, shape (claims,).
     """
-    made = datasets_of(space, [(point, COMPUTED) for point in trials])
+    made = datasets_of(space, [(point, space.everything) for point in trials])
     margins = _margins_by_figure(space, judge, made)
     best = _scores_by_figure(space, judge, margins).argmax(axis=0)
     point = trials[0].copy()
@@ -287,10 +287,14 @@ def fit(space: Space, judge: Judge, trials: Array) -> tuple[Array, Array]:
 
 
 def halves(judge: Judge, seed: int, split: int) -> tuple[Flags, Flags]:
-    """A split of the claims that count into two halves, drawn; each of shape (claims,)."""
-    counted = np.flatnonzero(judge.counted)
-    drawn = np.random.default_rng([seed, 2, split]).permutation(counted)
-    first = np.isin(np.arange(judge.counted.size), drawn[: (counted.size + 1) // 2])
+    """A split of the claims that count into two halves, drawn; each of shape (claims,).
+
+    The claims of a figure are dealt out to both, so that either half asks something of every
+    operating point.
+    """
+    drawn = np.random.default_rng([seed, 2, split]).permutation(np.flatnonzero(judge.counted))
+    dealt = sorted(drawn.tolist(), key=lambda row: judge.claims[row].figures[0])
+    first = np.isin(np.arange(judge.counted.size), dealt[::2])
     return first, judge.counted & ~first
 
 
