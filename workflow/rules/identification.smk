@@ -11,7 +11,10 @@ identified_pictures = IDENTIFIED_PICTURES.values() if identified_tables else []
 
 rule draw_identification:
     input:
-        identified_tables,
+        tables=identified_tables,
+        curves=lambda wildcards: (
+            expand(root / "data/{figure}.nc", figure=CURVES) if wildcards.picture == "bands" else []
+        ),
     output:
         png=root / "figures/identified_{picture}.png",
         svg=root / "figures/identified_{picture}.svg",
@@ -32,7 +35,8 @@ rule draw_identification:
     shell:
         "python workflow/scripts/draw_identification.py --picture {wildcards.picture}"
         " --structure {params.structure:q} --law {params.law:q}"
-        " --output {output.png} --record {output.record} {input} > {log} 2>&1"
+        " --output {output.png} --record {output.record} --curves {input.curves}"
+        " --tables {input.tables} > {log} 2>&1"
 
 
 # A reading is a preset, or the one switch that is corrected while all others stay as printed.
@@ -83,11 +87,12 @@ rule identify_search:
         space=space_of(study).model_dump_json(),
         rounds=lambda wildcards: rounds(getattr(study.identification, ROUNDS[wildcards.kind])),
         starts=study.identification.starts,
+        known=json.dumps(study.identification.known),
     message:
         "identification: search {wildcards.kind} {wildcards.number}"
     shell:
         "python workflow/scripts/identify_search.py --space {params.space:q}"
-        " --rounds {params.rounds:q} --kind {wildcards.kind}"
+        " --rounds {params.rounds:q} --known {params.known:q} --kind {wildcards.kind}"
         " --number {wildcards.number} --of {params.starts}"
         " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 
@@ -136,6 +141,7 @@ rule identify_summary:
         root / "identification/claims.csv",
         root / "identification/splits.csv",
         root / "identification/readings.csv",
+        root / "identification/bands.csv",
         summary=root / "identification/summary.txt",
         record=root / "identification/summary.run.json",
     log:

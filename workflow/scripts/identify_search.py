@@ -1,8 +1,10 @@
 """Search over all claims, or over half of them, from the best of the first samples."""
 
 import argparse
+import json
 from pathlib import Path
 
+import numpy as np
 from pydantic import TypeAdapter
 
 from model.study.config import Evolution
@@ -19,6 +21,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--space", required=True, type=Space.model_validate_json)
     parser.add_argument("--rounds", required=True, type=TypeAdapter(list[Evolution]).validate_json)
+    parser.add_argument("--known", required=True, type=json.loads, help="sets found before")
     parser.add_argument("--kind", required=True, choices=["start", "half"])
     parser.add_argument("--number", required=True, type=int)
     parser.add_argument("--of", required=True, type=int, help="searches that share the samples")
@@ -28,14 +31,15 @@ def main() -> None:
     arguments = parser.parse_args()
     space, number = arguments.space, arguments.number
     job = Job("identify_search", arguments.kind, number)
-    judge = judge_of(space)
+    judge, known = judge_of(space), None
     samples = samples_of([read_dataset(path) for path in arguments.samples])
-    if arguments.kind == "half":
+    if arguments.kind == "half":  # what was found with all claims would tell of those held out
         judge = judge.counting(halves(judge, space.law.seed, number)[0])
     else:
         samples = samples.every(number, arguments.of)
+        known = np.array([space.point_of(values) for values in arguments.known.values()])
     first = 0 if arguments.kind == "start" else 1000  # other draws than those over all claims
-    found = search(space, judge, samples, arguments.rounds, first + number)
+    found = search(space, judge, samples, arguments.rounds, first + number, known)
     title = f"Candidates of search {arguments.kind} {number}"
     write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
     job.finish(arguments.record, [arguments.output], arguments.samples, sweep=space.identity)

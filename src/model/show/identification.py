@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,10 +13,15 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from model.show import style
+from model.show.plots import axis_label, symbol_of
 from model.study.config import Range
-from model.study.identification.committed import Identified, Split
+from model.study.identification.committed import Band, Identified, Split
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
+_LIGHT = 0.3
 
 SYMBOLS: Mapping[str, str] = {
     "half_width": "a",
@@ -40,6 +46,9 @@ CAPTIONS: Mapping[str, str] = {
     "priors' ranges; the star and the lines are the study's device.",
     "claims": "How many of the admissible sets reproduce each claim, and how many draws from the "
     "prior do: a claim that the prior reproduces as often says nothing about the device.",
+    "bands": "Figs. 6 to 12 with the bands of the admissible sets: 5 % to 95 % of their durations "
+    "where at least half of them align, dashed the median. Every set has an operating point of its "
+    "own. Lines: the study's device, one curve of each figure.",
     "readings": "Which claims the best set found under each reading of the equations reproduces; "
     "all readings were searched with the same budget. In brackets how many.",
 }
@@ -110,6 +119,53 @@ def _prior_axis(axes: Axes, which: str, law: Range) -> None:
     axis.set_ticks([], minor=True)
     if which == "x":
         axes.tick_params(axis="x", labelrotation=60.0)
+
+
+def band_curves(bands: Mapping[str, tuple[Band, ...]], datasets: Sequence["xr.Dataset"]) -> Figure:
+    """The ensemble's band behind one curve of each figure, the middle one of its family.
+
+    Args:
+        bands: by figure.
+        datasets: the study's, of the same figures.
+    """
+    rows = (len(datasets) + 2) // 2
+    with style.context():
+        figure = style.new_figure(height=rows * 5.2 * style.CENTIMETRE)
+        panels = np.asarray(figure.subplots(rows, 2)).ravel()
+        for axes, dataset in zip(panels, datasets, strict=False):
+            _draw_band(axes, bands[dataset.attrs["figure"]], dataset)
+        for axes in panels[len(datasets) :]:
+            axes.set_axis_off()
+        panels[len(datasets)].legend(
+            handles=[
+                Line2D([], [], color=style.BLUE, label="the study's device"),
+                Line2D([], [], color=style.VERMILLION, linestyle="--", label="median of the sets"),
+                Patch(color=style.ORANGE, alpha=_LIGHT, label="9 of 10 of the sets that align"),
+                Patch(color=style.GREY, alpha=_LIGHT, label="fewer than half of the sets align"),
+            ],
+            loc="center",
+        )
+    return figure
+
+
+def _draw_band(axes: Axes, bands: Sequence[Band], dataset: "xr.Dataset") -> None:
+    family, swept = (dataset[name] for name in dataset["tau_align"].dims)
+    band = bands[len(bands) // 2]
+    row = int(np.flatnonzero(family.values == band.at)[0])
+    # Fig. 10's axis: each set over the bare inertia of its own part, from which the axis begins.
+    x = band.x * (swept.values[0] if swept.name == "inertia" else 1.0)
+    axes.fill_between(x, band.low, band.high, color=style.ORANGE, alpha=_LIGHT, linewidth=0.0)
+    axes.plot(x, band.middle, color=style.VERMILLION, linestyle="--")
+    axes.plot(swept.values, dataset["tau_align"].values[row], color=style.BLUE)
+    few = ~np.isfinite(band.middle)
+    axes.fill_between(
+        x, 0.0, 1.0, where=few, transform=axes.get_xaxis_transform(), color=style.GREY,
+        alpha=_LIGHT, linewidth=0.0, step="mid",
+    )  # fmt: skip
+    axes.set(yscale="log", xlim=(swept.values[0], swept.values[-1]), xlabel=axis_label(swept))
+    number = int(dataset.attrs["figure"][3:])
+    axes.set_title(f"Fig. {number}, {symbol_of(family)} = {band.at:g}", loc="left", pad=3.0)
+    axes.set_ylabel("$τ$")
 
 
 def claim_shares(

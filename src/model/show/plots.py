@@ -63,7 +63,8 @@ def math(symbol: str) -> str:
     return f"${symbol}$"
 
 
-def _symbol(coordinate: "xr.DataArray") -> str:
+def symbol_of(coordinate: "xr.DataArray") -> str:
+    """A parameter's symbol as mathematical text; its name where it has none."""
     symbol = coordinate.attrs.get("symbol", coordinate.name)
     # What has no symbol of its own carries its name.
     return str(symbol) if symbol == coordinate.name else math(symbol)
@@ -73,7 +74,7 @@ def axis_label(coordinate: "xr.DataArray") -> str:
     """Words and symbol of a parameter: "initial pressing force $f_{0}$"."""
     words = str(coordinate.attrs.get("long_name", coordinate.name))
     words = re.split(r"; | \(", words, maxsplit=1)[0]  # what follows explains, it does not name
-    symbol, unit = _symbol(coordinate), coordinate.attrs.get("units", "1")
+    symbol, unit = symbol_of(coordinate), coordinate.attrs.get("units", "1")
     label = words if symbol == words else f"{words} {symbol}"
     return label if unit == "1" else f"{label} in {unit}"
 
@@ -215,7 +216,7 @@ def curves(dataset: "xr.Dataset") -> Figure:
     with style.context():
         figure, axes, strip = _curve_axes(len(family), bool(gaps.any()))
         handles = [
-            _draw_curve(axes, row, swept.values, durations[row], f"{_symbol(family)} = {value:g}")
+            _draw_curve(axes, row, swept.values, durations[row], f"{symbol_of(family)} = {value:g}")
             for row, value in enumerate(family.values)
         ]
         notes = _mark_sensitive(axes, swept.values, durations, dataset["sensitive"].values == 1)

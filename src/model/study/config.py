@@ -247,6 +247,7 @@ class SearchLaw(_Strict):
         horizon: latest time of the search's runs.
         tolerance: of the search's runs, each of which is run once.
         counts: values along each axis of a figure with a grid.
+        run_counts: values along the axis of each of the claims ledger's own runs.
         structure: ranges of what all figures share.
         stated: what the paper says of a figure's operating point.
         operating_points: ranges of what it leaves open, by figure.
@@ -258,6 +259,7 @@ class SearchLaw(_Strict):
     horizon: float = Field(gt=0.0)
     tolerance: float = Field(ge=1e-14, le=1e-2)
     counts: Counts
+    run_counts: dict[str, Annotated[int, Field(ge=2)]]
     structure: Ranges
     stated: dict[str, ParameterValues]
     operating_points: dict[str, Annotated[Ranges, AfterValidator(_parameter_names)]]
@@ -287,6 +289,7 @@ class Identification(_Strict):
         pool: the first samples under the study's reading.
         rounds: of each search over all claims.
         starts: searches over all claims, each from structures of its own.
+        known: sets found before, by unknown, that searches over all claims set out from as well.
         finer: how many of the best are judged again, with three times the values along each axis.
         half: rounds of each search over half of the claims.
         splits: how often the claims are halved.
@@ -299,6 +302,7 @@ class Identification(_Strict):
     pool: Pool
     rounds: Annotated[list[Evolution], Field(min_length=1)]
     starts: int = Field(ge=1)
+    known: dict[str, dict[str, float]]
     finer: int = Field(ge=1)
     half: Annotated[list[Evolution], Field(min_length=1)]
     splits: int = Field(ge=1)
@@ -546,6 +550,10 @@ class Study(_Strict):
         missing = [name for name in FIGURES if name not in self.figures]
         if missing:
             raise ValueError(f"figures: missing {', '.join(missing)}")
+        if set(self.identification.law.run_counts) != set(self.claims_runs):
+            raise ValueError(
+                f"identification.law.run_counts: must name each of {', '.join(self.claims_runs)}"
+            )
         twice = sorted(set(self.structure) & set(self.operating_point))
         if twice:
             raise ValueError(f"{', '.join(twice)}: stated in both structure and operating_point")

@@ -1,5 +1,7 @@
 """Claims on areas of reliable alignment (Figs. 13 and 14), and the conclusions drawn from all."""
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
 from model.study.claims.durations import influence
@@ -15,32 +17,25 @@ from model.study.claims.limits import (
     unmeasured,
 )
 from model.study.claims.mechanism import FIGURES
-from model.study.claims.reading import NAN, Array, Data, Flags, MissingDataError, trend
+from model.study.claims.reading import NAN, Array, Data, Flags, MissingDataError, Plane, trend
+from model.study.claims.shapes import each_figure, of_points, one
 
 RELIABLE_REACH = 0.05
 STIFF = 10.0
 _MAPS = {"fig13": "(k_φ, f0)", "fig14": "(k_φ, ν)"}
 
 
-def _splits(name: str) -> Check:
-    def check(data: Data) -> list[Part]:
-        share = data.plane(name).share_aligned
-        return [Part("", min(share, 1.0 - share))]
-
-    return check
+def _of_plane(name: str, number: Callable[[Plane], float]) -> Check:
+    return one(lambda data: number(data.plane(name)))
 
 
-def _one_area(name: str) -> Check:
-    def check(data: Data) -> list[Part]:
-        return [Part("", data.plane(name).largest_area)]
-
-    return check
+def _smaller_area(plane: Plane) -> float:
+    return min(plane.share_aligned, 1.0 - plane.share_aligned)
 
 
-def _some_stiffness(data: Data) -> list[Part]:
-    plane = data.plane("fig13")
+def _some_stiffness(plane: Plane) -> float:
     judged = plane.safe(RELIABLE_REACH)[plane.y <= 10.0]
-    return [Part("", float(judged.any(axis=1).mean()) if judged.size else NAN)]
+    return float(judged.any(axis=1).mean()) if judged.size else NAN
 
 
 def _stiff_alignments(data: Data) -> list[Part]:
@@ -66,15 +61,9 @@ def _share(name: str, aligned: Flags) -> Part:
     return Part(f"Fig. {int(name[3:])}", share)
 
 
-def _faster_when_stiffer(data: Data) -> list[Part]:
-    parts = []
-    for name in filter(data.has, _MAPS):
-        plane = data.plane(name)
-        tau = np.where(plane.regular, plane.tau, NAN)
-        parts.append(Part(f"Fig. {int(name[3:])}", trend(plane.x, tau)))
-    if not parts:
-        raise MissingDataError("there is no dataset of Figs. 13 and 14")
-    return parts
+def _faster_when_stiffer(data: Data, name: str) -> float:
+    plane = data.plane(name)
+    return trend(plane.x, np.where(plane.regular, plane.tau, NAN))
 
 
 def _peak(x: Array, aligned: Flags, regular: Flags) -> tuple[float, float] | None:
@@ -88,14 +77,13 @@ def _peak(x: Array, aligned: Flags, regular: Flags) -> tuple[float, float] | Non
     return float(x[least]), float(x[most])
 
 
-def _peak_depends(data: Data) -> list[Part]:
-    plane = data.plane("fig14")
+def _peak_depends(plane: Plane) -> float:
     rows = zip(plane.aligned, plane.regular, strict=True)
     peaks = [peak for row in rows if (peak := _peak(plane.x, *row)) is not None]
     if len(peaks) < 2:
-        return [Part("", NAN)]
+        return NAN
     apart = max(least for least, _ in peaks) - min(most for _, most in peaks)
-    return [Part("", max(0.0, apart / float(np.ptp(plane.x))))]
+    return max(0.0, apart / float(np.ptp(plane.x)))
 
 
 def _reliable(data: Data) -> list[Part]:
@@ -105,17 +93,9 @@ def _reliable(data: Data) -> list[Part]:
     ]
 
 
-def _corners_come_inside(data: Data) -> list[Part]:
-    parts = []
-    for name in FIGURES:
-        if data.has(name):
-            points = data.regular(name)
-            inside = np.isfinite(points["tau_corners_inside"][points["aligned"]])
-            share = float(inside.mean()) if inside.size else NAN
-            parts.append(Part(f"Fig. {int(name[3:])}", share))
-    if not parts:
-        raise MissingDataError("there is no dataset of a figure")
-    return parts
+def _corners_come_inside(points: Mapping[str, Array]) -> float:
+    inside = np.isfinite(points["tau_corners_inside"][points["aligned"]])
+    return float(inside.mean()) if inside.size else NAN
 
 
 def _of_maps() -> list[Claim]:
@@ -133,7 +113,7 @@ def _of_maps() -> list[Claim]:
                 figures=(name,),
                 measure="share of the plane that aligns, or that does not, whichever is smaller",
                 limit=VISIBLE.also("both must be seen"),
-                check=_splits(name),
+                check=_of_plane(name, _smaller_area),
             ),
             Claim(
                 id=f"F{number}b",
@@ -145,7 +125,7 @@ def _of_maps() -> list[Claim]:
                 limit=at_least(
                     0.9, 0.5, "an area to read settings from is in one piece; a tenth may lie apart"
                 ),
-                check=_one_area(name),
+                check=_of_plane(name, lambda plane: plane.largest_area),
             ),
         ]
     return claims
@@ -161,7 +141,7 @@ AREAS: tuple[Claim, ...] = (
         figures=("fig13",),
         measure="share of the forces up to 10 for which there is a k_φ around which all aligns",
         limit=NEARLY_ALL.also("reliable as in C8; no stiffness is named, so one is enough"),
-        check=_some_stiffness,
+        check=_of_plane("fig13", _some_stiffness),
     ),
     Claim(
         id="C2",
@@ -195,7 +175,7 @@ AREAS: tuple[Claim, ...] = (
         figures=("fig13", "fig14"),
         measure="trend of the duration over k_φ, mean over the rows of the map",
         limit=FALLS,
-        check=_faster_when_stiffer,
+        check=each_figure(tuple(_MAPS), _faster_when_stiffer),
     ),
     Claim(
         id="C2c",
@@ -205,7 +185,7 @@ AREAS: tuple[Claim, ...] = (
         figures=("fig14",),
         measure="largest difference, over ν, of the stiffest k_φ that aligns, over the axis",
         limit=WIDER,
-        check=_peak_depends,
+        check=_of_plane("fig14", _peak_depends),
     ),
     Claim(
         id="C8",
@@ -239,7 +219,7 @@ AREAS: tuple[Claim, ...] = (
         figures=FIGURES,
         measure="share of the runs that fall in whose corners come to be inside",
         limit=NEARLY_ALL.also("what falls in must fit in"),
-        check=_corners_come_inside,
+        check=each_figure(FIGURES, of_points(_corners_come_inside)),
     ),
     Claim(
         id="C8d",

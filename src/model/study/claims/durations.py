@@ -32,27 +32,21 @@ from model.study.claims.reading import (
     spread,
     trend,
 )
+from model.study.claims.shapes import ANY, each_curve, one
 
 LIGHT = 2.0  # "inconsiderable initial pressing force (f0 < 2)"
-ANY = math.inf
 
 
-def durations_trend(name: str, symbol: str, low: float = -ANY, high: float = ANY) -> Check:
-    """Trend of the duration along each curve of a figure whose parameter is in a range."""
-
-    def check(data: Data) -> list[Part]:
-        return [labelled(symbol, c, trend(c.x, c.tau)) for c in data.between(name, low, high)]
-
-    return check
+def duration_trend(curve: Curve) -> float:
+    """Trend of the duration along a curve."""
+    return trend(curve.x, curve.tau)
 
 
 def influence(*names: str) -> Check:
     """Longest over shortest duration of a curve, without the outermost twentieths: the median."""
-
-    def check(data: Data) -> list[Part]:
-        return [Part("", middle(np.array([spread(c.tau) for n in names for c in data.curves(n)])))]
-
-    return check
+    return one(
+        lambda data: middle(np.array([spread(c.tau) for n in names for c in data.curves(n)]))
+    )
 
 
 def across(name: str, number: Callable[[Array, Array], float]) -> Check:
@@ -61,13 +55,13 @@ def across(name: str, number: Callable[[Array, Array], float]) -> Check:
     ``number`` takes the family's values, shape (m,), and the durations there.
     """
 
-    def check(data: Data) -> list[Part]:
+    def mean(data: Data) -> float:
         curves = data.curves(name)
         values = np.array([c.at for c in curves])
         taus = np.array([sampled(c, grid_of(curves)) for c in curves])
-        return [Part("", mean_of([number(values, column) for column in taus.T]))]
+        return mean_of([number(values, column) for column in taus.T])
 
-    return check
+    return one(mean)
 
 
 def grid_of(curves: Iterable[Curve]) -> Array:
@@ -85,12 +79,8 @@ def sampled(curve: Curve, x: Array) -> Array:
 # --- Figure 6 -----------------------------------------------------------------------------------
 
 
-def _light_is_slower(data: Data) -> list[Part]:
-    parts = []
-    for curve in data.between("fig06", 5.0, 7.0):
-        light = middle(curve.tau[curve.x < LIGHT])
-        parts.append(labelled("k_φ", curve, ratio(light, middle(curve.tau[curve.x >= LIGHT]))))
-    return parts
+def _slower_when_light(curve: Curve) -> float:
+    return ratio(middle(curve.tau[curve.x < LIGHT]), middle(curve.tau[curve.x >= LIGHT]))
 
 
 def _bump(curve: Curve) -> float:
@@ -121,10 +111,6 @@ def _bump(curve: Curve) -> float:
 SMALL_RANGE = 2.0
 
 
-def _falls_rises_falls(data: Data) -> list[Part]:
-    return [labelled("k_φ", c, _bump(c)) for c in data.between("fig06", 10.0, 20.0)]
-
-
 def _limited_range(data: Data) -> list[Part]:
     parts = []
     for at in (10.0, 20.0):
@@ -142,7 +128,7 @@ FIGURE_6: tuple[Claim, ...] = (
         figures=("fig06",),
         measure="usual duration for f0 < 2 over that for greater f0",
         limit=A_TENTH_MORE,
-        check=_light_is_slower,
+        check=each_curve("fig06", "k_φ", _slower_when_light, 5.0, 7.0),
     ),
     Claim(
         id="F6b",
@@ -154,7 +140,7 @@ FIGURE_6: tuple[Claim, ...] = (
         measure="least of the fall, the rise (less all other rises) and the second fall, over the "
         "duration",
         limit=VISIBLE.also("a small range is a fifth of the axis, begun below f0 = 2"),
-        check=_falls_rises_falls,
+        check=each_curve("fig06", "k_φ", _bump, 10.0, 20.0),
     ),
     Claim(
         id="F6c",
@@ -174,7 +160,7 @@ FIGURE_6: tuple[Claim, ...] = (
         figures=("fig06",),
         measure="trend of the duration over f0",
         limit=FALLS,
-        check=durations_trend("fig06", "k_φ", 5.0, 7.0),
+        check=each_curve("fig06", "k_φ", duration_trend, 5.0, 7.0),
     ),
     Claim(
         id="F6e",
@@ -202,23 +188,19 @@ def _growth(curve: Curve) -> float:
     return ratio(float(tau[-1]), float(tau[0])) if tau.size > 1 else NAN
 
 
-def _growth_by_force(data: Data) -> list[Part]:
+def _growth_by_force(data: Data) -> float:
     curves = [c for c in data.curves("fig07") if c.aligned.any()]
     if len(curves) < 2:
-        return [Part("", NAN)]
+        return NAN
     common = min(float(c.x[c.aligned].max()) for c in curves)
     grown = np.array([_growth(c.within(0.0, common)) for c in curves])
     known = grown[np.isfinite(grown)]
-    return [Part("", float(known.max() / known.min()) if known.size > 1 else NAN)]
+    return float(known.max() / known.min()) if known.size > 1 else NAN
 
 
-def _grows_faster_below(data: Data) -> list[Part]:
-    parts = []
-    for curve in data.curves("fig07"):
-        below, above = curve.within(0.0, ROUGH), curve.within(ROUGH, ANY)
-        slopes = slope(below.x, below.tau), slope(above.x, above.tau)
-        parts.append(labelled("f0", curve, asymmetry(*slopes)))
-    return parts
+def _steeper_below(curve: Curve) -> float:
+    below, above = curve.within(0.0, ROUGH), curve.within(ROUGH, ANY)
+    return asymmetry(slope(below.x, below.tau), slope(above.x, above.tau))
 
 
 def _light_growth(data: Data) -> list[Part]:
@@ -256,7 +238,7 @@ FIGURE_7: tuple[Claim, ...] = (
         figures=("fig07",),
         measure="trend of the duration over μ",
         limit=RISES,
-        check=durations_trend("fig07", "f0"),
+        check=each_curve("fig07", "f0", duration_trend),
     ),
     Claim(
         id="F7b",
@@ -266,7 +248,7 @@ FIGURE_7: tuple[Claim, ...] = (
         figures=("fig07",),
         measure="slope below less slope above, over their sum",
         limit=A_TENTH_STEEPER,
-        check=_grows_faster_below,
+        check=each_curve("fig07", "f0", _steeper_below),
     ),
     Claim(
         id="F7c",
@@ -287,7 +269,7 @@ FIGURE_7: tuple[Claim, ...] = (
         measure="growth with μ at the force where it is greatest over that where it is least, "
         "within the μ at which all align",
         limit=A_TENTH_MORE,
-        check=_growth_by_force,
+        check=one(_growth_by_force),
     ),
     Claim(
         id="F7e",
@@ -307,23 +289,20 @@ FIGURE_7: tuple[Claim, ...] = (
 SLIGHTLY = 1.0 / 3.0
 
 
-def _straight(data: Data) -> list[Part]:
-    return [
-        labelled("μ", c, explained(np.array([np.ones(c.x.size), c.x]), c.tau))
-        for c in data.curves("fig11")
-    ]
+def _straight(curve: Curve) -> float:
+    return explained(np.array([np.ones(curve.x.size), curve.x]), curve.tau)
 
 
-def _inverse(data: Data) -> list[Part]:
-    return [labelled("μ", c, explained(np.array([1.0 / c.x]), c.tau)) for c in data.curves("fig11")]
+def _inverse(curve: Curve) -> float:
+    return explained(np.array([1.0 / curve.x]), curve.tau)
 
 
-def _slopes_differ(data: Data) -> list[Part]:
+def _slopes_differ(data: Data) -> float:
     slopes = [slope(c.x, c.tau) for c in data.curves("fig11")]
     known = np.array([each for each in slopes if np.isfinite(each)])
     if known.size < 2 or known.mean() == 0.0:
-        return [Part("", NAN)]
-    return [Part("", float(np.ptp(known) / abs(known.mean())))]
+        return NAN
+    return float(np.ptp(known) / abs(known.mean()))
 
 
 FIGURES_10_11: tuple[Claim, ...] = (
@@ -335,7 +314,7 @@ FIGURES_10_11: tuple[Claim, ...] = (
         figures=("fig10",),
         measure="trend of the duration over I_φ",
         limit=RISES,
-        check=durations_trend("fig10", "ν"),
+        check=each_curve("fig10", "ν", duration_trend),
     ),
     Claim(
         id="F11a",
@@ -347,7 +326,7 @@ FIGURES_10_11: tuple[Claim, ...] = (
         limit=at_least(
             0.95, 0.1, "almost: all but a twentieth, a bend of a fifth of the curve's height"
         ),
-        check=_straight,
+        check=each_curve("fig11", "μ", _straight),
     ),
     Claim(
         id="F11b",
@@ -367,7 +346,7 @@ FIGURES_10_11: tuple[Claim, ...] = (
         figures=("fig11",),
         measure="trend of the duration over δ",
         limit=FALLS,
-        check=durations_trend("fig11", "μ"),
+        check=each_curve("fig11", "μ", duration_trend),
     ),
     Claim(
         id="F11d",
@@ -377,7 +356,7 @@ FIGURES_10_11: tuple[Claim, ...] = (
         figures=("fig11",),
         measure="difference of the steepest and the flattest curve's slope, over the mean slope",
         limit=at_most(SLIGHTLY, 0.5, "slightly: less than a third"),
-        check=_slopes_differ,
+        check=one(_slopes_differ),
     ),
     Claim(
         id="C6",
@@ -392,7 +371,7 @@ FIGURES_10_11: tuple[Claim, ...] = (
             "as for the straight line of F11a, which the same conclusion claims: over a range of "
             "δ as wide as this both cannot hold",
         ),
-        check=_inverse,
+        check=each_curve("fig11", "μ", _inverse),
     ),
 )
 
@@ -434,10 +413,10 @@ def _shape_distance(first: Curve, second: Curve) -> float:
     return float(np.sqrt((distance**2).mean()))
 
 
-def _other_than_figure_6(data: Data) -> list[Part]:
+def _other_than_figure_6(data: Data) -> float:
     pairs = [_shape_distance(a, b) for a in data.curves("fig12") for b in data.curves("fig06")]
     known = [each for each in pairs if not math.isnan(each)]
-    return [Part("", min(known) if known else NAN)]
+    return min(known) if known else NAN
 
 
 def best_force(curve: Curve) -> float:
@@ -448,10 +427,10 @@ def best_force(curve: Curve) -> float:
     return quantile(curve.x[near], 0.5)
 
 
-def _best_force_by_frequency(data: Data) -> list[Part]:
+def _best_force_by_frequency(data: Data) -> float:
     best = np.array([best_force(c) for c in data.curves("by_frequency")])
     known = best[np.isfinite(best)]
-    return [Part("", float(np.ptp(known)) if known.size > 1 else NAN)]
+    return float(np.ptp(known)) if known.size > 1 else NAN
 
 
 FIGURE_12: tuple[Claim, ...] = (
@@ -479,7 +458,7 @@ FIGURE_12: tuple[Claim, ...] = (
         limit=at_least(
             0.1, 0.2, "rather: a tenth in root mean square, twice what can just be seen"
         ),
-        check=_other_than_figure_6,
+        check=one(_other_than_figure_6),
     ),
     Claim(
         id="C1b",
@@ -494,6 +473,6 @@ FIGURE_12: tuple[Claim, ...] = (
             "a twentieth of the axis, which can just be seen; around: within a twentieth of the "
             "least duration, so that a flat minimum has no chance position",
         ),
-        check=_best_force_by_frequency,
+        check=one(_best_force_by_frequency),
     ),
 )

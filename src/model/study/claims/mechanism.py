@@ -1,5 +1,7 @@
 """Claims on the mechanism (summary, sections 1 to 3) and on the course of one run (Fig. 5)."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from model.solver.outcomes import Outcome
@@ -7,6 +9,7 @@ from model.study.claims.ledger import Claim, Part, labelled
 from model.study.claims.limits import FALLS, NEARLY_ALL, RISES, at_least, at_most, unmeasured
 from model.study.claims.reading import (
     NAN,
+    Array,
     Course,
     Curve,
     Data,
@@ -15,6 +18,7 @@ from model.study.claims.reading import (
     ratio,
     trend,
 )
+from model.study.claims.shapes import each_curve, each_figure, of_points, one
 
 FIGURES = tuple(f"fig{number:02}" for number in range(5, 15))
 SMALL_ANGLE = 0.175
@@ -23,18 +27,12 @@ SMALL_ANGLE = 0.175
 # --- Summary and sections 1 to 3 ----------------------------------------------------------------
 
 
-def _without_impact(data: Data) -> list[Part]:
-    parts = []
-    for name in filter(data.has, FIGURES):
-        points = data.regular(name)
-        met = points["separations"][points["aligned"]]
-        parts.append(Part(f"Fig. {int(name[3:])}", float((met == 0).mean()) if met.size else NAN))
-    if not parts:
-        raise MissingDataError("there is no dataset of a figure")
-    return parts
+def _without_impact(points: Mapping[str, Array]) -> float:
+    met = points["separations"][points["aligned"]]
+    return float((met == 0).mean()) if met.size else NAN
 
 
-def _by_clearance(data: Data) -> list[Part]:
+def _by_clearance(data: Data) -> float:
     """Largest misalignment up to which every run aligns, over the clearance, at the best force."""
     clearance = data.held("misaligned", "clearance") * data.held("misaligned", "half_width")
     reached = []
@@ -42,29 +40,26 @@ def _by_clearance(data: Data) -> list[Part]:
         failing = np.flatnonzero(~curve.aligned)
         last = curve.x[: failing[0]] if failing.size else curve.x
         reached.append(float(last[-1]) / clearance if last.size else 0.0)
-    return [Part("", max(reached))]
+    return max(reached)
 
 
-def _rests(data: Data) -> list[Part]:
-    parts = []
-    for curve in data.curves("pressed"):
-        resting = curve.rows["outcome"] == Outcome.SETTLED
-        parts.append(labelled("k_φ", curve, float(resting.mean()) if resting.size else NAN))
-    return parts
+def _rests(curve: Curve) -> float:
+    resting = curve.rows["outcome"] == Outcome.SETTLED
+    return float(resting.mean()) if resting.size else NAN
 
 
-def _rest_tilt_over_force(data: Data) -> list[Part]:
-    return [labelled("k_φ", c, trend(c.x, c.rows["tilt_end"])) for c in data.curves("pressed")]
+def _rest_tilt_over_force(curve: Curve) -> float:
+    return trend(curve.x, curve.rows["tilt_end"])
 
 
-def _rest_tilt_over_stiffness(data: Data) -> list[Part]:
+def _rest_tilt_over_stiffness(data: Data) -> float:
     curves = data.curves("pressed")
     forces = sorted(set.intersection(*(set(c.x.tolist()) for c in curves)))
     if not forces or len(curves) < 2:
         raise MissingDataError("pressed has no force at which all stiffnesses are known")
     stiffness = np.array([c.at for c in curves])
     tilts = np.array([c.rows["tilt_end"][np.isin(c.x, forces)] for c in curves])
-    return [Part("", trend(stiffness, tilts.T))]
+    return trend(stiffness, tilts.T)
 
 
 def _driven_by_tilt(data: Data) -> list[Part]:
@@ -88,9 +83,8 @@ def _usual_excursion(data: Data) -> float:
     return middle(moved)
 
 
-def _without_asymmetry(data: Data) -> list[Part]:
-    still = _largest_excursion(data.curve("centred", 0.0))
-    return [Part("", ratio(still, _usual_excursion(data)))]
+def _without_asymmetry(data: Data) -> float:
+    return ratio(_largest_excursion(data.curve("centred", 0.0)), _usual_excursion(data))
 
 
 def _with_small_tilt(data: Data) -> list[Part]:
@@ -105,28 +99,20 @@ def _with_small_tilt(data: Data) -> list[Part]:
     ]
 
 
-def _force_peak(data: Data) -> list[Part]:
-    return [
-        labelled("k_φ", c, trend(c.x, c.rows["contact_force_max"])) for c in data.curves("fig06")
-    ]
+def _force_peak(curve: Curve) -> float:
+    return trend(curve.x, curve.rows["contact_force_max"])
 
 
-def _side_contact(data: Data) -> list[Part]:
+def _side_contact(data: Data) -> float:
     forces = np.concatenate([c.rows["side_force_max"] for c in data.curves("displaced")])
-    return [Part("", float((forces > 0.0).mean()) if forces.size else NAN)]
+    return float((forces > 0.0).mean()) if forces.size else NAN
 
 
-def _two_moments(data: Data) -> list[Part]:
-    parts = []
-    for name in filter(data.has, FIGURES):
-        points = data.regular(name)
-        tau = points["tau_align"][points["aligned"]]
-        later = points["tau_corners_inside"][points["aligned"]] - tau
-        known = np.isfinite(later) & (tau > 0.0)
-        parts.append(Part(f"Fig. {int(name[3:])}", middle(np.abs(later[known]) / tau[known])))
-    if not parts:
-        raise MissingDataError("there is no dataset of a figure")
-    return parts
+def _two_moments(points: Mapping[str, Array]) -> float:
+    tau = points["tau_align"][points["aligned"]]
+    later = points["tau_corners_inside"][points["aligned"]] - tau
+    known = np.isfinite(later) & (tau > 0.0)
+    return middle(np.abs(later[known]) / tau[known])
 
 
 MECHANISM: tuple[Claim, ...] = (
@@ -138,7 +124,7 @@ MECHANISM: tuple[Claim, ...] = (
         figures=FIGURES,
         measure="share of the aligning runs that never leave the base",
         limit=NEARLY_ALL.also("equations (3) hold in contact only"),
-        check=_without_impact,
+        check=each_figure(FIGURES, of_points(_without_impact)),
     ),
     Claim(
         id="M1",
@@ -153,7 +139,7 @@ MECHANISM: tuple[Claim, ...] = (
             1e-3,
             "none is claimed; a thousandth is far above the accuracy of the runs, and invisible",
         ),
-        check=_without_asymmetry,
+        check=one(_without_asymmetry),
     ),
     Claim(
         id="M1b",
@@ -173,7 +159,7 @@ MECHANISM: tuple[Claim, ...] = (
         figures=("pressed",),
         measure="trend of the resting tilt over f0, not vibrated",
         limit=RISES,
-        check=_rest_tilt_over_force,
+        check=each_curve("pressed", "k_φ", _rest_tilt_over_force),
     ),
     Claim(
         id="M2b",
@@ -195,7 +181,7 @@ MECHANISM: tuple[Claim, ...] = (
         figures=("pressed",),
         measure="trend of the resting tilt over k_φ, not vibrated",
         limit=FALLS,
-        check=_rest_tilt_over_stiffness,
+        check=one(_rest_tilt_over_stiffness),
     ),
     Claim(
         id="M3",
@@ -211,7 +197,7 @@ MECHANISM: tuple[Claim, ...] = (
             "δa is what joins unhindered, and the paper's own start is at about twice that; "
             "significant must be clearly more",
         ),
-        check=_by_clearance,
+        check=one(_by_clearance),
     ),
     Claim(
         id="M4",
@@ -221,7 +207,7 @@ MECHANISM: tuple[Claim, ...] = (
         figures=("pressed",),
         measure="share of the runs without vibration that come to rest on the edge",
         limit=NEARLY_ALL.also("the force sets in at once, as in all runs"),
-        check=_rests,
+        check=each_curve("pressed", "k_φ", _rests),
     ),
     Claim(
         id="M5",
@@ -231,7 +217,7 @@ MECHANISM: tuple[Claim, ...] = (
         figures=("displaced",),
         measure="share of the runs in which the left side presses on A2 before the part aligns",
         limit=at_least(0.01, 0.1, "it may, so one run in a hundred is enough"),
-        check=_side_contact,
+        check=one(_side_contact),
     ),
     Claim(
         id="M6",
@@ -244,7 +230,7 @@ MECHANISM: tuple[Claim, ...] = (
         limit=at_most(
             0.05, 0.1, "a twentieth of a duration is what can just be read off a printed axis"
         ),
-        check=_two_moments,
+        check=each_figure(FIGURES, of_points(_two_moments)),
     ),
     Claim(
         id="M7",
@@ -254,7 +240,7 @@ MECHANISM: tuple[Claim, ...] = (
         figures=("fig06",),
         measure="trend of the largest n over f0",
         limit=RISES,
-        check=_force_peak,
+        check=each_curve("fig06", "k_φ", _force_peak),
     ),
     Claim(
         id="M8",
@@ -277,8 +263,8 @@ def _course_trend(course: Course, name: str) -> float:
     return trend(np.arange(float(way.size)), way)
 
 
-def _approaches(data: Data) -> list[Part]:
-    return [Part("", _course_trend(data.course("fig05"), "x"))]
+def _approaches(data: Data) -> float:
+    return _course_trend(data.course("fig05"), "x")
 
 
 def _tilts_and_sinks(data: Data) -> list[Part]:
@@ -286,27 +272,23 @@ def _tilts_and_sinks(data: Data) -> list[Part]:
     return [Part("φ", _course_trend(course, "tilt")), Part("-y", -_course_trend(course, "y"))]
 
 
-def _force_varies(data: Data) -> list[Part]:
+def _force_varies(data: Data) -> float:
     force = data.course("fig05").force
     level = float(force.mean())
-    return [Part("", float(force.std() / level) if level > 0.0 else NAN)]
+    return float(force.std() / level) if level > 0.0 else NAN
 
 
-def _force_drops(data: Data) -> list[Part]:
+def _force_drops(data: Data) -> float:
     course = data.course("fig05")
-    return [Part("", course.fall if course.aligned else NAN)]
+    return course.fall if course.aligned else NAN
 
 
-def _falls_in_upright(data: Data) -> list[Part]:
-    dataset = data.dataset("fig05")
-    return [Part("", abs(float(dataset.variables["tilt_at_alignment"].values)))]
+def _falls_in_upright(data: Data) -> float:
+    return abs(data.held("fig05", "tilt_at_alignment"))
 
 
-def _tilt_over_clearance(data: Data) -> list[Part]:
-    return [
-        labelled("μ", c, abs(trend(c.x, np.where(c.aligned, c.rows["tilt_at_alignment"], NAN))))
-        for c in data.curves("fig11")
-    ]
+def _tilt_over_clearance(curve: Curve) -> float:
+    return abs(trend(curve.x, np.where(curve.aligned, curve.rows["tilt_at_alignment"], NAN)))
 
 
 HISTORY: tuple[Claim, ...] = (
@@ -318,7 +300,7 @@ HISTORY: tuple[Claim, ...] = (
         figures=("fig05",),
         measure="trend of x over time, averaged over an excitation period",
         limit=FALLS.also("the vibration itself is no trend"),
-        check=_approaches,
+        check=one(_approaches),
     ),
     Claim(
         id="F5b",
@@ -338,7 +320,7 @@ HISTORY: tuple[Claim, ...] = (
         figures=("fig05",),
         measure="standard deviation of n over its mean, until the part aligns",
         limit=at_least(0.1, 0.5, "a tenth is what can be told from a constant in a printed figure"),
-        check=_force_varies,
+        check=one(_force_varies),
     ),
     Claim(
         id="F5d",
@@ -350,7 +332,7 @@ HISTORY: tuple[Claim, ...] = (
         limit=at_most(
             SMALL_ANGLE, SMALL_ANGLE, "ten degrees: sine, tangent and angle then agree within 2 %"
         ),
-        check=_falls_in_upright,
+        check=one(_falls_in_upright),
     ),
     Claim(
         id="F5e",
@@ -365,7 +347,7 @@ HISTORY: tuple[Claim, ...] = (
             0.1,
             "suddenly: within a twentieth of the duration, which looks upright in the figure",
         ),
-        check=_force_drops,
+        check=one(_force_drops),
     ),
     Claim(
         id="F5f",
@@ -375,6 +357,6 @@ HISTORY: tuple[Claim, ...] = (
         figures=("fig11",),
         measure="strength of the trend of the tilt at alignment over δ, whatever its sign",
         limit=RISES.also("the sentence does not say whether more clearance means more tilt"),
-        check=_tilt_over_clearance,
+        check=each_curve("fig11", "μ", _tilt_over_clearance),
     ),
 )

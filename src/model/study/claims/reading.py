@@ -27,6 +27,8 @@ _ALONG = (
     "outcome", "tau_align", "sensitive", "tilt_max", "tilt_at_alignment", "contact_force_max",
     "tilt_end", "way", "excursion", "side_force_max",
 )  # fmt: skip
+_OF_POINTS = ("outcome", "tau_align", "separations", "tau_corners_inside")
+_ALIGNED = int(Outcome.ALIGNED)  # comparing arrays with the enumeration takes five times as long
 _TIMES = 200  # moments at which a course is looked at
 
 
@@ -131,6 +133,7 @@ class Data:
         self._datasets = datasets
         self._curves: dict[str, tuple[Curve, ...]] = {}
         self._planes: dict[str, Plane] = {}
+        self._regular: dict[str, dict[str, Array]] = {}
 
     def has(self, name: str) -> bool:
         """Whether there is such a dataset."""
@@ -198,11 +201,12 @@ class Data:
 
     def regular(self, name: str) -> dict[str, Array]:
         """The regular points of a dataset, flat, by variable, with an ``aligned`` flag."""
-        dataset = self.dataset(name)
-        kept = np.atleast_1d(_raw(dataset, "sensitive")).ravel() == 0
-        names = ("outcome", "tau_align", "separations", "tau_corners_inside", "tilt_at_alignment")
-        rows = {each: np.atleast_1d(_raw(dataset, each)).ravel()[kept] for each in names}
-        return {**rows, "aligned": rows["outcome"] == Outcome.ALIGNED}
+        if name not in self._regular:
+            dataset = self.dataset(name)
+            kept = np.atleast_1d(_raw(dataset, "sensitive")).ravel() == 0
+            rows = {each: np.atleast_1d(_raw(dataset, each)).ravel()[kept] for each in _OF_POINTS}
+            self._regular[name] = {**rows, "aligned": rows["outcome"] == _ALIGNED}
+        return self._regular[name]
 
     def held(self, name: str, parameter: str) -> float:
         """The value at which a figure holds a parameter."""
@@ -227,7 +231,7 @@ def _curves(dataset: "xr.Dataset") -> tuple[Curve, ...]:
     for i in np.argsort(values, kind="stable"):
         kept = order[rows["sensitive"][i, order] == 0]
         along = {name: row[i, kept] for name, row in rows.items()}
-        aligned = along["outcome"] == Outcome.ALIGNED
+        aligned = along["outcome"] == _ALIGNED
         tau = np.where(aligned, along["tau_align"], NAN)
         found.append(Curve(float(values[i]), x[kept], aligned, tau, along))
     return tuple(found)
@@ -235,7 +239,7 @@ def _curves(dataset: "xr.Dataset") -> tuple[Curve, ...]:
 
 def _plane(dataset: "xr.Dataset") -> Plane:
     y, x = _names(dataset)
-    aligned = _raw(dataset, "outcome") == Outcome.ALIGNED
+    aligned = _raw(dataset, "outcome") == _ALIGNED
     return Plane(
         x=_raw(dataset, x).astype(np.float64),
         y=_raw(dataset, y).astype(np.float64),
@@ -247,7 +251,7 @@ def _plane(dataset: "xr.Dataset") -> Plane:
 
 def _course(dataset: "xr.Dataset") -> Course:
     time = _raw(dataset, "time").astype(np.float64)
-    aligned = int(_raw(dataset, "outcome")) == Outcome.ALIGNED
+    aligned = int(_raw(dataset, "outcome")) == _ALIGNED
     end = float(_raw(dataset, "tau_align")) if aligned else float(time[-1])
     moments = np.linspace(0.0, end, _TIMES)
     x, y, tilt, force = (

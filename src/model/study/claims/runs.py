@@ -3,6 +3,7 @@
 They are curves as the figures' are, with what claims on displacement and rest ask for added.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +30,7 @@ COURSE_VARIABLES: dict[str, dict[str, Any]] = {
     "excursion": {"long_name": "largest distance of x from its start until alignment"},
     "side_force_max": {"long_name": "largest force of A2 on the side face until alignment"},
 }
+COURSED = ("centred", "pressed", "misaligned", "displaced")  # runs whose claims ask for these
 _STATIC = 1.0  # time over which the end is averaged where nothing is excited
 
 
@@ -46,13 +48,22 @@ def claim_run_dataset(sweep: Sweep, title: str) -> xr.Dataset:
     dataset = merge_chunks(sweep, title, title, [compute_chunk(sweep, 0, 1)])
     batch: Batch = sweep.batch(np.arange(size))
     settings = sweep.settings.settings
-    endings = [_ending(simulate(batch[row], settings)) for row in range(size)]
-    dims = dataset["tau_align"].dims
-    added = {}
-    for name, known in COURSE_VARIABLES.items():
-        values = np.array([getattr(each, name) for each in endings])
-        added[name] = (dims, values.reshape(sweep.shape), {"units": "1", **known})
+    added = course_variables(sweep, [simulate(batch[row], settings) for row in range(size)])
     return dataset.assign(added)
+
+
+def course_variables(sweep: Sweep, runs: Sequence[Trajectory]) -> dict[str, tuple[Any, ...]]:
+    """``COURSE_VARIABLES`` of a sweep's trajectories, as variables over its dimensions."""
+    names = [dimension.parameter for dimension in sweep.dimensions]
+    endings = [_ending(run) for run in runs]
+    return {
+        name: (
+            names,
+            np.array([getattr(each, name) for each in endings]).reshape(sweep.shape),
+            {"units": "1", **known},
+        )
+        for name, known in COURSE_VARIABLES.items()
+    }
 
 
 def _ending(run: Trajectory) -> _Ending:

@@ -5,11 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from model.study.claims.durations import (
-    ANY,
-    across,
-    durations_trend,
-)
+from model.study.claims.durations import across, duration_trend
 from model.study.claims.ledger import Check, Claim, Part, labelled
 from model.study.claims.limits import (
     A_TENTH_MORE,
@@ -33,6 +29,7 @@ from model.study.claims.reading import (
     spread,
     trend,
 )
+from model.study.claims.shapes import ANY, each_curve, one
 
 SOFT = 0.1  # "small values of the tilt stiffness": the softest tenth of the axis
 HARD = (2.5, 5.0)  # "higher values of the initial pressing force (f0 = 2.5-5)"
@@ -52,21 +49,17 @@ def tilt_until_alignment(curve: Curve) -> Array:
 # --- Figure 8 -----------------------------------------------------------------------------------
 
 
-def _too_soft(data: Data) -> list[Part]:
-    return [labelled("ν", c, 1.0 - _softest(c).share_aligned) for c in data.curves("fig08")]
+def _too_soft(curve: Curve) -> float:
+    return 1.0 - _softest(curve).share_aligned
 
 
-def _turns_too_far(data: Data) -> list[Part]:
-    parts = []
-    for curve in data.curves("fig08"):
-        soft, tilts = _softest(curve), curve.rows["tilt_max"]
-        turned, usual = middle(soft.rows["tilt_max"][~soft.aligned]), middle(tilts[curve.aligned])
-        parts.append(labelled("ν", curve, ratio(turned, usual)))
-    return parts
+def _turns_too_far(curve: Curve) -> float:
+    soft, tilts = _softest(curve), curve.rows["tilt_max"]
+    return ratio(middle(soft.rows["tilt_max"][~soft.aligned]), middle(tilts[curve.aligned]))
 
 
-def _tilts_less(data: Data) -> list[Part]:
-    return [labelled("ν", c, trend(c.x, tilt_until_alignment(c))) for c in data.curves("fig08")]
+def _tilts_less(curve: Curve) -> float:
+    return trend(curve.x, tilt_until_alignment(curve))
 
 
 def wider_below(share: Callable[[Curve], float], name: str, low: float, high: float) -> Check:
@@ -87,18 +80,15 @@ def _share_displaced(curve: Curve) -> float:
     return float((way >= MOVED).mean()) if way.size else NAN
 
 
-def _share_depends(data: Data) -> list[Part]:
+def _share_depends(data: Data) -> float:
     shares = [c.share_aligned for c in data.curves("fig08")]
     known = [each for each in shares if not math.isnan(each)]
-    return [Part("", max(known) - min(known) if len(known) > 1 else NAN)]
+    return max(known) - min(known) if len(known) > 1 else NAN
 
 
-def _too_rough(data: Data) -> list[Part]:
-    parts = []
-    for curve in data.curves("rubbing"):
-        limit = curve.x[-1] - SOFT * float(np.ptp(curve.x)) if curve.x.size else NAN
-        parts.append(labelled("f0", curve, 1.0 - curve.within(limit, ANY).share_aligned))
-    return parts
+def _too_rough(curve: Curve) -> float:
+    limit = curve.x[-1] - SOFT * float(np.ptp(curve.x)) if curve.x.size else NAN
+    return 1.0 - curve.within(limit, ANY).share_aligned
 
 
 FIGURE_8: tuple[Claim, ...] = (
@@ -110,7 +100,7 @@ FIGURE_8: tuple[Claim, ...] = (
         figures=("fig08",),
         measure="share of the softest tenth of the axis that does not align",
         limit=NEARLY_ALL,
-        check=_too_soft,
+        check=each_curve("fig08", "ν", _too_soft),
     ),
     Claim(
         id="F8b",
@@ -120,7 +110,7 @@ FIGURE_8: tuple[Claim, ...] = (
         figures=("fig08",),
         measure="trend of the duration over k_φ",
         limit=FALLS,
-        check=durations_trend("fig08", "ν"),
+        check=each_curve("fig08", "ν", duration_trend),
     ),
     Claim(
         id="F8c",
@@ -162,7 +152,7 @@ FIGURE_8: tuple[Claim, ...] = (
         figures=("rubbing",),
         measure="share of the roughest tenth, up to μ = 1, that does not align",
         limit=NEARLY_ALL,
-        check=_too_rough,
+        check=each_curve("rubbing", "f0", _too_rough),
     ),
     Claim(
         id="F8g",
@@ -172,7 +162,7 @@ FIGURE_8: tuple[Claim, ...] = (
         figures=("fig08",),
         measure="largest difference of the shares of the axis that align",
         limit=WIDER,
-        check=_share_depends,
+        check=one(_share_depends),
     ),
     Claim(
         id="F8h",
@@ -182,7 +172,7 @@ FIGURE_8: tuple[Claim, ...] = (
         figures=("fig08",),
         measure="trend of the largest tilt until alignment over k_φ",
         limit=FALLS,
-        check=_tilts_less,
+        check=each_curve("fig08", "ν", _tilts_less),
     ),
     Claim(
         id="F8i",
@@ -193,7 +183,7 @@ FIGURE_8: tuple[Claim, ...] = (
         measure="largest tilt of the runs in the softest tenth that do not align, over the usual "
         "largest tilt of those that do",
         limit=A_TENTH_MORE,
-        check=_turns_too_far,
+        check=each_curve("fig08", "ν", _turns_too_far),
     ),
     Claim(
         id="F8j",
@@ -218,34 +208,32 @@ def known_twice(tau: Array) -> bool:
 LIGHTLY = 1.0
 
 
-def _long_when_soft(data: Data) -> list[Part]:
+def _long_when_soft(data: Data) -> float:
     curve = data.curve("fig09", LIGHTLY)
     soft, stiff = curve.within(10.0, 15.0), curve.within(15.0, ANY)
-    return [Part("", ratio(middle(soft.tau), middle(stiff.tau)))]
+    return ratio(middle(soft.tau), middle(stiff.tau))
 
 
 def _from_ten_on(number: Callable[[Curve], Array]) -> Check:
-    def check(data: Data) -> list[Part]:
+    def along(data: Data) -> float:
         curve = data.curve("fig09", LIGHTLY).within(10.0, ANY)
-        return [Part("", trend(curve.x, number(curve)))]
+        return trend(curve.x, number(curve))
 
-    return check
+    return one(along)
 
 
 def _tilt_gained(curve: Curve, start: float) -> float:
     return middle(tilt_until_alignment(curve)) - start
 
 
-def _tilt_changes_little(data: Data) -> list[Part]:
+def _tilt_changes_little(data: Data) -> float:
     curve, start = data.curve("fig09", LIGHTLY), data.held("fig09", "initial_tilt")
     first, stiff = curve.within(10.0, 12.0), curve.within(15.0, ANY)
-    return [Part("", ratio(_tilt_gained(stiff, start), _tilt_gained(first, start)))]
+    return ratio(_tilt_gained(stiff, start), _tilt_gained(first, start))
 
 
-def _none_below_ten(data: Data) -> list[Part]:
-    return [
-        labelled("f0", c, c.only(c.x < 10.0).share_aligned) for c in data.between("fig09", *HARD)
-    ]
+def _share_below_ten(curve: Curve) -> float:
+    return curve.only(curve.x < 10.0).share_aligned
 
 
 def _halves(curve: Curve) -> tuple[Curve, Curve]:
@@ -257,22 +245,15 @@ def _halves(curve: Curve) -> tuple[Curve, Curve]:
     return found.within(-ANY, middle_of_range), found.within(middle_of_range, ANY)
 
 
-def _falls_first(data: Data) -> list[Part]:
-    parts = []
-    for curve in data.between("fig09", *HARD):
-        first, later = _halves(curve)
-        start = float(first.tau[: max(1, first.tau.size // 5)].mean()) if first.tau.size else NAN
-        parts.append(labelled("f0", curve, ratio(start, middle(later.tau))))
-    return parts
+def _falls_first(curve: Curve) -> float:
+    first, later = _halves(curve)
+    start = float(first.tau[: max(1, first.tau.size // 5)].mean()) if first.tau.size else NAN
+    return ratio(start, middle(later.tau))
 
 
-def _falls_less_later(data: Data) -> list[Part]:
-    parts = []
-    for curve in data.between("fig09", *HARD):
-        first, later = _halves(curve)
-        falls = -slope(first.x, first.tau), -slope(later.x, later.tau)
-        parts.append(labelled("f0", curve, asymmetry(*falls)))
-    return parts
+def _falls_less_later(curve: Curve) -> float:
+    first, later = _halves(curve)
+    return asymmetry(-slope(first.x, first.tau), -slope(later.x, later.tau))
 
 
 def _stronger_when_pressed(data: Data) -> list[Part]:
@@ -293,7 +274,7 @@ FIGURE_9: tuple[Claim, ...] = (
         figures=("fig09",),
         measure="usual duration there over that at greater k_φ",
         limit=A_TENTH_MORE,
-        check=_long_when_soft,
+        check=one(_long_when_soft),
     ),
     Claim(
         id="F9b",
@@ -303,7 +284,7 @@ FIGURE_9: tuple[Claim, ...] = (
         figures=("fig09",),
         measure="share of the axis below k_φ = 10 that aligns",
         limit=HARDLY_ANY,
-        check=_none_below_ten,
+        check=each_curve("fig09", "f0", _share_below_ten, *HARD),
     ),
     Claim(
         id="F9c",
@@ -313,7 +294,7 @@ FIGURE_9: tuple[Claim, ...] = (
         figures=("fig09",),
         measure="duration where alignment begins over the usual one in the stiffer half",
         limit=SIGNIFICANT,
-        check=_falls_first,
+        check=each_curve("fig09", "f0", _falls_first, *HARD),
     ),
     Claim(
         id="F9d",
@@ -353,7 +334,7 @@ FIGURE_9: tuple[Claim, ...] = (
         figures=("fig09",),
         measure="usual change of the tilt at k_φ > 15 over that at 10 to 12",
         limit=at_most(0.5, 0.5, "marginally is said of higher k_φ as against lower: at most half"),
-        check=_tilt_changes_little,
+        check=one(_tilt_changes_little),
     ),
     Claim(
         id="F9h",
@@ -364,6 +345,6 @@ FIGURE_9: tuple[Claim, ...] = (
         measure="slope in the softer half of the aligning range less that in the stiffer, over "
         "their sum",
         limit=A_TENTH_STEEPER,
-        check=_falls_less_later,
+        check=each_curve("fig09", "f0", _falls_less_later, *HARD),
     ),
 )

@@ -23,6 +23,7 @@ from model.study.config import (
     HISTORIES,
     MAPS,
     Axis,
+    ClaimRun,
     Curves,
     Family,
     Map,
@@ -35,6 +36,7 @@ from model.study.sweeps import Sweep
 COMPUTED = HISTORIES + CURVES + MAPS
 TYPICAL_TILT_STIFFNESS = 10.0  # at which the tilt's damping ratio is taken; the paper varies k_φ
 FINE_TOLERANCE = 1e-8
+REST_HORIZON = 300.0  # what is not vibrated must be seen to come to rest
 MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
 
 Array = NDArray[np.float64]
@@ -45,7 +47,8 @@ class Space(BaseModel):
 
     Attributes:
         fixed: parameters that are not searched: stated by the paper, or held.
-        dimensions: of each figure's sweep, on the coarse grid.
+        dimensions: of each sweep, a figure's or one of the ledger's own runs, on the coarse grid.
+        runs: the ledger's own runs.
         law: priors, grids and settings.
         readings: how the equations are read; every switch by name.
     """
@@ -54,6 +57,7 @@ class Space(BaseModel):
 
     fixed: dict[str, float]
     dimensions: dict[str, list[Axis | Family]]
+    runs: dict[str, ClaimRun]
     law: SearchLaw
     readings: dict[str, Reading]
 
@@ -68,6 +72,26 @@ class Space(BaseModel):
         return RunSettings(
             readings=self.readings, horizon=self.law.horizon, tolerance=self.law.tolerance
         )
+
+    @cached_property
+    def at_rest(self) -> RunSettings:
+        """How runs without vibration are computed, that they come to rest where they do."""
+        return self.settings.model_copy(
+            update={"horizon": REST_HORIZON, "tolerance": FINE_TOLERANCE}
+        )
+
+    @cached_property
+    def parts(self) -> Mapping[str, tuple[str, ...]]:
+        """Each figure with the ledger's own runs at its operating point."""
+        return {
+            figure: (figure, *(name for name, run in self.runs.items() if run.figure == figure))
+            for figure in COMPUTED
+        }
+
+    @cached_property
+    def everything(self) -> tuple[str, ...]:
+        """All figures and own runs."""
+        return tuple(name for names in self.parts.values() for name in names)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -105,6 +129,17 @@ class Space(BaseModel):
         low, high = self._ends
         return np.clip(np.log(values / low) / np.log(high / low), 0.0, 1.0)
 
+    def point_of(self, stated: Mapping[str, float]) -> Array:
+        """The point of values by unknown, shape (n,).
+
+        Raises:
+            ValueError: an unknown that is missing.
+        """
+        missing = [name for name in self.names if name not in stated]
+        if missing:
+            raise ValueError(f"known: missing {', '.join(missing)}")
+        return self.point(np.array([stated[name] for name in self.names]))
+
     def structure(self, point: Array) -> dict[str, float]:
         """The parameters of the device at a point."""
         part = self.values(point)[self.places["structure"]].tolist()
@@ -116,27 +151,32 @@ class Space(BaseModel):
         part = self.values(point)[self.places[figure]].tolist() if names else []
         return {**self.law.stated.get(figure, {}), **dict(zip(names, part, strict=True))}
 
-    def sweep(self, point: Array, figure: str) -> Sweep:
-        """A figure of the device at a point, on the coarse grid."""
-        structure = self.structure(point)
+    def sweep(self, point: Array, name: str) -> Sweep:
+        """A figure of the device at a point, or an own run of the ledger, on the coarse grid."""
+        structure, run = self.structure(point), self.runs.get(name)
         parameters: dict[str, float | None] = {**dict.fromkeys(("rest_x", "rest_y")), **self.fixed}
-        parameters |= structure | self.held(point, figure)
+        parameters |= structure | self.held(point, run.figure if run else name)
+        if run:
+            parameters |= run.held
+        if run and run.centred:
+            clearance = self.fixed["clearance"]
+            parameters["misalignment"] = (1.0 + clearance) * structure["half_width"]
         dimensions = [
             dimension.model_copy(
                 update=dict(zip(("start", "stop"), inertias(structure), strict=True))
             )
             if isinstance(dimension, Axis) and dimension.parameter == "inertia"
             else dimension
-            for dimension in self.dimensions[figure]
+            for dimension in self.dimensions[name]
         ]
-        kind: Literal["history", "curves", "map"] = "curves" if figure in CURVES else "map"
-        if figure in HISTORIES:
+        kind: Literal["history", "curves", "map"] = "map" if name in MAPS else "curves"
+        if name in HISTORIES:
             kind = "history"
         return Sweep.model_construct(
-            figure=figure,
+            figure=name,
             kind=kind,
             parameters=parameters,
-            settings=self.settings,
+            settings=self.at_rest if parameters["frequency"] == 0.0 else self.settings,
             dimensions=dimensions,
         )
 
@@ -213,7 +253,10 @@ def space_of(study: Study, finer: int = 1) -> Space:
     law = study.identification.law
     if finer > 1:
         counts = {name: finer * count for name, count in law.counts.items()}
-        law = law.model_copy(update={"counts": counts, "tolerance": FINE_TOLERANCE})
+        run_counts = {name: finer * count for name, count in law.run_counts.items()}
+        law = law.model_copy(
+            update={"counts": counts, "run_counts": run_counts, "tolerance": FINE_TOLERANCE}
+        )
     return _space(study, law, "consistent")
 
 
@@ -236,5 +279,13 @@ def _space(study: Study, law: SearchLaw, reading: str) -> Space:
             ]
         else:
             dimensions[name] = []
-    fixed = {**study.operating_point, **study.structure}
-    return Space(fixed=fixed, dimensions=dimensions, law=law, readings=readings_of(reading))
+    for name, run in study.claims_runs.items():
+        swept = run.swept.model_copy(update={"count": law.run_counts[name]})
+        dimensions[name] = [run.family, swept]
+    return Space(
+        fixed={**study.operating_point, **study.structure},
+        dimensions=dimensions,
+        runs=study.claims_runs,
+        law=law,
+        readings=readings_of(reading),
+    )

@@ -13,11 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-TABLES = ("ensemble", "claims", "splits", "readings")
+TABLES = ("ensemble", "claims", "splits", "readings", "bands")
 # Its pictures, and where each belongs in the results root, without extension.
 PICTURES: Mapping[str, str] = {
     "structure": "figures/identified_structure",
     "claims": "figures/identified_claims",
+    "bands": "figures/identified_bands",
     "readings": "figures/identified_readings",
 }
 
@@ -43,6 +44,31 @@ class Split(NamedTuple):
         return self.held_out_reproduced / self.held_out
 
 
+LEAST_SHARE = 0.5  # of the sets must align, else a band has no durations
+BAND_COLUMNS = ("figure", "at", "x", "aligned", "low", "middle", "high")
+
+
+@dataclass(frozen=True)
+class Band:
+    """One curve of a figure over an ensemble; arrays have shape (n,), dimensionless.
+
+    Attributes:
+        at: value of the family's parameter.
+        x: the swept parameter; for Fig. 10 over the bare part's inertia.
+        aligned: share of the sets that align.
+        low: 5 % quantile of the durations of those, NaN where fewer than ``LEAST_SHARE`` align.
+        middle: median.
+        high: 95 % quantile.
+    """
+
+    at: float
+    x: Array
+    aligned: Array
+    low: Array
+    middle: Array
+    high: Array
+
+
 @dataclass(frozen=True)
 class Identified:
     """What was found.
@@ -56,6 +82,7 @@ class Identified:
         prior_shares: share of draws from the prior that does, NaN where unknown, shape (claims,).
         splits: identified on one half of the claims, judged on the other.
         readings: margins of the best set under each reading, each of shape (claims,).
+        bands: of Figs. 6 to 12 over the ensemble, a band for each curve.
     """
 
     ensemble: Mapping[str, Array]
@@ -66,6 +93,7 @@ class Identified:
     prior_shares: Array
     splits: tuple[Split, ...]
     readings: Mapping[str, Array]
+    bands: Mapping[str, tuple[Band, ...]]
 
 
 def read_identified(folder: Path) -> Identified:
@@ -89,6 +117,7 @@ def read_identified(folder: Path) -> Identified:
             prior_shares=columns[:, 3],
             splits=tuple(Split(*(int(cell) for cell in row)) for row in read["splits"][1:]),
             readings=_by_claim(read["readings"], tuple(claims)),
+            bands=_bands_in(read["bands"][1:]),
         )
     except (ValueError, TypeError, IndexError) as error:
         raise IdentificationError(
@@ -112,3 +141,20 @@ def _read(path: Path) -> list[list[str]]:
     if len(rows) < 2:
         raise IdentificationError(f"{path}: holds no row: take it anew from `make identification`")
     return rows
+
+
+def _bands_in(rows: list[list[str]]) -> dict[str, tuple[Band, ...]]:
+    """Bands from such a table, without its header.
+
+    Raises:
+        ValueError: a row that has other columns, or is no number.
+    """
+    curves: dict[tuple[str, float], list[list[float]]] = {}
+    for name, at, *values in rows:
+        if len(values) != len(BAND_COLUMNS) - 2:
+            raise ValueError(f"a band has {len(BAND_COLUMNS)} columns, not {len(values) + 2}")
+        curves.setdefault((name, float(at)), []).append([float(each) for each in values])
+    found: dict[str, tuple[Band, ...]] = {}
+    for (figure, value), along in curves.items():
+        found[figure] = (*found.get(figure, ()), Band(value, *np.array(along).T))
+    return found

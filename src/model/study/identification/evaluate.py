@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from model.physics.readings import Readings
 from model.runs.batch import each_by_itself, side_by_side
-from model.runs.trajectory import simulate
+from model.runs.trajectory import simulate_once
 from model.solver.record import Ending
 from model.study.claims import CLAIMS, Claim
 from model.study.claims.ledger import judge_claim
 from model.study.claims.reading import Data
-from model.study.identification.candidate import COMPUTED, Space
+from model.study.claims.runs import COURSED, course_variables
+from model.study.identification.candidate import Space
 from model.study.sweeps import Sweep
 
 Array = NDArray[np.float64]
@@ -40,7 +41,7 @@ class Judge:
     """The claims that count in a score, and how.
 
     Attributes:
-        claims: those judged by the figures alone.
+        claims: those that something can be measured by.
         counted: which of them count, shape (claims,).
         goal: margin from which more of it is worth little.
     """
@@ -75,11 +76,8 @@ class Judge:
 
 
 def judge_of(space: Space) -> Judge:
-    """The judge of the study: every claim that needs no runs of its own and is not set aside."""
-    figures = set(COMPUTED)
-    claims = tuple(
-        claim for claim in CLAIMS if claim.check is not None and figures >= set(claim.figures)
-    )
+    """The judge of the study: every claim that can be checked and is not set aside."""
+    claims = tuple(claim for claim in CLAIMS if claim.check is not None)
     counted = np.array([claim.id not in space.law.set_aside for claim in claims])
     return Judge(claims, counted, space.law.goal)
 
@@ -91,18 +89,18 @@ def datasets_of(
 
     Args:
         space: what the candidates are points of.
-        wanted: for each candidate its point, shape (n,), and the figures asked for.
+        wanted: for each candidate its point, shape (n,), and the names of figures and own runs.
 
     Returns:
-        For each candidate its datasets by figure, with what the claims read of them.
+        For each candidate its datasets by name, with what the claims read of them.
     """
     sweeps = [{name: space.sweep(point, name) for name in names} for point, names in wanted]
     settings = space.settings.settings
     pieces = [
         sweep.batch(np.arange(math.prod(sweep.shape))).constants(settings.readings)
         for each in sweeps
-        for sweep in each.values()
-        if sweep.dimensions
+        for name, sweep in each.items()
+        if sweep.dimensions and name not in COURSED
     ]
     rows = np.concatenate(pieces) if pieces else np.empty((0, 0))
     fast = settings.readings == Readings.consistent()
@@ -116,9 +114,12 @@ def datasets_of(
     for each in sweeps:
         made = {}
         for name, sweep in each.items():
-            if sweep.dimensions:
+            if name in COURSED:
+                made[name] = _own_run(sweep)
+            elif sweep.dimensions:
                 size = math.prod(sweep.shape)
-                made[name] = _grid(sweep, endings[start : start + size])
+                ended = endings[start : start + size].T
+                made[name] = _grid(sweep, dict(zip(Ending._fields, ended, strict=True)))
                 start += size
             else:
                 made[name] = _course(sweep)
@@ -126,12 +127,9 @@ def datasets_of(
     return found
 
 
-def _grid(sweep: Sweep, endings: Array) -> xr.Dataset:
+def _grid(sweep: Sweep, endings: Mapping[str, Array]) -> xr.Dataset:
     names = [dimension.parameter for dimension in sweep.dimensions]
-    columns = {
-        name: (names, endings[:, Ending._fields.index(name)].reshape(sweep.shape))
-        for name in _STORED
-    }
+    columns = {name: (names, endings[name].reshape(sweep.shape)) for name in _STORED}
     columns["sensitive"] = (names, np.zeros(sweep.shape, dtype=np.int8))
     held = {
         name: ((), math.nan if value is None else value)
@@ -142,8 +140,15 @@ def _grid(sweep: Sweep, endings: Array) -> xr.Dataset:
     return xr.Dataset({**columns, **held, **along})
 
 
+def _own_run(sweep: Sweep) -> xr.Dataset:
+    batch, settings = sweep.batch(np.arange(math.prod(sweep.shape))), sweep.settings.settings
+    runs = [simulate_once(batch[row], settings) for row in range(math.prod(sweep.shape))]
+    stored = {name: np.array([float(getattr(run, name)) for run in runs]) for name in _STORED}
+    return _grid(sweep, stored).assign(course_variables(sweep, runs))
+
+
 def _course(sweep: Sweep) -> xr.Dataset:
-    run = simulate(sweep.baseline, sweep.settings.settings)
+    run = simulate_once(sweep.baseline, sweep.settings.settings)
     columns = {
         "x": run.state[:, 0],
         "y": run.state[:, 1],
@@ -172,7 +177,7 @@ def margins_of(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
 
 def evaluate(space: Space, judge: Judge, points: Array) -> Array:
     """Margins of candidates with all their figures: shape (m, n) to (m, claims)."""
-    made = datasets_of(space, [(point, COMPUTED) for point in points])
+    made = datasets_of(space, [(point, space.everything) for point in points])
     return np.array([known_margins(judge, datasets) for datasets in made])
 
 

@@ -55,7 +55,9 @@ def sample(space: Space, judge: Judge, pool: Pool, chunk: int) -> Samples:
         raise ValueError(f"chunk = {chunk}: must be 0 to {pool.chunks - 1}")
     points = _drawn(space, pool)[chunk :: pool.chunks]
     margins = [
-        _margins_by_figure(judge, datasets_of(space, [(point, COMPUTED) for point in trials]))
+        _margins_by_figure(
+            space, judge, datasets_of(space, [(point, space.everything) for point in trials])
+        )
         for trials in points
     ]
     return Samples(points, np.array(margins))
@@ -73,23 +75,37 @@ def _drawn(space: Space, pool: Pool) -> Array:
     return points
 
 
-def _margins_by_figure(judge: Judge, made: Sequence[Mapping[str, xr.Dataset]]) -> Array:
-    """Margins of claims judged by one figure alone, shape (trials, figures, claims)."""
-    return np.array([[margins_of(judge, {name: each[name]}) for name in COMPUTED] for each in made])
+def _margins_by_figure(
+    space: Space, judge: Judge, made: Sequence[Mapping[str, xr.Dataset]]
+) -> Array:
+    """Margins by each figure and its own runs alone, shape (trials, figures, claims)."""
+    return np.array(
+        [
+            [
+                margins_of(judge, {name: each[name] for name in names})
+                for names in space.parts.values()
+            ]
+            for each in made
+        ]
+    )
 
 
-def _scores_by_figure(judge: Judge, margins: Array) -> Array:
+def _scores_by_figure(space: Space, judge: Judge, margins: Array) -> Array:
     """What each figure adds to the score; shape (..., figures, claims) to (..., figures).
 
     A claim on several figures counts for each of them by its share.
     """
-    shares = 1.0 / np.array([len(set(claim.figures) & set(COMPUTED)) for claim in judge.claims])
+    touched = [
+        sum(not set(claim.figures).isdisjoint(names) for names in space.parts.values())
+        for claim in judge.claims
+    ]
+    shares = 1.0 / np.array(touched)
     return (judge.worth(np.nan_to_num(margins, nan=0.0)) * shares).sum(axis=-1)
 
 
 def first_population(space: Space, judge: Judge, samples: Samples, size: int) -> Array:
     """The best structures of a pool, each with the best operating point of each figure."""
-    scores = _scores_by_figure(judge, samples.margins)
+    scores = _scores_by_figure(space, judge, samples.margins)
     best = scores.argmax(axis=1)
     total = scores.max(axis=1).sum(axis=-1)
     chosen = np.argsort(-total, kind="stable")[:size]
@@ -102,7 +118,12 @@ def first_population(space: Space, judge: Judge, samples: Samples, size: int) ->
 
 
 def search(
-    space: Space, judge: Judge, samples: Samples, rounds: Sequence[Evolution], number: int
+    space: Space,
+    judge: Judge,
+    samples: Samples,
+    rounds: Sequence[Evolution],
+    number: int,
+    known: Array | None = None,
 ) -> tuple[Array, Array]:
     """Search from a pool, and each further round from the best that was found before.
 
@@ -112,6 +133,7 @@ def search(
         samples: the pool.
         rounds: how far.
         number: of the search, so that searches draw differently.
+        known: points found before, shape (k, n): half of the population then begins there.
 
     Returns:
         For every structure tried the point with its best operating points, (m, n), and the margins
@@ -122,6 +144,8 @@ def search(
     for stage, evolution in enumerate(rounds):
         drawn = [np.random.default_rng([space.law.seed, k, number, stage]) for k in (1, 3)]
         population = first_population(space, judge, samples, evolution.population)
+        if known is not None:
+            population = _beside(known, population, space.places["structure"].stop, drawn[0])
         if stage:
             population = points[best_of(judge, margins, evolution.population)]
         more = evolve(space, judge, population, evolution, drawn[0])
@@ -130,6 +154,14 @@ def search(
         more = polish(space, judge, best, evolution, drawn[1])
         points, margins = _joined((points, margins), more)
     return points, margins
+
+
+def _beside(known: Array, population: Array, size: int, rng: Generator) -> Array:
+    """A population whose first half is ``known`` and structures beside them; shape as given."""
+    half = max(len(known), population.shape[0] // 2)
+    near = np.resize(known, (half, known.shape[1]))
+    near[len(known) :, :size] += rng.normal(0.0, _BESIDE, (half - len(known), size))
+    return np.concatenate([np.clip(near, 0.0, 1.0), population[: len(population) - half]])
 
 
 def _joined(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -239,22 +271,30 @@ def fit(space: Space, judge: Judge, trials: Array) -> tuple[Array, Array]:
     Returns:
         The point, shape (n,), and its margins, shape (claims,).
     """
-    made = datasets_of(space, [(point, COMPUTED) for point in trials])
-    margins = _margins_by_figure(judge, made)
-    best = _scores_by_figure(judge, margins).argmax(axis=0)
+    made = datasets_of(space, [(point, space.everything) for point in trials])
+    margins = _margins_by_figure(space, judge, made)
+    best = _scores_by_figure(space, judge, margins).argmax(axis=0)
     point = trials[0].copy()
     for figure, place in space.places.items():
         if figure in COMPUTED:
             point[place] = trials[best[COMPUTED.index(figure)], place]
-    chosen = {name: made[best[f]][name] for f, name in enumerate(COMPUTED)}
+    chosen = {
+        name: made[trial][name]
+        for trial, names in zip(best, space.parts.values(), strict=True)
+        for name in names
+    }
     return point, known_margins(judge, chosen)
 
 
 def halves(judge: Judge, seed: int, split: int) -> tuple[Flags, Flags]:
-    """A split of the claims that count into two halves, drawn; each of shape (claims,)."""
-    counted = np.flatnonzero(judge.counted)
-    drawn = np.random.default_rng([seed, 2, split]).permutation(counted)
-    first = np.isin(np.arange(judge.counted.size), drawn[: (counted.size + 1) // 2])
+    """A split of the claims that count into two halves, drawn; each of shape (claims,).
+
+    The claims of a figure are dealt out to both, so that either half asks something of every
+    operating point.
+    """
+    drawn = np.random.default_rng([seed, 2, split]).permutation(np.flatnonzero(judge.counted))
+    dealt = sorted(drawn.tolist(), key=lambda row: judge.claims[row].figures[0])
+    first = np.isin(np.arange(judge.counted.size), dealt[::2])
     return first, judge.counted & ~first
 
 

@@ -1,0 +1,71 @@
+"""The ensemble's bands: what the admissible sets give where a curve of Figs. 6 to 12 stands.
+
+A set has a structure and operating points of its own, so that a band says how well a curve is known
+by what the paper says. Fig. 10 is swept over the inertia in units of the bare part's, since every
+set has a bare part of its own.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.study.config import CURVES
+from model.study.identification.candidate import Space, bare_inertia
+from model.study.identification.committed import LEAST_SHARE, Band
+from model.study.identification.evaluate import datasets_of
+
+_AT_ONCE = 20  # sets computed together
+_QUANTILES = (0.05, 0.5, 0.95)
+
+Array = NDArray[np.float64]
+
+
+def bands_of(space: Space, points: Array) -> dict[str, tuple[Band, ...]]:
+    """The bands of Figs. 6 to 12, on the search's grids.
+
+    Args:
+        space: what the points are points of.
+        points: of the ensemble, shape (m, n).
+    """
+    taus: dict[str, list[Array]] = {name: [] for name in CURVES}
+    for start in range(0, len(points), _AT_ONCE):
+        some = points[start : start + _AT_ONCE]
+        for made in datasets_of(space, [(point, CURVES) for point in some]):
+            for name in CURVES:
+                taus[name].append(made[name]["tau_align"].values)
+    return {name: _bands(space, points[0], name, np.array(found)) for name, found in taus.items()}
+
+
+def _bands(space: Space, point: Array, name: str, taus: Array) -> tuple[Band, ...]:
+    """Bands of one figure; ``taus`` has shape (sets, curves, n)."""
+    family, swept = space.sweep(point, name).dimensions
+    x = np.array(swept.values)
+    if swept.parameter == "inertia":
+        x = x / bare_inertia(space.structure(point))
+    aligned = np.isfinite(taus).mean(axis=0)
+    return tuple(
+        Band(at, x, aligned[i], *_quantiles(taus[:, i], aligned[i]))
+        for i, at in enumerate(family.values)
+    )
+
+
+def _quantiles(taus: Array, aligned: Array) -> Array:
+    """Quantiles over the sets, shape (3, n), of durations, shape (sets, n)."""
+    found = np.full((len(_QUANTILES), taus.shape[1]), np.nan)
+    for column in np.flatnonzero(aligned >= LEAST_SHARE):
+        known = taus[np.isfinite(taus[:, column]), column]
+        found[:, column] = np.quantile(known, _QUANTILES)
+    return found
+
+
+def rows_of(bands: Mapping[str, tuple[Band, ...]]) -> list[tuple[object, ...]]:
+    """A table of bands, numbers to four digits."""
+    return [
+        (name, f"{band.at:g}", *(f"{value:.4g}" for value in values))
+        for name, each in bands.items()
+        for band in each
+        for values in zip(
+            band.x, band.aligned, band.low, band.middle, band.high, strict=True
+        )
+    ]  # fmt: skip
