@@ -164,8 +164,8 @@ export-test: environment-export
 # KILLS=500 kills the study at more moments.
 KILLS ?= 50
 nightly: environment
-	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -m nightly tests
-	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest tests/workflow/test_nothing_lost.py
+	$(in_env) pytest -rP -m nightly tests
+	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -rP tests/workflow/test_nothing_lost.py
 
 # ------------------------------------------------------------------------------------ the benchmark
 
