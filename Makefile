@@ -10,6 +10,7 @@
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
+# make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
@@ -35,7 +36,7 @@ unexport PYTHONHOME PYTHONPATH
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 .PHONY: all $(FIGURES) smoke maps accuracy identification
 .PHONY: test lint types floors workflow unit environment python lock
-.PHONY: fuzz truth bench nightly export-test clean distclean
+.PHONY: fuzz truth bench nightly same-bytes export-test clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -161,11 +162,15 @@ unit: environment
 export-test: environment-export
 	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/study/test_export.py
 
+STUDY ?= smoke
+same-bytes: environment
+	VIBRALIGN_STUDY=$(STUDY) $(in_env) pytest -rP -m nightly tests/workflow/test_workflow.py
+
 # KILLS=500 kills the study at more moments.
 KILLS ?= 50
 nightly: environment
-	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -m nightly tests
-	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest tests/workflow/test_nothing_lost.py
+	$(in_env) pytest -rP -m nightly tests
+	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -rP tests/workflow/test_nothing_lost.py
 
 # ------------------------------------------------------------------------------------ the benchmark
 

@@ -68,6 +68,10 @@ TINY: dict[str, Any] = {
 }
 STUDY = ["--configfile", "config/tiny.yaml"]
 
+# What the test on the bytes of a whole study builds: "tiny", "smoke" or "full".
+BUILT_TWICE = os.environ.get("VIBRALIGN_STUDY", "tiny")
+PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snakemake fails the test
+
 # Snakemake for runs that start no job. What it and the package import from elsewhere, most of its
 # time, is loaded once; each run is a fork with the sources that it is given.
 PRELOADED = """
@@ -155,7 +159,7 @@ class Workspace:
             env=self.environment,
             capture_output=True,
             text=True,
-            timeout=3600,
+            timeout=PATIENCE,
             check=False,
         )
 
@@ -188,7 +192,7 @@ class Workspace:
             env=self.environment,
             capture_output=True,
             text=True,
-            timeout=3600,
+            timeout=PATIENCE,
             check=False,
             **options,
         )
@@ -244,6 +248,16 @@ def _preloaded() -> Iterator[None]:
 def tiny() -> dict[str, Any]:
     """The configuration of the tiny study, to be changed at will."""
     return copy.deepcopy(TINY)
+
+
+@pytest.fixture
+def built_twice(tiny: dict[str, Any]) -> dict[str, Any]:
+    """The study whose bytes are compared as a whole."""
+    if BUILT_TWICE == "tiny":
+        return tiny
+    path = PROJECT / "config" / ("smoke.yaml" if BUILT_TWICE == "smoke" else "config.yaml")
+    study: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return {**study, "results_root": tiny["results_root"]}
 
 
 @pytest.fixture

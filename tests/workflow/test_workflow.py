@@ -90,15 +90,18 @@ def test_another_folder_order_and_number_of_cores_give_the_same_bytes(
 
 @pytest.mark.nightly
 def test_the_whole_study_has_the_same_bytes_in_another_folder(
-    tmp_path: Path, make_workspace: Any
+    tmp_path: Path, make_workspace: Any, built_twice: dict[str, Any]
 ) -> None:
     """Datasets, pictures, claims and report of two builds, at one and at two cores.
+
+    `make same-bytes` does it on the smoke study, with STUDY=full on the whole one.
 
     CPU times, which no two builds share, are made the same before what shows them is compared.
     """
     sums = []
     for cores in (1, 2):
         made = make_workspace(tmp_path / f"with_{cores}")
+        made.configure(built_twice)
         run = made.snakemake(cores=cores)
         assert run.returncode == 0, run.stdout + run.stderr
         if sums:
@@ -115,3 +118,4 @@ def test_the_whole_study_has_the_same_bytes_in_another_folder(
         sums.append(made.sha256(*(file for file in kept if "/history/" not in file)))
         assert "Nothing to be done" in made.dry_run().stdout
     assert sums[0] == sums[1]
+    print(f"{len(sums[0])} files have the same bytes")  # noqa: T201  (`pytest -rP` shows it)
