@@ -67,6 +67,7 @@ def area() -> xr.Dataset:
     dataset = grid("map", "press_force", "tilt_stiffness", durations)
     dataset["outcome"][5:, 0] = Outcome.LEFT_SCENE
     dataset["outcome"][0, 1] = Outcome.FAILED
+    dataset["tau_align"].attrs = {"long_name": "alignment duration", "symbol": "τ", "units": "1"}
     return dataset
 
 
