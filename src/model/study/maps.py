@@ -39,7 +39,7 @@ LINES = 8  # squares, along a side, on whose border every node is computed
 # By how much durations may differ within a cell that is left whole: the larger of these.
 PERIODS = 0.4  # excitation periods; a part that misses one takes one longer
 SHARE = 0.1  # of the duration
-BESIDE = 4  # nodes; what is filled so near to another area is flagged
+BESIDE = 6  # nodes; what is filled so near to another area is flagged
 COARSE_ENSEMBLE = 32  # coarse cells along a side of the ensemble's lattice
 _AT_ONCE = 2048  # nodes, so that progress can be told
 
