@@ -22,7 +22,8 @@ def record_idle():
     """Record what Snakemake calls no handler for: nothing to do, or a stop before the first job."""
     settings = workflow.execution_settings
     if settings is not None and not settings.no_hooks and not workflow.dryrun:
-        invocation.pass_by("failed" if workflow.dag is None or len(workflow.dag) else "done")
+        planned = workflow.scheduler is not None and not len(workflow.dag)
+        invocation.pass_by("done" if planned else "failed")
 
 
 if workflow.is_main_process:
