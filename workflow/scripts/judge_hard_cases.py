@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from model.study.hard_cases import judge, methods_for, table_of, true_run
+from model.study.hard_cases import compile_for_stiff, judge, methods_for, table_of, true_run
 from model.study.plans import HardCasesPlan
 from model.study.provenance import Job, write_text
 
@@ -19,6 +19,7 @@ def main() -> None:
     plan: HardCasesPlan = arguments.plan
     job = Job("hard_cases")
     judged = []
+    compile_for_stiff(plan)
     for case in plan.spec.all_cases:
         truth = true_run(plan, case)
         judged += [judge(plan, case, method, truth) for method in methods_for(plan, case)]
