@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from benchmarks.truth import Sets, _scene, summary
+from benchmarks.truth import Sets, _left_corner_is_in, _scene, summary
 
 
 @pytest.fixture
@@ -41,5 +41,16 @@ def test_the_scene_states_the_device(device):
     assert float(joints["y"]["stiffness"]) == 1.0
     assert float(joints["y"]["springref"]) == device.half_height
     assert float(joints["tilt"]["damping"]) == device.tilt_damping
-    places = [float(geom.get("pos").split()[0]) for geom in world.iter("geom") if geom.get("pos")]
-    assert sorted(places) == [-device.slot_half_width, device.slot_half_width]
+    geoms = {geom.get("type"): geom.attrib for geom in world.iter("geom")}
+    assert float(geoms["sphere"]["pos"].split()[0]) == device.slot_half_width
+    # A ball in a box leaves by the nearest face: the end must be farther than any depth.
+    length, height, _ = (float(each) for each in geoms["box"]["size"].split())
+    assert length > device.half_width + device.half_height
+    assert height == device.half_height
+
+
+def test_a_part_is_in_once_its_left_corner_is_in_the_slot(device):
+    inside = [0.0, device.half_height - 0.1, 0.05]
+    assert _left_corner_is_in(inside, device)
+    assert not _left_corner_is_in([0.0, device.half_height + 0.2, 0.05], device)  # above the plane
+    assert not _left_corner_is_in([-0.5, device.half_height - 0.1, 0.05], device)  # over the base

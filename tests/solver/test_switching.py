@@ -93,11 +93,13 @@ FACE = {"FACE_END", "FACE_FAR_END"}
         ),
         (
             FREE._replace(side=CLOSED),
-            FLIGHT - {"LEFT_EDGE_ENTERS"} | {"SIDE_LOAD", "SIDE_END", "SIDE_SLIP"},
+            FLIGHT - {"LEFT_EDGE_ENTERS", "LEFT_CORNER_LANDS"}
+            | {"SIDE_LOAD", "SIDE_END", "SIDE_SLIP"},
         ),
         (
             FREE._replace(side=RELEASED),
-            FLIGHT - {"LEFT_EDGE_ENTERS"} | {"SIDE_GAP", "SIDE_RELOAD", "SIDE_END"},
+            FLIGHT - {"LEFT_EDGE_ENTERS", "LEFT_CORNER_LANDS"}
+            | {"SIDE_GAP", "SIDE_RELOAD", "SIDE_END"},
         ),
         (
             ON_CORNER,

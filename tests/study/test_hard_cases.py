@@ -10,12 +10,15 @@ from model.solver.outcomes import Outcome
 from model.study.config import load_study, study_path
 from model.study.datasets import DatasetError
 from model.study.hard_cases import (
+    DEFAULT,
+    EXPLICIT,
     Judged,
     Mark,
     Run,
     Truth,
     judge,
     mark_of,
+    methods_for,
     read_table,
     table_of,
     true_run,
@@ -82,6 +85,17 @@ def test_located_methods_are_stable_where_a_coarse_step_is_not(plan):
     # h_a h = 10: far outside the region in which RK4 and Euler are stable.
     assert judged["rk4_fixed"].mark is not Mark.STABLE
     assert judged["semi_implicit_euler_fixed"].mark is not Mark.STABLE
+
+
+def test_explicit_steps_are_judged_beside_the_default_on_stiff_bases_only(plan):
+    assert methods_for(plan, "base_10000_0") == list(METHODS)
+    name = "base_10000_10000"
+    assert methods_for(plan, name) == [*METHODS, EXPLICIT]
+    truth = true_run(plan, name)
+    explicit, chosen = (judge(plan, name, method, truth) for method in (EXPLICIT, DEFAULT))
+    assert explicit.mark is chosen.mark is Mark.STABLE
+    assert explicit.error < 1e-7 > chosen.error
+    assert chosen.rhs_evaluations < 0.2 * explicit.rhs_evaluations
 
 
 def test_a_table_comes_back_as_it_was_written(tmp_path):

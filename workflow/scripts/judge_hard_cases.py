@@ -3,9 +3,8 @@
 import argparse
 from pathlib import Path
 
-from model.study.hard_cases import judge, table_of, true_run
+from model.study.hard_cases import compile_for_stiff, judge, methods_for, table_of, true_run
 from model.study.plans import HardCasesPlan
-from model.study.precision import METHODS
 from model.study.provenance import Job, write_text
 
 
@@ -20,9 +19,10 @@ def main() -> None:
     plan: HardCasesPlan = arguments.plan
     job = Job("hard_cases")
     judged = []
+    compile_for_stiff(plan)
     for case in plan.spec.all_cases:
         truth = true_run(plan, case)
-        judged += [judge(plan, case, method, truth) for method in METHODS]
+        judged += [judge(plan, case, method, truth) for method in methods_for(plan, case)]
     write_text(table_of(judged, times=False), arguments.output)
     write_text(table_of(judged, times=True), arguments.times)
     counts = {

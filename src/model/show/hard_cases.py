@@ -73,6 +73,8 @@ def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
         figure = style.new_figure(height=(4.5 + 0.5 * len(cases)) * style.CENTIMETRE)
         axes = figure.subplots()
         for each in judged:
+            if each.method not in METHODS:  # a way to do what one of them does
+                continue
             x, y = methods.index(each.method), cases.index(each.case)
             axes.add_patch(
                 Rectangle((x, y), 1.0, 1.0, facecolor=_FILLS[each.mark], edgecolor="white")

@@ -43,7 +43,7 @@ from model.show.style import FORMATS
 from model.solver.outcomes import OUTCOME_TEXT, Outcome
 from model.study.config import HardCases, Study
 from model.study.fixed_steps import wrong_counts
-from model.study.hard_cases import Judged, Mark
+from model.study.hard_cases import DEFAULT, EXPLICIT, Judged, Mark
 from model.study.identification.candidate import searched_of
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.plans import HARD_PICTURES, PICTURES
@@ -150,6 +150,15 @@ class _HardRow:
 
 
 @dataclass(frozen=True)
+class _Gain:
+    """A stiff case run with explicit steps alone, and as implicit steps make it."""
+
+    title: Markup
+    explicit: Judged
+    chosen: Judged
+
+
+@dataclass(frozen=True)
 class _Hard:
     """What the page says of hard cases."""
 
@@ -157,6 +166,7 @@ class _Hard:
     sentences: tuple[str, ...]
     pictures: tuple[_Picture, ...]
     rows: tuple[_HardRow, ...]
+    gains: tuple[_Gain, ...]
     longer: tuple[str, ...]
     labels: Mapping[str, str]
 
@@ -357,6 +367,12 @@ def _hard(spec: HardCases, hardness: Hardness) -> _Hard:
         )
         for name, case in cases.items()
     )
+    found = {(each.case, each.method): each for each in hardness.judged}
+    gains = tuple(
+        _Gain(_with_subscripts(cases[case].title), explicit, found[case, DEFAULT])
+        for (case, method), explicit in found.items()
+        if method == EXPLICIT
+    )
     sentences = []
     for method, how in METHODS.items():
         marks = [each.mark for each in hardness.judged if each.method == method]
@@ -367,12 +383,14 @@ def _hard(spec: HardCases, hardness: Hardness) -> _Hard:
         sentences=tuple(sentences),
         pictures=tuple(pictures),
         rows=rows,
+        gains=gains,
         longer=tuple(
             f"{case.title}, {case.max_evaluations:,}"
             for case in cases.values()
             if case.max_evaluations
         ),
-        labels={name: how.label for name, how in METHODS.items()},
+        labels={name: how.label for name, how in METHODS.items()}
+        | {EXPLICIT: "DOP853, explicit steps alone"},
     )
 
 

@@ -330,13 +330,13 @@ def _sample(node, w, samples):
     theta = 0.25 * node
     for i in range(LANES):
         q, p = _state(w, TRIAL, i), _constants(w, i)
-        time = w[TIME * LANES + i] + theta * w[LENGTH * LANES + i]
-        sample = switching_sample(time, q, p, _mode(w, i))
+        time, mode = w[TIME * LANES + i] + theta * w[LENGTH * LANES + i], _mode(w, i)
+        sample = switching_sample(time, q, p, mode)
         right = corner_below(RIGHT_EDGE, q, p)
         left = corner_below(LEFT_EDGE, q, p)
         _keep_sample(sample, w, i)
         w[(SAMPLE + RIGHT_CORNER_LANDS) * LANES + i] = right[0]
-        w[(SAMPLE + LEFT_CORNER_LANDS) * LANES + i] = left[0]
+        w[(SAMPLE + LEFT_CORNER_LANDS) * LANES + i] = left[0] if mode.side == OPEN else NEVER
         w[(SAMPLE + SWITCH_COUNT + RIGHT_CORNER_LANDS) * LANES + i] = right[1]
         w[(SAMPLE + SWITCH_COUNT + LEFT_CORNER_LANDS) * LANES + i] = left[1]
         w[TILT_SAMPLE * LANES + i] = abs(q.tilt)

@@ -454,13 +454,13 @@ def _clear_until(places, samples):
 
 
 @kernel
-def _implicit_length(time, longest, p, mode, table, tolerance, memory, runs, i):
+def _implicit_length(time, longest, p, mode, table, tolerance, max_evaluations, memory, runs, i):
     """Length of an implicit step from ``memory.states[0]``, solved and clear of switches, or 0.
 
     ``memory.length`` becomes what the error estimate proposes for the next one.
     """
     h = longest
-    while h > _WORTH * runs[NEXT_STEP, i]:
+    while h > _WORTH * runs[NEXT_STEP, i] and runs[EVALUATIONS, i] <= max_evaluations:
         solved, evaluations = _collocate(time, h, p, mode, table, tolerance, memory)
         runs[EVALUATIONS, i] += evaluations
         shrinking = 0.25
@@ -495,8 +495,9 @@ def _advance_implicitly(table, control, track, history, memory, runs, i):
     longest = max(memory.length[0], _FIRST * runs[NEXT_STEP, i])
     cut = longest >= left
     h = _implicit_length(
-        time, left if cut else longest, p, mode, table, runs[TOLERANCE, i], memory, runs, i
-    )
+        time, left if cut else longest, p, mode, table, runs[TOLERANCE, i],
+        control.max_evaluations, memory, runs, i,
+    )  # fmt: skip
     if h == 0.0:
         memory.length[0] = 0.0
         memory.pause[0] = memory.pause[1]

@@ -233,7 +233,8 @@ def switching_sample(time, q, p, mode):
     right_edge = _only_if(no_right_face, edge_outside(RIGHT_EDGE, q, p))
     left_edge = _only_if(no_left_face and mode.side == OPEN, edge_outside(LEFT_EDGE, q, p))
     right_corner = _only_if(no_right_corner, corner_above(RIGHT_EDGE, q, p))
-    left_corner = _only_if(no_left_corner, corner_above(LEFT_EDGE, q, p))
+    # While A2 is behind the side face, B2 beside the slot has come through its wall.
+    left_corner = _only_if(no_left_corner and mode.side == OPEN, corner_above(LEFT_EDGE, q, p))
     right_wall = _only_if(
         no_right_corner and no_right_face and not mode.dropped, corner_off_wall(RIGHT_EDGE, q, p)
     )

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=10_000)
 _MOST_RUNS = 5  # of a set: two, and three more where they part
-_LAST_STEP = 200  # evaluations that a step and its switch may take beyond the limit
+_LAST_STEP = 600  # evaluations that a step and its switch may take beyond the limit
 
 _LEAVING = (
     Reason.MOVED_AWAY, Reason.OVERSHOT, Reason.CORNER_ON_WALL, Reason.EDGE_ON_OTHER_FACE,

@@ -4,6 +4,9 @@ A method is stable on a case where it comes to the right outcome within the accu
 inaccurate where it answers, but wrongly or less accurately, and broken where it gives no answer.
 The true solution is the default method's at a far smaller tolerance; where two such tolerances
 disagree, errors of a state mean nothing and only the outcome is judged.
+
+On stiff bases the default method takes implicit steps where they pay; what explicit steps alone
+need there is judged beside it, as ``EXPLICIT``.
 """
 
 import csv
@@ -18,15 +21,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.runs.batch import NO_TRACK
+from model.runs.batch import NO_TRACK, each_by_itself
+from model.runs.errors import estimate
 from model.runs.settings import Settings
 from model.solver.loop import integrate_each, new_single
-from model.solver.outcomes import Outcome
+from model.solver.outcomes import Outcome, Reason
 from model.solver.record import STATE, STATE_SIZE, Ending
+from model.solver.stiff import are_stiff
 from model.solver.tableaux import DOP853
 from model.study.datasets import DatasetError
 from model.study.plans import HardCasesPlan
-from model.study.precision import METHODS, Passed, Problem, Verdict
+from model.study.precision import METHODS, Passed, Problem, Verdict, failure_of
+
+DEFAULT, EXPLICIT = "dop853_located", "dop853_explicit"
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
 _TRUE_EVALUATIONS = 2_000_000_000  # the limit is for the others
@@ -100,6 +107,32 @@ def run_once(parameters: Parameters, settings: Settings) -> Run:
     return Run(Outcome(int(ending.outcome)), ending.tau_align, state)
 
 
+def explicit_run(problem: Problem, tolerance: float) -> Passed:
+    """The default method without implicit steps; the run that estimates its error counts."""
+    settings = replace(problem.settings, tolerance=tolerance)
+    rows = Batch.stack([problem.parameters]).constants(settings.readings)
+    found = estimate(each_by_itself(settings), rows, tolerance)
+    run = run_once(problem.parameters, replace(settings, tolerance=float(found.tolerance[0])))
+    reason = Reason(int(found.column("reason")[0]))
+    failure = failure_of(run.outcome, reason)
+    return Passed(run.tau_align, run.state, int(found.rhs_evaluations[0]), failure)
+
+
+def methods_for(plan: HardCasesPlan, name: str) -> list[str]:
+    """The methods judged on the case ``name``: all, and EXPLICIT where it is stiff."""
+    problem = problem_of(plan, name)
+    rows = Batch.stack([problem.parameters]).constants(problem.settings.readings)
+    return [*METHODS, *([EXPLICIT] if are_stiff(rows)[0] else [])]
+
+
+def compile_for_stiff(plan: HardCasesPlan) -> None:
+    """Run a stiff case, if there is one, so that no case's time holds the compilation."""
+    for name in plan.spec.all_cases:
+        if EXPLICIT in methods_for(plan, name):
+            METHODS[DEFAULT].run(problem_of(plan, name), plan.spec.tolerance)
+            return
+
+
 def true_run(plan: HardCasesPlan, name: str) -> Truth:
     """The case ``name`` at the true tolerance, and how far a coarser one is from it."""
     problem, tolerance = problem_of(plan, name), plan.spec.true_tolerance
@@ -116,11 +149,14 @@ def true_run(plan: HardCasesPlan, name: str) -> Truth:
 
 
 def judge(plan: HardCasesPlan, name: str, method: str, truth: Truth) -> Judged:
-    """Run ``method`` on the case ``name`` and mark it."""
-    problem, how = problem_of(plan, name), METHODS[method]
-    resolution = plan.spec.step if how.fixed else plan.spec.tolerance
+    """Run ``method``, of ``methods_for`` the case ``name``, on it and mark it."""
+    problem, spec = problem_of(plan, name), plan.spec
     started = time.thread_time()
-    passed = how.run(problem, resolution)
+    if method == EXPLICIT:
+        passed = explicit_run(problem, spec.tolerance)
+    else:
+        how = METHODS[method]
+        passed = how.run(problem, spec.step if how.fixed else spec.tolerance)
     seconds = time.thread_time() - started
     error, verdict, mark = mark_of(passed, truth, plan.spec.accurate)
     return Judged(

@@ -282,11 +282,11 @@ class _Run:
         for side, name, faced in ((RIGHT, "right", right_face), (LEFT, "left", left_face)):
             if mode.edge == side and mode.corner != "off":
                 continue
-            self._add_corner(side, name, faced, add)
+            self._add_corner(side, name, faced, mode, add)
         add("overturned", lambda _t, z, _at: 0.5 * math.pi - 1e-3 - abs(z[2]))
         return found
 
-    def _add_corner(self, side: int, name: str, faced: bool, add: Any) -> None:
+    def _add_corner(self, side: int, name: str, faced: bool, mode: _Mode, add: Any) -> None:
         d = self.device
 
         def beside(at: _Body) -> tuple[Any, Any]:
@@ -298,7 +298,8 @@ class _Run:
             rising = (at.velocity + 1j * at.turn * place).imag
             return _highest(*beside(at), side * z[2], rising)
 
-        add(f"{name} lands", lands)
+        if side == RIGHT or mode.side == "off":  # else B2 has come through the slot's wall
+            add(f"{name} lands", lands)
         if not faced:
             add(f"{name} wall", lambda _t, z, at: _highest(*beside(at), -side * z[2]))
 

@@ -76,6 +76,14 @@ class Passed:
     failure: Verdict | None = None
 
 
+def failure_of(outcome: Outcome, reason: Reason) -> Verdict | None:
+    """The verdict on a run that could not be finished; None for one that was."""
+    if outcome != Outcome.FAILED:
+        return None
+    spent = reason == Reason.TOO_MANY_EVALUATIONS
+    return Verdict.TOO_MANY_EVALUATIONS if spent else Verdict.FAILED
+
+
 # --- The methods --------------------------------------------------------------------------------
 # Each runs a case at a resolution (``fixed``: the length of a step, else a tolerance), once for
 # its error, and for its time ``count`` neighbours of the case, as fast as it does them on one core;
@@ -98,10 +106,7 @@ class Located:
     def run(self, problem: Problem, resolution: float) -> Passed:
         """One run through ``simulate``."""
         run = simulate(problem.parameters, self._settings(problem, resolution))
-        failure = None
-        if run.outcome == Outcome.FAILED:
-            spent = run.reason == Reason.TOO_MANY_EVALUATIONS
-            failure = Verdict.TOO_MANY_EVALUATIONS if spent else Verdict.FAILED
+        failure = failure_of(run.outcome, run.reason)
         return Passed(run.tau_align, run.state[-1], run.rhs_evaluations, failure)
 
     def run_many(self, problem: Problem, resolution: float, count: int) -> None:
