@@ -9,7 +9,7 @@ from model.study.accuracy import trial_of
 from model.study.claims.runs import claim_sweep
 from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
-from model.study.identification.committed import TABLES
+from model.study.identification.committed import TABLES, pictures_of
 from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import sweep_of

@@ -116,6 +116,6 @@ def bands_in(rows: list[list[str]]) -> dict[str, tuple[Band, ...]]:
             raise ValueError(f"a band has {len(HEADER)} columns, not {len(values) + 2}")
         curves.setdefault((name, float(at)), []).append([float(each) for each in values])
     found: dict[str, tuple[Band, ...]] = {}
-    for (name, at), along in curves.items():
-        found[name] = (*found.get(name, ()), Band(at, *np.array(along).T))
+    for (name, value), along in curves.items():
+        found[name] = (*found.get(name, ()), Band(value, *np.array(along).T))
     return found

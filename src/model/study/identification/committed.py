@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from model.study.identification.bands import Band, bands_in
 from model.study.identification.results import Split
 
-TABLES = ("ensemble", "claims", "splits", "readings", "bands")
+TABLES = ("ensemble", "claims", "splits", "readings")
+BANDS = "bands"  # a table that a search made before there were bands does not have
 # Its pictures, and where each belongs in the results root, without extension.
 PICTURES: Mapping[str, str] = {
     "structure": "figures/identified_structure",
     "claims": "figures/identified_claims",
-    "bands": "figures/identified_bands",
+    BANDS: "figures/identified_bands",
     "readings": "figures/identified_readings",
 }
 
@@ -44,7 +45,7 @@ class Identified:
         prior_shares: share of draws from the prior that does, NaN where unknown, shape (claims,).
         splits: identified on one half of the claims, judged on the other.
         readings: margins of the best set under each reading, each of shape (claims,).
-        bands: of Figs. 6 to 12 over the ensemble, a band for each curve.
+        bands: of Figs. 6 to 12 over the ensemble, a band for each curve; empty where not known.
     """
 
     ensemble: Mapping[str, Array]
@@ -58,6 +59,14 @@ class Identified:
     bands: Mapping[str, tuple[Band, ...]]
 
 
+def pictures_of(folder: Path) -> dict[str, str]:
+    """Those of ``PICTURES`` that the tables in ``folder`` are enough for."""
+    drawn = dict(PICTURES)
+    if not (folder / f"{BANDS}.csv").is_file():
+        del drawn[BANDS]
+    return drawn
+
+
 def read_identified(folder: Path) -> Identified:
     """The tables in ``folder``.
 
@@ -65,6 +74,7 @@ def read_identified(folder: Path) -> Identified:
         IdentificationError: a table is missing, empty, or has other columns than it should.
     """
     read = {name: _read(folder / f"{name}.csv") for name in TABLES}
+    bands = folder / f"{BANDS}.csv"
     try:
         header, *rows = read["ensemble"]
         values = np.array(rows, dtype=np.float64)
@@ -79,7 +89,7 @@ def read_identified(folder: Path) -> Identified:
             prior_shares=columns[:, 3],
             splits=tuple(Split(*(int(cell) for cell in row)) for row in read["splits"][1:]),
             readings=_by_claim(read["readings"], tuple(claims)),
-            bands=bands_in(read["bands"][1:]),
+            bands=bands_in(_read(bands)[1:]) if bands.is_file() else {},
         )
     except (ValueError, TypeError, IndexError) as error:
         raise IdentificationError(

@@ -304,7 +304,10 @@ def most_shown(judge: Judge, margins: Array, contradicted: Sequence[int]) -> int
     What is equal then is told apart by the score. ``margins`` has shape (m, claims).
     """
     reproduced = (margins[:, judge.counted] > 0.0).sum(axis=1)
-    return int(np.lexsort((-judge.score(margins), contradicted, -reproduced))[0])
+    scores = judge.score(margins)
+    return min(
+        range(len(margins)), key=lambda row: (-reproduced[row], contradicted[row], -scores[row])
+    )
 
 
 def best_of(judge: Judge, margins: Array, count: int) -> NDArray[np.int64]:
