@@ -18,7 +18,7 @@ from model.runs.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
 from model.solver.outcomes import Outcome
 from model.solver.record import Ending
 from model.study.config import MAPS, Study, load_study, study_path
-from model.study.maps import BESIDE, JUMP, MapPlan, areas, periods, plan_of
+from model.study.maps import BESIDE, MapPlan, areas, graded, plan_of
 
 _AT_ONCE = 8192
 _OUTCOME, _TAU = (Ending._fields.index(name) for name in ("outcome", "tau_align"))
@@ -35,7 +35,7 @@ class Comparison:
         wrong: other nodes in another area than on the full grid.
         flagged: share that the refined map flags for lying beside a border.
         wrong_unflagged: wrong nodes that it does not flag.
-        off: share of the aligned nodes whose duration is off by more than ``JUMP`` periods.
+        off: share of the aligned nodes whose duration is off by more than may differ in a cell.
         seconds_full, seconds_refined: time of either.
     """
 
@@ -58,7 +58,7 @@ class Comparison:
             f"trajectories, {100.0 * time:.2f} % of the time; {self.wrong} wrong, of these "
             f"{self.wrong_unflagged} not flagged ({100.0 * self.flagged:.2f} % are); {self.failed} "
             f"failed on the full grid; {100.0 * self.off:.3f} % of the durations off by more than "
-            f"{JUMP:g} periods"
+            "may differ in a cell"
         )
 
 
@@ -90,7 +90,7 @@ class _Nodes:
         def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
             place = every * rows, every * columns
             self.compute(*place)
-            value = periods(self.plan, *place, self.tau[place])
+            value = graded(self.plan, *place, self.tau[place])
             return self.area[place].astype(np.int64), value
 
         return evaluate
@@ -127,7 +127,7 @@ def judge(
     wrong: Bools = (refined.kind != area) & ~failed
     flagged = refined.beside(BESIDE)
     rows, columns = np.indices(plan.lattice.shape)
-    difference = np.abs(refined.value - periods(plan, rows, columns, tau))
+    difference = np.abs(refined.value - graded(plan, rows, columns, tau))
     both = np.isfinite(difference)
     return Comparison(
         figure=plan.name,
@@ -137,7 +137,7 @@ def judge(
         wrong=int(wrong.sum()),
         flagged=float(flagged.mean()),
         wrong_unflagged=int((wrong & ~flagged).sum()),
-        off=float((difference[both] > JUMP).mean()),
+        off=float((difference[both] > 1.0).mean()),
         seconds_full=seconds[0],
         seconds_refined=seconds[1],
     )

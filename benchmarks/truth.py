@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from benchmarks.problems import Problem, only_right_edge
 from model import Outcome, Parameters, Scene, align
-from model.study.accuracy import trial_of
 from model.study.config import load_study, study_path
+from model.study.trials import trial_of
 
 Floats = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from benchmarks.maps import compare, costs, judge, slope
 from model.runs.refinement import refine
 from model.solver.outcomes import Outcome
 from model.study.config import RunSettings, Span
-from model.study.maps import periods, plan_of
+from model.study.maps import BESIDE, graded, plan_of
 
 CELLS = 256
 ALIGNED, SETTLED = int(Outcome.ALIGNED), int(Outcome.SETTLED)
@@ -30,7 +30,7 @@ def areas():
 
 def refined(plan, area, tau):
     def evaluate(rows, columns):
-        value = periods(plan, rows, columns, tau[rows, columns])
+        value = graded(plan, rows, columns, tau[rows, columns])
         return area[rows, columns].astype(np.int64), value
 
     return refine(evaluate, plan.lattice)
@@ -48,8 +48,8 @@ def test_a_map_that_agrees_has_nothing_wrong(plan):
 def test_a_wrong_node_counts_whether_flagged_or_not_and_a_failed_run_does_not(plan):
     area, tau = areas()
     map_ = refined(plan, area, tau)
-    filled = np.argwhere(~map_.computed & ~map_.beside(2) & (area == ALIGNED))
-    beside = np.argwhere(map_.beside(2) & (area == ALIGNED))
+    filled = np.argwhere(~map_.computed & ~map_.beside(BESIDE) & (area == ALIGNED))
+    beside = np.argwhere(map_.beside(BESIDE) & (area == ALIGNED))
     full, durations = area.copy(), tau.copy()
     full[tuple(filled[0])] = SETTLED
     full[tuple(beside[0])] = SETTLED

@@ -25,9 +25,9 @@ from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_si
 from model.physics.geometry import bottom_corner
 from model.physics.notation import RIGHT_EDGE, State
 from model.solver.switching import corner_off_wall, edge_inside
-from model.study.accuracy import trial_of
 from model.study.config import load_study, study_path
 from model.study.independent import solve
+from model.study.trials import trial_of
 
 
 @pytest.fixture

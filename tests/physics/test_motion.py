@@ -44,9 +44,8 @@ def force_alone(constants):
     """Accelerations of the free part at ``state`` when only ``changes`` act."""
 
     def make(state, time=0.0, **changes):
-        return accelerations(
-            motion(time, State(*state), constants(NOTHING.replace(**changes)), FREE)
-        )
+        q = State(*map(float, state))  # whole numbers would be compiled for anew
+        return accelerations(motion(time, q, constants(NOTHING.replace(**changes)), FREE))
 
     return make
 

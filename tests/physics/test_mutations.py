@@ -78,55 +78,139 @@ FIGURES = [f"fig{number:02}" for number in range(5, 15)]
 
 def mutated(folder: Path, mutation: str) -> Path:
     """A copy of the sources with one error in it."""
-    ignored = shutil.ignore_patterns("__pycache__")
-    source = Path(shutil.copytree(PROJECT / "src", folder / "src", ignore=ignored))
+    source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
     file, old, new = MUTATIONS[mutation]
-    path = source / "model" / "physics" / file
-    text = path.read_text(encoding="utf-8")
-    assert text.count(old) == 1, f"{old!r} must stand once in {file}: adapt the mutation"
-    path.write_text(text.replace(old, new), encoding="utf-8")
+    replace(source / "model" / "physics" / file, old, new)
     return source
 
 
-@pytest.mark.parametrize("mutation", MUTATIONS)
-def test_a_unit_test_catches_it(tmp_path: Path, mutation: str) -> None:
-    source = mutated(tmp_path, mutation)
-    options = ["-x", "-q", "-p", "no:cacheprovider", "-o", f"pythonpath={source}"]
+def replace(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1, f"{old!r} must stand once in {path.name}: adapt the mutation"
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+# Runs the unit tests on each copy in a process of its own. What they import from elsewhere is
+# loaded once, before these processes are forked.
+RUN_EACH = """
+import json, os, sys
+import netCDF4, numba, pydantic, pytest, scipy, xarray
+
+sources, options = json.loads(sys.argv[1]), json.loads(sys.argv[2])
+codes = {}
+for mutation, source in sources.items():
+    child = os.fork()
+    if not child:
+        written = os.open(f"{source}/log", os.O_WRONLY | os.O_CREAT)
+        os.dup2(written, 1), os.dup2(written, 2)
+        os._exit(pytest.main([*options, "-o", f"pythonpath={source}"]))
+    codes[mutation] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+print(json.dumps(codes))
+"""
+
+
+@pytest.fixture(scope="module")
+def tried(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]]:
+    """(exit code, output) of the unit tests, uncompiled, on each mutation and on none."""
+    folder = tmp_path_factory.mktemp("mutated")
+    sources = {name: str(mutated(folder / str(i), name)) for i, name in enumerate(MUTATIONS)}
+    right = shutil.copytree(PROJECT / "src", folder / "right")
+    options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:hypothesispytest", *UNIT_TESTS]
     run = subprocess.run(
-        [sys.executable, "-m", "pytest", *options, *UNIT_TESTS],
+        [sys.executable, "-c", RUN_EACH, json.dumps({**sources, "none": str(right)})]
+        + [json.dumps(options)],
         cwd=PROJECT,
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(source)},
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "VIBRALIGN_CACHE": str(folder / "kernels")},
         capture_output=True,
         text=True,
-        check=False,
+        check=True,
     )
-    assert run.returncode == 1, run.stdout + run.stderr
-    assert "1 failed" in run.stdout
+    sources["none"] = str(right)
+    logs = {name: Path(source, "log").read_text("utf-8") for name, source in sources.items()}
+    return {name: (code, logs[name]) for name, code in json.loads(run.stdout).items()}
 
 
-# Prints, for every figure, how often the comparison finds each variable to differ.
+@pytest.mark.parametrize("mutation", MUTATIONS)
+def test_a_unit_test_catches_it(tried: dict[str, tuple[int, str]], mutation: str) -> None:
+    code, told = tried[mutation]
+    assert code == pytest.ExitCode.TESTS_FAILED, told
+    assert "1 failed" in told
+
+
+def test_without_a_mutation_no_unit_test_fails(tried: dict[str, tuple[int, str]]) -> None:
+    code, told = tried["none"]
+    assert code == pytest.ExitCode.OK, told
+
+
+# All errors in one copy of the sources, each switched on by its number, a constant of the kernels.
+# It is compiled once, where a copy for each would be compiled sixteen times.
+ERRORS = {name: float(number) for number, name in enumerate(MUTATIONS, start=1)}
+SWITCHED = "(1.01 if p.error == {} else 1.0)"
+# Its kernel does not know p: the force is multiplied where it acts.
+STICKING = (
+    "motion.py",
+    "        x += stick * t[0]",
+    "        stick *= 1.01\n        x += stick * t[0]",
+)
+CARRIED = [
+    ("physics/parameters.py", "import math\n", "import math\nfrom os import environ\n"),
+    (
+        "physics/parameters.py",
+        "        columns = dict(self.values)\n",
+        "        columns = {**self.values, 'error': np.full(len(self), float(environ['ERROR']))}\n",
+    ),
+    (
+        "physics/parameters.py",
+        "    printed_moment_arms: float\n",
+        "    printed_moment_arms: float\n    error: float\n",
+    ),
+    ("solver/record.py", "runs[26, i],\n", "runs[26, i], runs[27, i],\n"),
+    ("solver/lanes.py", "0.0, 0.0, 0.0, 0.0,\n    )", "0.0, 0.0, 0.0, 0.0, w[27 * n + i],\n    )"),
+]
+
+
+def switchable(folder: Path) -> Path:
+    """A copy of the sources with every error in it, none of them switched on."""
+    source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
+    edits = list(CARRIED)
+    for name, edit in MUTATIONS.items():
+        file, old, new = STICKING if name == "sticking friction" else edit
+        edits.append((f"physics/{file}", old, new.replace("1.01", SWITCHED.format(ERRORS[name]))))
+    for file, old, new in edits:
+        replace(source / "model" / file, old, new)
+    return source
+
+
+# Computes every figure with each error, and with none first; prints which variables differ from a
+# reference, by error and figure.
 COMPARE = """
-import json, sys
+import json, os, sys
 from pathlib import Path
+
+study_path, against, errors, figures = (json.loads(each) for each in sys.argv[1:])
+os.environ["ERROR"] = "0"
 from model.study.comparison import open_dataset
 from model.study.reference import compare_with_reference
 from model.study.config import load_study
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
 from model.study.sweeps import sweep_of
 
-study, folder, against = load_study(Path(sys.argv[1])), Path(sys.argv[2]), sys.argv[3]
-found = {}
-for name in json.loads(sys.argv[4]):
-    sweep = sweep_of(study, name)
-    if sweep.kind == "history":
-        dataset = history_dataset(sweep, "t", "s")
-    else:
-        dataset = merge_chunks(sweep, "t", "s", [compute_chunk(sweep, 0, 1)])
-    write_dataset(dataset, folder / f"{name}.nc")
-    if against:
-        reference = open_dataset(Path(against) / f"{name}.nc")
-        findings = compare_with_reference(reference, open_dataset(folder / f"{name}.nc"))
-        found[name] = [each.variable for each in findings]
+study, found = load_study(Path(study_path)), {}
+for error, number in errors.items():
+    os.environ["ERROR"] = str(number)
+    found[error] = {}
+    for name in figures:
+        sweep = sweep_of(study, name)
+        if sweep.kind == "history":
+            dataset = history_dataset(sweep, "t", "s")
+        else:
+            dataset = merge_chunks(sweep, "t", "s", [compute_chunk(sweep, 0, 1)])
+        reference = Path(against) / f"{name}.nc"
+        if not reference.exists():
+            write_dataset(dataset, reference)
+        write_dataset(dataset, Path("built.nc"))
+        findings = compare_with_reference(open_dataset(reference), open_dataset(Path("built.nc")))
+        found[error][name] = [each.variable for each in findings]
 print(json.dumps(found))
 """
 
@@ -151,10 +235,14 @@ def small_study(folder: Path) -> Path:
     return path
 
 
-def compare(source: Path, folder: Path, study: Path, against: str) -> dict[str, list[str]]:
+def compare(
+    source: Path, study: Path, errors: dict[str, float], **cache: str
+) -> dict[str, dict[str, list[str]]]:
+    asked = (str(study), str(study.parent), errors, FIGURES)
     run = subprocess.run(
-        [sys.executable, "-c", COMPARE, str(study), str(folder), against, json.dumps(FIGURES)],
-        env={**os.environ, "PYTHONPATH": str(source), "VIBRALIGN_CACHE": str(folder / "kernels")},
+        [sys.executable, "-c", COMPARE, *(json.dumps(each) for each in asked)],
+        cwd=study.parent,
+        env={**os.environ, "PYTHONPATH": str(source), **cache},
         capture_output=True,
         text=True,
         check=True,
@@ -163,24 +251,28 @@ def compare(source: Path, folder: Path, study: Path, against: str) -> dict[str, 
 
 
 @pytest.fixture(scope="module")
-def right(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """The small study's configuration and its datasets, computed without an error."""
-    folder = tmp_path_factory.mktemp("right")
+def red(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
+    """The figures that differ from those without an error, by error."""
+    folder = tmp_path_factory.mktemp("figures")
     study = small_study(folder)
-    compare(PROJECT / "src", folder, study, "")
-    assert not any(compare(PROJECT / "src", folder, study, str(folder)).values())
-    return study, folder
+    compare(PROJECT / "src", study, {"none": 0.0})  # leaves the reference beside the study
+    kernels = {"VIBRALIGN_CACHE": str(folder / "kernels")}
+    found = compare(switchable(folder), study, {"none": 0.0, **ERRORS}, **kernels)
+    return {
+        error: {name for name, variables in figures.items() if variables}
+        for error, figures in found.items()
+    }
+
+
+@pytest.mark.nightly
+def test_errors_that_are_switched_off_change_nothing(red: dict[str, set[str]]) -> None:
+    assert red["none"] == set()
 
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("mutation", MUTATIONS)
-def test_the_figures_where_it_acts_catch_it(
-    tmp_path: Path, right: tuple[Path, Path], mutation: str
-) -> None:
-    study, reference = right
-    found = compare(mutated(tmp_path, mutation), tmp_path, study, str(reference))
-    red = {name for name, variables in found.items() if variables}
+def test_the_figures_where_it_acts_catch_it(red: dict[str, set[str]], mutation: str) -> None:
     if mutation in EVERYWHERE:
-        assert red == set(FIGURES)
-    counted = f"{mutation}: red in {len(red)} of {len(FIGURES)} figures: {', '.join(sorted(red))}"
-    print(counted)  # noqa: T201  (`pytest -rP` shows it)
+        assert red[mutation] == set(FIGURES)
+    listed = ", ".join(sorted(red[mutation]))
+    print(f"{mutation}: red in {len(red[mutation])} of {len(FIGURES)} figures: {listed}")  # noqa: T201  (`pytest -rP` shows it)

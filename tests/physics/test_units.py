@@ -70,6 +70,15 @@ def test_results_scale_by_the_units():
     assert units.force == pytest.approx(F1)
 
 
+def test_a_device_goes_back_to_what_was_given():
+    found = device(PEG)
+    back = found.units.in_si(found.parameters).given()
+    assert {name: back[name] for name in PEG.keys() & back.keys()} == pytest.approx(
+        {name: PEG[name] for name in PEG.keys() & back.keys()}, rel=1e-14
+    )
+    assert back["rest_x"] is None  # what is derived stays so
+
+
 def test_what_a_device_leaves_out_is_the_models_own():
     found = device(PEG).parameters
     assert (found.contact_stiffness, found.contact_damping) == (100.0, 1.0)

@@ -77,7 +77,7 @@ def test_a_run_does_not_depend_on_its_neighbours(batch, count):
 
 
 def test_an_engine_that_does_not_fit_is_refused(device):
-    with pytest.raises(ValueError, match="engine = 'fast': must be 'lanes', 'scalar', or None"):
+    with pytest.raises(ValueError, match="must be 'lanes', 'scalar', 'stiff', or None"):
         align([device], engine="fast")
     with pytest.raises(ValueError, match="needs the consistent readings"):
         align([device], engine="lanes", readings=Readings.printed())

@@ -15,11 +15,13 @@ from model.show.identification import (
     structure_pairs,
 )
 from model.study.config import Range
-from model.study.identification.bands import HEADER, Band, rows_of
 from model.study.identification.committed import (
+    HEADER,
+    Band,
     IdentificationError,
     Identified,
     read_identified,
+    rows_of,
 )
 from model.study.identification.results import Split
 

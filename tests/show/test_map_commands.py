@@ -1,14 +1,19 @@
 """``vibralign map``: what it writes, what it refuses before it computes, and its bar."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from model.runs.settings import Settings
+from model.runs.trajectory import simulate
 from model.show import cli, map_commands
-from model.study import maps
+from model.solver.outcomes import Outcome
+from model.study import maps, starts
 from model.study.config import baseline
+from model.study.devices import load_device
 from model.study.map_datasets import MAP_VARIABLES
 
 PLANE = ["--x", "tilt_stiffness", "6", "20", "--y", "press_force", "1", "5"]
@@ -34,11 +39,44 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
         assert stored["tilt_stiffness"].values.tolist() == [6.0, 9.5, 13.0, 16.5, 20.0]
         assert stored.attrs["horizon"] == 30.0
         assert len(stored.attrs["ensemble_phases"]) >= 16
+        assert stored.attrs["ensemble_resolution"] == 4  # a coarse map tries them at every node
         assert np.isin(stored["outcome"], range(5)).all()
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+SI_PLANE = ["--device", PEG, "--x", "tilt_stiffness", "0.4", "0.8", "--y", "frequency", "10", "60"]
+
+
+def test_a_device_in_si_units_gets_a_map_in_si_units(tmp_path):
+    picture = tmp_path / "map.svg"
+    assert run(tmp_path, *SI_PLANE, "--plot", str(picture)) == cli.DONE
+    with xr.open_dataset(tmp_path / "map.nc") as stored:
+        np.testing.assert_allclose(stored["tilt_stiffness"], [0.4, 0.5, 0.6, 0.7, 0.8])
+        np.testing.assert_allclose(stored["frequency"], [10.0, 22.5, 35.0, 47.5, 60.0])
+        assert stored["frequency"].attrs["units"] == "Hz"
+        assert stored["tau_align"].attrs["units"] == "s"
+        assert (float(stored["mass"]), stored["mass"].attrs["units"]) == (0.3, "kg")
+        np.testing.assert_allclose(stored["half_width"], 0.005)
+        aligned = stored["outcome"].values == Outcome.ALIGNED
+        assert aligned.any()
+        node = tuple(np.argwhere(aligned)[0])
+        at = {
+            name: float(stored[name][i])
+            for name, i in zip(stored["outcome"].dims, node, strict=True)
+        }
+        units, device = load_device(Path(PEG), at)
+        expected = simulate(device, Settings(horizon=30.0, tolerance=1e-7)).tau_align * units.time
+        np.testing.assert_allclose(stored["tau_align"].values[node], expected, rtol=1e-5)
+    assert "in N m/rad" in picture.read_text()
+
+
 REFUSED = [
+    (
+        ["--device", PEG, "--x", "tilt_stiffness", "-0.1", "1"],
+        "tilt_stiffness = -0.1: must be a finite number >",
+    ),
+    (["--device", "no.yaml"], "no.yaml: cannot be read as YAML"),
     (["--resolution", "12"], "resolution = 12: must be a power of two, 2 to 8192"),
     (["--resolution", "1e9"], "resolution = 1e9: must be a power of two"),
     (["--resolution", "fine"], "resolution = 'fine': must be a power of two"),
@@ -65,7 +103,7 @@ def test_bad_input_is_refused_in_one_line_before_anything_is_computed(
         raise AssertionError("computed")
 
     monkeypatch.setattr(maps, "align", no_runs)
-    monkeypatch.setattr(maps, "run_once", no_runs)
+    monkeypatch.setattr(starts, "run_once", no_runs)
     assert run(tmp_path, *arguments) == cli.REFUSED
     out, err = capsys.readouterr()
     assert out == ""
@@ -81,7 +119,7 @@ def test_a_map_that_is_interrupted_leaves_the_old_one(tmp_path, capsys, monkeypa
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(maps, "run_once", interrupted)
+    monkeypatch.setattr(starts, "run_once", interrupted)
     assert run(tmp_path) == cli.INTERRUPTED
     assert "interrupted" in capsys.readouterr().err
     assert old.read_text() == "old"

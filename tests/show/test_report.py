@@ -18,7 +18,7 @@ from model.show.contact_stiffness import Bases, contact_section
 from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
 from model.show.hard_cases import Hardness
 from model.show.precision import CAPTIONS, Comparison, advice
-from model.show.report import READING_WORDS, render_report
+from model.show.report import READING_WORDS, Findings, render_report
 from model.solver.outcomes import Outcome
 from model.study.claims import judge, tally
 from model.study.claims.table import lines_of
@@ -123,15 +123,23 @@ def bases(datasets, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def others(comparison, ledger, bases, hardness):
-    """What the page shows beside the figures, in the order of its arguments."""
-    return comparison, ledger, bases, hardness
+def findings(datasets, pictures, comparison, ledger, bases, hardness):
+    return Findings(
+        datasets=datasets,
+        figures=pictures,
+        comparison=comparison,
+        ledger=ledger,
+        bases=bases,
+        hardness=hardness,
+    )
+
+
+PROVENANCE = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
 
 
 @pytest.fixture(scope="module")
-def rendered(study, datasets, pictures, others):
-    provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
-    return render_report(study, datasets, pictures, provenance, *others)
+def rendered(study, findings):
+    return render_report(study, findings, PROVENANCE)
 
 
 def article(text: str, name: str) -> str:
@@ -319,39 +327,45 @@ def test_every_switch_of_the_readings_is_explained(rendered):
     assert all(f"<code>{name}</code>" in rendered for name in READING_NAMES)
 
 
-def test_words_from_the_configuration_are_escaped(study, datasets, pictures, others):
+def test_words_from_the_configuration_are_escaped(study, findings):
     spec = study.figures["fig06"].model_copy(update={"title": "<b>τ</b> & f0", "sees": '"<i>"'})
     hostile = study.model_copy(update={"figures": {**study.figures, "fig06": spec}})
-    text = render_report(hostile, datasets, pictures, {}, *others)
+    text = render_report(hostile, findings, {})
     assert "<b>τ</b>" not in text
     assert "&lt;b&gt;τ&lt;/b&gt; &amp; f0" in text
     assert Page(text).open == []
 
 
-def test_the_same_inputs_give_the_same_page(rendered, study, datasets, pictures, others):
-    provenance = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
-    assert render_report(study, datasets, pictures, provenance, *others) == rendered
+def test_the_same_inputs_give_the_same_page(rendered, study, findings):
+    assert render_report(study, findings, PROVENANCE) == rendered
 
 
-def test_a_vector_picture_is_embedded_too(study, datasets, pictures, others, tmp_path):
+def with_figure(findings, path):
+    return replace(findings, figures={**findings.figures, "fig06": path})
+
+
+def test_a_vector_picture_is_embedded_too(study, findings, tmp_path):
     path = tmp_path / "fig06.svg"
     path.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
-    text = render_report(study, datasets, {**pictures, "fig06": path}, {}, *others)
+    text = render_report(study, with_figure(findings, path), {})
     assert "data:image/svg+xml;base64," in text
 
 
-def test_a_picture_of_another_kind_is_refused(study, datasets, pictures, others, tmp_path):
+def test_a_picture_of_another_kind_is_refused(study, findings, tmp_path):
     path = tmp_path / "fig06.pdf"
     with pytest.raises(ValueError, match=r"fig06\.pdf: must be one of \.png, \.svg"):
-        render_report(study, datasets, {**pictures, "fig06": path}, {}, *others)
+        render_report(study, with_figure(findings, path), {})
 
 
-def test_what_is_missing_is_named(study, datasets, pictures, comparison, others):
-    some = {name: each for name, each in datasets.items() if name != "fig07"}
-    few = {name: each for name, each in pictures.items() if name != "fig01"}
-    without = replace(comparison, pictures={})
+def test_what_is_missing_is_named(study, findings):
+    some = replace(
+        findings,
+        datasets={name: each for name, each in findings.datasets.items() if name != "fig07"},
+        figures={name: each for name, each in findings.figures.items() if name != "fig01"},
+        comparison=replace(findings.comparison, pictures={}),
+    )
     with pytest.raises(ValueError, match=r"dataset of fig07, the picture of fig01, .* of times"):
-        render_report(study, some, few, {}, without, *others[1:])
+        render_report(study, some, {})
 
 
 @pytest.mark.parametrize(

@@ -6,17 +6,16 @@ import pytest
 from model import Batch, Outcome, align
 from model.study.accuracy import (
     FARTHEST,
-    TRIALS,
     is_wrong,
     judge_errors,
     judge_settled,
     read_tables,
     run_trial,
     summary,
-    trial_of,
     write_table,
 )
 from model.study.config import load_study, study_path
+from model.study.trials import TRIALS, trial_of
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,10 @@ from model.study.claims import CLAIMS, VERDICTS, Finding, judge, tally
 from model.study.claims.ledger import judge_claim
 from model.study.claims.limits import at_least, at_most
 from model.study.claims.reading import Data, explained, trend
-from model.study.claims.runs import COURSE_VARIABLES, claim_run_dataset, claim_sweep
+from model.study.claims.runs import COURSE_VARIABLES, claim_run_dataset
 from model.study.claims.table import LedgerError, ledger_text, lines_of, read_ledger
 from model.study.config import FIGURES, load_study, study_path
+from model.study.sweeps import claim_sweep
 from tests.study.claims_data import (
     CASES,
     NAN,

@@ -69,6 +69,20 @@ def test_fixed_steps_do_not_stand_for_the_figure_of_their_name(recorded) -> None
     assert not found.not_compared
 
 
+def test_data_that_are_no_figures_differ_by_their_bytes(recorded) -> None:
+    names = []
+    for shift in (0.0, 0.0, 0.5):
+        invocation = recorded.invocation()
+        recorded.fixed_steps(shift)
+        invocation.end("done")
+        names.append(f"fixed_steps/fig06@{invocation.name}")
+    first, second, third = (snapshot(name, recorded.root) for name in names)
+    assert not compare(first, second).differs
+    found = compare(first, third)
+    assert found.other_data == ["fixed_steps/fig06: fig06.nc"]
+    assert found.differs
+
+
 def test_an_invocation_stands_for_all_that_stood_when_it_ended(recorded) -> None:
     invocation = recorded.invocation()
     recorded.merge()

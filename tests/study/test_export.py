@@ -123,23 +123,14 @@ def test_two_writers_of_a_fresh_store_wait_for_each_other(built, tmp_path: Path)
 
 # --- RO-Crate -----------------------------------------------------------------------------------
 
-# The terms that a crate uses, as RO-Crate 1.1 maps them: a validator fetches the whole context from
-# the web, and a test must not depend on that.
-SCHEMA = """
-    CreateAction CreativeWork Dataset Organization SoftwareSourceCode ComputerLanguage about
-    actionStatus additionalType agent alternateName author dateModified datePublished description
-    encodingFormat endTime error exampleOfWork hasPart identifier instrument keywords license
-    mainEntity mentions name object programmingLanguage publisher result startTime url version
-    workExample SoftwareApplication
-"""
-TERMS = {
-    **{term: f"http://schema.org/{term}" for term in SCHEMA.split()},
-    "File": "http://schema.org/MediaObject",
-    "ComputationalWorkflow": "https://bioschemas.org/ComputationalWorkflow",
-    "FormalParameter": "https://bioschemas.org/FormalParameter",
-    "input": "https://bioschemas.org/ComputationalWorkflow#input",
-    "conformsTo": "http://purl.org/dc/terms/conformsTo",
-}
+# The context of RO-Crate 1.1 as published (CC0), from the package rocrate 0.13.0. A validator
+# fetches it from the web, and a test must not depend on that.
+PUBLISHED = Path(__file__).with_name("ro-crate-1.1-context.jsonld")
+
+
+def test_the_context_is_the_published_one() -> None:
+    published = json.loads(PUBLISHED.read_text(encoding="utf-8"))
+    assert (published["@id"], published["version"]) == (CONTEXT, "1.1.0")
 
 
 def offline_cache(path: Path) -> Path:
@@ -153,7 +144,7 @@ def offline_cache(path: Path) -> Path:
         headers={"Content-Type": "application/ld+json"},
         request=cached.CachedRequest.from_request(request),
     )
-    response._content = json.dumps({"@context": TERMS}).encode()
+    response._content = PUBLISHED.read_bytes()
     with cached.CachedSession(str(path), backend="sqlite") as session:
         session.cache.save_response(response, cache_key=session.cache.create_key(request))
     return path

@@ -17,7 +17,7 @@ from model.study.config import (
     load_study,
     study_path,
 )
-from model.study.identification import bands
+from model.study.identification import bands, committed
 from model.study.identification.candidate import (
     COMPUTED,
     Space,
@@ -339,10 +339,10 @@ def test_bands_are_quantiles_of_the_sets_that_align(space: Space) -> None:
     found = bands.bands_of(space, point[None])
     assert set(found) == set(CURVES)
     assert found["fig10"][0].x[0] == pytest.approx(1.0)
-    rows = [[str(cell) for cell in row] for row in bands.rows_of(found)]
-    again = bands.bands_in(rows)
+    rows = [[str(cell) for cell in row] for row in committed.rows_of(found)]
+    again = committed.bands_in(rows)
     for name, each in found.items():
         for one, other in zip(each, again[name], strict=True):
             np.testing.assert_allclose(other.middle, one.middle, rtol=1e-3)
     with pytest.raises(ValueError, match="a band has 7 columns"):
-        bands.bands_in([["fig06", "5", "1"]])
+        committed.bands_in([["fig06", "5", "1"]])

@@ -45,7 +45,7 @@ def is_clean(workspace: Any, built: Any) -> None:
     assert run.returncode == 0, run.stdout + run.stderr
     assert workspace.sha256(*built.DATA) == built.sha256(*built.DATA)
     assert not list((workspace.folder / "tiny").rglob("*.part"))
-    again = workspace.snakemake(*built.DATA, "-n")
+    again = workspace.dry_run(*built.DATA)
     assert "Nothing to be done" in again.stdout + again.stderr
 
 

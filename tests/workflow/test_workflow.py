@@ -6,19 +6,21 @@ from typing import Any
 
 import pytest
 
+from model.study.tracking import load_history
+
 
 def test_a_fault_in_the_configuration_stops_before_anything_is_made(
     workspace: Any, tiny: dict[str, Any]
 ) -> None:
     workspace.configure({**tiny, "structure": {"inertia": -1.0}})
-    run = workspace.snakemake("-n")
+    run = workspace.dry_run()
     assert run.returncode != 0
     assert "structure.inertia = -1.0: must be a finite number > 0" in run.stdout + run.stderr
     assert not (workspace.folder / "tiny").exists()
 
 
 def test_one_figure_is_a_target(workspace: Any) -> None:
-    run = workspace.snakemake("fig11", "-n")
+    run = workspace.dry_run("fig11")
     assert run.returncode == 0, run.stderr
     planned = run.stdout + run.stderr
     for rule in ("chunk", "merge", "plot", "fig11"):
@@ -28,8 +30,24 @@ def test_one_figure_is_a_target(workspace: Any) -> None:
 
 
 def test_a_build_is_complete_and_a_second_has_nothing_to_do(built: Any) -> None:
-    again = built.snakemake(*built.DATA, *built.PICTURES, "-n")
+    again = built.dry_run(*built.DATA, *built.BESIDE, *built.PICTURES)
     assert "Nothing to be done" in again.stdout + again.stderr
+
+
+def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) -> None:
+    def recorded() -> list[tuple[str, int]]:
+        history = load_history(copy_of_built.folder / "tiny")
+        return [(each["outcome"], len(each["runs"])) for each in history]
+
+    first = recorded()
+    assert [outcome for outcome, _ in first] == ["done"]
+    assert copy_of_built.snakemake_without_jobs(*copy_of_built.DATA).returncode == 0
+    assert recorded() == [*first, ("done", 0)]
+    assert copy_of_built.snakemake_without_jobs("no_such_target").returncode == 1
+    assert recorded() == [*first, ("done", 0), ("failed", 0)]
+    copy_of_built.dry_run(*copy_of_built.DATA)
+    copy_of_built.dry_run("no_such_target")
+    assert len(recorded()) == 3
 
 
 def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> None:
@@ -38,7 +56,7 @@ def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> 
         text = script.read_text(encoding="utf-8")
         script.write_text(f"{text}\nEDITED = True\n", encoding="utf-8")
     (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
-    edited = copy_of_built.snakemake(*copy_of_built.DATA, "-n")
+    edited = copy_of_built.dry_run(*copy_of_built.DATA, *copy_of_built.BESIDE)
     counts = dict(line.split() for line in edited.stdout.splitlines() if len(line.split()) == 2)
     jobs = ("kernels", "chunk", "merge", "history", "unlocated_kernels", "fixed_steps", "precision")
     jobs += ("map_part", "map")
@@ -64,7 +82,7 @@ def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any
 def test_another_folder_order_and_number_of_cores_give_the_same_bytes(
     workspace: Any, built: Any
 ) -> None:
-    targets = [*built.PICTURES, *built.DATA]
+    targets = [*built.PICTURES, *built.BESIDE, *built.DATA]
     run = workspace.snakemake(*targets[::-1], cores=1)
     assert run.returncode == 0, run.stdout + run.stderr
     assert workspace.sha256(*targets) == built.sha256(*targets)
@@ -95,5 +113,5 @@ def test_the_whole_study_has_the_same_bytes_in_another_folder(
         ]
         assert len(kept) > 60
         sums.append(made.sha256(*(file for file in kept if "/history/" not in file)))
-        assert "Nothing to be done" in made.snakemake("-n").stdout
+        assert "Nothing to be done" in made.dry_run().stdout
     assert sums[0] == sums[1]

@@ -1,23 +1,33 @@
 """What the rules share: how the parts of a figure or trial are named and described."""
 
+import atexit
 import json
 import sys
 from pathlib import Path
 
 from model.physics.readings import READING_NAMES
-from model.study.accuracy import trial_of
-from model.study.claims.runs import claim_sweep
 from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES, pictures_of
 from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.provenance import code_hash
-from model.study.sweeps import sweep_of
+from model.study.sweeps import claim_sweep, sweep_of
 from model.study.tracking import Invocation
+from model.study.trials import trial_of
 
 invocation = Invocation(root, study=study.model_dump(mode="json"))
+
+
+def record_idle():
+    """Record what Snakemake calls no handler for: nothing to do, or a stop before the first job."""
+    settings = workflow.execution_settings
+    if settings is not None and not settings.no_hooks and not workflow.dryrun:
+        invocation.pass_by("failed" if workflow.dag is None or len(workflow.dag) else "done")
+
+
 if workflow.is_main_process:
     invocation.announce()
+    atexit.register(record_idle)
 
 
 def code(script):

@@ -12,8 +12,9 @@ import yaml
 from model.study.config import Study
 from model.study.datasets import read_dataset, write_dataset
 from model.study.files import whole_file
-from model.study.identification.bands import HEADER, bands_of, rows_of
+from model.study.identification.bands import bands_of
 from model.study.identification.candidate import space_of
+from model.study.identification.committed import HEADER, rows_of
 from model.study.identification.evaluate import contradicted, datasets_of, judge_of, known_margins
 from model.study.identification.results import (
     Findings,

@@ -8,7 +8,7 @@ from model.show.contact_stiffness import Bases
 from model.show.hard_cases import Hardness
 from model.show.identification import Pictured
 from model.show.precision import Comparison
-from model.show.report import render_report
+from model.show.report import Findings, render_report
 from model.study.claims.table import read_ledger
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
@@ -69,12 +69,16 @@ def main() -> None:
         "from": {path.relative_to(root).as_posix(): file_hash(path)[:16] for path in read},
         "when, where, at which commit": "runs.csv and history/ beside this page; vibralign runs",
     }
-    datasets = {name: read_dataset(path) for name, path in data.items()}
-    hardness = Hardness(read_table(judged), hard)
-    page = render_report(
-        study, datasets, pictures, provenance, comparison, ledger, bases, hardness, identified
+    findings = Findings(
+        datasets={name: read_dataset(path) for name, path in data.items()},
+        figures=pictures,
+        comparison=comparison,
+        ledger=ledger,
+        bases=bases,
+        hardness=Hardness(read_table(judged), hard),
+        identified=identified,
     )
-    write_text(page, arguments.output)
+    write_text(render_report(study, findings, provenance), arguments.output)
     shown = [*pictures.values(), *compared.values(), ledger.picture, bases.picture, *hard.values()]
     shown += [*identified.pictures.values(), *arguments.identified] if identified else []
     job.finish(arguments.record, [arguments.output], [*read, *shown])

@@ -3,8 +3,9 @@
 import argparse
 from pathlib import Path
 
-from model.study.accuracy import Trial, run_trial, write_table
+from model.study.accuracy import run_trial, write_table
 from model.study.provenance import Job
+from model.study.trials import Trial
 
 
 def main() -> None:

@@ -111,6 +111,15 @@ class Units:
         scale = math.prod(unit**power for unit, power in (*powers, (self.force, quantity.force)))
         return scale * quantity.factor
 
+    def in_si(self, parameters: Parameters) -> Parameters:
+        """The model's ``parameters`` in the units of ``QUANTITIES``; what is derived stays so."""
+        return Parameters(
+            **{
+                name: None if value is None else value * self.of(QUANTITIES[name])  # type: ignore[arg-type]
+                for name, value in parameters.given().items()
+            }
+        )
+
 
 class Device(NamedTuple):
     """A device measured in SI units, as the model takes it."""

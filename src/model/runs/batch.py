@@ -4,7 +4,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from model.runs.settings import Settings, settings_with
 from model.solver.loop import TRACK_COLUMNS, integrate_each, new_single
 from model.solver.record import Ending
 from model.solver.side_by_side import integrate_all, new_many
+from model.solver.stiff import RADAU, are_stiff, integrate_stiff, new_memory
 from model.solver.tableaux import DOP853
 
 NO_TRACK = np.empty((0, TRACK_COLUMNS))
@@ -70,19 +71,55 @@ _DTYPES = {
 }
 _ESTIMATED = ("tau_error", "sensitive", "rhs_evaluations")
 
-Engine = Literal["lanes", "scalar"]
+Engine = Literal["lanes", "scalar", "stiff"]
 
 
-def each_by_itself(settings: Settings) -> Run:
-    """The reference engine: one run at a time."""
+def each_by_itself(settings: Settings, track: Array = NO_TRACK) -> Run:
+    """The reference engine: one run at a time. ``track`` is as in ``integrate_each``."""
 
     def run(rows: Array, tolerances: Array) -> Array:
         endings = np.empty((len(rows), len(Ending._fields)))
         single = new_single(settings.method.method)
-        integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, endings, single)
+        integrate_each(rows, tolerances, *settings.for_kernels, track, endings, single)
         return endings
 
     return run
+
+
+def implicitly(settings: Settings, track: Array = NO_TRACK) -> Run:
+    """The engine for stiff sets: one run at a time, with implicit steps where they pay."""
+    declared, method, control = settings.for_kernels
+
+    def run(rows: Array, tolerances: Array) -> Array:
+        endings = np.empty((len(rows), len(Ending._fields)))
+        single, memory = new_single(method), new_memory()
+        integrate_stiff(
+            rows, tolerances, declared, method, RADAU, control, track, endings, single, memory
+        )
+        return endings
+
+    return run
+
+
+def where_stiff(settings: Settings, stiff: Run, others: Run) -> Run:
+    """``stiff`` for rows that are, ``others`` for the rest, and for settings without the choice."""
+
+    def run(rows: Array, tolerances: Array) -> Array:
+        chosen = are_stiff(rows)
+        if not (chosen.any() and _is_usual(settings)):
+            return others(rows, tolerances)
+        endings = np.empty((len(rows), len(Ending._fields)))
+        for engine, which in ((stiff, chosen), (others, ~chosen)):
+            if which.any():
+                endings[which] = engine(rows[which], tolerances[which])
+        return endings
+
+    return run
+
+
+def _is_usual(settings: Settings) -> bool:
+    """Whether the readings and the method are those that lanes and implicit steps are made for."""
+    return settings.readings == Readings.consistent() and settings.method is DOP853
 
 
 def side_by_side(settings: Settings) -> Run:
@@ -113,16 +150,20 @@ def _over(cores: int, run: Run) -> Run:
 
 
 def _engine(name: Engine | None, settings: Settings) -> Run:
-    fits = settings.readings == Readings.consistent() and settings.method is DOP853
-    if name not in (None, "lanes", "scalar"):
-        raise ValueError(f"engine = {name!r}: must be 'lanes', 'scalar', or None for the faster")
-    if name == "lanes" and not fits:
+    if name not in (None, *get_args(Engine)):
         raise ValueError(
-            "engine = 'lanes': needs the consistent readings and the method DOP853; "
-            "choose 'scalar', or None for the faster one that fits"
+            f"engine = {name!r}: must be 'lanes', 'scalar', 'stiff', or None for the fastest"
         )
-    use_lanes = fits and name != "scalar"
-    return side_by_side(settings) if use_lanes else each_by_itself(settings)
+    if name == "scalar" or (name is None and not _is_usual(settings)):
+        return each_by_itself(settings)
+    if not _is_usual(settings):
+        raise ValueError(
+            f"engine = {name!r}: needs the consistent readings and the method DOP853; "
+            "choose 'scalar', or None for the fastest one that fits"
+        )
+    if name is None:
+        return where_stiff(settings, implicitly(settings), side_by_side(settings))
+    return side_by_side(settings) if name == "lanes" else implicitly(settings)
 
 
 def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> Array:
@@ -153,9 +194,10 @@ def align(
         batch: a ``Batch``, or a sequence of ``Parameters``.
         settings: how to run.
         cores: threads to use, all by default.
-        engine: "lanes" runs many sets side by side, for the consistent readings and DOP853;
-            "scalar" is the reference, one at a time. By default the faster that fits; the two
-            agree to their error estimates.
+        engine: "scalar" is the reference, one set at a time by explicit steps. For the consistent
+            readings and DOP853 there are "lanes", many sets side by side, and "stiff", implicit
+            steps wherever they pay. By default lanes, and implicit steps for stiff sets, where
+            they fit; all agree to their error estimates.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:

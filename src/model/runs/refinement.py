@@ -3,14 +3,15 @@
 The map lives on the nodes of one fine lattice, so that every node that is computed is a node of the
 full map. Squares of this lattice are halved, from coarse cells down to single ones, wherever the
 nodes known in a closed square do not agree: in kind (how a run ends) or in value by more than a
-jump, the latter down to a size of its own. Nodes in between are filled from the square that holds
-them, whose known nodes all agree.
+jump. Squares that touch differ in size by at most a factor of two, so that all are small near a
+border. Nodes in between are filled from the square that holds them, whose known nodes all agree.
 
 What corners alone would miss, an island inside a coarse cell, is met by ``lines``: rows and columns
 of which every node is computed. An island (a connected set of nodes of another kind) is therefore
 found for certain where it reaches across a line, however thin it is, and where it holds a square of
 a coarse cell's size. Once one of its nodes is known, it is followed as far as the finest cells
-around known nodes show more of it.
+around known nodes show more of it. Small islands stand beside larger ones and beside the border
+more often than elsewhere; there the squares are smaller than the island.
 
 The squares that are halved are the smallest set that is closed under this rule. They depend neither
 on the order in which nodes become known nor on who computed them: a map assembled from parts is
@@ -42,9 +43,7 @@ class Lattice:
         coarse: length of a coarse cell's side, a power of two.
         lines: distance of the rows and columns that are computed whole, a multiple of ``coarse``;
             0 for none.
-        jump: largest difference of values in a cell that is left whole, if longer than
-            ``jump_size``.
-        jump_size: length of the smallest cells made where only values differ.
+        jump: largest difference of values in a cell that is left whole.
 
     Raises:
         ValueError: a number that breaks its rule.
@@ -54,7 +53,6 @@ class Lattice:
     coarse: int
     lines: int = 0
     jump: float = np.inf
-    jump_size: int = 1
 
     def __post_init__(self) -> None:
         for name in ("cells", "coarse"):
@@ -159,14 +157,41 @@ class _Level:
                 np.minimum.at(self.lowest, valued, values[known])
                 np.maximum.at(self.highest, valued, values[known])
 
-    def halve(self, lattice: Lattice) -> Bools:
-        """Halve the cells in which nodes disagree, and say which."""
-        disagree = self.least < self.most
-        if self.size > lattice.jump_size:
-            disagree |= self.lowest + lattice.jump < self.highest
-        cells = self.there & ~self.halved & disagree
-        self.halved |= cells
-        return cells
+    def halve(self, jump: float) -> None:
+        """Halve the cells in which nodes disagree."""
+        self.halved |= self.least < self.most
+        self.halved |= self.lowest + jump < self.highest
+
+
+def _balance(levels: list[_Level]) -> list[Bools]:
+    """Halve what touches cells of a quarter of its size; the cells of levels 1, 2, … that are new.
+
+    A cell may be halved before it is there: then its parent is halved as well.
+    """
+    for coarser, level in zip(levels[-3::-1], levels[-2:0:-1], strict=True):
+        coarser.halved |= _parents(_dilated(level.halved))
+    new = []
+    for level, finer in itertools.pairwise(levels):
+        there = _repeated(level.there & level.halved, 2)
+        new.append(there & ~finer.there)
+        finer.there |= there
+    return new
+
+
+def _dilated(cells: Bools) -> Bools:
+    """The True ``cells`` and all that touch them."""
+    found = cells.copy()
+    found[1:] |= cells[:-1]
+    found[:-1] |= cells[1:]
+    wider = found.copy()
+    wider[:, 1:] |= found[:, :-1]
+    wider[:, :-1] |= found[:, 1:]
+    return wider
+
+
+def _parents(cells: Bools) -> Bools:
+    """The cells of twice the size that hold the True ``cells``."""
+    return cells[::2, ::2] | cells[::2, 1::2] | cells[1::2, ::2] | cells[1::2, 1::2]
 
 
 def refine(
@@ -196,12 +221,10 @@ def refine(
         computed[rows, columns] = True
         for level in levels[:-1]:
             level.learn(rows, columns, kinds, values)
-        for level, finer in itertools.pairwise(levels):
-            halved = level.halve(lattice)
-            if halved.any():
-                parts = _repeated(halved, 2)
-                finer.there |= parts
-                wanted |= _corners(parts, finer.size)
+            level.halve(lattice.jump)
+        for new, finer in zip(_balance(levels), levels[1:], strict=True):
+            if new.any():
+                wanted |= _corners(new, finer.size)
     size = _sizes(levels, lattice)
     return Refined(
         lattice=lattice,

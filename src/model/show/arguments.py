@@ -14,8 +14,9 @@ from typing import Any
 from model.physics.compiled import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
-from model.physics.units import QUANTITIES
+from model.physics.units import QUANTITIES, UNITS, Units
 from model.runs.settings import Settings
+from model.study.devices import load_device
 
 _READINGS = ("consistent", "printed")
 # Formats of matplotlib that are no pictures, or that need a LaTeX installation.
@@ -23,8 +24,10 @@ _NOT_PICTURES = {"pgf", "raw", "rgba"}
 
 
 def add_model_options(parser: argparse.ArgumentParser) -> None:
-    """Add --set, --readings, --reading, --horizon and --tolerance."""
+    """Add --device, --set, --readings, --reading, --horizon and --tolerance."""
     add = parser.add_argument
+    words = "the device, its quantities in SI units as in docs/peg.yaml; --set is then in SI too"
+    add("--device", type=Path, metavar="FILE", help=words)
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
     words = "how the paper's equations are read, all switches together (default: as in the study)"
@@ -70,8 +73,20 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
         raise ValueError(f"{name} = {text!r}: {rule}") from None
 
 
-def parameters_of(baseline: Parameters, given: Sequence[str]) -> Parameters:
-    """``baseline`` with what --set gives."""
+def device_of(
+    baseline: Parameters, arguments: argparse.Namespace
+) -> tuple[Units | None, Parameters]:
+    """What --device and --set say, and the units of a device that is stated in SI.
+
+    Without a device file --set changes the ``baseline``, which has no units.
+    """
+    if arguments.device is None:
+        return None, _changed(baseline, arguments.changes)
+    changes = pairs(arguments.changes, "--set").items()
+    return load_device(arguments.device, {name: number(name, text) for name, text in changes})
+
+
+def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
     changes: dict[str, float | None] = {}
     for name, text in pairs(given, "--set").items():
         check_name(name, PARAMETER_NAMES, "parameter")
@@ -126,7 +141,7 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
 
 
 def parameter_table(baseline: Parameters) -> str:
-    """Name, symbol, baseline, SI unit and meaning of every parameter."""
+    """Name, symbol, baseline, SI unit and meaning of every parameter; what a device has besides."""
     rows = [("name", "symbol", "baseline", "SI unit", "meaning")]
     for name, field in FIELDS.items():
         value = getattr(baseline, name)
@@ -135,6 +150,8 @@ def parameter_table(baseline: Parameters) -> str:
         words = field.description + (f"; {rule}" if rule else "")
         rows.append((name, field.symbol, shown, QUANTITIES[name].unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
+    units = [(name, unit, words) for name, (words, unit) in UNITS.items()]
+    lines += ["what a file for --device states besides:", *in_columns(units)]
     return "\n".join(lines) + "\n"
 
 

@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from model.physics.notation import State
-from model.physics.parameters import Parameters
-from model.physics.units import UNITS, Units
+from model.physics.units import Units
 from model.runs.settings import Settings
 from model.runs.trajectory import Trajectory, simulate
 from model.show import (
+    assess_commands,
     claims_commands,
     export_commands,
     map_commands,
@@ -33,16 +33,12 @@ from model.show.arguments import (
     add_model_options,
     announce_compilation,
     check_picture,
-    in_columns,
-    number,
-    pairs,
+    device_of,
     parameter_table,
-    parameters_of,
     settings_of,
 )
 from model.solver.outcomes import Outcome
 from model.study.config import Study, load_study, study_path
-from model.study.devices import load_device
 from model.study.files import whole_file
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
@@ -103,6 +99,7 @@ def _parser() -> _Parser:
     parser.add_argument("--version", action="version", version=f"%(prog)s {_version()}")
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=_Parser)
     _add_simulate(commands)
+    assess_commands.add_commands(commands)
     map_commands.add_commands(commands)
     tracking_commands.add_commands(commands)
     export_commands.add_commands(commands)
@@ -137,18 +134,16 @@ def _add_simulate(commands: Any) -> None:
     )
     add = parser.add_argument
     add_model_options(parser)
-    words = "the device, its quantities in SI units as in docs/peg.yaml; --set is then in SI too"
-    add("--device", type=Path, metavar="FILE", help=words)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     add("--plot", type=Path, metavar="FILE", help=words)
     add("--json", action="store_true", help="print everything as JSON")
-    parser.appendix = lambda: parameter_table(_study().baseline) + _units_table()
+    parser.appendix = lambda: parameter_table(_study().baseline)
     parser.set_defaults(run=_simulate)
 
 
 def _simulate(arguments: argparse.Namespace) -> int:
     study = _study()
-    units, parameters = _device(study.baseline, arguments)
+    units, parameters = device_of(study.baseline, arguments)
     settings = settings_of(study.settings.settings, arguments)
     if arguments.plot is not None:
         check_picture(arguments.plot)
@@ -166,14 +161,6 @@ def _simulate(arguments: argparse.Namespace) -> int:
     return FAILED if run.outcome == Outcome.FAILED else DONE
 
 
-def _device(baseline: Parameters, arguments: argparse.Namespace) -> tuple[Units | None, Parameters]:
-    """What is to be run, and its units where it comes from a file in SI units."""
-    if arguments.device is None:
-        return None, parameters_of(baseline, arguments.changes)
-    changes = pairs(arguments.changes, "--set").items()
-    return load_device(arguments.device, {name: number(name, text) for name, text in changes})
-
-
 def _draw(run: Trajectory, path: Path) -> bool:
     from model.show import plots, style  # noqa: PLC0415  (as in check_picture)
 
@@ -188,11 +175,6 @@ def _draw(run: Trajectory, path: Path) -> bool:
 
 
 # --- What is printed ----------------------------------------------------------------------------
-
-
-def _units_table() -> str:
-    rows = [(name, unit, words) for name, (words, unit) in UNITS.items()]
-    return "\n".join(["what a file for --device states besides:", *in_columns(rows)]) + "\n"
 
 
 def _name(outcome: Any) -> str:

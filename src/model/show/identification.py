@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 from model.show import style
 from model.show.plots import axis_label, symbol_of
 from model.study.config import Range
-from model.study.identification.bands import Band
-from model.study.identification.committed import Identified
-from model.study.identification.results import Split
+from model.study.identification.committed import Band, Identified, Split
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,14 +11,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from model.physics.parameters import PARAMETER_NAMES, check_name
+from model.physics.units import QUANTITIES, Units
 from model.show.arguments import (
     add_model_options,
     announce_compilation,
     check_file,
     check_picture,
+    device_of,
     number,
     parameter_table,
-    parameters_of,
     settings_of,
 )
 from model.study.config import RunSettings, Span, check_plane, load_study, study_path
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 _NEEDED = ("netCDF4", "scipy", "xarray")
 _FINEST = 8192
 _DEFAULT = 256
+_ENSEMBLE = 32  # cells along a side on which reliability is tried, at least, where the map has them
 
 
 def add_commands(commands: Any) -> None:
@@ -41,7 +43,8 @@ def add_commands(commands: Any) -> None:
         help=words,
         description=f"{words[0].upper()}{words[1:]}. Nodes are computed along the border of the "
         "aligning area and where the duration jumps, and filled in between. Reliable is what "
-        "aligns from every phase of the excitation and initial tilt that the study tries.",
+        "aligns from every phase of the excitation and initial tilt that the study tries. With "
+        "--device, what --x and --y say and what the map holds is in SI units, else dimensionless.",
         epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
         allow_abbrev=False,
     )
@@ -68,11 +71,11 @@ def _map(arguments: argparse.Namespace) -> int:
     check_file(arguments.out, "--out", ["nc"])
     if arguments.plot is not None:
         check_picture(arguments.plot)
-    plan = _plan(arguments)
+    plan, units = _plan(arguments)
     announce_compilation()
     # Half a second that only a map is worth.
     from model.study.datasets import write_dataset  # noqa: PLC0415
-    from model.study.map_datasets import map_dataset  # noqa: PLC0415
+    from model.study.map_datasets import in_si, map_dataset  # noqa: PLC0415
     from model.study.maps import assemble  # noqa: PLC0415
 
     bar = _Bar()
@@ -82,6 +85,8 @@ def _map(arguments: argparse.Namespace) -> int:
         bar.close()
     title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
     dataset = map_dataset(found, title, "Made by vibralign map.")
+    if units is not None:
+        dataset = in_si(dataset, units)
     try:
         write_dataset(dataset, arguments.out)
         if arguments.plot is not None:
@@ -93,19 +98,29 @@ def _map(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _plan(arguments: argparse.Namespace) -> "MapPlan":
+def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
     study = load_study(study_path())
-    parameters = parameters_of(study.baseline, arguments.changes)
+    units, parameters = device_of(study.baseline, arguments)
     settings = settings_of(study.settings.settings, arguments)
     resolution = _resolution(arguments.resolution)
     spans = _span("--x", arguments.x), _span("--y", arguments.y)
-    check_plane(parameters, *spans)
+    # The rules hold in any units, so that a refusal names the values given.
+    check_plane(parameters if units is None else units.in_si(parameters), *spans)
+    if units is not None:
+        spans = _dimensionless(spans[0], units), _dimensionless(spans[1], units)
     from model.study.maps import plan_of  # noqa: PLC0415  (as above)
 
     run_settings = RunSettings(
         readings=asdict(settings.readings), horizon=settings.horizon, tolerance=settings.tolerance
     )
-    return plan_of("map", parameters, run_settings, spans, resolution, study.maps.ensemble)
+    every = min(study.maps.ensemble.every, max(resolution // _ENSEMBLE, 1))
+    ensemble = study.maps.ensemble.model_copy(update={"every": every})
+    return plan_of("map", parameters, run_settings, spans, resolution, ensemble), units
+
+
+def _dimensionless(span: Span, units: Units) -> Span:
+    one = units.of(QUANTITIES[span.parameter])
+    return Span(parameter=span.parameter, start=span.start / one, stop=span.stop / one)
 
 
 def _resolution(text: str) -> int:

@@ -74,8 +74,9 @@ def axis_label(coordinate: "xr.DataArray") -> str:
     """Words and symbol of a parameter: "initial pressing force $f_{0}$"."""
     words = str(coordinate.attrs.get("long_name", coordinate.name))
     words = re.split(r"; | \(", words, maxsplit=1)[0]  # what follows explains, it does not name
-    symbol = symbol_of(coordinate)
-    return words if symbol == words else f"{words} {symbol}"
+    symbol, unit = symbol_of(coordinate), coordinate.attrs.get("units", "1")
+    label = words if symbol == words else f"{words} {symbol}"
+    return label if unit == "1" else f"{label} in {unit}"
 
 
 def cell_edges(values: Floats) -> Floats:
@@ -342,7 +343,7 @@ def stability_map(dataset: "xr.Dataset") -> Figure:
             shade = {"facecolor": style.VERMILLION, "linewidth": 0.0}
             handles.append(_add_area(axes, *edges, failed, FAILED_LABEL, **shade))
         if not gaps.all():
-            _colour_durations(figure, axes, edges, durations)
+            _colour_durations(figure, axes, edges, durations, axis_label(dataset["tau_align"]))
         axes.add_collection(
             LineCollection(
                 list(_borders(*edges, gaps)), colors=style.BLACK, linewidths=0.7, label="_border"
@@ -387,7 +388,11 @@ def limit_map(dataset: "xr.Dataset") -> Figure:
 
 
 def _colour_durations(
-    figure: Figure, axes: Axes, edges: tuple[Floats, Floats], durations: np.ma.MaskedArray
+    figure: Figure,
+    axes: Axes,
+    edges: tuple[Floats, Floats],
+    durations: np.ma.MaskedArray,
+    label: str,
 ) -> None:
     shortest, longest = float(durations.min()), float(durations.max())
     spread = longest > _SPREAD_FOR_LOG * shortest > 0.0
@@ -397,7 +402,7 @@ def _colour_durations(
     # Rasterized: thousands of cells as vectors would make SVG and PDF files of many megabytes.
     mesh = axes.pcolormesh(*edges, durations, norm=norm, rasterized=True)
     bar = figure.colorbar(mesh, ax=axes, pad=0.02, extend="max" if spread else "neither")
-    bar.set_label(f"{_SYMBOL_ALIGNMENT}, logarithmic" if spread else _SYMBOL_ALIGNMENT)
+    bar.set_label(f"{label}, logarithmic" if spread else label)
     if spread:
         bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
         bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

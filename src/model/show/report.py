@@ -161,43 +161,51 @@ class _Hard:
     labels: Mapping[str, str]
 
 
-def render_report(
-    study: Study,
-    datasets: Mapping[str, "xr.Dataset"],
-    figures: Mapping[str, Path],
-    provenance: Mapping[str, object],
-    comparison: Comparison,
-    ledger: Ledger,
-    bases: Bases,
-    hardness: Hardness,
-    identified: Pictured | None = None,
-) -> str:
-    """The page.
+@dataclass(frozen=True, kw_only=True)
+class Findings:
+    """What the study found and the page shows.
 
-    Links to datasets (``data/fig06.nc``) and figures (``figures/fig06.svg``) are relative to the
-    results root, where the page belongs.
-
-    Args:
-        study: the study that was run.
+    Attributes:
         datasets: of every figure that computes something, by its name ("fig06").
         figures: a picture of every figure, PNG or SVG, by its name.
-        provenance: what to say of the making of the page; a value may be a mapping itself.
         comparison: what was measured of speed against error.
         ledger: what was found of the claims of the paper.
         bases: figures on bases of other stiffness and damping.
         hardness: what every method makes of the hard cases.
         identified: what the identification found, where its result is committed.
+    """
+
+    datasets: Mapping[str, "xr.Dataset"]
+    figures: Mapping[str, Path]
+    comparison: Comparison
+    ledger: Ledger
+    bases: Bases
+    hardness: Hardness
+    identified: Pictured | None = None
+
+    def check(self, study: Study) -> None:
+        """Raise ValueError naming what ``study`` has and this lacks."""
+        computed = [name for name, spec in study.figures.items() if spec.kind != "schematic"]
+        missing = [f"the dataset of {name}" for name in computed if name not in self.datasets]
+        pictures = [(study.figures, self.figures), (PICTURES, self.comparison.pictures)]
+        pictures += [(HARD_PICTURES, self.hardness.pictures)]
+        for needed, there in pictures:
+            missing += [f"the picture of {name}" for name in needed if name not in there]
+        if missing:
+            raise ValueError(f"the report needs {', '.join(missing)}")
+
+
+def render_report(study: Study, findings: Findings, provenance: Mapping[str, object]) -> str:
+    """The page.
+
+    Links to datasets (``data/fig06.nc``) and figures (``figures/fig06.svg``) are relative to the
+    results root, where the page belongs. Of ``provenance``, what is said of the making of the page,
+    a value may be a mapping itself.
 
     Raises:
         ValueError: a dataset or a picture is missing, or a picture is neither PNG nor SVG.
     """
-    computed = [name for name, spec in study.figures.items() if spec.kind != "schematic"]
-    missing = [f"the dataset of {name}" for name in computed if name not in datasets]
-    missing += [f"the picture of {name}" for name in study.figures if name not in figures]
-    missing += [f"the picture of {name}" for name in PICTURES if name not in comparison.pictures]
-    missing += [f"the picture of {name}" for name in HARD_PICTURES if name not in hardness.pictures]
-    if missing:
-        raise ValueError(f"the report needs {', '.join(missing)}")
+    findings.check(study)
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
@@ -206,20 +214,23 @@ def render_report(
         lstrip_blocks=True,
     )
     environment.filters.update(number=number, power=_power, subscripts=_with_subscripts)
-    sections = [_section(study, name, datasets.get(name), figures[name]) for name in study.figures]
+    sections = [
+        _section(study, name, findings.datasets.get(name), findings.figures[name])
+        for name in study.figures
+    ]
     settings = study.settings.settings
     return environment.get_template("report.html.j2").render(
         sections=sections,
-        speed=_speed(study, comparison),
+        speed=_speed(study, findings.comparison),
         claims=claims_section(
-            ledger.lines, {name: run.title for name, run in study.claims_runs.items()}
+            findings.ledger.lines, {name: run.title for name, run in study.claims_runs.items()}
         ),
-        claims_picture=_embedded(ledger.picture),
-        contact=contact_section(bases.datasets),
-        contact_picture=_embedded(bases.picture),
-        identified=_identified(study, identified),
-        identified_pictures=_identified_pictures(identified),
-        hard=_hard(study.hard_cases, hardness),
+        claims_picture=_embedded(findings.ledger.picture),
+        contact=contact_section(findings.bases.datasets),
+        contact_picture=_embedded(findings.bases.picture),
+        identified=_identified(study, findings.identified),
+        identified_pictures=_identified_pictures(findings.identified),
+        hard=_hard(study.hard_cases, findings.hardness),
         tau_tolerance=study.precision.fixed_steps.tau_tolerance,
         structure=[_row(name, number(value)) for name, value in study.structure.items()],
         readings=[

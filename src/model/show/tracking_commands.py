@@ -28,6 +28,7 @@ _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])
 )
 _DATE = re.compile(r"\d{4}(-\d{2}(-\d{2}(T\d{2}(:\d{2}(:\d{2})?)?)?)?)?")
+_LONGEST = 120  # characters of a reason in a list
 _LISTED = 12  # lines of one section of `diff`; --all shows the rest
 
 
@@ -128,6 +129,8 @@ _RUN_COLUMNS = (
 def _line(run: Record) -> dict[str, Any]:
     counts = run.get("counts", {})
     note = run.get("reason", "" if run["current"] else "replaced since")
+    if len(note) > _LONGEST:
+        note = f"{note[:_LONGEST]}…"  # `show` and --json have it all
     return {
         "started": run["started"][:19],
         "run": run["run"],
@@ -272,7 +275,7 @@ def _diff(arguments: argparse.Namespace) -> int:
         _print_json(found.as_json)
     else:
         print("\n".join(diff_lines(found, None if arguments.all else _LISTED)))
-    return int(any([found.parameters, found.metrics, found.code, found.data, found.claims]))
+    return int(found.differs)
 
 
 def diff_lines(found: Comparison, listed: int | None) -> list[str]:
@@ -286,6 +289,9 @@ def diff_lines(found: Comparison, listed: int | None) -> list[str]:
         lines += _section(title, [asdict(each) for each in differences], columns, listed)
     data = ("figure", "variable", "points", "differing", "largest", "at", "A", "B", "gaps")
     lines += _section("data", [_change(each) for each in found.data], data, listed)
+    if found.other_data:
+        lines += ["", "differ, no copies kept to say by how much:"]
+        lines += [f"  {each}" for each in found.other_data]
     if found.not_compared:
         lines += ["", "not compared:", *(f"  {each}" for each in found.not_compared)]
     return lines

@@ -176,14 +176,16 @@ def _peak(i, left, middle, right):
 
 
 @inlined_kernel
-def _support_force(sample):
+def support_force(sample):
+    """Normal force under the part in a sample of the switching functions; may be below zero."""
     face = sample[FACE_LOAD] if sample[FACE_LOAD] != NEVER else 0.0
     corner = sample[CORNER_LOAD] if sample[CORNER_LOAD] != NEVER else 0.0
     return face + corner
 
 
 @inlined_kernel
-def _side_force(sample):
+def side_force(sample):
+    """Normal force on the side face in a sample of the switching functions; may be below zero."""
     return sample[SIDE_LOAD] if sample[SIDE_LOAD] != NEVER else 0.0
 
 
@@ -193,45 +195,45 @@ def _largest(nodes, samples, last):
     tilt, force = 0.0, 0.0
     for i in range(last + 1):
         tilt = max(tilt, abs(nodes[i, 2]))
-        force = max(force, max(_support_force(samples[i]), _side_force(samples[i])))
+        force = max(force, max(support_force(samples[i]), side_force(samples[i])))
         if 0 < i < last:
             tilt = max(tilt, _peak(i, abs(nodes[i - 1, 2]), abs(nodes[i, 2]), abs(nodes[i + 1, 2])))
             support = _peak(
                 i,
-                _support_force(samples[i - 1]),
-                _support_force(samples[i]),
-                _support_force(samples[i + 1]),
+                support_force(samples[i - 1]),
+                support_force(samples[i]),
+                support_force(samples[i + 1]),
             )
             side = _peak(
-                i, _side_force(samples[i - 1]), _side_force(samples[i]), _side_force(samples[i + 1])
+                i, side_force(samples[i - 1]), side_force(samples[i]), side_force(samples[i + 1])
             )
             force = max(force, max(support, side))
     return tilt, force
 
 
 @kernel
-def _track(track, time, q, sample, runs, i):
+def track_sample(track, time, q, sample, runs, i):
     """Write a row of the track, as far as it has rows, and count it."""
     row = int(runs[TRACKED, i])
     if row < track.shape[0]:
         track[row, 0] = time
         keep_in(q, track[row, 1 : 1 + STATE_SIZE])
-        track[row, 7] = max(_support_force(sample), 0.0)
-        track[row, 8] = max(_side_force(sample), 0.0)
+        track[row, 7] = max(support_force(sample), 0.0)
+        track[row, 8] = max(side_force(sample), 0.0)
     runs[TRACKED, i] = row + 1
 
 
 @kernel
-def _track_run(track, scratch, runs, i):
+def track_run(track, scratch, runs, i):
     """Write where the run stands, with the forces of its mode."""
     time, q = runs[TIME, i], state_in(runs, STATE, i)
     if runs[TRACKED, i] < track.shape[0]:
         switching_functions(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
-    _track(track, time, q, scratch, runs, i)
+    track_sample(track, time, q, scratch, runs, i)
 
 
 @inlined_kernel
-def _note_closest(samples, last, runs, i):
+def note_closest(samples, last, runs, i):
     """Lower the run's closest approaches to those of a step; functions that leave zero in it apart.
 
     A mode starts on zeros of its own functions: that it leaves them is no approach to a switch.
@@ -283,10 +285,10 @@ def advance(declared, method, control, track, history, work, runs, i):
         runs[EVALUATIONS, i] += taken * method.stages
     tilt, force = _largest(work.nodes, work.samples, last)
     note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
-    _note_closest(work.samples, last, runs, i)
+    note_closest(work.samples, last, runs, i)
     for node in range(1, last + (0 if switches else 1)):
         at, q = time + NODE_PLACES[node] * h_step, state_of(work.nodes[node])
-        _track(track, at, q, work.samples[node], runs, i)
+        track_sample(track, at, q, work.samples[node], runs, i)
 
     keep_state(state_of(work.y_end), runs, i)
     reached_stop = not switches and h_step == h_try and h_try == stop - time
@@ -294,9 +296,9 @@ def advance(declared, method, control, track, history, work, runs, i):
     # A step cut short by a stop says nothing against the length it was cut from.
     runs[NEXT_STEP, i] = max(h, h_next) if h_step == h_try and h_try != h else h_next
     if switches:
-        _track_run(track, work.scratch, runs, i)
+        track_run(track, work.scratch, runs, i)
         make_switch(which, length, h_step, declared, runs, i)
-        _track_run(track, work.scratch, runs, i)
+        track_run(track, work.scratch, runs, i)
     else:
         keep_state(hold_sticking(state_in(runs, STATE, i), p, mode), runs, i)
     end_step(reached_stop, history, control, runs, i)
@@ -333,7 +335,7 @@ def integrate(row, tolerance, declared, method, control, track, single):
     work, track = borrowed_workspace(single.work), borrowed(track)
     i = runs.shape[1] - 1  # the only one; as 0, all that takes it would be compiled for 0 alone
     begin(row, tolerance, declared, control, runs, i)
-    _track_run(track, work.scratch, runs, i)
+    track_run(track, work.scratch, runs, i)
     while runs[OUTCOME, i] == CONTINUES:
         advance(declared, method, control, track, history, work, runs, i)
     return ending_of(runs, i)

@@ -167,7 +167,8 @@ class Change:
 class Comparison:
     """Everything that differs between two states, and what could not be compared.
 
-    ``claims`` is None where one of the two has no verdicts.
+    ``claims`` is None where one of the two has no verdicts. ``other_data`` names datasets that are
+    no figure's and differ in bytes: no copies are kept to say by how much.
     """
 
     first: str
@@ -177,7 +178,14 @@ class Comparison:
     code: list[Difference] = field(default_factory=list)
     data: list[Change] = field(default_factory=list)
     claims: list[Difference] | None = None
+    other_data: list[str] = field(default_factory=list)
     not_compared: list[str] = field(default_factory=list)
+
+    @property
+    def differs(self) -> bool:
+        """Whether anything does."""
+        stated = (self.parameters, self.metrics, self.code)
+        return any((*stated, self.data, self.other_data, self.claims))
 
     @property
     def as_json(self) -> dict[str, Any]:
@@ -206,6 +214,8 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
         _differ(comparison.parameters, where, _stated(before), _stated(after))
         _differ(comparison.metrics, where, _measured(before), _measured(after))
         _differ(comparison.code, after["run"], _made_by(before), _made_by(after))
+        if after["rule"] in ASIDE:
+            comparison.other_data.extend(_other_bytes(before, after))
     for name in sorted(set(first.files) | set(second.files)):
         if name not in first.files or name not in second.files:
             holder = first if name in first.files else second
@@ -272,6 +282,15 @@ def _measured(run: Record) -> dict[str, Any]:
 
 def _made_by(run: Record) -> dict[str, Any]:
     return {"code": run["code"], **run["versions"]}
+
+
+def _other_bytes(before: Record, after: Record) -> list[str]:
+    """Datasets that both runs made, with other content."""
+    return [
+        f"{after['run']}: {name}"
+        for name, sha256 in after["outputs"].items()
+        if name.endswith(".nc") and before["outputs"].get(name, sha256) != sha256
+    ]
 
 
 def verdicts(path: Path) -> dict[str, str]:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from model.physics.parameters import FIELDS
+from model.physics.units import QUANTITIES, UNITS, Quantity, Units
 from model.solver.outcomes import Outcome, Reason
 from model.study.config import CURVES, HISTORIES, Curves, Study
 from model.study.datasets import (
@@ -18,7 +19,7 @@ from model.study.datasets import (
     parameter_attributes,
     read_dataset,
 )
-from model.study.maps import BESIDE, JUMP, Known, MapPlan, StabilityMap, Work
+from model.study.maps import BESIDE, PERIODS, SHARE, Known, MapPlan, StabilityMap, Work
 
 _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
 
@@ -28,7 +29,8 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
     "tau_align": {
         "long_name": "alignment duration",
         "symbol": "τ",
-        "comment": f"between computed nodes interpolated, within about {JUMP:g} excitation periods",
+        "comment": f"between computed nodes interpolated, within about {PERIODS:g} excitation "
+        f"periods or {SHARE:g} of the duration, whichever is more",
     },
     "tau_error": {"long_name": "estimated error of the alignment duration, where computed"},
     "sensitive": {
@@ -85,6 +87,20 @@ def map_dataset(
             "ensemble_resolution": plan.ensemble_lattice.cells,
         }
     return xr.Dataset(variables, plane_coordinates(plan), attributes)
+
+
+def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
+    """A map with its parameters and durations in SI units, which ``units`` and "units" name."""
+    time = Quantity("s", time=1)
+    quantities = {name: QUANTITIES[str(name)] for name in dataset.coords}
+    quantities |= {name: time for name in dataset.data_vars if str(name).startswith("tau_")}
+    found = dataset.copy()
+    for name, quantity in quantities.items():
+        attributes = {**dataset[name].attrs, "units": quantity.unit}
+        found[name] = (dataset[name].dims, dataset[name].values * units.of(quantity), attributes)
+    for name, (words, unit) in UNITS.items():
+        found.coords[name] = ((), getattr(units, name), {"long_name": words, "units": unit})
+    return found
 
 
 def map_counts(found: StabilityMap) -> dict[str, int]:

@@ -8,7 +8,6 @@ from every start of an ensemble. That ensemble is tried on a coarser lattice, re
 """
 
 import hashlib
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,10 +19,9 @@ from pydantic import BaseModel, ConfigDict, model_validator
 from scipy.ndimage import distance_transform_edt
 
 from model.physics.parameters import Batch, Parameters
-from model.runs.batch import align, run_once
+from model.runs.batch import align
 from model.runs.refinement import Bools, Evaluate, Floats, Ints, Lattice, Refined, refine
 from model.solver.outcomes import Outcome
-from model.solver.record import Ending
 from model.study.config import (
     LARGEST_MISALIGNMENT,
     MAPS,
@@ -34,12 +32,14 @@ from model.study.config import (
     Study,
     check_plane,
 )
+from model.study.starts import from_every_start, starts_of
 
 COARSE = 64  # coarse cells along a side of a map
 LINES = 8  # squares, along a side, on whose border every node is computed
-JUMP = 0.5  # excitation periods by which durations may differ within a cell that is left whole
-JUMP_SIZE = 2  # length of the smallest cells that such a jump makes, in finest cells
-BESIDE = 2  # nodes; what is filled so near to another area is flagged
+# By how much durations may differ within a cell that is left whole: the larger of these.
+PERIODS = 0.4  # excitation periods; a part that misses one takes one longer
+SHARE = 0.1  # of the duration
+BESIDE = 4  # nodes; what is filled so near to another area is flagged
 COARSE_ENSEMBLE = 32  # coarse cells along a side of the ensemble's lattice
 _AT_ONCE = 2048  # nodes, so that progress can be told
 
@@ -115,8 +115,7 @@ class MapPlan(BaseModel):
             cells=cells,
             coarse=coarse,
             lines=max(cells // LINES, coarse),
-            jump=JUMP,
-            jump_size=min(JUMP_SIZE, coarse),
+            jump=1.0,
         )
 
     @property
@@ -127,16 +126,8 @@ class MapPlan(BaseModel):
         return Lattice(cells=cells, coarse=max(cells // COARSE_ENSEMBLE, 1))
 
     def starts(self) -> list[dict[str, float]]:
-        """Phase and tilt of every start of the ensemble; the first is the paper's."""
-        if self.ensemble is None:
-            return []
-        base, count = self.baseline, self.ensemble.phases
-        phases = [base.phase + 2.0 * math.pi * k / count for k in range(count)]
-        tilts = [base.initial_tilt * factor for factor in self.ensemble.tilts]
-        return [
-            {"phase": phase, "initial_tilt": tilt}
-            for tilt, phase in itertools.product(tilts, phases)
-        ]
+        """Every start of the ensemble; the first is the paper's."""
+        return [] if self.ensemble is None else starts_of(self.baseline, self.ensemble)
 
 
 def map_plan(study: Study, name: str) -> MapPlan:
@@ -284,25 +275,16 @@ def paper_start(plan: MapPlan, cores: int) -> Compute:
 
 def ensemble_starts(plan: MapPlan, cores: int) -> Compute:
     """How nodes are computed from every start of the ensemble, one run each."""
-    settings, base, starts = plan.settings.settings, plan.baseline, plan.starts()
+    settings, starts = plan.settings.settings, plan.starts()
     every = plan.cells // plan.ensemble_lattice.cells
-    varied = {name: np.array([start[name] for start in starts]) for name in starts[0]}
 
     def compute(rows: Ints, columns: Ints) -> Columns:
-        count = rows.size
         swept = plan.swept(every * rows, every * columns)
-        values = {name: np.repeat(value, len(starts)) for name, value in swept.items()}
-        values |= {name: np.tile(value, count) for name, value in varied.items()}
-        endings = run_once(Batch.of(base, **values), settings, cores=cores)
-        outcome, tau, evaluations = (
-            endings[:, Ending._fields.index(name)].reshape(count, len(starts))
-            for name in ("outcome", "tau_align", "rhs_evaluations")
-        )
-        aligned = outcome == Outcome.ALIGNED
+        found = from_every_start(plan.baseline, swept, starts, settings, cores)
         return {
-            "aligned": aligned.sum(axis=1),
-            "tau_worst": np.where(aligned.all(axis=1), tau.max(axis=1), np.nan),
-            "rhs_evaluations": evaluations.sum(axis=1),
+            "aligned": found.aligned.sum(axis=1),
+            "tau_worst": found.tau_worst,
+            "rhs_evaluations": found.rhs_evaluations,
         }
 
     return compute
@@ -315,10 +297,16 @@ def areas(outcome: NDArray[np.int8]) -> Ints:
     return found
 
 
-def periods(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
-    """Durations in periods of the excitation; a constant one counts as of frequency 1."""
+def graded(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
+    """Durations on a scale on which 1 is how much they may differ: linear, then logarithmic.
+
+    A constant excitation counts as of frequency 1.
+    """
     frequency = plan.swept(rows, columns).get("frequency", np.array(plan.baseline.frequency))
-    return tau * np.where(frequency > 0.0, frequency, 1.0) / (2.0 * math.pi)
+    periods = tau * np.where(frequency > 0.0, frequency, 1.0) / (2.0 * math.pi)
+    knee = PERIODS / SHARE  # from here on the share is the larger
+    logarithmic = (1.0 + np.log(np.maximum(periods, knee) / knee)) / SHARE
+    return np.where(periods < knee, periods / PERIODS, logarithmic)
 
 
 def _remembered(known: Known, compute: Compute, progress: Callable[[int], None]) -> Compute:
@@ -338,7 +326,7 @@ def _remembered(known: Known, compute: Compute, progress: Callable[[int], None])
 def _paper_areas(plan: MapPlan, look_up: Compute) -> Evaluate:
     def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
         found = look_up(rows, columns)
-        return areas(found["outcome"]), periods(plan, rows, columns, found["tau_align"])
+        return areas(found["outcome"]), graded(plan, rows, columns, found["tau_align"])
 
     return evaluate
 
@@ -413,7 +401,7 @@ class StabilityMap:
     Attributes:
         plan: what it is of.
         outcome, reason, tau_align: from the paper's start, computed or filled. A duration is
-            interpolated between nodes, within ``JUMP`` periods of the excitation.
+            interpolated between nodes, within ``PERIODS`` or ``SHARE``.
         tau_error: where computed, NaN elsewhere.
         sensitive: where computed, a start displaced by the tolerance ends elsewhere; else 0.
         flagged: the outcome may be another: sensitive, or filled at most ``BESIDE`` nodes from

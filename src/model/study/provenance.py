@@ -8,7 +8,7 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -33,23 +33,31 @@ def _module_file(name: str) -> Path | None:
     return None
 
 
-def _without_docstrings(tree: ast.Module) -> ast.Module:
-    for node in ast.walk(tree):
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
-            first = node.body[0] if node.body else None
-            if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
-                node.body = node.body[1:]
-    return tree
+_WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
-def _imports(tree: ast.Module) -> Iterator[str]:
-    """Names of modules that ``tree`` imports, as far as they can be modules of this package."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+def _outline(node: Any, imported: list[str]) -> list[Any]:
+    """``node`` with all below it as nested lists, without places in the file and docstrings.
+
+    One pass for everything, since each start of Snakemake reads the whole package. Names of modules
+    that are imported, as far as they can be modules of this package, are added to ``imported``.
+    """
+    kind = node.__class__
+    fields: list[Any] = [kind.__name__]
+    for name in kind._fields:
+        value = getattr(node, name, None)
+        if value.__class__ is list:
+            if name == "body" and kind in _WITH_DOCSTRING and ast.get_docstring(node, clean=False):
+                value = value[1:]
+            value = [_outline(v, imported) if isinstance(v, ast.AST) else v for v in value]
+        elif isinstance(value, ast.AST):
+            value = _outline(value, imported)
+        fields.append(value)
+    if kind is ast.Import:
+        imported += [alias.name for alias in node.names]
+    elif kind is ast.ImportFrom and node.module and node.level == 0:
+        imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return fields
 
 
 @cache
@@ -58,13 +66,13 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
 
     A template is a file beside the source with its stem, such as report.html.j2.
     """
-    tree = _without_docstrings(ast.parse(source.read_text(encoding="utf-8")))
-    digest = hashlib.sha256(ast.dump(tree).encode())
+    imported: list[str] = []
+    outline = _outline(ast.parse(source.read_text(encoding="utf-8")), imported)
+    digest = hashlib.sha256(repr(outline).encode())
     for template in sorted(source.parent.glob(f"{source.stem}.*.j2")):
         digest.update(template.read_bytes())
-    return digest.hexdigest(), tuple(
-        file for name in _imports(tree) if (file := _module_file(name))
-    )
+    files = (_module_file(name) for name in imported)
+    return digest.hexdigest(), tuple(file for file in files if file)
 
 
 def import_closure(source: Path) -> list[Path]:

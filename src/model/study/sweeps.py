@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from model.physics.parameters import Batch, Parameters
-from model.study.config import Axis, Curves, Family, Map, RunSettings, Study
+from model.study.config import Axis, ClaimRun, Curves, Family, Map, RunSettings, Study
 
 
 class Sweep(BaseModel):
@@ -94,4 +94,16 @@ def sweep_of(study: Study, figure: str) -> Sweep:
         parameters=study.parameters(figure).given(),
         settings=study.settings,
         dimensions=dimensions,
+    )
+
+
+def claim_sweep(study: Study, name: str) -> Sweep:
+    """The computation behind ``study.claims_runs[name]``."""
+    spec: ClaimRun = study.claims_runs[name]
+    return Sweep(
+        figure=name,
+        kind="curves",
+        parameters=study.claim_parameters(name).given(),
+        settings=study.settings,
+        dimensions=[spec.family, spec.swept],
     )

@@ -205,11 +205,18 @@ class Invocation:
             fcntl.flock(self._lock, fcntl.LOCK_EX)
             write_json(self._record, self._path)
 
+    def pass_by(self, outcome: str) -> None:
+        """Record an invocation that started no job, unless it is recorded: start and end in one."""
+        if not self._record:
+            self.start()
+            self._record["idle"] = True
+            self.end(outcome)
+
     def end(self, outcome: str, log: str | None = None) -> list[str]:
         """Record the end and write the index; what to tell the user of runs that went wrong.
 
         Args:
-            outcome: "done" or "failed"; a failure without a failed job is an interruption.
+            outcome: "done" or "failed"; where jobs ran and none failed, that is an interruption.
             log: Snakemake's own log.
         """
         wrong: list[Record] = []
@@ -261,8 +268,9 @@ def _completed(root: Path, record: Record, outcome: str, ended: datetime | None)
     """``record`` with its end: the sidecars that it left, and the runs that left none."""
     name, since = record["invocation"], record["started_stamp"]
     runs = [each for each in sidecars(root).values() if each.get("invocation") == name]
-    failures = [] if outcome in ("running", "done") else _without_sidecar(root, since)
-    if outcome == "failed" and all(each["status"] == "interrupted" for each in failures):
+    idle = record.get("idle", False)
+    failures = [] if idle or outcome in ("running", "done") else _without_sidecar(root, since)
+    if not idle and outcome == "failed" and all(f["status"] == "interrupted" for f in failures):
         outcome = "interrupted"
     wall = round(ended.timestamp() - since, 3) if ended else None
     return {

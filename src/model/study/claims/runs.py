@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from model.physics.parameters import Batch
 from model.runs.trajectory import Trajectory, simulate
 from model.solver.outcomes import Outcome
-from model.study.config import ClaimRun, Study
 from model.study.datasets import compute_chunk, merge_chunks
 from model.study.sweeps import Sweep
 
@@ -41,18 +40,6 @@ class _Ending:
     way: float
     excursion: float
     side_force_max: float
-
-
-def claim_sweep(study: Study, name: str) -> Sweep:
-    """The computation behind ``study.claims_runs[name]``."""
-    spec: ClaimRun = study.claims_runs[name]
-    return Sweep(
-        figure=name,
-        kind="curves",
-        parameters=study.claim_parameters(name).given(),
-        settings=study.settings,
-        dimensions=[spec.family, spec.swept],
-    )
 
 
 def claim_run_dataset(sweep: Sweep, title: str) -> xr.Dataset:

@@ -5,14 +5,14 @@ by what the paper says. Fig. 10 is swept over the inertia in units of the bare p
 set has a bare part of its own.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.study.config import CURVES
 from model.study.identification.candidate import Space, bare_inertia
+from model.study.identification.committed import Band
 from model.study.identification.evaluate import datasets_of
 
 LEAST_SHARE = 0.5  # of the sets must align, else a band has no durations
@@ -20,27 +20,6 @@ _AT_ONCE = 20  # sets computed together
 _QUANTILES = (0.05, 0.5, 0.95)
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Band:
-    """One curve of a figure over an ensemble; arrays have shape (n,), dimensionless.
-
-    Attributes:
-        at: value of the family's parameter.
-        x: the swept parameter; for Fig. 10 over the bare part's inertia.
-        aligned: share of the sets that align.
-        low: 5 % quantile of the durations of those, NaN where fewer than ``LEAST_SHARE`` align.
-        middle: median.
-        high: 95 % quantile.
-    """
-
-    at: float
-    x: Array
-    aligned: Array
-    low: Array
-    middle: Array
-    high: Array
 
 
 def bands_of(space: Space, points: Array) -> dict[str, tuple[Band, ...]]:
@@ -86,36 +65,4 @@ def _quantiles(taus: Array, aligned: Array) -> Array:
     for column in np.flatnonzero(aligned >= LEAST_SHARE):
         known = taus[np.isfinite(taus[:, column]), column]
         found[:, column] = np.quantile(known, _QUANTILES)
-    return found
-
-
-HEADER = ("figure", "at", "x", "aligned", "low", "middle", "high")
-
-
-def rows_of(bands: Mapping[str, tuple[Band, ...]]) -> list[tuple[object, ...]]:
-    """A table of bands, numbers to four digits."""
-    return [
-        (name, f"{band.at:g}", *(f"{value:.4g}" for value in values))
-        for name, each in bands.items()
-        for band in each
-        for values in zip(
-            band.x, band.aligned, band.low, band.middle, band.high, strict=True
-        )
-    ]  # fmt: skip
-
-
-def bands_in(rows: list[list[str]]) -> dict[str, tuple[Band, ...]]:
-    """Bands from such a table, without its header.
-
-    Raises:
-        ValueError: a row that has other columns, or is no number.
-    """
-    curves: dict[tuple[str, float], list[list[float]]] = {}
-    for name, at, *values in rows:
-        if len(values) != len(HEADER) - 2:
-            raise ValueError(f"a band has {len(HEADER)} columns, not {len(values) + 2}")
-        curves.setdefault((name, float(at)), []).append([float(each) for each in values])
-    found: dict[str, tuple[Band, ...]] = {}
-    for (name, value), along in curves.items():
-        found[name] = (*found.get(name, ()), Band(value, *np.array(along).T))
     return found

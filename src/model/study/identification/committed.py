@@ -8,12 +8,10 @@ import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from model.study.identification.bands import Band, bands_in
-from model.study.identification.results import Split
 
 TABLES = ("ensemble", "claims", "splits", "readings")
 BANDS = "bands"  # a table that a search made before there were bands does not have
@@ -30,6 +28,42 @@ Array = NDArray[np.float64]
 
 class IdentificationError(ValueError):
     """A committed table that is missing, or not what it should be."""
+
+
+class Split(NamedTuple):
+    """One split: claims searched for and those held out, and how many of each are reproduced."""
+
+    number: int
+    searched: int
+    searched_reproduced: int
+    held_out: int
+    held_out_reproduced: int
+
+    @property
+    def rate(self) -> float:
+        """Share of the claims held out that is reproduced."""
+        return self.held_out_reproduced / self.held_out
+
+
+@dataclass(frozen=True)
+class Band:
+    """One curve of a figure over an ensemble; arrays have shape (n,), dimensionless.
+
+    Attributes:
+        at: value of the family's parameter.
+        x: the swept parameter; for Fig. 10 over the bare part's inertia.
+        aligned: share of the sets that align.
+        low: 5 % quantile of the durations of those, NaN where too few align.
+        middle: median.
+        high: 95 % quantile.
+    """
+
+    at: float
+    x: Array
+    aligned: Array
+    low: Array
+    middle: Array
+    high: Array
 
 
 @dataclass(frozen=True)
@@ -113,3 +147,35 @@ def _read(path: Path) -> list[list[str]]:
     if len(rows) < 2:
         raise IdentificationError(f"{path}: holds no row: take it anew from `make identification`")
     return rows
+
+
+HEADER = ("figure", "at", "x", "aligned", "low", "middle", "high")
+
+
+def rows_of(bands: Mapping[str, tuple[Band, ...]]) -> list[tuple[object, ...]]:
+    """A table of bands, numbers to four digits."""
+    return [
+        (name, f"{band.at:g}", *(f"{value:.4g}" for value in values))
+        for name, each in bands.items()
+        for band in each
+        for values in zip(
+            band.x, band.aligned, band.low, band.middle, band.high, strict=True
+        )
+    ]  # fmt: skip
+
+
+def bands_in(rows: list[list[str]]) -> dict[str, tuple[Band, ...]]:
+    """Bands from such a table, without its header.
+
+    Raises:
+        ValueError: a row that has other columns, or is no number.
+    """
+    curves: dict[tuple[str, float], list[list[float]]] = {}
+    for name, at, *values in rows:
+        if len(values) != len(HEADER) - 2:
+            raise ValueError(f"a band has {len(HEADER)} columns, not {len(values) + 2}")
+        curves.setdefault((name, float(at)), []).append([float(each) for each in values])
+    found: dict[str, tuple[Band, ...]] = {}
+    for (name, value), along in curves.items():
+        found[name] = (*found.get(name, ()), Band(value, *np.array(along).T))
+    return found

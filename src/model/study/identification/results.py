@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from model.study.identification.candidate import COMPUTED, Space, inertias
+from model.study.identification.committed import Split
 from model.study.identification.evaluate import Judge
 from model.study.identification.search import Samples
 
@@ -147,21 +148,6 @@ def prior_shares(samples: Samples) -> Array:
     count = known.sum(axis=(0, 1, 2))
     held = (known & (np.nan_to_num(samples.margins, nan=-1.0) > 0.0)).sum(axis=(0, 1, 2))
     return np.divide(held, count, out=np.full(count.size, math.nan), where=count > 0)
-
-
-class Split(NamedTuple):
-    """One split: claims searched for and those held out, and how many of each are reproduced."""
-
-    number: int
-    searched: int
-    searched_reproduced: int
-    held_out: int
-    held_out_reproduced: int
-
-    @property
-    def rate(self) -> float:
-        """Share of the claims held out that is reproduced."""
-        return self.held_out_reproduced / self.held_out
 
 
 def split_of(number: int, halves: tuple[Flags, Flags], margins: Array) -> Split:

@@ -1,0 +1,86 @@
+"""The starts from which a reliable device aligns: phases of the excitation, and initial tilts.
+
+Nobody controls either at touch-down: *reliable* is what aligns within the horizon from all.
+"""
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.physics.parameters import Batch, Parameters
+from model.runs.batch import run_once
+from model.runs.settings import Settings
+from model.solver.outcomes import Outcome
+from model.solver.record import Ending
+from model.study.config import Ensemble
+
+Starts = Sequence[Mapping[str, float]]
+
+
+def starts_of(device: Parameters, ensemble: Ensemble) -> list[dict[str, float]]:
+    """Phase and tilt of every start of the ensemble; the first is the device's own."""
+    phases = [device.phase + 2.0 * math.pi * k / ensemble.phases for k in range(ensemble.phases)]
+    tilts = [device.initial_tilt * factor for factor in ensemble.tilts]
+    return [
+        {"phase": phase, "initial_tilt": tilt} for tilt, phase in itertools.product(tilts, phases)
+    ]
+
+
+@dataclass(frozen=True)
+class FromEveryStart:
+    """How devices end from every start, one run each.
+
+    Attributes:
+        aligned: shape (devices, starts).
+        tau_align: likewise, NaN where a run does not align.
+        rhs_evaluations: of all starts together, shape (devices,).
+    """
+
+    aligned: NDArray[np.bool_]
+    tau_align: NDArray[np.float64]
+    rhs_evaluations: NDArray[np.int64]
+
+    @property
+    def reliable(self) -> NDArray[np.bool_]:
+        """Devices that align from all, shape (devices,)."""
+        found: NDArray[np.bool_] = np.logical_and.reduce(self.aligned, axis=1)
+        return found
+
+    @property
+    def tau_worst(self) -> NDArray[np.float64]:
+        """The longest duration of a reliable device, NaN of another; shape (devices,)."""
+        found: NDArray[np.float64] = self.tau_align.max(axis=1)
+        return found
+
+
+def from_every_start(
+    device: Parameters,
+    swept: Mapping[str, NDArray[np.float64]],
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+) -> FromEveryStart:
+    """Run ``device`` with the parameters in ``swept``, each of shape (devices,), from all starts.
+
+    Raises:
+        ValueError: as ``Batch.of``.
+    """
+    count = len(next(iter(swept.values())))
+    values = {name: np.repeat(value, len(starts)) for name, value in swept.items()}
+    for name in starts[0]:
+        values[name] = np.tile([start[name] for start in starts], count)
+    endings = run_once(Batch.of(device, **values), settings, cores=cores)
+    outcome, tau, evaluations = (
+        endings[:, Ending._fields.index(name)].reshape(count, len(starts))
+        for name in ("outcome", "tau_align", "rhs_evaluations")
+    )
+    aligned = outcome == Outcome.ALIGNED
+    return FromEveryStart(
+        aligned=aligned,
+        tau_align=np.where(aligned, tau, np.nan),
+        rhs_evaluations=evaluations.sum(axis=1).astype(np.int64),
+    )

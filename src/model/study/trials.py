@@ -1,0 +1,101 @@
+"""What `make accuracy` draws: random parameter sets by the law in the configuration, as numbers.
+
+How they are judged is in accuracy.py; a rule that only names a trial need not import that.
+"""
+
+import hashlib
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from model.physics.parameters import Batch, Parameters
+from model.study.config import Range, RunSettings, Study
+
+TrialName = Literal["error", "settled"]
+TRIALS: tuple[TrialName, ...] = ("error", "settled")
+
+
+class Trial(BaseModel):
+    """One trial's computation; its JSON is its identity.
+
+    Attributes:
+        name: "error" or "settled".
+        parameters: every parameter, None where it is derived; drawn ones hold the baseline's.
+        settings: how runs are computed, with the trial's own horizon.
+        ranges: the law.
+        seed: of the draw; the two trials draw different sets.
+        sets: how many.
+        longer: how many horizons a settled run is run on for.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: TrialName
+    parameters: dict[str, float | None]
+    settings: RunSettings
+    ranges: dict[str, Range]
+    seed: int
+    sets: int
+    longer: float
+
+    @property
+    def identity(self) -> str:
+        """Hash of everything that the results depend on besides the code."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What a sidecar says of it: identity, what is held, settings and what is drawn."""
+        drawn = [
+            {
+                "parameter": name,
+                "start": 0.0 if law.zero else law.low,
+                "stop": law.high,
+                "count": self.sets,
+            }
+            for name, law in self.ranges.items()
+        ]
+        return {
+            "sweep": self.identity,
+            "parameters": {
+                name: value for name, value in self.parameters.items() if name not in self.ranges
+            },
+            "settings": self.settings.model_dump(mode="json"),
+            "dimensions": drawn,
+        }
+
+    def numbers_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
+        """Numbers of a chunk's sets: every ``chunks``-th one.
+
+        Raises:
+            ValueError: a chunk that is not one of ``chunks``.
+        """
+        if not 0 <= chunk < chunks:
+            raise ValueError(f"chunk = {chunk}: must be 0 to {chunks - 1}")
+        return np.arange(chunk, self.sets, chunks, dtype=np.int64)
+
+    def batch(self, numbers: NDArray[np.int64]) -> Batch:
+        """The sets of these numbers; a set does not depend on how many there are."""
+        rng = np.random.default_rng([self.seed, TRIALS.index(self.name)])
+        draws = rng.random((self.sets, 2, len(self.ranges)))[numbers]
+        drawn = {}
+        for i, (name, law) in enumerate(self.ranges.items()):
+            values = law.low * (law.high / law.low) ** draws[:, 0, i]
+            drawn[name] = np.where(draws[:, 1, i] < law.zero, 0.0, values)
+        return Batch.of(Parameters(**self.parameters), **drawn)  # type: ignore[arg-type]
+
+
+def trial_of(study: Study, name: TrialName) -> Trial:
+    """A trial of the study's law."""
+    law = study.accuracy
+    return Trial(
+        name=name,
+        parameters=study.baseline.given(),
+        settings=study.settings.model_copy(update={"horizon": law.horizon}),
+        ranges=law.ranges,
+        seed=law.seed,
+        sets=law.sets if name == "error" else law.settled.sets,
+        longer=law.settled.longer,
+    )
