@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from model.show.identification import (
+    band_curves,
     claim_shares,
     identification_section,
     readings_by_claims,
@@ -14,14 +16,25 @@ from model.show.identification import (
 )
 from model.study.config import Range
 from model.study.identification.committed import (
+    HEADER,
+    Band,
     IdentificationError,
     Identified,
     read_identified,
+    rows_of,
 )
 from model.study.identification.results import Split
 
 RANGES = {"half_width": Range(low=0.5, high=2.0), "half_height": Range(low=1.0, high=4.0)}
 CHOSEN = {"half_width": 1.0, "half_height": 2.0}
+BAND = Band(
+    at=2.0,
+    x=np.array([0.0, 0.1, 0.2]),
+    aligned=np.array([1.0, 0.8, 0.2]),
+    low=np.array([1.0, 1.5, np.nan]),
+    middle=np.array([2.0, 2.5, np.nan]),
+    high=np.array([3.0, 4.0, np.nan]),
+)
 CLAIMS = ("N1", "F6a", "C2a")
 
 
@@ -40,6 +53,7 @@ def found() -> Identified:
         prior_shares=np.array([0.5, 0.1, 0.02]),
         splits=(Split(0, 1, 1, 1, 1), Split(1, 1, 1, 1, 0)),
         readings={"consistent": np.array([0.1, 0.2, -0.9]), "printed": np.array([-1, -0.1, 0.3])},
+        bands={"fig07": (BAND,)},
     )
 
 
@@ -56,6 +70,7 @@ def write(folder: Path, found: Identified) -> None:
             ["reading", *found.claims],
             *([name, *margins] for name, margins in found.readings.items()),
         ],
+        "bands": [HEADER, *rows_of(found.bands)],
     }
     for name, rows in tables.items():
         with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
@@ -74,6 +89,7 @@ def test_tables_are_read_as_they_were_written(tmp_path: Path, found: Identified)
         np.testing.assert_array_equal(again.ensemble[name], values)
     for name, margins in found.readings.items():
         np.testing.assert_array_equal(again.readings[name], margins)
+    np.testing.assert_array_equal(again.bands["fig07"][0].high, BAND.high)
 
 
 @pytest.mark.parametrize(
@@ -83,6 +99,7 @@ def test_tables_are_read_as_they_were_written(tmp_path: Path, found: Identified)
         ("splits", "number\n", "splits.csv: holds no row"),
         ("ensemble", "half_width\nwide\n", "is not what `make identification` writes"),
         ("readings", "reading,N1\nprinted,0.1\n", "name other claims"),
+        ("bands", "figure\nfig07\n", "is not what `make identification` writes"),
         ("splits", "number\n1,2\n", "is not what `make identification` writes"),
     ],
 )
@@ -130,6 +147,25 @@ def test_readings_are_marked_where_they_fail(found: Identified) -> None:
     assert crosses == {(2, 0), (0, 1), (1, 1)}
     names = [label.get_text() for label in axes.get_yticklabels()]
     assert names == ["consistent (2)", "as printed (1)"]
+
+
+def test_a_band_stands_behind_the_curve_of_its_parameter(found: Identified) -> None:
+    friction = ("friction", [0.0, 0.1, 0.2], {"long_name": "friction", "symbol": "μ"})
+    force = ("press_force", [1.0, 2.0], {"long_name": "force", "symbol": "f0"})
+    taus = np.array([[1.0, 2.0, 3.0], [1.1, 2.2, 3.3]])
+    dataset = xr.Dataset(
+        {"tau_align": (("press_force", "friction"), taus)},
+        {"friction": friction, "press_force": force},
+        {"figure": "fig07"},
+    )
+    figure = band_curves(found.bands, [dataset])
+    axes = figure.axes[0]
+    assert "2" in axes.get_title(loc="left")
+    middle, curve = axes.lines
+    np.testing.assert_array_equal(curve.get_ydata(), taus[1])
+    np.testing.assert_array_equal(middle.get_ydata(), BAND.middle)
+    light = axes.collections[0].get_paths()[0].get_extents()
+    assert (light.y0, light.y1) == (1.0, 4.0)
 
 
 def test_the_section_counts_only_what_counts(found: Identified) -> None:

@@ -235,3 +235,11 @@ def test_own_runs_say_how_far_the_part_came(own_runs: dict[str, xr.Dataset]) -> 
     assert (misaligned["way"].values[~aligned] < 1.0).all()
     assert (misaligned["side_force_max"].values >= 0.0).all()
     assert np.isfinite(misaligned["tilt_end"].values).all()
+
+
+def test_a_part_jammed_between_both_edges_does_not_rest_on_one() -> None:
+    rests = next(claim for claim in CLAIMS if claim.id == "M4")
+    free = curves("pressed", np.nan)
+    jammed = curves("pressed", np.nan, side_force_max=lambda k, _: 1.0 if k == 7.0 else 0.0)
+    assert judge_claim(rests, Data(free)).verdict == "reproduced"
+    assert judge_claim(rests, Data(jammed)).verdict == "mixed"

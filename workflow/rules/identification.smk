@@ -6,14 +6,19 @@ import json
 identified_tables = [Path(f"config/identification/{table}.csv") for table in TABLES]
 if not all(table.is_file() for table in identified_tables):
     identified_tables = []
-identified_pictures = IDENTIFIED_PICTURES.values() if identified_tables else []
+drawn_of_tables = pictures_of(Path("config/identification"))
+identified_pictures = drawn_of_tables.values() if identified_tables else []
+if "bands" in drawn_of_tables and identified_tables:
+    identified_tables.append(Path("config/identification/bands.csv"))
 
 
 rule draw_identification:
     input:
         tables=identified_tables,
         curves=lambda wildcards: (
-            expand(root / "data/{figure}.nc", figure=CURVES) if wildcards.picture == "bands" else []
+            expand(root / "data/{figure}.nc", figure=CURVES)
+            if wildcards.picture == "bands"
+            else []
         ),
     output:
         png=root / "figures/identified_{picture}.png",

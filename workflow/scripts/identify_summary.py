@@ -12,10 +12,10 @@ import yaml
 from model.study.config import Study
 from model.study.datasets import read_dataset, write_dataset
 from model.study.files import whole_file
-from model.study.identification.bands import bands_of, rows_of
+from model.study.identification.bands import bands_of
 from model.study.identification.candidate import space_of
-from model.study.identification.committed import BAND_COLUMNS
-from model.study.identification.evaluate import evaluate, judge_of
+from model.study.identification.committed import HEADER, rows_of
+from model.study.identification.evaluate import contradicted, datasets_of, judge_of, known_margins
 from model.study.identification.results import (
     Findings,
     admissible,
@@ -29,7 +29,7 @@ from model.study.identification.results import (
     spreads,
     summary,
 )
-from model.study.identification.search import best_of, halves
+from model.study.identification.search import best_of, halves, most_shown
 from model.study.provenance import Job, write_text
 
 FINER = 3
@@ -64,8 +64,9 @@ def main() -> None:
     points = space.point(values)
     leading = best_of(judge, margins, law.finer)
     finer = space_of(arguments.study, finer=FINER)
-    judged = evaluate(finer, judge, points[leading])
-    best = best_of(judge, judged, 1)[0]
+    shown = [datasets_of(finer, [(point, finer.everything)])[0] for point in points[leading]]
+    judged = np.array([known_margins(judge, datasets) for datasets in shown])
+    best = most_shown(judge, judged, [contradicted(judge, datasets) for datasets in shown])
     kept = admissible(margins, judge.counted, law.admissible)
     ensemble = candidates_dataset(space, judge, points[kept], margins[kept], "Admissible sets")
 
@@ -94,7 +95,7 @@ def main() -> None:
     )
     made = write_all(found, ensemble, folder)
     bands = rows_of(bands_of(space, points[kept]))
-    made.append(write_rows(folder / "bands.csv", BAND_COLUMNS, bands))
+    made.append(write_rows(folder / "bands.csv", HEADER, bands))
     inputs = [*arguments.samples, *arguments.starts, *arguments.halves, *arguments.readings]
     job.finish(arguments.record, made, inputs, sweep=space.identity)
 

@@ -1,6 +1,7 @@
 """One trajectory, with its whole course."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
 from model.runs.batch import NO_TRACK, each_by_itself, implicitly, where_stiff
-from model.runs.errors import Array, Run, estimate
+from model.runs.errors import Array, estimate
 from model.runs.settings import Settings, settings_with
 from model.solver.loop import TRACK_COLUMNS
 from model.solver.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
@@ -76,10 +77,15 @@ def simulate(
     """
     settings = settings_with(settings, changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
-    found = estimate(_run(settings), rows, settings.tolerance)
-    run = _followed(parameters, settings, float(found.tolerance[0]))
+
+    def run(rows: Array, tolerances: Array, track: Array = NO_TRACK) -> Array:
+        engines = implicitly(settings, track), each_by_itself(settings, track)
+        return where_stiff(settings, *engines)(rows, tolerances)
+
+    found = estimate(run, rows, settings.tolerance)
+    followed = _followed(parameters, settings, run, found.tolerance)
     return replace(
-        run,
+        followed,
         tau_error=float(found.tau_error[0]),
         sensitive=bool(found.sensitive[0]),
         rhs_evaluations=int(found.rhs_evaluations[0]),
@@ -87,26 +93,30 @@ def simulate(
 
 
 def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
-    """As ``simulate``, without an estimate of the error: ``tau_error`` is NaN.
+    """As ``simulate``, without an estimate of the error, and in explicit steps.
 
-    A third of the cost, for statistics over many sets.
+    A third of the cost, for statistics over many sets; ``tau_error`` is NaN.
     """
-    return _followed(parameters, settings, settings.tolerance)
+
+    def run(rows: Array, tolerances: Array, track: Array) -> Array:
+        return each_by_itself(settings, track)(rows, tolerances)
+
+    return _followed(parameters, settings, run, np.array([settings.tolerance]))
 
 
-def _run(settings: Settings, track: Array = NO_TRACK) -> Run:
-    return where_stiff(settings, implicitly(settings, track), each_by_itself(settings, track))
-
-
-def _followed(parameters: Parameters, settings: Settings, tolerance: float) -> Trajectory:
-    """One run at a tolerance, with its course."""
+def _followed(
+    parameters: Parameters,
+    settings: Settings,
+    run: Callable[[Array, Array, Array], Array],
+    tolerances: Array,
+) -> Trajectory:
+    """One run at a tolerance, shape (1,), with its course."""
     rows = Batch.stack([parameters]).constants(settings.readings)
-    tolerances = np.array([tolerance])
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
-    ending = Ending(*_run(settings, track)(rows, tolerances)[0].tolist())
+    ending = Ending(*run(rows, tolerances, track)[0].tolist())
     if ending.tracked > len(track):
         track = np.empty((int(ending.tracked), TRACK_COLUMNS))
-        ending = Ending(*_run(settings, track)(rows, tolerances)[0].tolist())
+        ending = Ending(*run(rows, tolerances, track)[0].tolist())
     track = track[: int(ending.tracked)].copy()
     return Trajectory(
         parameters=parameters,

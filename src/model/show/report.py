@@ -345,8 +345,8 @@ def _identified_pictures(identified: Pictured | None) -> list[_Picture]:
     if identified is None:
         return []
     return [
-        _Picture(place, IDENTIFIED_CAPTIONS[name], *_embedded(identified.pictures[name]))
-        for name, place in IDENTIFIED_PICTURES.items()
+        _Picture(IDENTIFIED_PICTURES[name], IDENTIFIED_CAPTIONS[name], *_embedded(path))
+        for name, path in identified.pictures.items()
     ]
 
 

@@ -5,16 +5,17 @@ by what the paper says. Fig. 10 is swept over the inertia in units of the bare p
 set has a bare part of its own.
 """
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.study.config import CURVES
 from model.study.identification.candidate import Space, bare_inertia
-from model.study.identification.committed import LEAST_SHARE, Band
+from model.study.identification.committed import Band
 from model.study.identification.evaluate import datasets_of
 
+LEAST_SHARE = 0.5  # of the sets must align, else a band has no durations
 _AT_ONCE = 20  # sets computed together
 _QUANTILES = (0.05, 0.5, 0.95)
 
@@ -34,19 +35,27 @@ def bands_of(space: Space, points: Array) -> dict[str, tuple[Band, ...]]:
         for made in datasets_of(space, [(point, CURVES) for point in some]):
             for name in CURVES:
                 taus[name].append(made[name]["tau_align"].values)
-    return {name: _bands(space, points[0], name, np.array(found)) for name, found in taus.items()}
+    found = {}
+    for name in CURVES:
+        family, swept = space.sweep(points[0], name).dimensions
+        x = np.array(swept.values)
+        if swept.parameter == "inertia":
+            x = x / bare_inertia(space.structure(points[0]))
+        found[name] = of_durations(family.values, x, np.array(taus[name]))
+    return found
 
 
-def _bands(space: Space, point: Array, name: str, taus: Array) -> tuple[Band, ...]:
-    """Bands of one figure; ``taus`` has shape (sets, curves, n)."""
-    family, swept = space.sweep(point, name).dimensions
-    x = np.array(swept.values)
-    if swept.parameter == "inertia":
-        x = x / bare_inertia(space.structure(point))
+def of_durations(values: Sequence[float], x: Array, taus: Array) -> tuple[Band, ...]:
+    """Bands of one figure.
+
+    Args:
+        values: of the family's parameter.
+        x: of the swept one, shape (n,).
+        taus: durations, shape (sets, curves, n), NaN where a part does not align.
+    """
     aligned = np.isfinite(taus).mean(axis=0)
     return tuple(
-        Band(at, x, aligned[i], *_quantiles(taus[:, i], aligned[i]))
-        for i, at in enumerate(family.values)
+        Band(at, x, aligned[i], *_quantiles(taus[:, i], aligned[i])) for i, at in enumerate(values)
     )
 
 
@@ -57,15 +66,3 @@ def _quantiles(taus: Array, aligned: Array) -> Array:
         known = taus[np.isfinite(taus[:, column]), column]
         found[:, column] = np.quantile(known, _QUANTILES)
     return found
-
-
-def rows_of(bands: Mapping[str, tuple[Band, ...]]) -> list[tuple[object, ...]]:
-    """A table of bands, numbers to four digits."""
-    return [
-        (name, f"{band.at:g}", *(f"{value:.4g}" for value in values))
-        for name, each in bands.items()
-        for band in each
-        for values in zip(
-            band.x, band.aligned, band.low, band.middle, band.high, strict=True
-        )
-    ]  # fmt: skip

@@ -13,12 +13,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-TABLES = ("ensemble", "claims", "splits", "readings", "bands")
+TABLES = ("ensemble", "claims", "splits", "readings")
+BANDS = "bands"  # a table that a search made before there were bands does not have
 # Its pictures, and where each belongs in the results root, without extension.
 PICTURES: Mapping[str, str] = {
     "structure": "figures/identified_structure",
     "claims": "figures/identified_claims",
-    "bands": "figures/identified_bands",
+    BANDS: "figures/identified_bands",
     "readings": "figures/identified_readings",
 }
 
@@ -44,10 +45,6 @@ class Split(NamedTuple):
         return self.held_out_reproduced / self.held_out
 
 
-LEAST_SHARE = 0.5  # of the sets must align, else a band has no durations
-BAND_COLUMNS = ("figure", "at", "x", "aligned", "low", "middle", "high")
-
-
 @dataclass(frozen=True)
 class Band:
     """One curve of a figure over an ensemble; arrays have shape (n,), dimensionless.
@@ -56,7 +53,7 @@ class Band:
         at: value of the family's parameter.
         x: the swept parameter; for Fig. 10 over the bare part's inertia.
         aligned: share of the sets that align.
-        low: 5 % quantile of the durations of those, NaN where fewer than ``LEAST_SHARE`` align.
+        low: 5 % quantile of the durations of those, NaN where too few align.
         middle: median.
         high: 95 % quantile.
     """
@@ -82,7 +79,7 @@ class Identified:
         prior_shares: share of draws from the prior that does, NaN where unknown, shape (claims,).
         splits: identified on one half of the claims, judged on the other.
         readings: margins of the best set under each reading, each of shape (claims,).
-        bands: of Figs. 6 to 12 over the ensemble, a band for each curve.
+        bands: of Figs. 6 to 12 over the ensemble, a band for each curve; empty where not known.
     """
 
     ensemble: Mapping[str, Array]
@@ -96,6 +93,14 @@ class Identified:
     bands: Mapping[str, tuple[Band, ...]]
 
 
+def pictures_of(folder: Path) -> dict[str, str]:
+    """Those of ``PICTURES`` that the tables in ``folder`` are enough for."""
+    drawn = dict(PICTURES)
+    if not (folder / f"{BANDS}.csv").is_file():
+        del drawn[BANDS]
+    return drawn
+
+
 def read_identified(folder: Path) -> Identified:
     """The tables in ``folder``.
 
@@ -103,6 +108,7 @@ def read_identified(folder: Path) -> Identified:
         IdentificationError: a table is missing, empty, or has other columns than it should.
     """
     read = {name: _read(folder / f"{name}.csv") for name in TABLES}
+    bands = folder / f"{BANDS}.csv"
     try:
         header, *rows = read["ensemble"]
         values = np.array(rows, dtype=np.float64)
@@ -117,7 +123,7 @@ def read_identified(folder: Path) -> Identified:
             prior_shares=columns[:, 3],
             splits=tuple(Split(*(int(cell) for cell in row)) for row in read["splits"][1:]),
             readings=_by_claim(read["readings"], tuple(claims)),
-            bands=_bands_in(read["bands"][1:]),
+            bands=bands_in(_read(bands)[1:]) if bands.is_file() else {},
         )
     except (ValueError, TypeError, IndexError) as error:
         raise IdentificationError(
@@ -143,7 +149,22 @@ def _read(path: Path) -> list[list[str]]:
     return rows
 
 
-def _bands_in(rows: list[list[str]]) -> dict[str, tuple[Band, ...]]:
+HEADER = ("figure", "at", "x", "aligned", "low", "middle", "high")
+
+
+def rows_of(bands: Mapping[str, tuple[Band, ...]]) -> list[tuple[object, ...]]:
+    """A table of bands, numbers to four digits."""
+    return [
+        (name, f"{band.at:g}", *(f"{value:.4g}" for value in values))
+        for name, each in bands.items()
+        for band in each
+        for values in zip(
+            band.x, band.aligned, band.low, band.middle, band.high, strict=True
+        )
+    ]  # fmt: skip
+
+
+def bands_in(rows: list[list[str]]) -> dict[str, tuple[Band, ...]]:
     """Bands from such a table, without its header.
 
     Raises:
@@ -151,10 +172,10 @@ def _bands_in(rows: list[list[str]]) -> dict[str, tuple[Band, ...]]:
     """
     curves: dict[tuple[str, float], list[list[float]]] = {}
     for name, at, *values in rows:
-        if len(values) != len(BAND_COLUMNS) - 2:
-            raise ValueError(f"a band has {len(BAND_COLUMNS)} columns, not {len(values) + 2}")
+        if len(values) != len(HEADER) - 2:
+            raise ValueError(f"a band has {len(HEADER)} columns, not {len(values) + 2}")
         curves.setdefault((name, float(at)), []).append([float(each) for each in values])
     found: dict[str, tuple[Band, ...]] = {}
-    for (figure, value), along in curves.items():
-        found[figure] = (*found.get(figure, ()), Band(value, *np.array(along).T))
+    for (name, value), along in curves.items():
+        found[name] = (*found.get(name, ()), Band(value, *np.array(along).T))
     return found

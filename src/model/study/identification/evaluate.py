@@ -175,6 +175,13 @@ def margins_of(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
     return found
 
 
+def contradicted(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> int:
+    """How many of the claims that count are contradicted, rather than mixed."""
+    data = Data(datasets)
+    found = [judge_claim(claim, data).verdict == "contradicted" for claim in judge.claims]
+    return int((np.array(found) & judge.counted).sum())
+
+
 def evaluate(space: Space, judge: Judge, points: Array) -> Array:
     """Margins of candidates with all their figures: shape (m, n) to (m, claims)."""
     made = datasets_of(space, [(point, space.everything) for point in points])

@@ -298,6 +298,18 @@ def halves(judge: Judge, seed: int, split: int) -> tuple[Flags, Flags]:
     return first, judge.counted & ~first
 
 
+def most_shown(judge: Judge, margins: Array, contradicted: Sequence[int]) -> int:
+    """Row of the candidate that reproduces most; of equals, of the fewest contradicted claims.
+
+    What is equal then is told apart by the score. ``margins`` has shape (m, claims).
+    """
+    reproduced = (margins[:, judge.counted] > 0.0).sum(axis=1)
+    scores = judge.score(margins)
+    return min(
+        range(len(margins)), key=lambda row: (-reproduced[row], contradicted[row], -scores[row])
+    )
+
+
 def best_of(judge: Judge, margins: Array, count: int) -> NDArray[np.int64]:
     """Rows of the ``count`` candidates of greatest score, the best first."""
     return np.argsort(-judge.score(margins), kind="stable")[:count]
