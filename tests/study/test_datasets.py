@@ -116,3 +116,4 @@ def test_a_history_holds_the_drop_of_the_contact_force() -> None:
     assert at_alignment.size == 2, "the jump stands as two values at one time"
     assert force[at_alignment[0]] > 0.1
     assert np.all(force[at_alignment[1] :] == 0.0)
+    assert int(history["separations"]) == 0, "the regime shown is the non-impact one"
