@@ -16,12 +16,10 @@ from model.physics.parameters import Batch
 from model.runs.batch import run_once
 from model.runs.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
 from model.solver.outcomes import Outcome
-from model.solver.record import Ending
 from model.study.config import MAPS, Study, load_study, study_path
 from model.study.maps import BESIDE, MapPlan, areas, graded, plan_of
 
 _AT_ONCE = 8192
-_OUTCOME, _TAU = (Ending._fields.index(name) for name in ("outcome", "tau_align"))
 
 
 @dataclass(frozen=True)
@@ -79,9 +77,9 @@ class _Nodes:
             some = new[first : first + _AT_ONCE]
             swept = self.plan.swept(rows[some], columns[some])
             endings = run_once(Batch.of(self.plan.baseline, **swept), self.plan.settings.settings)
-            self.area[rows[some], columns[some]] = areas(endings[:, _OUTCOME].astype(np.int8))
-            aligned = endings[:, _OUTCOME] == Outcome.ALIGNED
-            self.tau[rows[some], columns[some]] = np.where(aligned, endings[:, _TAU], np.nan)
+            self.area[rows[some], columns[some]] = areas(endings["outcome"].astype(np.int8))
+            aligned = endings["outcome"] == Outcome.ALIGNED
+            self.tau[rows[some], columns[some]] = np.where(aligned, endings["tau_align"], np.nan)
         self.seconds += process_time() - started
 
     def evaluate(self, every: int = 1) -> Evaluate:

@@ -32,9 +32,7 @@ _FAR = 0.2  # relative; beyond it a set is looked at again
 _TIME_STEP = 5e-4
 _EDGE_RADIUS = 0.01  # of the ball that stands for an edge
 _BEYOND = 10.0  # how much longer the face is than the part's
-_IMPEDANCE = (
-    0.001  # share of the constraint in an acceleration: small, so that it is a plain spring
-)
+_IMPEDANCE = 0.001  # share of the constraint in an acceleration: small, as of a plain spring
 _NO_CREEP = 1e6  # how much harder friction holds than the normal constraint
 
 

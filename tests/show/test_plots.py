@@ -41,7 +41,7 @@ def grid(kind: str, y: str, x: str, durations: np.ndarray) -> xr.Dataset:
     outcome = np.where(np.isnan(durations), Outcome.SETTLED, Outcome.ALIGNED).astype(np.int8)
     return xr.Dataset(
         {
-            "tau_align": ((y, x), durations),
+            "tau_align": ((y, x), durations, {"long_name": "alignment duration", "symbol": "τ"}),
             "outcome": ((y, x), outcome),
             "sensitive": ((y, x), np.zeros_like(outcome)),
         },
@@ -67,7 +67,6 @@ def area() -> xr.Dataset:
     dataset = grid("map", "press_force", "tilt_stiffness", durations)
     dataset["outcome"][5:, 0] = Outcome.LEFT_SCENE
     dataset["outcome"][0, 1] = Outcome.FAILED
-    dataset["tau_align"].attrs = {"long_name": "alignment duration", "symbol": "τ", "units": "1"}
     return dataset
 
 

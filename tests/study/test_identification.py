@@ -31,7 +31,6 @@ from model.study.identification.evaluate import (
     Judge,
     contradicted,
     datasets_of,
-    evaluate,
     judge_of,
     known_margins,
 )
@@ -275,14 +274,14 @@ def test_a_search_repeats_itself_with_the_margins_of_its_points(space: Space, ju
     again, _ = search(space, judge, whole, [evolution, evolution], 0)
     np.testing.assert_array_equal(points, again)
     assert len(points) == 22
-    np.testing.assert_array_equal(evaluate(space, judge, points[-1:]), margins[-1:])
+    datasets = datasets_of(space, [(points[-1], space.everything)])[0]
+    np.testing.assert_array_equal(known_margins(judge, datasets), margins[-1])
     first = first_population(space, judge, whole, 5)
     np.testing.assert_allclose(points[:5, structure], first[:, structure], atol=1e-15)
     known = points[-1:]
     from_known, more = search(space, judge, whole, [evolution], 0, known)
     np.testing.assert_allclose(from_known[0, structure], known[0, structure], atol=1e-15)
     assert judge.score(more).max() >= judge.score(margins[-1])
-    datasets = datasets_of(space, [(points[-1], space.everything)])[0]
     failing = judge.counted & (known_margins(judge, datasets) <= 0.0)
     assert 0 <= contradicted(judge, datasets) <= failing.sum()
 

@@ -57,6 +57,8 @@ QUANTITIES: Mapping[str, Quantity] = {
     "rest_tilt": _ANGLE,
 }
 
+DURATION = Quantity("s", time=1)
+
 # The quantities that are the units of a device: meaning and SI unit.
 UNITS: Mapping[str, tuple[str, str]] = {
     "mass": ("mass of the part and what moves with it", "kg"),

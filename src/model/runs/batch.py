@@ -1,7 +1,7 @@
 """Many parameter sets at once, over the cores."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
@@ -74,31 +74,38 @@ _ESTIMATED = ("tau_error", "sensitive", "rhs_evaluations")
 Engine = Literal["lanes", "scalar", "stiff"]
 
 
-def each_by_itself(settings: Settings, track: Array = NO_TRACK) -> Run:
-    """The reference engine: one run at a time. ``track`` is as in ``integrate_each``."""
+def _filling(fill: Callable[[Array, Array, Array], None]) -> Run:
+    """The engine whose kernel writes a row of endings, the last argument, for every row."""
 
     def run(rows: Array, tolerances: Array) -> Array:
         endings = np.empty((len(rows), len(Ending._fields)))
-        single = new_single(settings.method.method)
-        integrate_each(rows, tolerances, *settings.for_kernels, track, endings, single)
+        fill(rows, tolerances, endings)
         return endings
 
     return run
+
+
+def each_by_itself(settings: Settings, track: Array = NO_TRACK) -> Run:
+    """The reference engine: one run at a time. ``track`` is as in ``integrate_each``."""
+
+    def fill(rows: Array, tolerances: Array, endings: Array) -> None:
+        single = new_single(settings.method.method)
+        integrate_each(rows, tolerances, *settings.for_kernels, track, endings, single)
+
+    return _filling(fill)
 
 
 def implicitly(settings: Settings, track: Array = NO_TRACK) -> Run:
     """The engine for stiff sets: one run at a time, with implicit steps where they pay."""
     declared, method, control = settings.for_kernels
 
-    def run(rows: Array, tolerances: Array) -> Array:
-        endings = np.empty((len(rows), len(Ending._fields)))
+    def fill(rows: Array, tolerances: Array, endings: Array) -> None:
         single, memory = new_single(method), new_memory()
         integrate_stiff(
             rows, tolerances, declared, method, RADAU, control, track, endings, single, memory
         )
-        return endings
 
-    return run
+    return _filling(fill)
 
 
 def where_stiff(settings: Settings, stiff: Run, others: Run) -> Run:
@@ -126,12 +133,10 @@ def side_by_side(settings: Settings) -> Run:
     """The batch engine: many runs at a time."""
     declared, method, control = settings.for_kernels
 
-    def run(rows: Array, tolerances: Array) -> Array:
-        endings = np.empty((len(rows), len(Ending._fields)))
+    def fill(rows: Array, tolerances: Array, endings: Array) -> None:
         integrate_all(rows, tolerances, declared, method, control, endings, new_many())
-        return endings
 
-    return run
+    return _filling(fill)
 
 
 def _over(cores: int, run: Run) -> Run:
@@ -166,15 +171,16 @@ def _engine(name: Engine | None, settings: Settings) -> Run:
     return side_by_side(settings) if name == "lanes" else implicitly(settings)
 
 
-def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> Array:
+def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, Array]:
     """One run of every parameter set, without an estimate of its error.
 
     Half the cost of ``align``, for statistics over many sets. Returns the fields of ``Ending``,
-    shape (n, len(Ending._fields)).
+    each of shape (n,).
     """
     rows = batch.constants(settings.readings)
     run = _over(cores, _engine(None, settings))
-    return run(rows, np.full(len(rows), settings.tolerance))
+    endings = run(rows, np.full(len(rows), settings.tolerance))
+    return dict(zip(Ending._fields, endings.T, strict=True))
 
 
 def align(

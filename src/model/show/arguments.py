@@ -16,6 +16,7 @@ from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.units import QUANTITIES, UNITS, Units
 from model.runs.settings import Settings
+from model.study.config import load_study, study_path
 from model.study.devices import load_device
 
 _READINGS = ("consistent", "printed")
@@ -23,8 +24,9 @@ _READINGS = ("consistent", "printed")
 _NOT_PICTURES = {"pgf", "raw", "rgba"}
 
 
-def add_model_options(parser: argparse.ArgumentParser) -> None:
-    """Add --device, --set, --readings, --reading, --horizon and --tolerance."""
+def add_model_options(parser: Any) -> None:
+    """Add --device, --set, --readings, --reading, --horizon and --tolerance, and their table."""
+    parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     add = parser.add_argument
     words = "the device, its quantities in SI units as in docs/peg.yaml; --set is then in SI too"
     add("--device", type=Path, metavar="FILE", help=words)

@@ -6,22 +6,19 @@ import os
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from model.physics.units import QUANTITIES, Quantity, Units
+from model.physics.units import DURATION, QUANTITIES, Quantity, Units
 from model.runs.trajectory import simulate
 from model.show.arguments import (
     add_model_options,
     announce_compilation,
     device_of,
     in_columns,
-    parameter_table,
     settings_of,
 )
 from model.study.config import load_study, study_path
 
 if TYPE_CHECKING:
     from model.study.assessment import Assessment, Leeway
-
-_TIME = Quantity("s", time=1)
 
 
 def add_commands(commands: Any) -> None:
@@ -38,7 +35,6 @@ def add_commands(commands: Any) -> None:
     )
     add_model_options(parser)
     parser.add_argument("--json", action="store_true", help="print everything as JSON")
-    parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     parser.set_defaults(run=_assess)
 
 
@@ -70,7 +66,7 @@ def _scale(units: Units | None, quantity: Quantity) -> tuple[float, str]:
 
 
 def _report(found: "Assessment", units: Units | None) -> list[str]:
-    time, second = _scale(units, _TIME)
+    time, second = _scale(units, DURATION)
     words = "reliable" if found.reliable else "not reliable"
     lines = [f"{words:<16}aligns from {found.aligned} of {found.starts} starts"]
     if found.aligned:
@@ -93,7 +89,7 @@ def _row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
 def _record(found: "Assessment", units: Units | None) -> dict[str, Any]:
     """Everything that was found, in SI units for a device in SI; what is no number is null."""
     record = asdict(found) | {"reliable": found.reliable}
-    time, _ = _scale(units, _TIME)
+    time, _ = _scale(units, DURATION)
     for name in ("tau_best", "tau_worst"):
         record[name] = time * record[name] if found.aligned else None
     for leeway in record["leeways"]:

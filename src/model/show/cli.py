@@ -34,7 +34,6 @@ from model.show.arguments import (
     announce_compilation,
     check_picture,
     device_of,
-    parameter_table,
     settings_of,
 )
 from model.solver.outcomes import Outcome
@@ -137,7 +136,6 @@ def _add_simulate(commands: Any) -> None:
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     add("--plot", type=Path, metavar="FILE", help=words)
     add("--json", action="store_true", help="print everything as JSON")
-    parser.appendix = lambda: parameter_table(_study().baseline)
     parser.set_defaults(run=_simulate)
 
 

@@ -19,7 +19,6 @@ from model.show.arguments import (
     check_picture,
     device_of,
     number,
-    parameter_table,
     settings_of,
 )
 from model.study.config import RunSettings, Span, check_plane, load_study, study_path
@@ -58,7 +57,6 @@ def add_commands(commands: Any) -> None:
     add("--out", type=Path, required=True, metavar="FILE", help=words)
     add("--plot", type=Path, metavar="FILE", help="draw it into FILE (.png, .svg, .pdf and others)")
     add_model_options(parser)
-    parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     parser.set_defaults(run=_map)
 
 

@@ -33,7 +33,6 @@ if TYPE_CHECKING:  # a trajectory is drawn where xarray is not installed
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-_SYMBOL_ALIGNMENT = "alignment duration $τ$"
 _SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are logarithmic
 _COLOURED_SHARE = 0.99  # share of the durations that such colours tell apart
 
@@ -226,7 +225,7 @@ def curves(dataset: "xr.Dataset") -> Figure:
         axes.set_xlim(edges[0], edges[-1])
         longest = np.nanmax(durations) if not gaps.all() else 1.0
         axes.set_ylim(0.0, 1.05 * float(longest))
-        axes.set_ylabel(_SYMBOL_ALIGNMENT)
+        axes.set_ylabel(axis_label(dataset["tau_align"]))
         (strip or axes).set_xlabel(axis_label(swept))
         figure.legend(
             handles=handles,

@@ -498,6 +498,11 @@ class ClaimRun(_Strict):
     swept: Axis
     family: Family
 
+    def changes(self, half_width: float, clearance: float) -> dict[str, float]:
+        """What the run holds otherwise than its figure, for a part and a slot of these sizes."""
+        centred = {"misalignment": half_width * (1.0 + clearance)} if self.centred else {}
+        return {**self.held, **centred}
+
 
 class CoarseGrid(_Strict):
     """A figure on fewer points along each axis, and on these values of its family only."""
@@ -589,10 +594,8 @@ class Study(_Strict):
     def claim_parameters(self, name: str) -> Parameters:
         """What a run of the claims ledger holds, before it sweeps anything."""
         run = self.claims_runs[name]
-        parameters = self.parameters(run.figure).replace(**run.held)
-        if run.centred:
-            parameters = parameters.replace(misalignment=parameters.slot_half_width)
-        return parameters
+        parameters = self.parameters(run.figure)
+        return parameters.replace(**run.changes(parameters.half_width, parameters.clearance))
 
     def case(self, name: str) -> Parameters:
         """The operating point of a case: what its figure holds, and what the case adds."""

@@ -19,13 +19,11 @@ from model.physics.parameters import Batch
 from model.runs.batch import run_once
 from model.runs.refinement import Evaluate, Floats, Ints, Lattice, refine
 from model.solver.outcomes import Outcome
-from model.solver.record import Ending
 from model.study.config import LARGEST_MISALIGNMENT, Study
 from model.study.map_datasets import plane_attributes, plane_coordinates
 from model.study.maps import COARSE, MapPlan, plan_of
 
 BISECTIONS = 5
-_OUTCOME = Ending._fields.index("outcome")
 
 
 class LimitPlan(BaseModel):
@@ -148,7 +146,7 @@ def _evaluate(
             values = {name: value[nodes] for name, value in swept.items()}
             batch = Batch.of(device, misalignment=misalignment, **values)
             endings = run_once(batch, settings, cores=cores)
-            return np.asarray(endings[:, _OUTCOME] == Outcome.ALIGNED)
+            return np.asarray(endings["outcome"] == Outcome.ALIGNED)
 
         value, runs = limits(aligns, plan.tried, inner, rows.size)
         made[rows, columns] = runs

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from model.physics.parameters import FIELDS
-from model.physics.units import QUANTITIES, UNITS, Quantity, Units
+from model.physics.units import DURATION, QUANTITIES, UNITS, Units
 from model.solver.outcomes import Outcome, Reason
 from model.study.config import CURVES, HISTORIES, Curves, Study
 from model.study.datasets import (
@@ -91,9 +91,8 @@ def map_dataset(
 
 def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
     """A map with its parameters and durations in SI units, which ``units`` and "units" name."""
-    time = Quantity("s", time=1)
     quantities = {name: QUANTITIES[str(name)] for name in dataset.coords}
-    quantities |= {name: time for name in dataset.data_vars if str(name).startswith("tau_")}
+    quantities |= {name: DURATION for name in dataset.data_vars if str(name).startswith("tau_")}
     found = dataset.copy()
     for name, quantity in quantities.items():
         attributes = {**dataset[name].attrs, "units": quantity.unit}

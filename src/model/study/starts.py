@@ -15,7 +15,6 @@ from model.physics.parameters import Batch, Parameters
 from model.runs.batch import run_once
 from model.runs.settings import Settings
 from model.solver.outcomes import Outcome
-from model.solver.record import Ending
 from model.study.config import Ensemble
 
 Starts = Sequence[Mapping[str, float]]
@@ -75,7 +74,7 @@ def from_every_start(
         values[name] = np.tile([start[name] for start in starts], count)
     endings = run_once(Batch.of(device, **values), settings, cores=cores)
     outcome, tau, evaluations = (
-        endings[:, Ending._fields.index(name)].reshape(count, len(starts))
+        endings[name].reshape(count, len(starts))
         for name in ("outcome", "tau_align", "rhs_evaluations")
     )
     aligned = outcome == Outcome.ALIGNED

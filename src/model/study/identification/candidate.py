@@ -157,10 +157,7 @@ class Space(BaseModel):
         parameters: dict[str, float | None] = {**dict.fromkeys(("rest_x", "rest_y")), **self.fixed}
         parameters |= structure | self.held(point, run.figure if run else name)
         if run:
-            parameters |= run.held
-        if run and run.centred:
-            clearance = self.fixed["clearance"]
-            parameters["misalignment"] = (1.0 + clearance) * structure["half_width"]
+            parameters |= run.changes(structure["half_width"], self.fixed["clearance"])
         dimensions = [
             dimension.model_copy(
                 update=dict(zip(("start", "stop"), inertias(structure), strict=True))

@@ -182,12 +182,6 @@ def contradicted(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> int:
     return int((np.array(found) & judge.counted).sum())
 
 
-def evaluate(space: Space, judge: Judge, points: Array) -> Array:
-    """Margins of candidates with all their figures: shape (m, n) to (m, claims)."""
-    made = datasets_of(space, [(point, space.everything) for point in points])
-    return np.array([known_margins(judge, datasets) for datasets in made])
-
-
 def known_margins(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
     """Margin of each claim, shape (claims,), the worst where there is nothing to measure."""
     margins = margins_of(judge, datasets)
