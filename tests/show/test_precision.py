@@ -17,8 +17,8 @@ from model.show.precision import (
     wrong_points,
 )
 from model.study.fixed_steps import Wrong
-from model.study.plans import PICTURES
 from model.study.precision import METHODS, Verdict
+from model.study.precision_plans import PICTURES
 
 TITLES = {
     "aligned": "slides", "sticking": "sticks", "bouncing": "bounces", "never_aligning": "never",

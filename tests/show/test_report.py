@@ -23,7 +23,7 @@ from model.solver.outcomes import Outcome
 from model.study.claims import judge, tally
 from model.study.claims.table import lines_of
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
-from model.study.plans import HARD_PICTURES, PICTURES
+from model.study.precision_plans import HARD_PICTURES, PICTURES
 from model.study.sweeps import sweep_of
 
 # The smallest picture there is: one transparent pixel.

@@ -14,7 +14,7 @@ from model.study.datasets import (
     write_dataset,
 )
 from model.study.fixed_steps import FIXED_SCHEMES, Wrong, fixed_step_dataset, judged, wrong_counts
-from model.study.plans import FixedStepPlan
+from model.study.precision_plans import FixedStepPlan
 from model.study.sweeps import sweep_of
 
 NAN = np.nan

@@ -23,8 +23,8 @@ from model.study.hard_cases import (
     table_of,
     true_run,
 )
-from model.study.plans import hard_cases_plan
 from model.study.precision import METHODS, Passed, Verdict
+from model.study.precision_plans import hard_cases_plan
 
 STATE = np.zeros(6)
 NAN = math.nan

@@ -1,6 +1,7 @@
 """Stability maps: what is computed where, how sure they are, and that parts make the whole."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,18 +10,21 @@ from scipy.ndimage import distance_transform_edt
 
 from model import Batch, align
 from model.solver.outcomes import Outcome
-from model.study import maps
+from model.study import largest_misalignment, maps
 from model.study.config import Axis, Ensemble, RunSettings, Span, load_study, study_path
 from model.study.datasets import DatasetError, write_dataset
 from model.study.largest_misalignment import (
     BISECTIONS,
+    LIMIT,
     LimitPlan,
     limit_dataset,
     limit_map,
+    limit_part,
     limit_plan,
     limits,
 )
-from model.study.map_datasets import map_dataset, marks_of, part_dataset, read_part
+from model.study.map_datasets import map_dataset, marks_of
+from model.study.map_parts import Known, Part, part_dataset, read_part, read_parts
 from model.study.maps import MapPlan, Work, areas, assemble, compute_part, map_plan, plan_of
 
 SETTINGS = RunSettings(readings="consistent", horizon=40.0, tolerance=1e-8)
@@ -48,7 +52,7 @@ def _coarse_cells():
 
 @pytest.fixture(scope="module")
 def found(plan):
-    return assemble(plan)
+    return assemble(Work.nothing(plan))
 
 
 @pytest.fixture(scope="module")
@@ -135,23 +139,24 @@ def test_between_nodes_of_the_ensemble_the_worst_counts():
 
 @pytest.mark.parametrize("parts", [1, 2, 3])
 def test_parts_and_cores_do_not_change_the_map(plan, found, parts, tmp_path):
-    works = []
-    for part in range(parts):
+    paths = [tmp_path / f"{part}.nc" for part in range(parts)]
+    for part, path in enumerate(paths):
         work = compute_part(plan, part, parts, cores=1 + part % 2)
-        path = tmp_path / f"{part}.nc"
-        write_dataset(part_dataset(work, part, parts), path)
-        works.append(read_part(plan, path, part, parts))
-    again = map_dataset(assemble(plan, works), "title", "summary")
+        write_dataset(part_dataset(Part(plan.name, plan.identity, part, parts), work.known), path)
+    joined = Work.nothing(plan)
+    read_parts(paths, plan.name, plan.identity, joined.known)
+    again = map_dataset(assemble(joined), "title", "summary")
     xr.testing.assert_identical(again, map_dataset(found, "title", "summary"))
 
 
 def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
     work = Work.nothing(plan)
-    write_dataset(part_dataset(work, 0, 2), tmp_path / "0.nc")
+    written = Part(plan.name, plan.identity, 0, 2)
+    write_dataset(part_dataset(written, work.known), tmp_path / "0.nc")
     other = plan_of("trial", device.replace(friction=0.2), SETTINGS, (X, Y), CELLS, ENSEMBLE)
-    for wanted, part, parts in ((other, 0, 2), (plan, 1, 2), (plan, 0, 3)):
+    for change in ({"sweep": other.identity}, {"part": 1}, {"parts": 3}, {"figure": "fig14"}):
         with pytest.raises(DatasetError, match="is not part"):
-            read_part(wanted, tmp_path / "0.nc", part, parts)
+            read_part(tmp_path / "0.nc", replace(written, **change), work.known)
     with pytest.raises(ValueError, match="part = 2: must be 0 to 1"):
         compute_part(plan, 2, 2)
 
@@ -192,7 +197,7 @@ def test_without_an_ensemble_reliability_is_not_known(device):
     phases = Span(parameter="phase", start=0.0, stop=6.0)
     plan = plan_of("trial", device, SETTINGS, (X, phases), 4, ENSEMBLE)
     assert plan.ensemble is None
-    found = assemble(plan)
+    found = assemble(Work.nothing(plan))
     assert np.isnan(found.reliable_share).all()
     assert np.array_equal(found.reliable == 1, found.outcome == Outcome.ALIGNED)
 
@@ -227,7 +232,7 @@ def test_the_limit_is_the_last_before_the_first_failure_and_bisected():
         inside = misalignment <= limit[nodes]
         return inside | ((nodes == 3) & (misalignment > 0.75))
 
-    found, runs = limits(aligns, tried, 0.05, 4)
+    found, runs = limits(aligns, tried, 0.05, np.full(4, 0.05))
     spacing = 0.1 / 2**BISECTIONS
     assert limit[0] - spacing <= found[0] <= limit[0]
     assert found[1] == tried[-1]
@@ -236,11 +241,44 @@ def test_the_limit_is_the_last_before_the_first_failure_and_bisected():
     assert runs.tolist() == [4 + BISECTIONS, 10, 1 + BISECTIONS, 6 + BISECTIONS]
 
 
+def test_what_aligns_around_a_node_is_not_tried_unless_its_first_trial_fails():
+    """Of neighbours that align to 0.62, two trials are left; one that fails there starts anew."""
+    limit = np.array([0.58, 0.33, 0.85])
+    tried = np.linspace(0.1, 1.0, 10)
+
+    def aligns(nodes, misalignment):
+        return misalignment <= limit[nodes]
+
+    alone, _ = limits(aligns, tried, 0.05, np.full(3, 0.05))
+    found, runs = limits(aligns, tried, 0.05, np.full(3, 0.62))
+    assert np.array_equal(found, alone)
+    assert runs.tolist() == [2 + BISECTIONS, 1 + 4 + BISECTIONS, 5 + BISECTIONS]
+
+
+def test_parts_do_not_change_the_map_of_limits(device, tmp_path, monkeypatch):
+    monkeypatch.setattr(largest_misalignment, "COARSE", 4)
+    spans = Span(parameter="press_force", start=1.0, stop=4.0), X
+    plane = plan_of("largest_misalignment", device, SETTINGS, spans, 8, None)
+    plan = LimitPlan(plane=plane, trials=4)
+    whole, joined = (Known.nothing(plan.lattice, LIMIT) for _ in range(2))
+    found = limit_map(plan, whole)
+    assert 25 < whole.computed.sum() < 81
+    paths = [tmp_path / f"{part}.nc" for part in range(3)]
+    for part, path in enumerate(paths):
+        known = limit_part(plan, part, 3)
+        assert known.computed.sum() < whole.computed.sum()
+        stored = Part(plan.name, plan.identity, part, 3)
+        write_dataset(part_dataset(stored, {"limit": known}), path)
+    read_parts(paths, plan.name, plan.identity, {"limit": joined})
+    again = limit_dataset(limit_map(plan, joined), "title", "summary")
+    xr.testing.assert_identical(again, limit_dataset(found, "title", "summary"))
+
+
 def test_every_misalignment_tried_below_the_limit_aligns(device):
     spans = Span(parameter="press_force", start=1.0, stop=4.0), X
     plane = plan_of("largest_misalignment", device, SETTINGS, spans, 2, None)
     plan = LimitPlan(plane=plane, trials=4)
-    found = limit_map(plan)
+    found = limit_map(plan, Known.nothing(plan.lattice, LIMIT))
     inner, outer = plan.bounds
     assert inner == device.half_width * device.clearance
     assert (found.misalignment >= inner).all()

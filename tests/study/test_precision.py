@@ -12,7 +12,6 @@ from model.solver.outcomes import Outcome
 from model.study import precision
 from model.study.config import load_study, study_path
 from model.study.datasets import DatasetError, read_dataset, write_dataset
-from model.study.plans import PrecisionPlan, precision_plan
 from model.study.precision import (
     METHODS,
     CaseError,
@@ -30,6 +29,7 @@ from model.study.precision import (
     timings_table,
     true_run,
 )
+from model.study.precision_plans import PrecisionPlan, precision_plan
 
 STATE = np.zeros(6)
 

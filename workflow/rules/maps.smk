@@ -16,6 +16,8 @@ rule map_part:
         record=root / "data/maps/{map}/{chunk}.run.json",
     log:
         root / "logs/map_part/{map}/{chunk}.log",
+    wildcard_constraints:
+        map="|".join(outcome_maps),
     conda:
         "../envs/study.yaml"
     params:
@@ -55,9 +57,34 @@ rule map:
         " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 
 
-rule limit:
+rule limit_part:
     input:
         kernels=root / "data/kernels.json",
+    output:
+        data=root / f"data/maps/{LARGEST_MISALIGNMENT}/{{chunk}}.nc",
+        record=root / f"data/maps/{LARGEST_MISALIGNMENT}/{{chunk}}.run.json",
+    log:
+        root / f"logs/limit_part/{LARGEST_MISALIGNMENT}/{{chunk}}.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("compute_limit_part"),
+        plan=limit_plan(study).model_dump_json(),
+        parts=study.maps.chunks,
+    message:
+        "largest misalignment: computing part {wildcards.chunk} ({params.parts} in all, from 0)"
+    shell:
+        "python workflow/scripts/compute_limit_part.py --plan {params.plan:q}"
+        " --part {wildcards.chunk} --parts {params.parts}"
+        " --output {output.data} --record {output.record} > {log} 2>&1"
+
+
+rule limit:
+    input:
+        expand(
+            root / f"data/maps/{LARGEST_MISALIGNMENT}/{{chunk}}.nc",
+            chunk=range(study.maps.chunks),
+        ),
     output:
         data=root / f"data/maps/{LARGEST_MISALIGNMENT}.nc",
         record=root / f"data/maps/{LARGEST_MISALIGNMENT}.run.json",
@@ -66,15 +93,15 @@ rule limit:
     conda:
         "../envs/study.yaml"
     params:
-        code=code("compute_limit"),
+        code=code("assemble_limit"),
         plan=limit_plan(study).model_dump_json(),
         plane=study.maps.largest_misalignment,
     message:
-        "computing the largest misalignment up to which every one aligns"
+        "largest misalignment: assembling its parts"
     shell:
-        "python workflow/scripts/compute_limit.py --plan {params.plan:q}"
+        "python workflow/scripts/assemble_limit.py --plan {params.plan:q}"
         " --title {params.plane.title:q} --summary {params.plane.sees:q}"
-        " --output {output.data} --record {output.record} > {log} 2>&1"
+        " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 
 
 rule draw_map:

@@ -4,26 +4,11 @@ import argparse
 import json
 from pathlib import Path
 
-from model.study.datasets import DatasetError, discard, write_dataset
-from model.study.map_datasets import map_counts, map_dataset, read_part
+from model.study.datasets import write_dataset
+from model.study.map_datasets import map_counts, map_dataset
+from model.study.map_parts import read_parts
 from model.study.maps import MapPlan, Work, assemble
 from model.study.provenance import Job
-
-
-def read_parts(plan: MapPlan, paths: list[Path]) -> list[Work]:
-    """The parts of a map; what is not one is deleted, so that the next run makes it.
-
-    Raises:
-        DatasetError: a file that cannot be read, or that is not the part of its name.
-    """
-    parts, faults = [], {}
-    for part, path in enumerate(paths):
-        try:
-            parts.append(read_part(plan, path, part, len(paths)))
-        except DatasetError as fault:
-            faults[path] = str(fault)
-    discard(faults)
-    return parts
 
 
 def main() -> None:
@@ -39,7 +24,9 @@ def main() -> None:
     arguments = parser.parse_args()
     plan = arguments.plan
     job = Job("map", plan.name)
-    found = assemble(plan, read_parts(plan, arguments.parts))
+    work = Work.nothing(plan)
+    read_parts(arguments.parts, plan.name, plan.identity, work.known)
+    found = assemble(work)
     dataset = map_dataset(found, arguments.title, arguments.summary, arguments.marks)
     write_dataset(dataset, arguments.output)
     made, counts = [arguments.output], map_counts(found)

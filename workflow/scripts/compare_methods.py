@@ -4,7 +4,6 @@ import argparse
 from pathlib import Path
 
 from model.study.datasets import write_dataset
-from model.study.plans import PrecisionPlan
 from model.study.precision import (
     METHODS,
     climb,
@@ -12,6 +11,7 @@ from model.study.precision import (
     timings_table,
     true_run,
 )
+from model.study.precision_plans import PrecisionPlan
 from model.study.provenance import Job, write_text
 
 

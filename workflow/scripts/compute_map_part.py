@@ -4,7 +4,8 @@ import argparse
 from pathlib import Path
 
 from model.study.datasets import write_dataset
-from model.study.map_datasets import part_dataset, work_counts
+from model.study.map_datasets import work_counts
+from model.study.map_parts import Part, part_dataset
 from model.study.maps import MapPlan, compute_part
 from model.study.provenance import Job
 
@@ -21,7 +22,8 @@ def main() -> None:
     plan = arguments.plan
     job = Job("map_part", plan.name, arguments.part)
     work = compute_part(plan, arguments.part, arguments.parts)
-    write_dataset(part_dataset(work, arguments.part, arguments.parts), arguments.output)
+    part = Part(plan.name, plan.identity, arguments.part, arguments.parts)
+    write_dataset(part_dataset(part, work.known), arguments.output)
     job.finish(arguments.record, [arguments.output], **plan.facts, counts=work_counts(work))
 
 

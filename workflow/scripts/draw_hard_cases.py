@@ -7,7 +7,7 @@ from model.show.hard_cases import error_over_stiffness, stability
 from model.show.style import save
 from model.study.config import HardCases
 from model.study.hard_cases import read_table
-from model.study.plans import HARD_PICTURES
+from model.study.precision_plans import HARD_PICTURES
 from model.study.provenance import Job
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from model.show.precision import evaluations_over_error, time_over_error, wrong_points
 from model.show.style import save
 from model.study.datasets import read_dataset
-from model.study.plans import PICTURES
 from model.study.precision import read_timings
+from model.study.precision_plans import PICTURES
 from model.study.provenance import Job
 
 

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from model.study.hard_cases import compile_for_stiff, judge, methods_for, table_of, true_run
-from model.study.plans import HardCasesPlan
+from model.study.precision_plans import HardCasesPlan
 from model.study.provenance import Job, write_text
 
 

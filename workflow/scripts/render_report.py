@@ -14,8 +14,8 @@ from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
 from model.study.hard_cases import read_table
 from model.study.identification.committed import pictures_of, read_identified
-from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.precision import read_timings
+from model.study.precision_plans import HARD_PICTURES, PICTURES
 from model.study.provenance import Job, file_hash, versions, write_text
 
 

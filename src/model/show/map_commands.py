@@ -74,11 +74,11 @@ def _map(arguments: argparse.Namespace) -> int:
     # Half a second that only a map is worth.
     from model.study.datasets import write_dataset  # noqa: PLC0415
     from model.study.map_datasets import in_si, map_dataset  # noqa: PLC0415
-    from model.study.maps import assemble  # noqa: PLC0415
+    from model.study.maps import Work, assemble  # noqa: PLC0415
 
     bar = _Bar()
     try:
-        found = assemble(plan, cores=os.cpu_count() or 1, progress=bar)
+        found = assemble(Work.nothing(plan), cores=os.cpu_count() or 1, progress=bar)
     finally:
         bar.close()
     title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"

@@ -46,8 +46,8 @@ from model.study.fixed_steps import wrong_counts
 from model.study.hard_cases import DEFAULT, EXPLICIT, Judged, Mark
 from model.study.identification.candidate import searched_of
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
-from model.study.plans import HARD_PICTURES, PICTURES
 from model.study.precision import METHODS
+from model.study.precision_plans import HARD_PICTURES, PICTURES
 
 if TYPE_CHECKING:
     import xarray as xr

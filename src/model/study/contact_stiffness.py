@@ -5,7 +5,6 @@ devices of the method. What does not change as the base gets stiff belongs to th
 damping changes even then is the rebound of impacts, which no stiffness decides.
 """
 
-import hashlib
 import math
 
 import xarray as xr
@@ -14,6 +13,7 @@ from pydantic import BaseModel, ConfigDict
 from model.physics.parameters import Parameters
 from model.study.config import Curves, Map, Study
 from model.study.datasets import compute_chunk, merge_chunks
+from model.study.plan import Plan
 from model.study.sweeps import Sweep, sweep_of
 
 VARIATION = "variation"
@@ -30,19 +30,12 @@ class Variation(BaseModel):
     damping: float
 
 
-class StiffnessPlan(BaseModel):
+class StiffnessPlan(Plan):
     """One figure on several bases; its JSON is its identity."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     figure: str
     variations: list[Variation]
     sweeps: list[Sweep]
-
-    @property
-    def identity(self) -> str:
-        """Hash of everything that the results depend on besides the code."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
 
 
 def critical_damping(parameters: Parameters, stiffness: float) -> float:

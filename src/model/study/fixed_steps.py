@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from model.runs.unlocated import UnlocatedScheme, align_unlocated
 from model.study.datasets import DatasetError, flags
-from model.study.plans import FixedStepPlan
+from model.study.precision_plans import FixedStepPlan
 
 FIXED_SCHEMES: tuple[UnlocatedScheme, ...] = ("rk4", "semi_implicit_euler")
 KIND = "fixed_steps"

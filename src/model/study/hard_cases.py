@@ -30,8 +30,8 @@ from model.solver.record import STATE, STATE_SIZE, Ending
 from model.solver.stiff import are_stiff
 from model.solver.tableaux import DOP853
 from model.study.datasets import DatasetError
-from model.study.plans import HardCasesPlan
 from model.study.precision import METHODS, Passed, Problem, Verdict, failure_of
+from model.study.precision_plans import HardCasesPlan
 
 DEFAULT, EXPLICIT = "dop853_located", "dop853_explicit"
 

@@ -3,7 +3,9 @@
 At every node of a map over two parameters, misalignments are tried from the slot's edge outward,
 at equal distances, up to the first that does not align within the horizon; what lies between that
 and the one before is bisected. Smaller ones are known to align as far as they were tried: an
-interval of failures narrower than the distance between trials can be missed.
+interval of failures narrower than the distance between trials can be missed. The map is filled in
+three dimensions: inside a coarse cell, what aligns at all its corners with ``MARGIN`` trials to
+spare is not tried, unless the first that is tried fails.
 """
 
 from collections.abc import Callable
@@ -13,23 +15,25 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from model.physics.parameters import Batch
 from model.runs.batch import run_once
-from model.runs.refinement import Evaluate, Floats, Ints, Lattice, refine
+from model.runs.refinement import Bools, Floats, Ints, Lattice, Refined, refine
 from model.solver.outcomes import Outcome
 from model.study.config import LARGEST_MISALIGNMENT, Study
 from model.study.map_datasets import plane_attributes, plane_coordinates
+from model.study.map_parts import Columns, Compute, Known, remembered, tiles
 from model.study.maps import COARSE, MapPlan, plan_of
+from model.study.plan import Plan
 
 BISECTIONS = 5
+MARGIN = 2  # trials
+LIMIT: Columns = {"misalignment": np.array(np.nan), "trajectories": np.array(0, dtype=np.int32)}
 
 
-class LimitPlan(BaseModel):
+class LimitPlan(Plan):
     """The map of ε in numbers: the plane as of any map, and the misalignments tried at a node."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     plane: MapPlan
     trials: int = Field(ge=2)
@@ -42,7 +46,7 @@ class LimitPlan(BaseModel):
     @property
     def facts(self) -> dict[str, Any]:
         """What a sidecar says of it."""
-        return {**self.plane.facts, "trials": self.trials}
+        return {**self.plane.facts, "sweep": self.identity, "trials": self.trials}
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -95,26 +99,32 @@ class LimitMap:
 
 
 def limits(
-    aligns: Callable[[Ints, Floats], NDArray[np.bool_]], tried: Floats, inner: float, count: int
+    aligns: Callable[[Ints, Floats], Bools], tried: Floats, inner: float, above: Floats
 ) -> tuple[Floats, Ints]:
-    """(ε, runs) of ``count`` nodes, each of shape (count,).
+    """(ε, runs) of every node, each of shape (count,).
 
     Args:
         aligns: whether nodes (by number) align from misalignments, all of shape (m,).
         tried: misalignments to try, rising.
         inner: where the part starts above the slot, so that it aligns without a run.
-        count: nodes.
+        above: what aligns around each node, shape (count,); ``inner`` where that is not known.
     """
-    runs = np.zeros(count, dtype=np.int64)
-    last, failing = np.full(count, inner), np.full(count, np.inf)
-    active = np.arange(count)
-    for misalignment in tried:
-        works = aligns(active, np.full(active.size, misalignment))
-        runs[active] += 1
-        last[active[works]], failing[active[~works]] = misalignment, misalignment
-        active = active[works]
-        if not active.size:
-            break
+    runs = np.zeros(above.size, dtype=np.int64)
+    last, failing = np.full(above.size, inner), np.full(above.size, np.inf)
+
+    def try_from(first: Ints) -> None:
+        for index, misalignment in enumerate(tried):
+            nodes = np.flatnonzero((first <= index) & np.isinf(failing))
+            if nodes.size:
+                works = aligns(nodes, np.full(nodes.size, misalignment))
+                runs[nodes] += 1
+                last[nodes[works]], failing[nodes[~works]] = misalignment, misalignment
+
+    first = np.maximum(np.searchsorted(tried, above, "right") - MARGIN, 0)
+    try_from(first)
+    mistaken = (first > 0) & (failing == tried[np.minimum(first, tried.size - 1)])
+    failing[mistaken] = np.inf
+    try_from(np.where(mistaken, 0, tried.size))
     bounded = np.flatnonzero(np.isfinite(failing))
     for _ in range(BISECTIONS if bounded.size else 0):
         middle = 0.5 * (last[bounded] + failing[bounded])
@@ -124,36 +134,60 @@ def limits(
     return last, runs
 
 
-def limit_map(
-    plan: LimitPlan, *, cores: int = 1, progress: Callable[[int], None] = lambda _: None
-) -> LimitMap:
-    """Compute the map of ε; ``progress`` is told how many runs have been made."""
-    made = np.zeros(plan.lattice.shape, dtype=np.int32)
-    found = refine(_evaluate(plan, cores, made, progress), plan.lattice)
-    return LimitMap(plan, found.value, found.level.astype(np.int8), made)
+def limit_part(plan: LimitPlan, part: int = 0, parts: int = 1) -> Known:
+    """Compute the cells of one part of the map, as far as what is in them tells.
+
+    Raises:
+        ValueError: a part that is not one of ``parts``.
+    """
+    known = Known.nothing(plan.lattice, LIMIT)
+    _refine(plan, known, tiles(plan.lattice, part, parts))
+    return known
 
 
-def _evaluate(
-    plan: LimitPlan, cores: int, made: NDArray[np.int32], progress: Callable[[int], None]
-) -> Evaluate:
+def limit_map(plan: LimitPlan, known: Known) -> LimitMap:
+    """The map, from what its parts know; ``known`` gets what is missing."""
+    found = _refine(plan, known)
+    runs = known.columns["trajectories"]
+    return LimitMap(plan, found.value, found.level.astype(np.int8), runs)
+
+
+def _refine(plan: LimitPlan, known: Known, within: Bools | None = None) -> Refined:
+    look_up = remembered(known, _limits_at(plan, known))
+
+    def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
+        return np.zeros(rows.size, dtype=np.int64), look_up(rows, columns)["misalignment"]
+
+    return refine(evaluate, plan.lattice, within)
+
+
+def _limits_at(plan: LimitPlan, known: Known) -> Compute:
     plane, inner = plan.plane, plan.bounds[0]
     settings, device = plane.settings.settings, plane.baseline
 
-    def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
+    def compute(rows: Ints, columns: Ints) -> Columns:
         swept = plane.swept(rows, columns)
 
-        def aligns(nodes: Ints, misalignment: Floats) -> NDArray[np.bool_]:
+        def aligns(nodes: Ints, misalignment: Floats) -> Bools:
             values = {name: value[nodes] for name, value in swept.items()}
             batch = Batch.of(device, misalignment=misalignment, **values)
-            endings = run_once(batch, settings, cores=cores)
+            endings = run_once(batch, settings, cores=1)
             return np.asarray(endings["outcome"] == Outcome.ALIGNED)
 
-        value, runs = limits(aligns, plan.tried, inner, rows.size)
-        made[rows, columns] = runs
-        progress(int(made.sum()))
-        return np.zeros(rows.size, dtype=np.int64), value
+        around = _least_around(known.columns["misalignment"], plan.lattice.coarse, rows, columns)
+        found, runs = limits(aligns, plan.tried, inner, np.where(np.isnan(around), inner, around))
+        return {"misalignment": found, "trajectories": runs}
 
-    return evaluate
+    return compute
+
+
+def _least_around(values: Floats, coarse: int, rows: Ints, columns: Ints) -> Floats:
+    """Least of the values at the corners of the coarse cell around nodes; on its sides, of two.
+
+    They are the same in every part of a map that holds the node. NaN at a corner not yet known.
+    """
+    places = [(each // coarse * coarse, -(-each // coarse) * coarse) for each in (rows, columns)]
+    return np.min([values[row, column] for row in places[0] for column in places[1]], axis=0)
 
 
 def limit_dataset(found: LimitMap, title: str, summary: str) -> xr.Dataset:
@@ -177,10 +211,11 @@ def limit_dataset(found: LimitMap, title: str, summary: str) -> xr.Dataset:
         for name, attributes in about.items()
     }
     attributes = plane_attributes(plane, "limit", title, summary)
-    attributes |= {"trajectories": int(found.trajectories.sum()), "bounds": list(plan.bounds)}
+    attributes |= {"sweep": plan.identity, "bounds": list(plan.bounds)}
+    attributes |= limit_counts(found.trajectories)
     return xr.Dataset(variables, plane_coordinates(plane, derived={"misalignment"}), attributes)
 
 
-def limit_counts(found: LimitMap) -> dict[str, int]:
-    """What its sidecar counts."""
-    return {"trajectories": int(found.trajectories.sum())}
+def limit_counts(trajectories: NDArray[np.int32]) -> dict[str, int]:
+    """What the sidecars of the map and its parts count."""
+    return {"trajectories": int(trajectories.sum())}

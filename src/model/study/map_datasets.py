@@ -1,8 +1,7 @@
-"""Stability maps on disk: parts of a map as they are computed, and the map as a gridded dataset."""
+"""Stability maps on disk, as gridded datasets."""
 
 import json
 from collections.abc import Collection, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,14 +11,8 @@ from model.physics.parameters import FIELDS
 from model.physics.units import DURATION, QUANTITIES, UNITS, Units
 from model.solver.outcomes import Outcome, Reason
 from model.study.config import CURVES, HISTORIES, Curves, Study
-from model.study.datasets import (
-    DatasetError,
-    flags,
-    global_attributes,
-    parameter_attributes,
-    read_dataset,
-)
-from model.study.maps import BESIDE, PERIODS, SHARE, Known, MapPlan, StabilityMap, Work
+from model.study.datasets import flags, global_attributes, parameter_attributes
+from model.study.maps import BESIDE, PERIODS, SHARE, MapPlan, StabilityMap, Work
 
 _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
 
@@ -150,52 +143,10 @@ def marks_of(study: Study, name: str) -> list[Mark]:
     return found
 
 
-# --- Parts --------------------------------------------------------------------------------------
-
-
-def part_dataset(work: Work, part: int, parts: int) -> xr.Dataset:
-    """What one part of a map has computed: columns over its nodes."""
-    variables: dict[str, Any] = {}
-    for prefix, known in _halves(work).items():
-        rows, columns = known.nodes
-        variables[f"{prefix}_row"] = (prefix, rows.astype(np.int32))
-        variables[f"{prefix}_column"] = (prefix, columns.astype(np.int32))
-        for name, values in known.of(rows, columns).items():
-            variables[f"{prefix}_{name}"] = (prefix, values)
-    about = {"figure": work.plan.name, "sweep": work.plan.identity, "part": part, "parts": parts}
-    return xr.Dataset(variables, attrs=about)
-
-
-def read_part(plan: MapPlan, path: Path, part: int, parts: int) -> Work:
-    """One part of a map.
-
-    Raises:
-        DatasetError: a file that cannot be read, or that is not this part of this map.
-    """
-    stored = read_dataset(path)
-    expected = {"sweep": plan.identity, "part": part, "parts": parts}
-    if any(stored.attrs.get(name) != value for name, value in expected.items()):
-        raise DatasetError(f"{path}: is not part {part} of this map")
-    work = Work.nothing(plan)
-    for prefix, known in _halves(work).items():
-        rows, columns = (stored[f"{prefix}_{name}"].values for name in ("row", "column"))
-        values = {name: stored[f"{prefix}_{name}"].values for name in known.columns}
-        known.enter(rows, columns, values)
-    return work
-
-
-def _halves(work: Work) -> dict[str, Known]:
-    found = {"paper": work.paper}
-    if work.ensemble is not None:
-        found["ensemble"] = work.ensemble
-    return found
-
-
 def work_counts(work: Work) -> dict[str, int]:
     """What a part's sidecar counts."""
     outcome = work.paper.of(*work.paper.nodes)["outcome"]
-    halves = _halves(work).values()
-    evaluations = sum(int(known.columns["rhs_evaluations"].sum()) for known in halves)
+    evaluations = sum(int(known.columns["rhs_evaluations"].sum()) for known in work.known.values())
     return {
         "trajectories": work.trajectories,
         **{each.name.lower(): int((outcome == each).sum()) for each in Outcome},

@@ -7,15 +7,14 @@ and on the tilt there, which nobody controls: *reliable* is a device that aligns
 from every start of an ensemble. That ensemble is tried on a coarser lattice, refined as well.
 """
 
-import hashlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic import model_validator
 from scipy.ndimage import distance_transform_edt
 
 from model.physics.parameters import Batch, Parameters
@@ -32,6 +31,8 @@ from model.study.config import (
     Study,
     check_plane,
 )
+from model.study.map_parts import Columns, Compute, Known, remembered, tiles
+from model.study.plan import Plan
 from model.study.starts import from_every_start, starts_of
 
 COARSE = 64  # coarse cells along a side of a map
@@ -41,13 +42,12 @@ PERIODS = 0.4  # excitation periods; a part that misses one takes one longer
 SHARE = 0.1  # of the duration
 BESIDE = 6  # nodes; what is filled so near to another area is flagged
 COARSE_ENSEMBLE = 32  # coarse cells along a side of the ensemble's lattice
-_AT_ONCE = 2048  # nodes, so that progress can be told
 
 Progress = Callable[[str, int, int], None]
 """(what is computed, trajectories done, nodes of this wave still to come)."""
 
 
-class MapPlan(BaseModel):
+class MapPlan(Plan):
     """One map in numbers; its JSON is its identity.
 
     Attributes:
@@ -60,8 +60,6 @@ class MapPlan(BaseModel):
     Raises:
         ValueError: x and y that are no lattice, are one parameter, or break its rule.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: str
     parameters: dict[str, float | None]
@@ -88,11 +86,6 @@ class MapPlan(BaseModel):
     def baseline(self) -> Parameters:
         """What is held, with the baseline's values of what is varied."""
         return Parameters(**self.parameters)  # type: ignore[arg-type]
-
-    @property
-    def identity(self) -> str:
-        """Hash of everything that the results depend on besides the code."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -181,10 +174,6 @@ def plan_of(
 
 # --- What has been computed ---------------------------------------------------------------------
 
-Columns = Mapping[str, NDArray[Any]]
-Compute = Callable[[Ints, Ints], Columns]
-"""(rows, columns) of nodes to what is known of them then, each of shape (m,)."""
-
 # What is kept of a node, by name: a value that stands for "not computed", with its type.
 PAPER: Columns = {
     "outcome": np.array(-1, dtype=np.int8),
@@ -199,36 +188,6 @@ ENSEMBLE: Columns = {
     "tau_worst": np.array(np.nan),
     "rhs_evaluations": np.array(0, dtype=np.int64),
 }
-
-
-@dataclass
-class Known:
-    """What has been computed of a map so far: columns over all nodes, and where they are known."""
-
-    computed: Bools
-    columns: dict[str, NDArray[Any]]
-
-    @classmethod
-    def nothing(cls, lattice: Lattice, unknown: Columns) -> "Known":
-        """No node of ``lattice``; ``unknown`` is PAPER or ENSEMBLE."""
-        columns = {name: np.full(lattice.shape, value) for name, value in unknown.items()}
-        return cls(np.zeros(lattice.shape, dtype=np.bool_), columns)
-
-    def enter(self, rows: Ints, columns: Ints, values: Columns) -> None:
-        """Add nodes."""
-        for name, column in self.columns.items():
-            column[rows, columns] = values[name]
-        self.computed[rows, columns] = True
-
-    @property
-    def nodes(self) -> tuple[Ints, Ints]:
-        """Rows and columns of what is known."""
-        rows, columns = np.nonzero(self.computed)
-        return rows, columns
-
-    def of(self, rows: Ints, columns: Ints) -> Columns:
-        """What is known of nodes, each column of shape (m,)."""
-        return {name: column[rows, columns] for name, column in self.columns.items()}
 
 
 @dataclass(frozen=True)
@@ -247,11 +206,11 @@ class Work:
             ensemble = Known.nothing(plan.ensemble_lattice, ENSEMBLE)
         return cls(plan, Known.nothing(plan.lattice, PAPER), ensemble)
 
-    def join(self, other: "Work") -> None:
-        """Add what another part of the same map has computed."""
-        self.paper.enter(*other.paper.nodes, other.paper.of(*other.paper.nodes))
-        if self.ensemble is not None and other.ensemble is not None:
-            self.ensemble.enter(*other.ensemble.nodes, other.ensemble.of(*other.ensemble.nodes))
+    @property
+    def known(self) -> dict[str, Known]:
+        """What is known, by name of the start."""
+        every = {"paper": self.paper, "ensemble": self.ensemble}
+        return {name: known for name, known in every.items() if known is not None}
 
     @property
     def trajectories(self) -> int:
@@ -309,20 +268,6 @@ def graded(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
     return np.where(periods < knee, periods / PERIODS, logarithmic)
 
 
-def _remembered(known: Known, compute: Compute, progress: Callable[[int], None]) -> Compute:
-    """``compute`` where nothing is known yet, a bounded number of nodes at a time."""
-
-    def look_up(rows: Ints, columns: Ints) -> Columns:
-        new = np.flatnonzero(~known.computed[rows, columns])
-        for first in range(0, new.size, _AT_ONCE):
-            some = new[first : first + _AT_ONCE]
-            progress(int(new.size - first))
-            known.enter(rows[some], columns[some], compute(rows[some], columns[some]))
-        return known.of(rows, columns)
-
-    return look_up
-
-
 def _paper_areas(plan: MapPlan, look_up: Compute) -> Evaluate:
     def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
         found = look_up(rows, columns)
@@ -343,13 +288,6 @@ def _ensemble_areas(plan: MapPlan, look_up: Compute) -> Evaluate:
     return evaluate
 
 
-def _tiles(lattice: Lattice, part: int, parts: int) -> Bools:
-    """The coarse cells of one of ``parts``: squares of them, dealt out so that parts cost alike."""
-    count = lattice.cells // lattice.coarse
-    tile = np.arange(count) // max(count // LINES, 1)
-    return (3 * tile[:, None] + tile) % parts == part
-
-
 def compute_part(
     plan: MapPlan,
     part: int = 0,
@@ -363,10 +301,8 @@ def compute_part(
     Raises:
         ValueError: a part that is not one of ``parts``.
     """
-    if not 0 <= part < parts:
-        raise ValueError(f"part = {part}: must be 0 to {parts - 1}")
     work = Work.nothing(plan)
-    _refine(work, cores, progress, lambda lattice: _tiles(lattice, part, parts))
+    _refine(work, cores, progress, lambda lattice: tiles(lattice, part, parts))
     return work
 
 
@@ -382,11 +318,11 @@ def _refine(
     def note(words: str) -> Callable[[int], None]:
         return lambda left: progress(words, work.trajectories, left)
 
-    look_up = _remembered(work.paper, paper_start(plan, cores), note("outcomes"))
+    look_up = remembered(work.paper, paper_start(plan, cores), note("outcomes"))
     paper = refine(_paper_areas(plan, look_up), plan.lattice, within(plan.lattice))
     if work.ensemble is None:
         return paper, None
-    look_up = _remembered(work.ensemble, ensemble_starts(plan, cores), note("reliability"))
+    look_up = remembered(work.ensemble, ensemble_starts(plan, cores), note("reliability"))
     lattice = plan.ensemble_lattice
     return paper, refine(_ensemble_areas(plan, look_up), lattice, within(lattice))
 
@@ -433,21 +369,13 @@ class StabilityMap:
     rhs_evaluations: int
 
 
-def assemble(
-    plan: MapPlan,
-    parts: Sequence[Work] = (),
-    *,
-    cores: int = 1,
-    progress: Progress = lambda *_: None,
-) -> StabilityMap:
-    """The map, from what its parts have computed, and computed where something is missing.
+def assemble(work: Work, *, cores: int = 1, progress: Progress = lambda *_: None) -> StabilityMap:
+    """The map, from what its parts have computed; ``work`` gets what is missing.
 
-    What is missing are the cells that show at a border between parts only. The map is the same
-    whatever the parts.
+    From its parts those cells are missing that show at a border between two of them. The map is the
+    same whatever the parts.
     """
-    work = Work.nothing(plan)
-    for part in parts:
-        work.join(part)
+    plan = work.plan
     paper, ensemble = _refine(work, cores, progress)
     columns = work.paper.columns
     outcome = paper.spread(columns["outcome"])

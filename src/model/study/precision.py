@@ -29,7 +29,7 @@ from model.runs.unlocated import UnlocatedScheme, align_unlocated, unlocated_pro
 from model.solver.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.solver.tableaux import DOP853, DORMAND_PRINCE, Tableau
 from model.study.datasets import DatasetError, flags, global_attributes, parameter_attributes
-from model.study.plans import PrecisionPlan
+from model.study.precision_plans import PrecisionPlan
 
 Floats = NDArray[np.float64]
 NAME = "precision"

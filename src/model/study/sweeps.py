@@ -3,18 +3,17 @@
 A sweep holds numbers only, no wording, so that a change of a caption computes nothing anew.
 """
 
-import hashlib
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
 
 from model.physics.parameters import Batch, Parameters
 from model.study.config import Axis, ClaimRun, Curves, Family, Map, RunSettings, Study
+from model.study.plan import Plan
 
 
-class Sweep(BaseModel):
+class Sweep(Plan):
     """One figure's computation; its JSON is its identity.
 
     Attributes:
@@ -24,8 +23,6 @@ class Sweep(BaseModel):
         settings: how runs are computed.
         dimensions: slowest first.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     figure: str
     kind: Literal["history", "curves", "map"]
@@ -42,11 +39,6 @@ class Sweep(BaseModel):
     def shape(self) -> tuple[int, ...]:
         """Number of values in each dimension."""
         return tuple(len(dimension.values) for dimension in self.dimensions)
-
-    @property
-    def identity(self) -> str:
-        """Hash of everything that the results depend on besides the code."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
 
     @property
     def facts(self) -> dict[str, Any]:

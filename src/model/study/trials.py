@@ -3,21 +3,20 @@
 How they are judged is in accuracy.py; a rule that only names a trial need not import that.
 """
 
-import hashlib
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
 
 from model.physics.parameters import Batch, Parameters
 from model.study.config import Range, RunSettings, Study
+from model.study.plan import Plan
 
 TrialName = Literal["error", "settled"]
 TRIALS: tuple[TrialName, ...] = ("error", "settled")
 
 
-class Trial(BaseModel):
+class Trial(Plan):
     """One trial's computation; its JSON is its identity.
 
     Attributes:
@@ -30,8 +29,6 @@ class Trial(BaseModel):
         longer: how many horizons a settled run is run on for.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
     name: TrialName
     parameters: dict[str, float | None]
     settings: RunSettings
@@ -39,11 +36,6 @@ class Trial(BaseModel):
     seed: int
     sets: int
     longer: float
-
-    @property
-    def identity(self) -> str:
-        """Hash of everything that the results depend on besides the code."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
 
     @property
     def facts(self) -> dict[str, Any]:

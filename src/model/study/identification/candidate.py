@@ -6,7 +6,6 @@ searched as damping ratios and the inertia as a multiple of the bare part's, bec
 stated in these; ``structure_of`` turns them into the parameters of the equations.
 """
 
-import hashlib
 import math
 from collections.abc import Mapping
 from functools import cached_property
@@ -14,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
 
 from model.physics.parameters import check_name
 from model.physics.readings import READING_NAMES, Reading
@@ -31,6 +29,7 @@ from model.study.config import (
     SearchLaw,
     Study,
 )
+from model.study.plan import Plan
 from model.study.sweeps import Sweep
 
 COMPUTED = HISTORIES + CURVES + MAPS
@@ -42,7 +41,7 @@ MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
 Array = NDArray[np.float64]
 
 
-class Space(BaseModel):
+class Space(Plan):
     """The search as data; its JSON is its identity.
 
     Attributes:
@@ -53,18 +52,11 @@ class Space(BaseModel):
         readings: how the equations are read; every switch by name.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
     fixed: dict[str, float]
     dimensions: dict[str, list[Axis | Family]]
     runs: dict[str, ClaimRun]
     law: SearchLaw
     readings: dict[str, Reading]
-
-    @property
-    def identity(self) -> str:
-        """Hash of everything that the results depend on besides the code."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
 
     @cached_property
     def settings(self) -> RunSettings:

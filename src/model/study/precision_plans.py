@@ -1,12 +1,10 @@
 """What the section on speed against error computes: numbers only, as in sweeps.py."""
 
-import hashlib
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict
-
 from model.study.config import Axis, HardCases, Ladder, RunSettings, Study
+from model.study.plan import Plan
 from model.study.sweeps import Sweep, sweep_of
 
 # Its pictures, and where each belongs in the results root, without extension.
@@ -23,25 +21,14 @@ HARD_PICTURES: Mapping[str, str] = {
 }
 
 
-class _Plan(BaseModel):
-    """Its JSON is its identity."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    @property
-    def identity(self) -> str:
-        """Hash of everything that the results depend on besides the code."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
-
-
-class CasePlan(_Plan):
+class CasePlan(Plan):
     """One case in numbers; ``until`` as in ``config.Case``."""
 
     parameters: dict[str, float | None]
     until: float | None
 
 
-class PrecisionPlan(_Plan):
+class PrecisionPlan(Plan):
     """The whole comparison."""
 
     cases: dict[str, CasePlan]
@@ -58,7 +45,7 @@ def precision_plan(study: Study) -> PrecisionPlan:
     return PrecisionPlan(cases=cases, ladder=study.precision.ladder, settings=study.settings)
 
 
-class HardCasesPlan(_Plan):
+class HardCasesPlan(Plan):
     """Every method on every hard case."""
 
     parameters: dict[str, float | None]
@@ -73,7 +60,7 @@ def hard_cases_plan(study: Study) -> HardCasesPlan:
     )
 
 
-class FixedStepPlan(_Plan):
+class FixedStepPlan(Plan):
     """One figure anew with fixed steps.
 
     ``every`` keeps every n-th value of each axis, and all curves of a family.

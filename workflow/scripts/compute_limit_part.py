@@ -1,0 +1,31 @@
+"""Compute one part of the map of the largest misalignment, with its sidecar."""
+
+import argparse
+from pathlib import Path
+
+from model.study.datasets import write_dataset
+from model.study.largest_misalignment import LimitPlan, limit_counts, limit_part
+from model.study.map_parts import Part, part_dataset
+from model.study.provenance import Job
+
+
+def main() -> None:
+    """Read the command line and do it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--plan", required=True, type=LimitPlan.model_validate_json)
+    parser.add_argument("--part", required=True, type=int)
+    parser.add_argument("--parts", required=True, type=int)
+    parser.add_argument("--output", required=True, type=Path)
+    parser.add_argument("--record", required=True, type=Path)
+    arguments = parser.parse_args()
+    plan = arguments.plan
+    job = Job("limit_part", plan.name, arguments.part)
+    known = limit_part(plan, arguments.part, arguments.parts)
+    part = Part(plan.name, plan.identity, arguments.part, arguments.parts)
+    write_dataset(part_dataset(part, {"limit": known}), arguments.output)
+    counts = limit_counts(known.columns["trajectories"])
+    job.finish(arguments.record, [arguments.output], **plan.facts, counts=counts)
+
+
+if __name__ == "__main__":
+    main()
