@@ -8,7 +8,7 @@ import pytest
 
 from model.solver.outcomes import Outcome
 from model.study.config import load_study, study_path
-from model.study.datasets import DatasetError
+from model.study.csv_tables import TableError
 from model.study.hard_cases import (
     DEFAULT,
     EXPLICIT,
@@ -117,5 +117,5 @@ def test_a_table_comes_back_as_it_was_written(tmp_path):
 def test_what_is_no_such_table_is_refused(tmp_path, text):
     path = tmp_path / "hard_cases.csv"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(DatasetError, match="build it again"):
+    with pytest.raises(TableError, match="build it again"):
         read_table(path)

@@ -11,7 +11,8 @@ from model.runs.trajectory import Trajectory
 from model.solver.outcomes import Outcome
 from model.study import precision
 from model.study.config import load_study, study_path
-from model.study.datasets import DatasetError, read_dataset, write_dataset
+from model.study.csv_tables import TableError
+from model.study.datasets import read_dataset, write_dataset
 from model.study.precision import (
     METHODS,
     CaseError,
@@ -214,7 +215,7 @@ def test_timings_survive_the_disk(tmp_path: Path) -> None:
     assert math.isnan(second.error)
     assert math.isnan(second.microseconds)
     path.write_text("case,method\na,b\n", encoding="utf-8")
-    with pytest.raises(DatasetError, match=r"is not a table of timings .* build it again"):
+    with pytest.raises(TableError, match=r"is not a table of timings .* build it again"):
         read_timings(path)
-    with pytest.raises(DatasetError, match="build it again"):
+    with pytest.raises(TableError, match="build it again"):
         read_timings(tmp_path / "absent.csv")

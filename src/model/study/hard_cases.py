@@ -9,13 +9,12 @@ On stiff bases the default method takes implicit steps where they pay; what expl
 need there is judged beside it, as ``EXPLICIT``.
 """
 
-import csv
-import io
 import math
 import time
 from dataclasses import dataclass, fields, replace
 from enum import Enum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +28,7 @@ from model.solver.outcomes import Outcome, Reason
 from model.solver.record import STATE, STATE_SIZE, Ending
 from model.solver.stiff import are_stiff
 from model.solver.tableaux import DOP853
-from model.study.datasets import DatasetError
+from model.study.csv_tables import csv_text, read_rows
 from model.study.precision import METHODS, Passed, Problem, Verdict, failure_of
 from model.study.precision_plans import HardCasesPlan
 
@@ -207,45 +206,37 @@ _COLUMNS = tuple(field.name for field in fields(Judged))
 def table_of(judged: list[Judged], *, times: bool) -> str:
     """The judged runs as CSV, with or without their CPU times, which are new in every build."""
     columns = _COLUMNS if times else _COLUMNS[:-1]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    for each in judged:
-        row = vars(each) | {
-            "verdict": each.verdict.name.lower(),
-            "mark": each.mark.value,
-            "error": f"{each.error:.3e}",
-            "uncertainty": f"{each.uncertainty:.1e}",
-            "microseconds": f"{each.microseconds:.0f}",
-        }
-        writer.writerow([row[name] for name in columns])
-    return text.getvalue()
+    return csv_text(columns, (_row(each) for each in judged))
+
+
+def _row(judged: Judged) -> dict[str, Any]:
+    return vars(judged) | {
+        "verdict": judged.verdict.name.lower(),
+        "mark": judged.mark.value,
+        "error": f"{judged.error:.3e}",
+        "uncertainty": f"{judged.uncertainty:.1e}",
+        "microseconds": f"{judged.microseconds:.0f}",
+    }
 
 
 def read_table(path: Path) -> list[Judged]:
     """What ``table_of`` wrote to ``path``; times that are not there are NaN.
 
     Raises:
-        DatasetError: a file that is missing or not such a table.
+        TableError: a file that is missing or not such a table.
     """
-    try:
-        rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
-        if not rows:
-            raise ValueError("it has no rows")  # noqa: TRY301 - told with the others below
-        return [
-            Judged(
-                case=row["case"],
-                method=row["method"],
-                outcome=row["outcome"],
-                verdict=Verdict[row["verdict"].upper()],
-                mark=Mark(row["mark"]),
-                error=float(row["error"]),
-                uncertainty=float(row["uncertainty"]),
-                rhs_evaluations=int(row["rhs_evaluations"]),
-                microseconds=float(row.get("microseconds", "nan")),
-            )
-            for row in rows
-        ]
-    except (OSError, UnicodeDecodeError, KeyError, ValueError, TypeError) as error:
-        fault = f"{path}: is not a table of hard cases ({error}): build it again"
-        raise DatasetError(fault) from None
+    return read_rows(path, "hard cases", _judged)
+
+
+def _judged(row: dict[str, str]) -> Judged:
+    return Judged(
+        case=row["case"],
+        method=row["method"],
+        outcome=row["outcome"],
+        verdict=Verdict[row["verdict"].upper()],
+        mark=Mark(row["mark"]),
+        error=float(row["error"]),
+        uncertainty=float(row["uncertainty"]),
+        rhs_evaluations=int(row["rhs_evaluations"]),
+        microseconds=float(row.get("microseconds", "nan")),
+    )

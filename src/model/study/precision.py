@@ -4,8 +4,6 @@ The true solution is the default method's at a tolerance far below the others. E
 errors are data, the same in every build; CPU times are not, and are kept apart from them.
 """
 
-import csv
-import io
 import itertools
 import math
 import time
@@ -28,7 +26,8 @@ from model.runs.trajectory import Trajectory, simulate
 from model.runs.unlocated import UnlocatedScheme, align_unlocated, unlocated_problem
 from model.solver.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.solver.tableaux import DOP853, DORMAND_PRINCE, Tableau
-from model.study.datasets import DatasetError, flags, global_attributes, parameter_attributes
+from model.study.csv_tables import csv_text, read_rows
+from model.study.datasets import flags, global_attributes, parameter_attributes
 from model.study.precision_plans import PrecisionPlan
 
 Floats = NDArray[np.float64]
@@ -443,41 +442,34 @@ _COLUMNS = tuple(field.name for field in fields(TimedRung))
 
 def timings_table(rungs: Sequence[TimedRung]) -> str:
     """The timed rungs as CSV, a header and one line for each."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(_COLUMNS)
-    for rung in rungs:
-        row = vars(rung) | {
-            "resolution": f"{rung.resolution:g}",
-            "error": f"{rung.error:.3e}",
-            "verdict": rung.verdict.name.lower(),
-            "microseconds": f"{rung.microseconds:.1f}",
-        }
-        writer.writerow([row[name] for name in _COLUMNS])
-    return text.getvalue()
+    return csv_text(_COLUMNS, (_row(rung) for rung in rungs))
+
+
+def _row(rung: TimedRung) -> dict[str, Any]:
+    return vars(rung) | {
+        "resolution": f"{rung.resolution:g}",
+        "error": f"{rung.error:.3e}",
+        "verdict": rung.verdict.name.lower(),
+        "microseconds": f"{rung.microseconds:.1f}",
+    }
 
 
 def read_timings(path: Path) -> list[TimedRung]:
     """What ``timings_table`` wrote to ``path``.
 
     Raises:
-        DatasetError: a file that is missing or not such a table.
+        TableError: a file that is missing or not such a table.
     """
-    try:
-        rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
-        if not rows:
-            raise ValueError("it has no rows")  # noqa: TRY301 - told with the others below
-        return [
-            TimedRung(
-                case=row["case"],
-                method=row["method"],
-                resolution=float(row["resolution"]),
-                error=float(row["error"]),
-                rhs_evaluations=int(row["rhs_evaluations"]),
-                verdict=Verdict[row["verdict"].upper()],
-                microseconds=float(row["microseconds"]),
-            )
-            for row in rows
-        ]
-    except (OSError, UnicodeDecodeError, KeyError, ValueError, TypeError) as error:
-        raise DatasetError(f"{path}: is not a table of timings ({error}): build it again") from None
+    return read_rows(path, "timings", _rung)
+
+
+def _rung(row: dict[str, str]) -> TimedRung:
+    return TimedRung(
+        case=row["case"],
+        method=row["method"],
+        resolution=float(row["resolution"]),
+        error=float(row["error"]),
+        rhs_evaluations=int(row["rhs_evaluations"]),
+        verdict=Verdict[row["verdict"].upper()],
+        microseconds=float(row["microseconds"]),
+    )

@@ -6,8 +6,6 @@ the point is sensitive. What is meant to differ is accepted, with a reason and t
 changed, in ``accepted.csv``.
 """
 
-import csv
-import io
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -27,6 +25,7 @@ from model.study.comparison import (
     verdicts,
 )
 from model.study.config import FIGURES, SCHEMATICS
+from model.study.csv_tables import csv_text
 from model.study.files import whole_file
 from model.study.provenance import git_state, write_text
 
@@ -297,10 +296,6 @@ def _log_line(change: Change) -> dict[str, Any]:
 
 
 def _append(log: Path, rows: Sequence[dict[str, Any]]) -> None:
-    text = io.StringIO()
-    writer = csv.DictWriter(text, LOG_COLUMNS, lineterminator="\n")
-    if not log.is_file():
-        writer.writeheader()
-    writer.writerows(rows)
-    before = log.read_text(encoding="utf-8") if log.is_file() else ""
-    write_text(before + text.getvalue(), log)
+    header, *lines = csv_text(LOG_COLUMNS, rows).splitlines(keepends=True)
+    before = log.read_text(encoding="utf-8") if log.is_file() else header
+    write_text(before + "".join(lines), log)

@@ -13,7 +13,6 @@ the same time.
 """
 
 import contextlib
-import csv
 import fcntl
 import io
 import json
@@ -28,6 +27,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from model.study.csv_tables import csv_text
 from model.study.files import whole_file
 from model.study.provenance import (
     INVOCATION,
@@ -487,11 +487,8 @@ def write_index(root: Path) -> None:
         TrackingError: as ``load_runs``.
         OSError: the folder cannot be written.
     """
-    runs, rows = load_runs(root), io.StringIO()
-    writer = csv.DictWriter(rows, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(_row(run) for run in runs)
-    write_text(rows.getvalue(), root / "runs.csv")
+    runs = load_runs(root)
+    write_text(csv_text(COLUMNS, (_row(run) for run in runs)), root / "runs.csv")
     with (
         whole_file(root / "runs.sqlite") as part,
         contextlib.closing(sqlite3.connect(part)) as base,

@@ -1,13 +1,13 @@
 """The ledger on disk: ``claims.csv``, one line a claim, the same bytes for the same datasets."""
 
 import csv
-import io
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 from model.study.claims.ledger import Claim, Finding
+from model.study.csv_tables import csv_text
 
 
 class LedgerError(ValueError):
@@ -64,11 +64,7 @@ def _number(value: float) -> str:
 
 def ledger_text(lines: Iterable[Line]) -> str:
     """The content of ``claims.csv``."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, [each.name for each in fields(Line)], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(asdict(line) for line in lines)
-    return text.getvalue()
+    return csv_text([each.name for each in fields(Line)], map(asdict, lines))
 
 
 def read_ledger(path: Path) -> list[Line]:
