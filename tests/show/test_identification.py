@@ -15,13 +15,11 @@ from model.show.identification import (
     structure_pairs,
 )
 from model.study.config import Range
+from model.study.identification.band_table import Band
 from model.study.identification.committed import (
-    HEADER,
-    Band,
     IdentificationError,
     Identified,
     read_identified,
-    rows_of,
 )
 from model.study.identification.results import Split
 
@@ -53,7 +51,6 @@ def found() -> Identified:
         prior_shares=np.array([0.5, 0.1, 0.02]),
         splits=(Split(0, 1, 1, 1, 1), Split(1, 1, 1, 1, 0)),
         readings={"consistent": np.array([0.1, 0.2, -0.9]), "printed": np.array([-1, -0.1, 0.3])},
-        bands={"fig07": (BAND,)},
     )
 
 
@@ -70,7 +67,6 @@ def write(folder: Path, found: Identified) -> None:
             ["reading", *found.claims],
             *([name, *margins] for name, margins in found.readings.items()),
         ],
-        "bands": [HEADER, *rows_of(found.bands)],
     }
     for name, rows in tables.items():
         with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
@@ -89,7 +85,6 @@ def test_tables_are_read_as_they_were_written(tmp_path: Path, found: Identified)
         np.testing.assert_array_equal(again.ensemble[name], values)
     for name, margins in found.readings.items():
         np.testing.assert_array_equal(again.readings[name], margins)
-    np.testing.assert_array_equal(again.bands["fig07"][0].high, BAND.high)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +94,6 @@ def test_tables_are_read_as_they_were_written(tmp_path: Path, found: Identified)
         ("splits", "number\n", "splits.csv: holds no row"),
         ("ensemble", "half_width\nwide\n", "is not what `make identification` writes"),
         ("readings", "reading,N1\nprinted,0.1\n", "name other claims"),
-        ("bands", "figure\nfig07\n", "is not what `make identification` writes"),
         ("splits", "number\n1,2\n", "is not what `make identification` writes"),
     ],
 )
@@ -149,7 +143,7 @@ def test_readings_are_marked_where_they_fail(found: Identified) -> None:
     assert names == ["consistent (2)", "as printed (1)"]
 
 
-def test_a_band_stands_behind_the_curve_of_its_parameter(found: Identified) -> None:
+def test_a_band_stands_behind_the_curve_of_its_parameter() -> None:
     friction = ("friction", [0.0, 0.1, 0.2], {"long_name": "friction", "symbol": "μ"})
     force = ("press_force", [1.0, 2.0], {"long_name": "force", "symbol": "f0"})
     taus = np.array([[1.0, 2.0, 3.0], [1.1, 2.2, 3.3]])
@@ -158,7 +152,7 @@ def test_a_band_stands_behind_the_curve_of_its_parameter(found: Identified) -> N
         {"friction": friction, "press_force": force},
         {"figure": "fig07"},
     )
-    figure = band_curves(found.bands, [dataset])
+    figure = band_curves({"fig07": (BAND,)}, [dataset])
     axes = figure.axes[0]
     assert "2" in axes.get_title(loc="left")
     middle, curve = axes.lines

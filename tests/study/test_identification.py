@@ -1,6 +1,7 @@
 """The identification: what a candidate stands for, how it is judged, and that a search repeats."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +18,8 @@ from model.study.config import (
     load_study,
     study_path,
 )
-from model.study.identification import bands, committed
+from model.study.csv_tables import TableError
+from model.study.identification import band_table, bands
 from model.study.identification.candidate import (
     COMPUTED,
     Space,
@@ -327,7 +329,7 @@ def test_a_set_found_before_must_name_every_unknown(study: Study, space: Space) 
         space.point_of({"half_width": 1.0})
 
 
-def test_bands_are_quantiles_of_the_sets_that_align(space: Space) -> None:
+def test_bands_are_quantiles_of_the_sets_that_align(space: Space, tmp_path: Path) -> None:
     taus = np.array([[[1.0, 5.0, np.nan]], [[2.0, np.nan, np.nan]], [[3.0, 7.0, 1.0]]])
     point = np.random.default_rng(8).random(len(space.names))
     (band,) = bands.of_durations([0.3], np.array([1.0, 2.0, 3.0]), taus)
@@ -335,13 +337,15 @@ def test_bands_are_quantiles_of_the_sets_that_align(space: Space) -> None:
     np.testing.assert_allclose(band.aligned, [1.0, 2.0 / 3.0, 1.0 / 3.0])
     np.testing.assert_allclose(band.middle, [2.0, 6.0, np.nan])
     np.testing.assert_allclose(band.high, [2.9, 6.9, np.nan])
-    found = bands.bands_of(space, point[None])
+    found = bands.bands_of(space.only(CURVES), point[None])
     assert set(found) == set(CURVES)
     assert found["fig10"][0].x[0] == pytest.approx(1.0)
-    rows = [[str(cell) for cell in row] for row in committed.rows_of(found)]
-    again = committed.bands_in(rows)
+    table = tmp_path / "bands.csv"
+    table.write_text(band_table.bands_text(found), "utf-8")
+    again = band_table.read_bands(table)
     for name, each in found.items():
         for one, other in zip(each, again[name], strict=True):
             np.testing.assert_allclose(other.middle, one.middle, rtol=1e-3)
-    with pytest.raises(ValueError, match="a band has 7 columns"):
-        committed.bands_in([["fig06", "5", "1"]])
+    table.write_text("figure,at,x\nfig06,5,1\n", "utf-8")
+    with pytest.raises(TableError, match="is not a table of bands"):
+        band_table.read_bands(table)

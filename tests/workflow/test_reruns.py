@@ -26,21 +26,22 @@ COMPUTED = {
     "chunk", "history", "merge", "precision", "fixed_steps", *MAPPED, *OWN_RUNS, *ON_BASES,
     "hard_cases", *DRAWN, *BESIDE, *HARD,
 }  # fmt: skip
-IDENTIFIED = "draw_identification"  # from tables that are committed
-EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED, IDENTIFIED}
+BANDED = {"identified_bands", "draw_bands"}  # of the sets that were identified
+TABLED = {"draw_identification", "draw_bands"}  # what is drawn of the committed tables
+EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED, *BANDED, *TABLED}
 
 # (file, what stands there, what a mutation puts there, the rules that must run again)
 MUTATIONS = [
     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
-     {"kernels", "unlocated_kernels", *COMPUTED, IDENTIFIED}),
+     {"kernels", "unlocated_kernels", *COMPUTED, *BANDED, *TABLED}),
     ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5',
-     {*COMPUTED, IDENTIFIED}),
+     {*COMPUTED, *BANDED}),
     ("src/model/show/plots.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
-     {"plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, IDENTIFIED}),
+     {"plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, *TABLED}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
-     {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, IDENTIFIED}),
+     {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, *TABLED}),
     ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report.html.j2", "All runs at a glance", "Every run at a glance", LAST),
@@ -50,13 +51,15 @@ MUTATIONS = [
     ("src/model/study/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/show/cli.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
-     {"merge", *FIXED, *DRAWN}),
+     {"merge", *FIXED, *DRAWN, "draw_bands"}),
     ("src/model/study/maps.py", "PERIODS = 0.4", "PERIODS = 0.5",
      {*MAPPED, "plot", *LAST}),
     ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math",
      {"plot", *LAST}),
-    ("src/model/study/claims/limits.py", "_TREND = 0.8", "_TREND = 0.7", JUDGED),
-    ("src/model/study/claims/runs.py", "_STATIC = 1.0", "_STATIC = 2.0", {*OWN_RUNS, *JUDGED}),
+    ("src/model/study/claims/limits.py", "_TREND = 0.8", "_TREND = 0.7",
+     {*JUDGED, *BANDED}),
+    ("src/model/study/claims/runs.py", "_STATIC = 1.0", "_STATIC = 2.0",
+     {*OWN_RUNS, *JUDGED, *BANDED}),
     ("src/model/show/claims.html.j2", "judged", "on trial", LAST),
     ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
 ]  # fmt: skip
@@ -112,8 +115,8 @@ def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[s
     project.configure(tiny)
     planned = project.planned()
     # Maps mark where other figures stand: they are assembled anew, and not computed.
-    assert rules(planned) == {"chunk", "merge", "map", *DRAWN}
-    marked = {"map", "plot", *JUDGED}
+    assert rules(planned) == {"chunk", "merge", "map", "draw_bands", *DRAWN}
+    marked = {"map", "plot", "draw_bands", *JUDGED}
     assert all("fig11" in output or rule in marked for rule, output in planned)
 
 
@@ -121,8 +124,8 @@ def test_a_caption_computes_nothing(project: Any, tiny: dict[str, Any]) -> None:
     tiny["figures"]["fig11"]["title"] = "Another title"
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"merge", *DRAWN}
-    assert all("fig11" in output or rule in JUDGED for rule, output in planned)
+    assert rules(planned) == {"merge", "draw_bands", *DRAWN}
+    assert all("fig11" in output or rule in {"draw_bands", *JUDGED} for rule, output in planned)
 
 
 def test_another_number_of_chunks_computes_that_figure_anew(
@@ -141,7 +144,7 @@ def test_a_setting_of_all_figures_computes_everything(project: Any, tiny: dict[s
     tiny["settings"] = {"tolerance": 1e-9}
     project.configure(tiny)
     # The figures on other bases have a tolerance of their own.
-    assert rules(project.planned()) == COMPUTED - ON_BASES
+    assert rules(project.planned()) == {"draw_bands", *COMPUTED} - ON_BASES
 
 
 def test_a_run_of_the_ledger_runs_the_ledger_only(project: Any, tiny: dict[str, Any]) -> None:

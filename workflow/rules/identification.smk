@@ -6,20 +6,12 @@ import json
 identified_tables = [Path(f"config/identification/{table}.csv") for table in TABLES]
 if not all(table.is_file() for table in identified_tables):
     identified_tables = []
-drawn_of_tables = pictures_of(Path("config/identification"))
-identified_pictures = drawn_of_tables.values() if identified_tables else []
-if "bands" in drawn_of_tables and identified_tables:
-    identified_tables.append(Path("config/identification/bands.csv"))
+identified_pictures = IDENTIFIED_PICTURES.values() if identified_tables else []
 
 
 rule draw_identification:
     input:
-        tables=identified_tables,
-        curves=lambda wildcards: (
-            expand(root / "data/{figure}.nc", figure=CURVES)
-            if wildcards.picture == "bands"
-            else []
-        ),
+        identified_tables,
     output:
         png=root / "figures/identified_{picture}.png",
         svg=root / "figures/identified_{picture}.svg",
@@ -28,7 +20,7 @@ rule draw_identification:
     log:
         root / "logs/draw_identification/{picture}.log",
     wildcard_constraints:
-        picture="|".join(IDENTIFIED_PICTURES),
+        picture="structure|claims|readings",
     conda:
         "../envs/study.yaml"
     params:
@@ -40,8 +32,50 @@ rule draw_identification:
     shell:
         "python workflow/scripts/draw_identification.py --picture {wildcards.picture}"
         " --structure {params.structure:q} --law {params.law:q}"
-        " --output {output.png} --record {output.record} --curves {input.curves}"
-        " --tables {input.tables} > {log} 2>&1"
+        " --output {output.png} --record {output.record} --tables {input} > {log} 2>&1"
+
+
+rule identified_bands:
+    input:
+        tables=identified_tables,
+        kernels=root / "data/kernels.json",
+    output:
+        data=root / "data/identified_bands.csv",
+        record=root / "data/identified_bands.run.json",
+    log:
+        root / "logs/identified_bands.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("compute_bands"),
+        space=space_of(study).only(CURVES).model_dump_json(),
+    message:
+        "identification: what the admissible sets give on the curves of Figs. 6 to 12"
+    shell:
+        "python workflow/scripts/compute_bands.py --space {params.space:q}"
+        " --output {output.data} --record {output.record} {input.tables} > {log} 2>&1"
+
+
+rule draw_bands:
+    input:
+        bands=root / "data/identified_bands.csv",
+        curves=expand(root / "data/{figure}.nc", figure=CURVES),
+    output:
+        png=root / "figures/identified_bands.png",
+        svg=root / "figures/identified_bands.svg",
+        pdf=root / "figures/identified_bands.pdf",
+        record=root / "figures/identified_bands.run.json",
+    log:
+        root / "logs/draw_bands.log",
+    conda:
+        "../envs/study.yaml"
+    params:
+        code=code("draw_bands"),
+    message:
+        "identification: drawing the bands"
+    shell:
+        "python workflow/scripts/draw_bands.py --bands {input.bands}"
+        " --output {output.png} --record {output.record} {input.curves} > {log} 2>&1"
 
 
 # A reading is a preset, or the one switch that is corrected while all others stay as printed.
@@ -146,7 +180,6 @@ rule identify_summary:
         root / "identification/claims.csv",
         root / "identification/splits.csv",
         root / "identification/readings.csv",
-        root / "identification/bands.csv",
         summary=root / "identification/summary.txt",
         record=root / "identification/summary.run.json",
     log:

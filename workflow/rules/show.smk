@@ -93,6 +93,7 @@ rule index:
         records_beside(),
         records_of_claims(),
         [root / f"{place}.run.json" for place in identified_pictures],
+        [root / "data/identified_bands.run.json"] if identified_tables else [],
     output:
         root / "runs.csv",
         root / "runs.sqlite",

@@ -12,9 +12,7 @@ import yaml
 from model.study.config import Study
 from model.study.datasets import read_dataset, write_dataset
 from model.study.files import whole_file
-from model.study.identification.bands import bands_of
 from model.study.identification.candidate import space_of
-from model.study.identification.committed import HEADER, rows_of
 from model.study.identification.evaluate import contradicted, datasets_of, judge_of, known_margins
 from model.study.identification.results import (
     Findings,
@@ -94,8 +92,6 @@ def main() -> None:
         readings=readings,
     )
     made = write_all(found, ensemble, folder)
-    bands = rows_of(bands_of(space, points[kept]))
-    made.append(write_rows(folder / "bands.csv", HEADER, bands))
     inputs = [*arguments.samples, *arguments.starts, *arguments.halves, *arguments.readings]
     job.finish(arguments.record, made, inputs, sweep=space.identity)
 

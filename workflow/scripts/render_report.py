@@ -13,7 +13,8 @@ from model.study.claims.table import read_ledger
 from model.study.config import FIGURES, SCHEMATICS, Study
 from model.study.datasets import read_dataset
 from model.study.hard_cases import read_table
-from model.study.identification.committed import pictures_of, read_identified
+from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
+from model.study.identification.committed import read_identified
 from model.study.precision import read_timings
 from model.study.precision_plans import HARD_PICTURES, PICTURES
 from model.study.provenance import Job, file_hash, versions, write_text
@@ -58,10 +59,9 @@ def main() -> None:
     read.append(root / "claims.csv")
     identified = None
     if arguments.identified:
-        tables = arguments.identified[0].parent
         identified = Pictured(
-            read_identified(tables),
-            {name: root / f"{place}.png" for name, place in pictures_of(tables).items()},
+            read_identified(arguments.identified[0].parent),
+            {name: root / f"{place}.png" for name, place in IDENTIFIED_PICTURES.items()},
         )
     # Nothing of the day, the machine or the checkout, so that the same data give the same bytes.
     provenance = {

@@ -10,12 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogFormatter
 from numpy.typing import NDArray
 
 from model.show import style
 from model.show.plots import axis_label, symbol_of
 from model.study.config import Range
-from model.study.identification.committed import Band, Identified, Split
+from model.study.identification.band_table import Band
+from model.study.identification.committed import Identified, Split
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -162,7 +164,10 @@ def _draw_band(axes: Axes, bands: Sequence[Band], dataset: "xr.Dataset") -> None
         x, 0.0, 1.0, where=few, transform=axes.get_xaxis_transform(), color=style.GREY,
         alpha=_LIGHT, linewidth=0.0, step="mid",
     )  # fmt: skip
-    axes.set(yscale="log", xlim=(swept.values[0], swept.values[-1]), xlabel=axis_label(swept))
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(LogFormatter())
+    axes.yaxis.set_minor_formatter(LogFormatter())
+    axes.set(xlim=(swept.values[0], swept.values[-1]), xlabel=axis_label(swept))
     number = int(dataset.attrs["figure"][3:])
     axes.set_title(f"Fig. {number}, {symbol_of(family)} = {band.at:g}", loc="left", pad=3.0)
     axes.set_ylabel("$τ$")

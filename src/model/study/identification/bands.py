@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.study.config import CURVES
+from model.study.identification.band_table import Band
 from model.study.identification.candidate import Space, bare_inertia
-from model.study.identification.committed import Band
 from model.study.identification.evaluate import datasets_of
 
 LEAST_SHARE = 0.5  # of the sets must align, else a band has no durations

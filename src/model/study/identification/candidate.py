@@ -7,7 +7,7 @@ stated in these; ``structure_of`` turns them into the parameters of the equation
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from typing import Literal
 
@@ -110,6 +110,16 @@ class Space(Plan):
         parts = [self.law.structure, *self.law.operating_points.values()]
         ranges = [law for part in parts for law in part.values()]
         return np.array([law.low for law in ranges]), np.array([law.high for law in ranges])
+
+    def only(self, names: Collection[str]) -> "Space":
+        """The same unknowns, of which nothing but some figures and own runs is computed."""
+        return Space(
+            fixed=self.fixed,
+            dimensions={name: each for name, each in self.dimensions.items() if name in names},
+            runs={name: run for name, run in self.runs.items() if name in names},
+            law=self.law,
+            readings=self.readings,
+        )
 
     def values(self, points: Array) -> Array:
         """What coordinates in [0, 1] stand for; shape (..., n) both."""

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 TABLES = ("ensemble", "claims", "splits", "readings")
-BANDS = "bands"  # a table that a search made before there were bands does not have
 # Its pictures, and where each belongs in the results root, without extension.
 PICTURES: Mapping[str, str] = {
     "structure": "figures/identified_structure",
     "claims": "figures/identified_claims",
-    BANDS: "figures/identified_bands",
+    "bands": "figures/identified_bands",
     "readings": "figures/identified_readings",
 }
 
@@ -46,27 +45,6 @@ class Split(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Band:
-    """One curve of a figure over an ensemble; arrays have shape (n,), dimensionless.
-
-    Attributes:
-        at: value of the family's parameter.
-        x: the swept parameter; for Fig. 10 over the bare part's inertia.
-        aligned: share of the sets that align.
-        low: 5 % quantile of the durations of those, NaN where too few align.
-        middle: median.
-        high: 95 % quantile.
-    """
-
-    at: float
-    x: Array
-    aligned: Array
-    low: Array
-    middle: Array
-    high: Array
-
-
-@dataclass(frozen=True)
 class Identified:
     """What was found.
 
@@ -79,7 +57,6 @@ class Identified:
         prior_shares: share of draws from the prior that does, NaN where unknown, shape (claims,).
         splits: identified on one half of the claims, judged on the other.
         readings: margins of the best set under each reading, each of shape (claims,).
-        bands: of Figs. 6 to 12 over the ensemble, a band for each curve; empty where not known.
     """
 
     ensemble: Mapping[str, Array]
@@ -90,15 +67,6 @@ class Identified:
     prior_shares: Array
     splits: tuple[Split, ...]
     readings: Mapping[str, Array]
-    bands: Mapping[str, tuple[Band, ...]]
-
-
-def pictures_of(folder: Path) -> dict[str, str]:
-    """Those of ``PICTURES`` that the tables in ``folder`` are enough for."""
-    drawn = dict(PICTURES)
-    if not (folder / f"{BANDS}.csv").is_file():
-        del drawn[BANDS]
-    return drawn
 
 
 def read_identified(folder: Path) -> Identified:
@@ -108,7 +76,6 @@ def read_identified(folder: Path) -> Identified:
         IdentificationError: a table is missing, empty, or has other columns than it should.
     """
     read = {name: _read(folder / f"{name}.csv") for name in TABLES}
-    bands = folder / f"{BANDS}.csv"
     try:
         header, *rows = read["ensemble"]
         values = np.array(rows, dtype=np.float64)
@@ -123,7 +90,6 @@ def read_identified(folder: Path) -> Identified:
             prior_shares=columns[:, 3],
             splits=tuple(Split(*(int(cell) for cell in row)) for row in read["splits"][1:]),
             readings=_by_claim(read["readings"], tuple(claims)),
-            bands=bands_in(_read(bands)[1:]) if bands.is_file() else {},
         )
     except (ValueError, TypeError, IndexError) as error:
         raise IdentificationError(
@@ -147,35 +113,3 @@ def _read(path: Path) -> list[list[str]]:
     if len(rows) < 2:
         raise IdentificationError(f"{path}: holds no row: take it anew from `make identification`")
     return rows
-
-
-HEADER = ("figure", "at", "x", "aligned", "low", "middle", "high")
-
-
-def rows_of(bands: Mapping[str, tuple[Band, ...]]) -> list[tuple[object, ...]]:
-    """A table of bands, numbers to four digits."""
-    return [
-        (name, f"{band.at:g}", *(f"{value:.4g}" for value in values))
-        for name, each in bands.items()
-        for band in each
-        for values in zip(
-            band.x, band.aligned, band.low, band.middle, band.high, strict=True
-        )
-    ]  # fmt: skip
-
-
-def bands_in(rows: list[list[str]]) -> dict[str, tuple[Band, ...]]:
-    """Bands from such a table, without its header.
-
-    Raises:
-        ValueError: a row that has other columns, or is no number.
-    """
-    curves: dict[tuple[str, float], list[list[float]]] = {}
-    for name, at, *values in rows:
-        if len(values) != len(HEADER) - 2:
-            raise ValueError(f"a band has {len(HEADER)} columns, not {len(values) + 2}")
-        curves.setdefault((name, float(at)), []).append([float(each) for each in values])
-    found: dict[str, tuple[Band, ...]] = {}
-    for (name, value), along in curves.items():
-        found[name] = (*found.get(name, ()), Band(value, *np.array(along).T))
-    return found
