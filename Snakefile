@@ -4,10 +4,13 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
-from model.study.config import CURVES, FIGURES, HISTORIES, LARGEST_MISALIGNMENT, MAPS, SCHEMATICS
+from model.study.config import CURVES, FIGURES, HISTORIES, MAPS, SCHEMATICS
 from model.study.config import ConfigError, check_study
 
 min_version("9.0")
+
+
+include: "workflow/rules/recording.smk"
 
 
 configfile: "config/config.yaml"
@@ -16,12 +19,11 @@ configfile: "config/config.yaml"
 try:
     study = check_study(config, "config")
 except ConfigError as fault:
-    raise WorkflowError(f"the configuration breaks a rule\n{fault}")
+    unread = f"the configuration breaks a rule\n{fault}"
+    raise WorkflowError(unread)
 
-root = Path(study.results_root)
+root = invocation.root = Path(study.results_root)
 gridded = CURVES + MAPS
-computed = HISTORIES + gridded
-outcome_maps = [name for name in study.map_names if name != LARGEST_MISALIGNMENT]
 
 
 wildcard_constraints:
@@ -53,3 +55,6 @@ include: "workflow/rules/contact.smk"
 include: "workflow/rules/identification.smk"
 include: "workflow/rules/show.smk"
 include: "workflow/rules/accuracy.smk"
+
+
+unread = None  # the rules are, from here

@@ -88,11 +88,15 @@ for line in sys.stdin:
         os.chdir(folder)
         os.environ["PYTHONPATH"] = source
         sys.path.insert(0, source)
+        sys.argv[1:] = arguments
         code = 2
         try:
             main(arguments)
         except SystemExit as ended:
             code = ended.code or 0
+        except BaseException:  # as the interpreter does with what nobody catches
+            sys.last_type = sys.exc_info()[0]
+            sys.excepthook(*sys.exc_info())
         atexit._run_exitfuncs()
         sys.stdout.flush(), sys.stderr.flush()
         os._exit(code)

@@ -19,6 +19,27 @@ def test_a_fault_in_the_configuration_stops_before_anything_is_made(
     assert not (workspace.folder / "tiny").exists()
 
 
+def test_a_refused_configuration_is_recorded_with_the_rule_that_it_breaks(
+    workspace: Any, tiny: dict[str, Any]
+) -> None:
+    workspace.configure({**tiny, "operating_point": {"friction": -0.1}})
+    assert workspace.snakemake_without_jobs().returncode == 1
+    (record,) = load_history(workspace.folder / "tiny")
+    assert (record["outcome"], record["runs"], record["failures"]) == ("failed", [], [])
+    assert "friction = -0.1: must be a finite number >= 0" in record["reason"]
+    workspace.configure({**tiny, "results_root": 7})  # which would be the place of the record
+    assert workspace.snakemake_without_jobs().returncode == 1
+    (record,) = load_history(workspace.folder / "results")
+    assert "results_root = 7" in record["reason"]
+
+
+def test_an_interruption_before_the_first_job_is_recorded_as_one(workspace: Any) -> None:
+    (workspace.folder / "workflow/rules/accuracy.smk").write_text("raise KeyboardInterrupt\n")
+    assert workspace.snakemake_without_jobs().returncode
+    (record,) = load_history(workspace.folder / "tiny")
+    assert record["outcome"] == "interrupted"
+
+
 def test_one_figure_is_a_target(workspace: Any) -> None:
     run = workspace.dry_run("fig11")
     assert run.returncode == 0, run.stderr
@@ -45,6 +66,8 @@ def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) ->
     assert recorded() == [*first, ("done", 0)]
     assert copy_of_built.snakemake_without_jobs("no_such_target").returncode == 1
     assert recorded() == [*first, ("done", 0), ("failed", 0)]
+    stopped = load_history(copy_of_built.folder / "tiny")[-1]
+    assert "No rule to produce no_such_target" in stopped["reason"]
     copy_of_built.dry_run(*copy_of_built.DATA)
     copy_of_built.dry_run("no_such_target")
     assert len(recorded()) == 3

@@ -1,8 +1,6 @@
 """What the rules share: how the parts of a figure or trial are named and described."""
 
-import atexit
 import json
-import sys
 from pathlib import Path
 
 from model.physics.readings import READING_NAMES
@@ -12,23 +10,10 @@ from model.study.identification.committed import TABLES
 from model.study.precision_plans import HARD_PICTURES, PICTURES
 from model.study.provenance import code_hash
 from model.study.sweeps import claim_sweep, sweep_of
-from model.study.tracking import Invocation
 from model.study.trials import trial_of
 
-invocation = Invocation(root, study=study.model_dump(mode="json"))
-
-
-def record_idle():
-    """Record what Snakemake calls no handler for: nothing to do, or a stop before the first job."""
-    settings = workflow.execution_settings
-    if settings is not None and not settings.no_hooks and not workflow.dryrun:
-        planned = workflow.scheduler is not None and not len(workflow.dag)
-        invocation.pass_by("done" if planned else "failed")
-
-
-if workflow.is_main_process:
-    invocation.announce()
-    atexit.register(record_idle)
+computed = HISTORIES + gridded
+invocation.state(study=study.model_dump(mode="json"))
 
 
 def code(script):
@@ -112,15 +97,3 @@ def trial_chunks(name):
 def rounds(evolutions):
     """How far a search is carried on, as JSON."""
     return json.dumps([each.model_dump() for each in evolutions])
-
-
-onstart:
-    invocation.start()
-
-
-onsuccess:
-    invocation.end("done", log)
-
-
-onerror:
-    print(*invocation.end("failed", log), sep="\n", file=sys.stderr)

@@ -7,6 +7,8 @@ from model.study.largest_misalignment import limit_plan
 from model.study.map_datasets import marks_of
 from model.study.maps import map_plan
 
+outcome_maps = [name for name in study.map_names if name != LARGEST_MISALIGNMENT]
+
 
 rule map_part:
     input:

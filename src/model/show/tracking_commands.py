@@ -128,9 +128,6 @@ _RUN_COLUMNS = (
 
 def _line(run: Record) -> dict[str, Any]:
     counts = run.get("counts", {})
-    note = run.get("reason", "" if run["current"] else "replaced since")
-    if len(note) > _LONGEST:
-        note = f"{note[:_LONGEST]}…"  # `show` and --json have it all
     return {
         "started": run["started"][:19],
         "run": run["run"],
@@ -140,8 +137,13 @@ def _line(run: Record) -> dict[str, Any]:
         "aligned": counts.get("aligned"),
         "sensitive": counts.get("sensitive"),
         "commit": _commit(run),
-        "": note,
+        "": _shortened(run.get("reason", "" if run["current"] else "replaced since")),
     }
+
+
+def _shortened(reason: str) -> str:
+    """As much of a reason as fits a list; `show` and --json have it all."""
+    return reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"
 
 
 def _commit(record: Record) -> str:
@@ -154,7 +156,8 @@ def _invocations(arguments: argparse.Namespace) -> int:
     if arguments.json:
         _print_json(history)
         return 0
-    columns = ("invocation", "outcome", "started", "seconds", "runs", "failed", "commit", "command")
+    columns = ("invocation", "outcome", "started", "seconds", "runs", "failed", "commit", "command",
+               "")  # fmt: skip
     lines = [
         {
             "invocation": each["invocation"],
@@ -165,6 +168,7 @@ def _invocations(arguments: argparse.Namespace) -> int:
             "failed": len(each["failures"]),
             "commit": _commit(each),
             "command": " ".join(each["command"]),
+            "": _shortened(each.get("reason", "")),
         }
         for each in history
     ]
@@ -233,8 +237,9 @@ def _run_lines(run: Record) -> list[str]:
 
 
 def _invocation_lines(record: Record) -> list[str]:
-    head = ("invocation", "outcome", "started", "ended", "wall_seconds", "host", "snakemake_log")
-    values = {name: record.get(name) for name in head}
+    head = ("invocation", "outcome", "reason", "started", "ended", "wall_seconds", "host",
+            "snakemake_log")  # fmt: skip
+    values = {name: record[name] for name in head if record.get(name) is not None}
     command = " ".join(record["command"])
     lines = pairs({**values, "command": command, "commit": _commit(record)})
     for failure in record["failures"]:

@@ -128,6 +128,16 @@ def _last_word(log: Path) -> tuple[str, str]:
     return "interrupted", "ended without a word: it was killed, or Snakemake was"
 
 
+def _last_words(log: str | None) -> str:
+    """What Snakemake's own log says last; the lines of a traceback are indented."""
+    with contextlib.suppress(OSError, TypeError):
+        lines = Path(log).read_text(encoding="utf-8", errors="replace").splitlines()
+        said = [line.strip() for line in lines if line.strip() and not line.startswith(" ")]
+        if said:
+            return said[-1]
+    return "stopped before the first job; the terminal said why"
+
+
 def _iso(stamp: float) -> str:
     return datetime.fromtimestamp(stamp, UTC).isoformat(timespec="milliseconds")
 
@@ -164,13 +174,13 @@ class Invocation:
 
     Args:
         root: the results root.
-        facts: what to record besides, such as the study's configuration.
     """
 
-    def __init__(self, root: Path, **facts: Any) -> None:
+    def __init__(self, root: Path) -> None:
         self.root = root
-        self.name = f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}-{secrets.token_hex(2)}"
-        self._facts = facts
+        self._begun = datetime.now(UTC)
+        self.name = f"{self._begun:%Y%m%dT%H%M%SZ}-{secrets.token_hex(2)}"
+        self._facts: Record = {}
         self._record: Record = {}
         self._lock: io.TextIOWrapper | None = None
 
@@ -178,18 +188,21 @@ class Invocation:
     def _path(self) -> Path:
         return _history(self.root) / f"{self.name}.json"
 
+    def state(self, **facts: Any) -> None:
+        """What to record besides, such as the study's configuration; before the start."""
+        self._facts |= facts
+
     def announce(self) -> None:
         """Let jobs started from this process know which invocation they belong to."""
         os.environ[INVOCATION] = self.name
 
     def start(self) -> None:
         """Record the start; records that an earlier invocation left without an end get theirs."""
-        started = datetime.now(UTC)
         self._record = {
             "invocation": self.name,
             "outcome": "running",
-            "started": started.isoformat(timespec="milliseconds"),
-            "started_stamp": started.timestamp(),
+            "started": self._begun.isoformat(timespec="milliseconds"),
+            "started_stamp": self._begun.timestamp(),
             "command": [Path(sys.argv[0]).name, *sys.argv[1:]],
             "host": platform.node(),
             "versions": versions(),
@@ -205,12 +218,21 @@ class Invocation:
             fcntl.flock(self._lock, fcntl.LOCK_EX)
             write_json(self._record, self._path)
 
-    def pass_by(self, outcome: str) -> None:
-        """Record an invocation that started no job, unless it is recorded: start and end in one."""
-        if not self._record:
-            self.start()
-            self._record["idle"] = True
-            self.end(outcome)
+    def pass_by(self, outcome: str, log: str | None = None, reason: str | None = None) -> None:
+        """Record an invocation that started no job, unless it is recorded: start and end in one.
+
+        Args:
+            outcome: "done", "failed" or "interrupted".
+            log: Snakemake's own log.
+            reason: why it failed; by default what the log says last.
+        """
+        if self._record:
+            return
+        self.start()
+        self._record["idle"] = True
+        if outcome != "done":
+            self._record["reason"] = reason or _last_words(log)
+        self.end(outcome, log)
 
     def end(self, outcome: str, log: str | None = None) -> list[str]:
         """Record the end and write the index; what to tell the user of runs that went wrong.
