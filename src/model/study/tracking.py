@@ -130,7 +130,7 @@ def _last_word(log: Path) -> tuple[str, str]:
 
 def _last_words(log: str | None) -> str:
     """What Snakemake's own log says last; the lines of a traceback are indented."""
-    with contextlib.suppress(OSError, TypeError):
+    if log and Path(log).is_file():
         lines = Path(log).read_text(encoding="utf-8", errors="replace").splitlines()
         said = [line.strip() for line in lines if line.strip() and not line.startswith(" ")]
         if said:
