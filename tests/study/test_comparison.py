@@ -83,6 +83,19 @@ def test_data_that_are_no_figures_differ_by_their_bytes(recorded) -> None:
     assert found.differs
 
 
+def test_cpu_times_are_no_results(recorded) -> None:
+    names = []
+    for times in ("0.1", "0.2"):
+        invocation = recorded.invocation()
+        recorded.compare(times)
+        invocation.end("done")
+        names.append(invocation.name)
+    found = compare(*(snapshot(name, recorded.root) for name in names))
+    assert not found.differs
+    assert not found.not_compared
+    assert not (recorded.root / "history/data").exists(), "no copies are kept of them"
+
+
 def test_an_invocation_stands_for_all_that_stood_when_it_ended(recorded) -> None:
     invocation = recorded.invocation()
     recorded.merge()
@@ -102,6 +115,17 @@ def test_a_commit_stands_for_the_last_invocation_at_it(recorded, monkeypatch) ->
     assert [each.largest for each in found.data] == [0.5]
     with pytest.raises(TrackingError, match="git worktree add"):
         snapshot("cccc3333", recorded.root)
+    monkeypatch.setattr(tracking, "git_state", lambda: {"commit": "dddd4444", "dirty": False})
+    tracking.Invocation(recorded.root).pass_by("failed", None, "the configuration breaks a rule")
+    with pytest.raises(TrackingError, match="'dddd' is no results folder"):
+        snapshot("dddd", recorded.root)
+
+
+def test_the_beginning_of_many_names_stands_for_none(recorded) -> None:
+    built(recorded)
+    built(recorded, 0.5)
+    with pytest.raises(TrackingError, match="'2' is the beginning of 2"):
+        snapshot("2", recorded.root)
 
 
 def test_claims_that_changed_are_listed(recorded, tmp_path: Path) -> None:

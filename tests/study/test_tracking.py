@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import os
+import re
 import shutil
 import signal
 import sqlite3
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from model.study import tracking
 from model.study.tracking import (
     COLUMNS,
     Invocation,
@@ -126,6 +128,14 @@ def test_the_job_that_only_prints_is_no_failure_of_an_invocation_that_failed(rec
     recorded.fail("plot/fig06", "ValueError: no such colour")
     (told,) = invocation.end("failed")
     assert told.startswith("plot/fig06 failed")
+
+
+def test_the_sidecars_of_every_rule_are_looked_for() -> None:
+    rules = Path(__file__).resolve().parents[2].glob("workflow/rules/*.smk")
+    written = " ".join(path.read_text(encoding="utf-8") for path in rules)
+    folders = set(re.findall(r'record=root\s*/\s*f?"(\w+)/', written))
+    assert "identification" in folders
+    assert folders <= set(tracking._FOLDERS)
 
 
 def test_an_invocation_that_ended_well_has_no_failures(recorded) -> None:

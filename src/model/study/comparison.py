@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.study.tracking import (
-    ASIDE,
+    KEPT,
     PARTS,
     Record,
     TrackingError,
@@ -69,9 +69,10 @@ def snapshot(name: str, root: Path) -> Snapshot:
     if name.partition("@")[0] in {run["run"] for run in runs}:
         run = find_run([run for run in runs if run["status"] == "done"], name)
         return _of_runs(name, [run], root)
-    try:
+    named = [each for each in history if each["invocation"].startswith(name)]
+    if name == "last" or named:
         last = find_invocation(history, name)
-    except TrackingError:
+    else:
         last = _invocation_of_commit(history, name, root)
     until = [each for each in history if each["started"] <= last["started"]]
     return _of_runs(name, [run for each in until for run in each["runs"]], root)
@@ -92,7 +93,7 @@ def _of_runs(label: str, runs: Iterable[Record], root: Path) -> Snapshot:
     latest = {run["run"]: run for run in runs}
     files, lost = {}, []
     for run in latest.values():
-        if run["rule"] in ASIDE:
+        if run["rule"] not in KEPT:
             continue
         for name, sha256 in run["outputs"].items():
             kept = kept_result(root, name, sha256)
@@ -111,7 +112,12 @@ def _invocation_of_commit(history: Sequence[Record], name: str, root: Path) -> R
         check=False,
     )
     commit = git.stdout.strip() or name
-    built = [each for each in history if each["git"].get("commit", "").startswith(commit)]
+    built = [
+        each
+        for each in history
+        if each["git"].get("commit", "").startswith(commit)
+        and (each["runs"] or each["outcome"] == "done")  # not what was refused
+    ]
     if built:
         return built[-1]
     raise TrackingError(
@@ -214,7 +220,7 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
         _differ(comparison.parameters, where, _stated(before), _stated(after))
         _differ(comparison.metrics, where, _measured(before), _measured(after))
         _differ(comparison.code, after["run"], _made_by(before), _made_by(after))
-        if after["rule"] in ASIDE:
+        if after["rule"] not in KEPT:
             comparison.other_data.extend(_other_bytes(before, after))
     for name in sorted(set(first.files) | set(second.files)):
         if name not in first.files or name not in second.files:
@@ -285,11 +291,13 @@ def _made_by(run: Record) -> dict[str, Any]:
 
 
 def _other_bytes(before: Record, after: Record) -> list[str]:
-    """Datasets that both runs made, with other content."""
+    """Datasets that both runs made, with other content; CPU times, in another folder, are none."""
     return [
         f"{after['run']}: {name}"
         for name, sha256 in after["outputs"].items()
-        if name.endswith(".nc") and before["outputs"].get(name, sha256) != sha256
+        if name.endswith((".nc", ".csv"))
+        and not name.startswith("../")
+        and before["outputs"].get(name, sha256) != sha256
     ]
 
 

@@ -49,15 +49,14 @@ COLUMNS = (
     "run", "rule", "figure", "status", "current", "started", "wall_seconds", "invocation", "commit",
     "dirty", "code", "sweep", "outputs", *(f"runs_{name}" for name in COUNTS), "host", "reason",
 )  # fmt: skip
-_PLACES = ("", "data/**/", "figures/**/", "benchmarks/**/", "accuracy/**/")  # of sidecars
+_FOLDERS = ("data", "figures", "benchmarks", "accuracy", "identification")
+_PLACES = ("", *(f"{folder}/**/" for folder in _FOLDERS))  # of sidecars
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
 _FULL = 1_000_000  # bytes: less than this is a full disk
-_NO_RUNS = {"index", "accuracy"}  # jobs that leave no sidecar: they write the index, and print
-# Rules whose outputs are parts of others, and rules whose data are no figure's: no copy is kept.
-PARTS = frozenset({"chunk", "trial", "map_part"})
-ASIDE = PARTS | {
-    "judge", "precision", "fixed_steps", "map", "limit", "claims_runs", "contact_stiffness",
-}  # fmt: skip
+_NO_RUNS = {"index", "accuracy", "identification"}  # without sidecars: they write the index, print
+# Rules whose outputs are parts of others, and rules of whose results copies are kept.
+PARTS = frozenset({"chunk", "trial", "map_part", "limit_part", "identify_sample"})
+KEPT = frozenset({"merge", "history", "claims"})
 
 
 class TrackingError(ValueError):
@@ -315,7 +314,7 @@ def _end(root: Path, record: Record, outcome: str, ended: datetime | None) -> Re
 
 def _keep_results(root: Path, runs: Iterable[Record]) -> None:
     """Keep what the study may be compared by later: figures' datasets and the claims' verdicts."""
-    names = {record["run"] for record in runs if record["rule"] not in ASIDE}
+    names = {record["run"] for record in runs if record["rule"] in KEPT}
     for path, record in sidecars(root).items():
         for name, sha256 in record["outputs"].items():
             source, kept = path.parent / name, kept_result(root, name, sha256)
