@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from model.show import cli
+from model.study.tracking import Invocation
 
 
 @pytest.fixture
@@ -80,6 +81,31 @@ def test_invocations_are_listed(capsys, root) -> None:
     assert [line.split()[1] for line in lines[1:]] == ["done", "failed"]
     printed = output(capsys, "runs", "--root", root, "--invocations", "--json")
     assert [each["outcome"] for each in json.loads(printed)] == ["done", "failed"]
+
+
+def test_invocations_are_filtered_by_outcome_and_date(capsys, root) -> None:
+    def found(*conditions: str) -> list[str]:
+        printed = output(capsys, "runs", "--root", root, "--invocations", "--json", *conditions)
+        return [each["outcome"] for each in json.loads(printed)]
+
+    assert found("--outcome", "failed") == ["failed"]
+    assert found("--since", "2001") == ["done", "failed"]
+    assert found("--until", "2001-01") == []
+    told = refused(capsys, "runs", "--root", root, "--invocations", "--figure", "6")
+    assert "--figure: is a condition on runs" in told
+
+
+def test_an_invocation_that_was_refused_is_listed_and_shown_with_the_reason(
+    capsys, recorded
+) -> None:
+    reason = "the configuration breaks a rule: config: friction = -0.1: must be >= 0"
+    Invocation(recorded.root).pass_by("failed", None, reason)
+    root = str(recorded.root)
+    assert reason in output(capsys, "runs", "--root", root, "--invocations").splitlines()[1]
+    shown = output(capsys, "show", "--root", root, "last")
+    assert f"reason        {reason}" in shown
+    assert "0 runs done" in shown
+    assert json.loads(output(capsys, "show", "--root", root, "last", "--json"))["reason"] == reason
 
 
 def test_a_run_is_shown(capsys, root) -> None:

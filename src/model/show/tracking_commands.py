@@ -21,6 +21,7 @@ from model.study.tracking import (
     find_run,
     load_history,
     load_runs,
+    select_invocations,
     select_runs,
 )
 
@@ -72,7 +73,8 @@ def _add_runs(commands: Any) -> None:
     add("--since", metavar="DATE", help=words)
     add("--until", metavar="DATE", help="only those started at DATE or earlier, DATE included")
     add("--current", action="store_true", help="only those whose results still stand")
-    add("--invocations", action="store_true", help="list the invocations of Snakemake instead")
+    words = "list the invocations of Snakemake instead, by outcome and date if wanted"
+    add("--invocations", action="store_true", help=words)
     parser.set_defaults(run=_runs)
 
 
@@ -152,7 +154,15 @@ def _commit(record: Record) -> str:
 
 
 def _invocations(arguments: argparse.Namespace) -> int:
-    history = load_history(arguments.root)
+    for option in ("figure", "parameter", "current"):
+        if getattr(arguments, option):
+            raise ValueError(f"--{option}: is a condition on runs; leave out --invocations")
+    history = select_invocations(
+        load_history(arguments.root),
+        outcome=arguments.outcome,
+        since=arguments.since,
+        until=arguments.until,
+    )
     if arguments.json:
         _print_json(history)
         return 0

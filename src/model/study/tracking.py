@@ -446,10 +446,32 @@ def select_runs(
         if (figure is None or run["figure"] == figure)
         and all(_covers(run, condition) for condition in parameters)
         and (outcome is None or _has_outcome(run, outcome))
-        and (since is None or run["started"] >= since)
-        and (until is None or run["started"][: len(until)] <= until)
+        and _within(run, since, until)
         and (not current or run["current"])
     ]
+
+
+def select_invocations(
+    history: Iterable[Record],
+    *,
+    outcome: str | None = None,
+    since: str | None = None,
+    until: str | None = None,
+) -> list[Record]:
+    """The invocations that ended with ``outcome`` and started between two moments, both included.
+
+    Moments are as ``select_runs`` takes them.
+    """
+    return [
+        each
+        for each in history
+        if outcome in (None, each["outcome"]) and _within(each, since, until)
+    ]
+
+
+def _within(record: Record, since: str | None, until: str | None) -> bool:
+    started = str(record["started"])
+    return (since is None or started >= since) and (until is None or started[: len(until)] <= until)
 
 
 def _has_outcome(run: Record, outcome: str) -> bool:
