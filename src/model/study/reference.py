@@ -88,7 +88,7 @@ def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list
         str(name)
         for name, coordinate in reference.coords.items()
         if name != "time"
-        and (name not in built.coords or not coordinate.equals(built.coords[name]))
+        and (name not in built.coords or not coordinate.variable.equals(built[name].variable))
     ]
     if differing:
         words = f"is not computed with the reference's parameters: {', '.join(differing)}"
