@@ -5,6 +5,11 @@ meets nothing but the edge A1 under the bottom face, which is what the peers mod
 the peers' own statement of the equations (equations.py) with located switches; MuJoCo is given
 bodies, joints and a soft contact, no equations at all. The independent solution in
 ``model.study.independent`` covers the whole scene: ``make accuracy``.
+
+Errors are estimated from a second run, and an estimate is now and then too small (decision 3): the
+rule of ``make accuracy`` judges it here as well. A set beyond its estimate is run again at a
+hundredth of the tolerance. Only if the package then agrees with heyoka was it the estimate; else
+the two solve different problems, and one such set is one too many.
 """
 
 import argparse
@@ -20,6 +25,7 @@ from numpy.typing import NDArray
 
 from benchmarks.problems import Problem, only_right_edge
 from model import Outcome, Parameters, Scene, align
+from model.study.accuracy import Verdict, judge_estimate
 from model.study.config import load_study, study_path
 from model.study.trials import trial_of
 
@@ -29,6 +35,7 @@ _RIGHT_EDGE_ONLY = Scene("right_edge", frozenset({"edge_on_face"}))
 _HEYOKA_TOLERANCES = (1e-15, 1e-12)
 _CLOSE = 0.05  # relative; what MuJoCo is to keep in the median
 _FAR = 0.2  # relative; beyond it a set is looked at again
+_SHARPER = 1e-12  # tolerance at which sets beyond their estimate are run again
 _TIME_STEP = 5e-4
 _EDGE_RADIUS = 0.01  # of the ball that stands for an edge
 _BEYOND = 10.0  # how much longer the face is than the part's
@@ -165,34 +172,66 @@ def _left_corner_is_in(pose: Any, p: Parameters) -> bool:
     return corner_x >= -p.slot_half_width and y - p.half_width * s - p.half_height * c < 0.0
 
 
-def summary(sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats) -> list[str]:
-    """What the comparison shows, one line each."""
+def sharper(sets: Sets) -> tuple[Floats, Floats]:
+    """(alignment times, their errors) of the package at ``_SHARPER``."""
+    horizon = float(sets.tau.max()) + 1.0
+    runs = align(sets.cases, cores=1, horizon=horizon, tolerance=_SHARPER)
+    return runs.tau_align, runs.tau_error
+
+
+class Outside(NamedTuple):
+    """A set whose two alignment times are further apart than their two errors."""
+
+    row: int
+    factor: float  # how much further
+    explained: bool  # whether the package agrees once it is more accurate
+
+
+def outside(sets: Sets, heyoka: tuple[Floats, Floats]) -> list[Outside]:
+    """Every set that disagrees with heyoka."""
+    factors = np.abs(heyoka[0] - sets.tau) / (sets.error + heyoka[1])
+    rows = np.flatnonzero(~(factors <= 1.0))
+    if not rows.size:
+        return []
+    few = Sets([sets.cases[row] for row in rows], sets.tau[rows], sets.error[rows])
+    tau, error = sharper(few)
+    explained = np.abs(heyoka[0][rows] - tau) <= error + heyoka[1][rows]
+    found = zip(rows.tolist(), factors[rows].tolist(), explained.tolist(), strict=True)
+    return [Outside(*each) for each in found]
+
+
+def judge(
+    sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats, beyond: Sequence[Outside]
+) -> list[Verdict]:
+    """What the comparison shows; ``beyond`` as ``outside`` finds it."""
     apart = np.abs(heyoka[0] - sets.tau)
-    allowed = sets.error + heyoka[1]
-    within = apart <= allowed
     off = np.abs(mujoco - sets.tau) / sets.tau
     known = off[np.isfinite(off)]
-    lines = [
-        f"sets: {sets.tau.size}",
-        f"heyoka within the sum of the error estimates: {int(within.sum())} of {within.size}",
-        f"heyoka apart: median {np.nanmedian(apart):.1e}, largest {np.nanmax(apart):.1e}",
-        (
-            f"MuJoCo off: median {100 * np.median(known):.2f} % of tau, 90 % of the sets below "
-            f"{100 * np.quantile(known, 0.9):.1f} %; {int((~np.isfinite(off)).sum())} do not align"
-        ),
-        (
-            f"MuJoCo within {100 * _CLOSE:g} % in the median: "
-            f"{'holds' if np.median(known) <= _CLOSE else 'FAILS'}"
-        ),
-        f"MuJoCo off by more than {100 * _FAR:g} %: {int((known > _FAR).sum())} sets",
+    middle = float(np.median(known))
+    unexplained = [each.row for each in beyond if not each.explained]
+    return [
+        Verdict("sets", f"{sets.tau.size}"),
+        Verdict("heyoka apart: median", f"{np.nanmedian(apart):.1e}"),
+        Verdict("heyoka apart: largest", f"{np.nanmax(apart):.1e}"),
+        *judge_estimate("heyoka", apart, sets.error + heyoka[1]),
+        Verdict("beyond it at a smaller tolerance as well", f"{len(unexplained)}", "0",
+                not unexplained),
+        Verdict("MuJoCo off: median", f"{100 * middle:.2f} %", f"<= {100 * _CLOSE:g} %",
+                middle <= _CLOSE),
+        Verdict("MuJoCo off: 90 % of the sets below", f"{100 * np.quantile(known, 0.9):.1f} %"),
+        Verdict(f"MuJoCo off by more than {100 * _FAR:g} %", f"{int((known > _FAR).sum())}"),
+        Verdict("MuJoCo does not align", f"{int((~np.isfinite(off)).sum())}"),
+    ]  # fmt: skip
+
+
+def explain(sets: Sets, heyoka: tuple[Floats, Floats], beyond: Sequence[Outside]) -> list[str]:
+    """Every set beyond the sum of its error estimates, one line each."""
+    return [
+        f"    set {row}: tau {sets.tau[row]:.12g}, {factor:.1f} times the estimates "
+        f"{sets.error[row]:.1e} + {heyoka[1][row]:.1e} from heyoka, "
+        + (f"which it agrees with at tolerance {_SHARPER:g}" if explained else "NOT EXPLAINED")
+        for row, factor, explained in beyond
     ]
-    rows = np.flatnonzero(~within).tolist()
-    lines += [
-        f"    set {row}: tau {sets.tau[row]!r}, heyoka {heyoka[0][row]!r}, apart {apart[row]:.1e}, "
-        f"estimates {sets.error[row]:.1e} + {heyoka[1][row]:.1e}"
-        for row in rows
-    ]
-    return lines
 
 
 def write(sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats, path: Path) -> None:
@@ -222,11 +261,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         [by_mujoco(case, 3.0 * tau + 5.0) for case, tau in zip(sets.cases, sets.tau, strict=True)]
     )
     write(sets, heyoka, mujoco, given.output)
-    lines = summary(sets, heyoka, mujoco)
+    beyond = outside(sets, heyoka)
+    verdicts = judge(sets, heyoka, mujoco, beyond)
+    lines = [*map(str, verdicts), *explain(sets, heyoka, beyond)]
     sys.stdout.write("\n".join(lines) + "\n")
-    agree = np.abs(heyoka[0] - sets.tau) <= sets.error + heyoka[1]
-    off = np.abs(mujoco - sets.tau) / sets.tau
-    return 0 if agree.all() and np.nanmedian(off) <= _CLOSE else 1
+    return 1 if any(verdict.holds is False for verdict in verdicts) else 0
 
 
 if __name__ == "__main__":

@@ -8,7 +8,16 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from benchmarks.truth import Sets, _left_corner_is_in, _scene, summary
+from benchmarks.truth import (
+    Outside,
+    Sets,
+    _left_corner_is_in,
+    _scene,
+    explain,
+    judge,
+    outside,
+)
+from model import align
 
 
 @pytest.fixture
@@ -16,21 +25,62 @@ def sets(device):
     return Sets([device] * 4, np.array([2.0, 4.0, 5.0, 10.0]), np.full(4, 1e-9))
 
 
+def found(verdicts):
+    return {verdict.what: verdict for verdict in verdicts}
+
+
+def failing(verdicts):
+    return [verdict.what for verdict in verdicts if verdict.holds is False]
+
+
 def test_agreement_is_told_with_every_set_outside(sets):
     heyoka = sets.tau + [0.0, 5e-10, 3e-9, 0.0], np.full(4, 1e-9)
-    mujoco = sets.tau * [1.01, 0.98, 1.5, np.nan]
-    text = "\n".join(summary(sets, heyoka, mujoco))
-    assert "sum of the error estimates: 3 of 4" in text
-    assert "set 2: tau " in text
-    assert "median 2.00 % of tau" in text
-    assert "1 do not align" in text
-    assert "within 5 % in the median: holds" in text
-    assert "more than 20 %: 1 sets" in text
+    beyond = [Outside(2, 1.5, explained=True)]
+    told = found(judge(sets, heyoka, sets.tau * [1.01, 0.98, 1.5, np.nan], beyond))
+    assert told["error below tau_error, heyoka"].found == "75.00 % (3 of 4)"
+    assert told["error below 10 tau_error, heyoka"].holds
+    assert told["MuJoCo off: median"].found == "2.00 %"
+    assert told["MuJoCo off: median"].holds
+    assert told["MuJoCo off by more than 20 %"].found == "1"
+    assert told["MuJoCo does not align"].found == "1"
+    (line,) = explain(sets, heyoka, beyond)
+    assert line.startswith("    set 2: tau 5, 1.5 times the estimates 1.0e-09 + 1.0e-09")
 
 
 def test_a_disagreement_in_the_median_fails(sets):
-    mujoco = sets.tau * 1.06
-    assert "FAILS" in "\n".join(summary(sets, (sets.tau, np.zeros(4)), mujoco))
+    close = sets.tau + 2e-10, np.full(4, 1e-9)
+    assert failing(judge(sets, close, sets.tau * 1.04, [])) == []
+    assert failing(judge(sets, close, sets.tau * 1.06, [])) == ["MuJoCo off: median"]
+
+
+def test_one_set_that_is_not_explained_fails(device):
+    many = Sets([device] * 1000, np.ones(1000), np.full(1000, 1e-9))
+    heyoka = np.where(np.arange(1000) == 7, 1.0 + 4e-9, 1.0 + 1e-10), np.zeros(1000)
+    small = [Outside(7, 4.0, explained=True)]
+    assert failing(judge(many, heyoka, many.tau, small)) == []
+    other = [Outside(7, 4.0, explained=False)]
+    (what,) = failing(judge(many, heyoka, many.tau, other))
+    assert what == "beyond it at a smaller tolerance as well"
+    assert "NOT EXPLAINED" in explain(many, heyoka, other)[0]
+
+
+def test_estimates_are_judged_by_the_rule_of_the_accuracy_trials(device):
+    many = Sets([device] * 1000, np.ones(1000), np.full(1000, 1e-9))
+    far = np.where(np.arange(1000) < 2, 1.0 + 2e-8, 1.0 + 1e-10), np.zeros(1000)
+    assert failing(judge(many, far, many.tau, [])) == ["error below 10 tau_error, heyoka"]
+    often = np.where(np.arange(1000) < 51, 1.0 + 2e-9, 1.0 + 1e-10), np.zeros(1000)
+    assert failing(judge(many, often, many.tau, [])) == ["error below tau_error, heyoka"]
+
+
+def test_a_set_outside_is_run_again_more_accurately(device):
+    right = align([device] * 2, tolerance=1e-12, cores=1)
+    # As if both runs of the first had erred alike: explained by what is right, not by what is not.
+    sets = Sets([device] * 2, right.tau_align + [3e-9, 0.0], np.full(2, 1e-9))
+    for shift, explained in ((0.0, True), (6e-9, False)):
+        (one,) = outside(sets, (right.tau_align + [shift, 0.0], np.full(2, 1e-12)))
+        assert (one.row, one.explained) == (0, explained)
+        assert one.factor == pytest.approx(3.0, rel=0.01)
+    assert outside(sets._replace(error=np.full(2, 1e-8)), (right.tau_align, np.zeros(2))) == []
 
 
 def test_the_scene_states_the_device(device):

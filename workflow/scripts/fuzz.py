@@ -24,7 +24,7 @@ def main() -> int:
     endings: Counter[str] = Counter()
     findings: list[Finding] = []
     unexplained: list[Finding] = []
-    sensitive = done = 0
+    sensitive = done = near = alone = 0
     for first in range(0, arguments.sets, _AT_ONCE):
         count = min(_AT_ONCE, arguments.sets - first)
         report = try_sets(arguments.seed, arguments.first + first, count)
@@ -32,13 +32,16 @@ def main() -> int:
         findings += report.findings
         unexplained += report.unexplained
         sensitive += report.sensitive
+        near += report.against_neighbour
+        alone += report.against_reference
         done += count
         if first // _AT_ONCE % 10 == 0:
             print(f"{done} sets, {len(findings)} findings, {perf_counter() - started:.0f} s",
                   flush=True)  # fmt: skip
     print(f"{done} sets of seed {arguments.seed} from {arguments.first}, horizon "
           f"{SETTINGS.horizon:g}, tolerance {SETTINGS.tolerance:g}, at most "
-          f"{SETTINGS.max_evaluations} evaluations a run; {sensitive} sensitive")  # fmt: skip
+          f"{SETTINGS.max_evaluations} evaluations a run; {sensitive} sensitive; "
+          f"{near} compared with a neighbour, {alone} with the reference engine")  # fmt: skip
     for name, number in endings.most_common():
         print(f"{number:9}  {name}")
     told = findings + unexplained

@@ -5,7 +5,7 @@ nothing declared, or end differently when they are done again. `make fuzz` runs 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,8 @@ from model.solver.outcomes import Outcome, Reason
 
 Floats = NDArray[np.float64]
 
-SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=10_000)
+SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=2_500)
+_PATIENCE = 4  # limits of evaluations that the reference engine may take: it has no implicit steps
 _MOST_RUNS = 5  # of a set: two, and three more where they part
 _LAST_STEP = 600  # evaluations that a step and its switch may take beyond the limit
 
@@ -102,12 +103,16 @@ class Finding(NamedTuple):
 class Report(NamedTuple):
     """What a campaign found: how runs ended, how many sets are sensitive, and every violation.
 
-    ``unexplained`` holds the sets that failed without a reason of their own.
+    ``against_neighbour`` and ``against_reference`` count the sets that were compared: neither
+    flagged, nor stopped at the limit of evaluations, on either side. ``unexplained`` holds the sets
+    that failed without a reason of their own.
     """
 
     sets: int
     endings: dict[str, int]
     sensitive: int
+    against_neighbour: int
+    against_reference: int
     evaluations: int
     findings: list[Finding]
     unexplained: list[Finding]
@@ -125,10 +130,16 @@ def _same(one: Alignments, other: Alignments) -> NDArray[np.bool_]:
     return agree
 
 
-def _taken(runs: Alignments, order: NDArray[np.int64]) -> Alignments:
+def _taken(runs: Alignments, rows: NDArray[np.int64]) -> Alignments:
     return Alignments(
-        **{field.name: getattr(runs, field.name)[order] for field in fields(Alignments)}
+        **{field.name: getattr(runs, field.name)[rows] for field in fields(Alignments)}
     )
+
+
+def _sets(batch: Batch, rows: NDArray[np.int64], displaced: float = 0.0) -> Batch:
+    values = {name: of_all[rows] for name, of_all in batch.values.items()}
+    values["misalignment"] = values["misalignment"] + displaced
+    return Batch(values)
 
 
 def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray[np.bool_]]:
@@ -168,19 +179,29 @@ def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -
 
     # Again, backwards and dealt out to other threads.
     order = np.arange(count)[::-1]
-    turned = Batch({name: values[order] for name, values in batch.values.items()})
-    again = _taken(align(turned, settings, cores=3), order)
+    again = _taken(align(_sets(batch, order), settings, cores=3), order)
     broken["is the same to the bit in another order on other cores"] = ~_same(runs, again)
 
-    # A neighbour: what says that it is not sensitive must end alike a tolerance away.
-    moved = dict(batch.values)
-    moved["misalignment"] = moved["misalignment"] + 0.5 * settings.tolerance
-    near = align(Batch(moved), settings, cores=1)
-    broken["agrees with its neighbour unless either is sensitive"] = _differ(runs, near)
+    # What is flagged, or stopped short, is compared with nothing: it need not be run again.
+    rows = np.flatnonzero(_is_certain(runs))
+    certain = _taken(runs, rows)
 
-    # The reference engine, one run at a time.
-    alone = align(batch, settings, cores=1, engine="scalar")
-    broken["agrees with the reference engine unless either is sensitive"] = _differ(runs, alone)
+    def compare(what: str, others: Alignments) -> int:
+        differ = np.zeros(count, dtype=np.bool_)
+        differ[rows] = _differ(certain, others)
+        broken[f"agrees with {what} unless either is sensitive"] = differ
+        return int(_is_certain(others).sum())
+
+    if rows.size:
+        # A neighbour: what says that it is not sensitive must end alike a tolerance away.
+        near = align(_sets(batch, rows, 0.5 * settings.tolerance), settings, cores=1)
+        against_neighbour = compare("its neighbour", near)
+        # The reference engine, one run at a time.
+        patient = replace(settings, max_evaluations=_PATIENCE * settings.max_evaluations)
+        alone = align(_sets(batch, rows), patient, cores=1, engine="scalar")
+        against_reference = compare("the reference engine", alone)
+    else:
+        against_neighbour = against_reference = 0
 
     describe = _describer(runs)
     findings = [
@@ -199,19 +220,26 @@ def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -
     endings = {name: names.count(name) for name in sorted(set(names))}
     evaluations = int(runs.rhs_evaluations.sum())
     sensitive = int(runs.sensitive.sum())
-    return Report(count, endings, sensitive, evaluations, findings, unexplained)
+    return Report(
+        count, endings, sensitive, against_neighbour, against_reference, evaluations, findings,
+        unexplained,
+    )  # fmt: skip
+
+
+def _is_certain(runs: Alignments) -> NDArray[np.bool_]:
+    """Which sets end without a flag, and before their limit of evaluations.
+
+    What stopped there may have stopped before or after its end.
+    """
+    return ~runs.sensitive & (runs.reason != Reason.TOO_MANY_EVALUATIONS)
 
 
 def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
-    """Which sets end otherwise, or at another time, without a flag on either of the two.
-
-    What stopped short, at its limit of evaluations, may have stopped before or after its end.
-    """
-    spent = Reason.TOO_MANY_EVALUATIONS
-    judged = ~runs.sensitive & ~others.sensitive & (runs.reason != spent) & (others.reason != spent)
+    """Which sets end otherwise, or at another time, where both are certain."""
     with np.errstate(invalid="ignore"):
         apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
-    return judged & ((runs.outcome != others.outcome) | apart)
+    certain = _is_certain(runs) & _is_certain(others)
+    return certain & ((runs.outcome != others.outcome) | apart)
 
 
 def _describer(runs: Alignments) -> Callable[[int], str]:
