@@ -14,7 +14,7 @@ import pytest
 from model.show import cli
 from model.study import export
 from model.study.export import ExportError, results_of, to_mlflow, to_rocrate
-from model.study.tracking import load_history
+from model.study.tracking import Invocation, load_history
 
 PROJECT = Path(__file__).resolve().parents[2]
 CONTEXT = "https://w3id.org/ro/crate/1.1/context"
@@ -29,9 +29,10 @@ def needs(module: str) -> Any:
 
 @pytest.fixture
 def built(recorded) -> Any:
-    """An invocation that made one dataset and in which another figure failed."""
+    """An invocation that made a dataset and a table, and in which another figure failed."""
     invocation = recorded.invocation()
     recorded.merge()
+    recorded.claims()
     recorded.fail("plot/fig06", "ValueError: no such colour\n")
     invocation.end("failed")
     return recorded
@@ -43,7 +44,7 @@ def record_of(built: Any) -> dict[str, Any]:
 
 def test_results_are_what_the_invocation_made_not_what_replaced_it(built) -> None:
     record = load_history(built.root)[0]
-    assert list(results_of(record, built.root)) == ["data/fig06.nc"]
+    assert set(results_of(record, built.root)) == {"data/fig06.nc", "claims.csv"}
     second = built.invocation()
     built.merge(0.5)
     second.end("done")
@@ -95,6 +96,17 @@ def test_mlflow_holds_parameters_metrics_tags_and_data(built, tmp_path: Path) ->
     (dataset,) = artifacts.rglob("fig06.nc")
     assert dataset.read_bytes() == (built.root / "data/fig06.nc").read_bytes()
     assert list(artifacts.rglob("invocation.json"))
+    (table,) = artifacts.rglob("claims.csv")
+    assert table.parent.name == "artifacts", "beside the folders, as in the results root"
+
+
+def test_mlflow_holds_why_an_invocation_was_refused(recorded, tmp_path: Path) -> None:
+    mlflow = needs("mlflow")
+    Invocation(recorded.root).pass_by("failed", None, "the configuration breaks a rule")
+    (record,) = load_history(recorded.root)
+    name = to_mlflow(record, recorded.root, tmp_path / "mlruns.db")
+    run = mlflow.MlflowClient(tracking_uri=f"sqlite:///{tmp_path / 'mlruns.db'}").get_run(name)
+    assert run.data.tags["reason"] == "the configuration breaks a rule"
 
 
 def test_mlflow_holds_an_invocation_once(built, tmp_path: Path) -> None:

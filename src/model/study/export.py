@@ -138,6 +138,8 @@ def _tags(record: Record) -> dict[str, str]:
         **{f"version.{name}": version for name, version in record["versions"].items()},
         **{f"failed.{each['run']}": each["reason"][:4000] for each in record["failures"]},
     }
+    if "reason" in record:
+        tags |= {"reason": record["reason"][:4000]}
     if "commit" in git:
         tags |= {"mlflow.source.git.commit": git["commit"], "dirty": str(git["dirty"])}
     return tags
@@ -180,7 +182,8 @@ def _log_artifacts(client: Any, run: str, record: Record, root: Path) -> None:
         for place, file in results_of(record, root).items():
             link = Path(folder) / Path(place).name  # under the name it had, not its hash
             link.symlink_to(file.resolve())
-            client.log_artifact(run, str(link), str(Path(place).parent))
+            above = Path(place).parent.as_posix()
+            client.log_artifact(run, str(link), None if above == "." else above)
             link.unlink()
 
 
@@ -308,7 +311,7 @@ def _add_action(crate: Any, record: Record, workflow: Any, study: Any, root: Pat
     if failed:
         action["error"] = "; ".join(
             f"{each['run']}: {each['reason']}" for each in record["failures"]
-        ) or record["outcome"]  # fmt: skip
+        ) or record.get("reason", record["outcome"])  # fmt: skip
     done = _entity(crate, f"#{record['invocation']}", action)
     done["instrument"] = workflow
     done["object"] = study
