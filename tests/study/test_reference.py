@@ -95,6 +95,17 @@ def test_peaks_may_differ_by_where_steps_end() -> None:
     assert found(contact_force_max={(3, 3): 4.1}) == ["contact_force_max"]
 
 
+def test_a_share_is_exact_to_the_horizon_and_loose_where_a_run_settles() -> None:
+    reference, built = curves(), curves()
+    for dataset in (reference, built):
+        dataset["outcome"].values[0, 0] = Outcome.HORIZON_REACHED
+    built["sticking_share"].values[0, :2] += 1e-3  # the second of them settled
+    (finding,) = compare_with_reference(reference, built)
+    assert (finding.variable, finding.points) == ("sticking_share", 1)
+    built["sticking_share"].values[0, 0] = 0.2 + 1e-8
+    assert compare_with_reference(reference, built) == []
+
+
 def test_an_outcome_may_flip_only_where_the_reference_is_sensitive() -> None:
     assert found(outcome={(5, 5): Outcome.SETTLED}, tau_align={(5, 5): np.nan}) == []
     assert found(outcome={(3, 3): Outcome.SETTLED}, tau_align={(3, 3): np.nan}) == ["outcome"]
