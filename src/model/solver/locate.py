@@ -13,7 +13,9 @@ from model.solver.step import interpolate, keep_in
 from model.solver.switching import (
     COMBINED_COUNT,
     NEVER,
+    ON_A_SWITCH,
     SWITCH_COUNT,
+    is_wall,
     switching_functions,
 )
 
@@ -165,6 +167,8 @@ def first_switch(time, h, y, dense, p, mode, samples, scratch):
                 break
             f_low, f_high = samples[i - 1, which], samples[i, which]
             if f_high < 0.0:
+                if is_wall(which) and f_low < -ON_A_SWITCH and f_high > f_low:
+                    continue
                 if f_low <= 0.0:
                     low, f_low, high, f_high = _after_start(
                         which, high, f_high, time, h, y, dense, p, mode, scratch

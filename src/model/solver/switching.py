@@ -139,6 +139,15 @@ def corner_off_wall(side, q, p):
 
 
 @inlined_kernel
+def is_wall(which):
+    """Whether a function is that of a corner against the wall.
+
+    A corner that an edge lets go stands behind the wall, as the edge pressed, and comes out.
+    """
+    return which == RIGHT_WALL or which == LEFT_WALL
+
+
+@inlined_kernel
 def friction_margin(sticks, slip_sign, slip, friction, load, p):
     """Sliding: slip in its direction. Sticking: what is left of the friction limit."""
     if sticks:
