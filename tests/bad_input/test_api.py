@@ -9,9 +9,11 @@ import pytest
 from model import Batch, Parameters, Readings, Scene, Settings, align, simulate
 from model.runs.unlocated import align_unlocated
 from model.study.accuracy import read_tables
+from model.study.csv_tables import TableError
 from model.study.datasets import DatasetError, read_dataset
 from model.study.fuzz import try_sets
 from model.study.hard_cases import read_table
+from model.study.identification.band_table import read_bands
 from model.study.independent import solve
 from model.study.precision import read_timings
 
@@ -134,7 +136,7 @@ def test_a_dataset(tmp_path, make_dataset, make):
     assert "build it again" in str(refusal.value)
 
 
-TABLES = {"hard cases": read_table, "timings": read_timings}
+TABLES = {"hard cases": read_table, "timings": read_timings, "bands": read_bands}
 
 
 @pytest.mark.parametrize("read", TABLES.values(), ids=list(TABLES))
@@ -145,7 +147,7 @@ def test_a_table(tmp_path, read, content):
     path = tmp_path / "table.csv"
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(DatasetError) as refusal:
+    with pytest.raises(TableError) as refusal:
         read(path)
     assert str(path) in str(refusal.value)
     assert "build it again" in str(refusal.value)
