@@ -1,5 +1,6 @@
 """Bad input to the command: one line that names the remedy, exit code 2, nothing left behind."""
 
+import errno
 import os
 import resource
 import subprocess
@@ -75,6 +76,21 @@ def test_a_command_line(capsys, monkeypatch, root, line, words):
     for word in words:
         assert word.replace("ROOT", str(root)) in err
     assert {path: path.read_bytes() for path in root.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.parametrize("command", [["runs"], ["show", "last"]])
+def test_a_folder_that_may_not_be_read(capsys, monkeypatch, root, command):
+    # Not by chmod: root, whom containers run as, may read everywhere.
+    def denied(path, *_, **__):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+
+    monkeypatch.setattr(Path, "is_dir", denied)
+    assert cli.main([*command, "--root", str(root)]) == cli.FAILED
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert str(root) in err
+    assert "allow access to it or choose another place" in err
 
 
 CONFIGURATIONS = {

@@ -6,6 +6,7 @@ the value, the rule and the valid choices. What is slow to import is imported wh
 
 import argparse
 import contextlib
+import errno
 import importlib.metadata
 import io
 import json
@@ -73,8 +74,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except OSError as error:
-        print(f"vibralign: error: {error}: free some space or choose another place and run it "
-              "again", file=sys.stderr)  # fmt: skip
+        denied = error.errno in (errno.EACCES, errno.EPERM, errno.EROFS)
+        remedy = "allow access to it" if denied else "free some space"
+        print(f"vibralign: error: {error}: {remedy} or choose another place and run it again",
+              file=sys.stderr)  # fmt: skip
         # What is left unwritten would be tried again, and fail again, as Python ends.
         with contextlib.suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
