@@ -2,7 +2,9 @@
 
 import hashlib
 import json
+import os
 import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -110,3 +112,21 @@ def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(
     assert record["invocation"] == "20261121T000000Z-abcd"
     assert record["more"] == [1]
     assert record["versions"]["numpy"] == np.__version__
+
+
+def test_looking_at_the_checkout_takes_no_lock_in_it(package: Path) -> None:
+    """A lock would stay behind where a job is killed, and stop whoever works there."""
+
+    def git(*arguments: str) -> None:
+        who = ["-c", "user.name=test", "-c", "user.email=test@localhost"]
+        subprocess.run(["git", *who, *arguments], cwd=package, check=True, capture_output=True)
+
+    git("init")
+    git("add", ".")
+    git("commit", "-m", "a package")
+    for path in package.rglob("*.py"):
+        os.utime(path, (1e9, 1e9))  # the index does not know these times: a status would refresh it
+    index = package / ".git" / "index"
+    before = index.read_bytes()
+    assert provenance.git_state()["dirty"] is False
+    assert index.read_bytes() == before

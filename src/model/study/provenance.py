@@ -140,7 +140,9 @@ def git_state() -> dict[str, Any]:
     """Commit of the checkout and whether it has changes; empty outside a checkout."""
 
     def git(*arguments: str) -> str:
-        command = ["git", "-C", str(_PACKAGE.parent), *arguments]
+        # Only looking: a status that refreshes the index holds a lock, which would stay behind
+        # where a job is killed, and stop whoever works in the checkout.
+        command = ["git", "--no-optional-locks", "-C", str(_PACKAGE.parent), *arguments]
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
     try:
