@@ -119,14 +119,16 @@ def test_looking_at_the_checkout_takes_no_lock_in_it(package: Path) -> None:
 
     def git(*arguments: str) -> None:
         who = ["-c", "user.name=test", "-c", "user.email=test@localhost"]
-        subprocess.run(["git", *who, *arguments], cwd=package, check=True, capture_output=True)
+        subprocess.run(
+            ["git", *who, *arguments], cwd=package.parent, check=True, capture_output=True
+        )
 
     git("init")
     git("add", ".")
     git("commit", "-m", "a package")
     for path in package.rglob("*.py"):
         os.utime(path, (1e9, 1e9))  # the index does not know these times: a status would refresh it
-    index = package / ".git" / "index"
+    index = package.parent / ".git" / "index"
     before = index.read_bytes()
     assert provenance.git_state()["dirty"] is False
     assert index.read_bytes() == before
