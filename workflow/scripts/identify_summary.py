@@ -1,7 +1,6 @@
 """Gather what the searches found: the best set, the ensemble, the splits and the readings."""
 
 import argparse
-import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -10,8 +9,8 @@ import xarray as xr
 import yaml
 
 from model.study.config import Study
+from model.study.csv_tables import csv_text
 from model.study.datasets import read_dataset, write_dataset
-from model.study.files import whole_file
 from model.study.identification.candidate import space_of
 from model.study.identification.evaluate import contradicted, datasets_of, judge_of, known_margins
 from model.study.identification.results import (
@@ -35,10 +34,7 @@ FINER = 3
 
 def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
     """Write a table as CSV, whole or not at all."""
-    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)
+    write_text(csv_text(header, (dict(zip(header, row, strict=True)) for row in rows)), path)
     return path
 
 

@@ -14,9 +14,13 @@ class TableError(ValueError):
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    """A header and one line for each row; what a row holds besides ``columns`` is left out."""
+    """A header and one line for each row.
+
+    Raises:
+        ValueError: a row that holds something besides ``columns``.
+    """
     text = io.StringIO()
-    writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue()

@@ -206,7 +206,8 @@ _COLUMNS = tuple(field.name for field in fields(Judged))
 def table_of(judged: list[Judged], *, times: bool) -> str:
     """The judged runs as CSV, with or without their CPU times, which are new in every build."""
     columns = _COLUMNS if times else _COLUMNS[:-1]
-    return csv_text(columns, (_row(each) for each in judged))
+    rows = map(_row, judged)
+    return csv_text(columns, ({name: row[name] for name in columns} for row in rows))
 
 
 def _row(judged: Judged) -> dict[str, Any]:

@@ -37,10 +37,6 @@ class Known:
         columns = {name: np.full(lattice.shape, value) for name, value in unknown.items()}
         return cls(np.zeros(lattice.shape, dtype=np.bool_), columns)
 
-    def join(self, other: "Known") -> None:
-        """Add what is known elsewhere of the same map."""
-        self.enter(*other.nodes, other.of(*other.nodes))
-
     def enter(self, rows: Ints, columns: Ints, values: Columns) -> None:
         """Add nodes."""
         for name, column in self.columns.items():
