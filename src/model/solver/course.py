@@ -52,6 +52,7 @@ from model.solver.switching import (
     CORNERS_INSIDE,
     FACE_END,
     FACE_FAR_END,
+    FLAT,
     LEFT_EDGE_ENTERS,
     LEFT_WALL,
     NEVER,
@@ -132,7 +133,7 @@ def start(p, declared):
     x, tilt = p.misalignment, p.initial_tilt
     y = resting_height(p)
     corner_x, corner_y = bottom_corner(RIGHT_EDGE, x, y, tilt, p)
-    if tilt < 0.0 and corner_x > p.slot_half_width:
+    if tilt < -FLAT and corner_x > p.slot_half_width:
         standing = CLOSED if declared.corner_on_flat else OPEN
         mode = with_corner(with_face(START, RIGHT_EDGE, OPEN), RIGHT_EDGE, standing, 0.0)
         return State(x, y - corner_y, tilt, 0.0, 0.0, 0.0), mode

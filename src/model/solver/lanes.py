@@ -391,7 +391,8 @@ def _screen(which, w, samples):
         g3, g4 = samples[3, which, i], samples[4, which, i]
         s0, s1, s2, s3, s4 = slopes(g0, g1, g2, g3, g4)
         lowest = min(min(g1, g2), min(g3, g4))
-        leaves = abs(g0) <= ON_A_SWITCH  # a mode starts on its own switch and leaves it
+        # A mode starts on its own switch, as far as that is located, and leaves it.
+        leaves = abs(g0) <= 0.1 * w[TOLERANCE * LANES + i]
         dips = (
             (not leaves) & _may_dip(g0, g1, s0, s1)
             | _may_dip(g1, g2, s1, s2)

@@ -16,11 +16,13 @@ from model.solver.switching import (
     ON_A_SWITCH,
     SWITCH_COUNT,
     is_wall,
+    quantities,
     switching_functions,
 )
 
 NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
 NODES = len(NODE_PLACES)
+WHOLE = -1  # a switching function, and not one of its quantities
 NO_SWITCH = 2.0  # a fraction of the step beyond its end
 
 _ROOT_ITERATIONS = 60
@@ -42,14 +44,17 @@ def sample_step(time, h, y, dense, p, mode, nodes, samples):
 
 
 @kernel
-def _value(which, theta, time, h, y, dense, p, mode, scratch):
+def _value(which, part, theta, time, h, y, dense, p, mode, scratch):
+    """Function ``which`` at a place of the step; one of its quantities if ``part`` is not WHOLE."""
     q = interpolate(theta, h, y, dense)
+    if part != WHOLE:
+        return quantities(which, q, p)[part]
     switching_functions(time + theta * h, q, p, mode, scratch)
     return scratch[which]
 
 
 @kernel
-def _after_start(which, high, f_high, time, h, y, dense, p, mode, scratch):
+def _after_start(which, part, high, f_high, time, h, y, dense, p, mode, scratch):
     """A bracket (low, f, high, f) for a function that starts at zero, to rounding, and ends below.
 
     A mode often starts on a zero of its own functions. If the function rises first, its fall lies
@@ -57,7 +62,7 @@ def _after_start(which, high, f_high, time, h, y, dense, p, mode, scratch):
     """
     for _ in range(_HALVINGS):
         theta = 0.5 * high
-        f = _value(which, theta, time, h, y, dense, p, mode, scratch)
+        f = _value(which, part, theta, time, h, y, dense, p, mode, scratch)
         if f > 0.0:
             return theta, f, high, f_high
         high, f_high = theta, f
@@ -65,19 +70,24 @@ def _after_start(which, high, f_high, time, h, y, dense, p, mode, scratch):
 
 
 @kernel
-def _root(which, low, f_low, high, f_high, time, h, y, dense, p, mode, scratch):
+def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode, scratch):
     """A root in [low, high] with f(low) >= 0 > f(high), by the Illinois variant of false position.
 
-    The last step is a bisection's worth of safety: the bracket never opens.
+    Where f(low) < 0 < f(high) both signs are turned. The last step is a bisection's worth of
+    safety: the bracket never opens.
     """
+    if f_low == 0.0:
+        return low
+    sign = 1.0 if f_low > 0.0 else -1.0
+    f_low, f_high = sign * f_low, sign * f_high
     last = 0
     for i in range(_ROOT_ITERATIONS):
-        if high - low <= 1e-15 * high or f_low == 0.0:
+        if high - low <= 1e-15 * high:
             break
         theta = high - f_high * (high - low) / (f_high - f_low)
         if i % 3 == 2 or not low < theta < high:
             theta = 0.5 * (low + high)
-        f = _value(which, theta, time, h, y, dense, p, mode, scratch)
+        f = sign * _value(which, part, theta, time, h, y, dense, p, mode, scratch)
         if f == 0.0:
             return theta
         if f < 0.0:
@@ -112,7 +122,7 @@ def _dip(
         if lowest > 0.5 * f_middle or abs(move) < 1e-9:
             return NO_SWITCH
         theta = min(max(middle + move, left + 0.05 * d1), right - 0.05 * d2)
-        f = _value(which, theta, time, h, y, dense, p, mode, scratch)
+        f = _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
         if f < 0.0:
             return theta
         if theta < middle:
@@ -128,27 +138,77 @@ def _dip(
 
 
 @kernel
-def _instant(which, low, f_low, high, f_high, place, time, h, y, dense, p, mode, scratch):
-    """Where a combined function is negative though it is not at either end: θ, or ``NO_SWITCH``.
+def _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch):
+    """Where between two samples a combined function first falls through zero, or ``NO_SWITCH``.
 
-    Its largest quantity is another at the two ends. Where it changes the function is lowest: the
-    change is bisected from ``place``, the largest quantity's place at ``low``, and given up when
-    twice the slope of neither side would reach zero in what is left of the bracket.
+    It is not negative at either, or starts on zero, and another of its quantities is the largest at
+    each. A quantity that is positive at both is so in between; the condition is met from the last
+    root at which one turns negative to the first at which another turns positive.
     """
-    for _ in range(_HALVINGS):
-        theta = 0.5 * (low + high)
-        f = _value(which, theta, time, h, y, dense, p, mode, scratch)
-        if f < 0.0:
-            return theta
-        if scratch[SWITCH_COUNT + which] == place:
-            if f + 2.0 * min(f - f_low, 0.0) > 0.0:
+    before = quantities(which, interpolate(low, h, y, dense), p)
+    after = quantities(which, interpolate(high, h, y, dense), p)
+    first, last = low, high
+    for part in range(len(before)):
+        g_low, g_high = before[part], after[part]
+        leaves = f_low <= 0.0 and g_low == f_low  # the mode starts on its own switch
+        if g_high > 0.0:
+            if g_low > 0.0 or leaves:
                 return NO_SWITCH
-            low, f_low = theta, f
-        else:
-            if f - 2.0 * max(f_high - f, 0.0) > 0.0:
-                return NO_SWITCH
-            high, f_high = theta, f
-    return NO_SWITCH
+            theta = _root(
+                which, part, low, g_low, high, g_high, time, h, y, dense, p, mode, scratch
+            )
+            last = min(last, theta)
+        elif g_low > 0.0 or leaves:
+            left, right = low, high
+            if leaves:
+                left, g_low, right, g_high = _after_start(
+                    which, part, right, g_high, time, h, y, dense, p, mode, scratch
+                )
+            theta = _root(
+                which, part, left, g_low, right, g_high, time, h, y, dense, p, mode, scratch
+            )
+            first = max(first, theta)
+    return first if first < last else NO_SWITCH
+
+
+@inlined_kernel
+def _fall(i, which, time, h, y, dense, p, mode, samples, scratch):
+    """Where function ``which`` falls through zero between nodes ``i`` - 1 and ``i``, if it does.
+
+    A sampled minimum at node ``i`` is followed to both sides.
+    """
+    low, high = NODE_PLACES[i - 1], NODE_PLACES[i]
+    f_low, f_high = samples[i - 1, which], samples[i, which]
+    if f_low < -ON_A_SWITCH and (i > 1 or (is_wall(which) and f_high > f_low)):
+        return NO_SWITCH  # behind the wall: in the mode from its start, or passed over
+    if f_high < 0.0:
+        if f_low <= 0.0:
+            low, f_low, high, f_high = _after_start(
+                which, WHOLE, high, f_high, time, h, y, dense, p, mode, scratch
+            )
+        return _root(which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode, scratch)
+    turning = SWITCH_COUNT + which
+    if which < COMBINED_COUNT and samples[i - 1, turning] != samples[i, turning]:
+        return _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch)
+    if i == NODES - 1 or f_high > f_low or f_high > samples[i + 1, which]:
+        return NO_SWITCH
+    theta = _dip(
+        which, low, high, NODE_PLACES[i + 1], f_low, f_high, samples[i + 1, which],
+        time, h, y, dense, p, mode, scratch,
+    )  # fmt: skip
+    if theta == NO_SWITCH or f_low <= 0.0:
+        return theta
+    f = _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
+    return _root(which, WHOLE, low, f_low, theta, f, time, h, y, dense, p, mode, scratch)
+
+
+@kernel
+def _counts(which, theta, time, h, y, dense, p, mode, scratch):
+    """Whether function ``which`` may end the mode at θ, a zero of it; see ``corner_off_wall``."""
+    if theta == NO_SWITCH or not is_wall(which):
+        return theta != NO_SWITCH
+    _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
+    return scratch[SWITCH_COUNT + which] == 0.0
 
 
 @inlined_kernel
@@ -162,37 +222,10 @@ def first_switch(time, h, y, dense, p, mode, samples, scratch):
         if samples[0, which] == NEVER:
             continue
         for i in range(1, NODES):
-            low, high = NODE_PLACES[i - 1], NODE_PLACES[i]
-            if low >= first:
+            if NODE_PLACES[i - 1] >= first:
                 break
-            f_low, f_high = samples[i - 1, which], samples[i, which]
-            if f_high < 0.0:
-                if is_wall(which) and f_low < -ON_A_SWITCH and f_high > f_low:
-                    continue
-                if f_low <= 0.0:
-                    low, f_low, high, f_high = _after_start(
-                        which, high, f_high, time, h, y, dense, p, mode, scratch
-                    )
-                theta = _root(which, low, f_low, high, f_high, time, h, y, dense, p, mode, scratch)
-                if theta < first:
-                    first, which_first = theta, which
-                break
-            theta = NO_SWITCH
-            place = samples[i - 1, SWITCH_COUNT + which] if which < COMBINED_COUNT else 0.0
-            if which < COMBINED_COUNT and place != samples[i, SWITCH_COUNT + which]:
-                theta = _instant(
-                    which, low, f_low, high, f_high, place, time, h, y, dense, p, mode, scratch
-                )
-            elif i < NODES - 1 and f_high <= f_low and f_high <= samples[i + 1, which]:
-                right, f_right = NODE_PLACES[i + 1], samples[i + 1, which]
-                theta = _dip(
-                    which, low, high, right, f_low, f_high, f_right,
-                    time, h, y, dense, p, mode, scratch,
-                )  # fmt: skip
-            if theta != NO_SWITCH:
-                f = _value(which, theta, time, h, y, dense, p, mode, scratch)
-                if f_low > 0.0:
-                    theta = _root(which, low, f_low, theta, f, time, h, y, dense, p, mode, scratch)
+            theta = _fall(i, which, time, h, y, dense, p, mode, samples, scratch)
+            if _counts(which, theta, time, h, y, dense, p, mode, scratch):
                 if theta < first:
                     first, which_first = theta, which
                 break

@@ -71,6 +71,7 @@ _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
 
 TRACK_COLUMNS = 9  # time, the state, the support's normal force, the side's
+_MOST_SECANTS = 6
 SWITCH_RESOLUTION = 3e-3  # a switch's last correction over the tolerance's square root
 
 
@@ -128,6 +129,33 @@ def _accepted_step(time, h, y, p, mode, method, tolerance, work):
 
 
 @kernel
+def _secant_to_switch(which, by, time, length, h, y, p, mode, method, resolution, work):
+    """From the step just made, further by ``by``, as long as that comes nearer to the switch.
+
+    The secant method, for a function so level that the dense output does not tell where it falls.
+    Returns and leaves what ``_step_to_switch`` does.
+    """
+    scratch, taken = work.scratch, 0
+    f = scratch[which]
+    for _ in range(_MOST_SECANTS):
+        if not 0.0 < length + by <= h:
+            break
+        take_step(time, length + by, y, p, mode, method, work.k, work.y_end)
+        taken += 1
+        switching_functions(time + length + by, state_of(work.y_end), p, mode, scratch)
+        g = scratch[which]
+        if not abs(g) < 0.5 * abs(f):
+            break
+        length, by, f = length + by, -g * by / (g - f), g
+        if abs(by) <= resolution:
+            rates = state_of(work.k[method.stages])
+            keep_in(moved(state_of(work.y_end), by, rates), work.y_end)
+            return length + by, taken
+    take_step(time, length, y, p, mode, method, work.k, work.y_end)
+    return length, taken + 1
+
+
+@kernel
 def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work):
     """Repeat the step up to the switch: (length, steps taken), the state in ``work.y_end``.
 
@@ -152,7 +180,10 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work)
         switching_functions(time + length, state_of(work.y_end), p, mode, scratch)
         correction = -scratch[which] / slope if slope < 0.0 else 0.0
         if abs(correction) > near * h:
-            break
+            length, more = _secant_to_switch(
+                which, correction, time, length, h, y, p, mode, method, resolution, work
+            )
+            return length, taken + more
         better = min(max(length + correction, 0.0), h)
         if abs(better - length) <= resolution:
             rates = state_of(work.k[method.stages])

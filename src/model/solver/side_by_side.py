@@ -96,6 +96,7 @@ from model.solver.switching import (
     NEVER,
     RIGHT_CORNER_LANDS,
     SWITCH_COUNT,
+    is_wall,
     switching_functions,
 )
 from model.solver.transitions import CONTINUES
@@ -152,7 +153,7 @@ def _crossing(which, samples, i):
     place = 1
     while samples[place, which, i] >= 0.0:
         place += 1
-    if _is_corner(which) or samples[place - 1, which, i] <= 0.0:
+    if _is_corner(which) or is_wall(which) or samples[place - 1, which, i] <= 0.0:
         return 0.25 * (place - 1), False
     if which < COMBINED_COUNT:
         first = samples[0, SWITCH_COUNT + which, i]

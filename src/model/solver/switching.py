@@ -6,7 +6,7 @@ A switch happens where its function falls through zero. Functions that do not ap
 A condition that several quantities must meet at once is the largest of them, each negative where
 its part is met. Such a function is not smooth, and may be negative for an instant only, between two
 samples; which quantity is the largest is therefore sampled with it, so that locate.py can look
-where that changes.
+at each of them where that changes.
 """
 
 from math import pi
@@ -20,6 +20,7 @@ from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 NEVER = 1e300
 ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
+FLAT = 1e-8  # a part tilted by less is flat: it stands on its edge
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
 _NOTHING = -1e300  # a quantity that a condition does not have
 
@@ -56,8 +57,9 @@ SAMPLE_SIZE = SWITCH_COUNT + COMBINED_COUNT
 
 
 @inlined_kernel
-def _largest(a, b, c, d):
+def largest(quantities):
     """(largest of four, its place)."""
+    a, b, c, d = quantities
     value, place = a, 0.0
     if b > value:
         value, place = b, 1.0
@@ -70,20 +72,18 @@ def _largest(a, b, c, d):
 
 @inlined_kernel
 def not_fallen_in(q, p):
-    """Falls through zero once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
+    """Negative once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
     place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
-    return _largest(
-        p.half_width - place.along_face, -corner_x - p.slot_half_width, corner_y, _NOTHING
-    )
+    return p.half_width - place.along_face, -corner_x - p.slot_half_width, corner_y, _NOTHING
 
 
 @inlined_kernel
 def corners_outside(q, p):
-    """Falls through zero once X_B1 <= l, X_B2 >= -l, Y_B1 < 0 and Y_B2 < 0 (paper, sect. 2)."""
+    """Negative once X_B1 <= l, X_B2 >= -l, Y_B1 < 0 and Y_B2 < 0 (paper, sect. 2)."""
     right_x, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     left_x, left_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
-    return _largest(right_x - p.slot_half_width, -left_x - p.slot_half_width, right_y, left_y)
+    return right_x - p.slot_half_width, -left_x - p.slot_half_width, right_y, left_y
 
 
 @inlined_kernel
@@ -106,36 +106,57 @@ def edge_inside(edge, q, p):
 
 @inlined_kernel
 def edge_outside(edge, q, p):
-    """Falls through zero as an edge enters the part."""
+    """Negative once an edge has entered the part."""
     bottom, left, right, top = edge_inside(edge, q, p)
-    return _largest(-bottom, -left, -right, -top)
-
-
-@inlined_kernel
-def corner_below(side, q, p):
-    """(value, place), negative where a bottom corner is deepest on the flat beside the slot.
-
-    It must stand beside the slot, below the plane, and be the lower corner of the bottom face (else
-    the edge carries the face).
-    """
-    corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    return _largest(p.slot_half_width - side * corner_x, corner_y, side * q.tilt, _NOTHING)
+    return -bottom, -left, -right, -top
 
 
 @inlined_kernel
 def corner_above(side, q, p):
-    """Falls through zero as a bottom corner starts to press on the flat: below it, moving down."""
-    value, place = corner_below(side, q, p)
-    corner_x, _ = bottom_corner(side, q.x, q.y, q.tilt, p)
+    """Negative once a bottom corner presses on the flat beside the slot.
+
+    It must stand beside the slot, below the plane, be the lower corner of the bottom face (else the
+    edge carries the face), and move down: it presses from the depth at which it starts to.
+    """
+    corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
     rising = q.y_rate + q.tilt_rate * (corner_x - q.x)
-    return (rising, 3.0) if rising > value else (value, place)
+    return p.slot_half_width - side * corner_x, corner_y, side * q.tilt + FLAT, rising
+
+
+@inlined_kernel
+def corner_below(side, q, p):
+    """(value, place) of ``corner_above``, whether the corner moves down or not."""
+    beside, height, lower, _ = corner_above(side, q, p)
+    return largest((beside, height, lower, _NOTHING))
 
 
 @inlined_kernel
 def corner_off_wall(side, q, p):
-    """Falls through zero as a bottom corner runs against the slot's wall from inside."""
+    """Negative once a bottom corner, not the lower one, has run into the slot's wall from inside.
+
+    Only as its first quantity falls through zero, though: a corner that comes down beside the slot
+    has an edge in front of it.
+    """
     corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    return _largest(p.slot_half_width - side * corner_x, corner_y, -side * q.tilt, _NOTHING)
+    return p.slot_half_width - side * corner_x, corner_y, -side * q.tilt, _NOTHING
+
+
+@kernel
+def quantities(which, q, p):
+    """The four quantities whose largest is the combined function ``which``."""
+    if which == ALIGNED:
+        return not_fallen_in(q, p)
+    if which == CORNERS_INSIDE:
+        return corners_outside(q, p)
+    if which == RIGHT_EDGE_ENTERS:
+        return edge_outside(RIGHT_EDGE, q, p)
+    if which == LEFT_EDGE_ENTERS:
+        return edge_outside(LEFT_EDGE, q, p)
+    if which == RIGHT_CORNER_LANDS:
+        return corner_above(RIGHT_EDGE, q, p)
+    if which == LEFT_CORNER_LANDS:
+        return corner_above(LEFT_EDGE, q, p)
+    return corner_off_wall(RIGHT_EDGE if which == RIGHT_WALL else LEFT_EDGE, q, p)
 
 
 @inlined_kernel
@@ -220,9 +241,10 @@ def _friction_switches(time, q, p, mode):
 
 
 @inlined_kernel
-def _only_if(applies, largest):
-    """A combined function and its place where it applies, else (NEVER, NEVER)."""
-    return largest if applies else (NEVER, NEVER)
+def _only_if(applies, quantities):
+    """The largest of four and its place where the condition applies, else (NEVER, NEVER)."""
+    found = largest(quantities)  # outside of the choice, so that lanes need no branch
+    return found if applies else (NEVER, NEVER)
 
 
 @inlined_kernel

@@ -2,7 +2,7 @@
 
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
-from model.physics.geometry import bottom_corner
+from model.physics.geometry import bottom_corner, edge_place
 from model.physics.motion import (
     is_supported,
     mobility,
@@ -17,6 +17,7 @@ from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
 from model.solver.outcomes import Outcome, Reason
 from model.solver.switching import (
     ALIGNED,
+    CORNER_END,
     CORNER_LOAD,
     CORNER_RELOAD,
     CORNERS_INSIDE,
@@ -150,8 +151,9 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     A contact that slips keeps the sign of its slip. For a contact at rest every state is tried,
     sticking first, and the first set of states that is consistent with its own accelerations holds.
     Where a contact at rest carries no load yet, nothing decides at this instant: the states are
-    tried on what follows a moment later. Slip begins along the acceleration that there is without
-    friction, though: a state that says otherwise would end at once, and come back without end.
+    tried on what follows a moment later. What carries no load holds nothing, though, and slip
+    begins along the acceleration that there is without friction: a state that says otherwise would
+    end at once, and come back without end.
     """
     mode = _with_slip_place(mode)
     if never_sticks(p):
@@ -177,11 +179,15 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
             side = (STICKING, -1, 1)[j] if side_at_rest else _sign(now.side_slip)
             trial = _with_friction(mode, support, side)
             at = motion(time, q, p, trial)
-            if no_load:
-                at = motion(time + _MOMENT, _advanced(q, at), p, trial)
             holds = True
+            if no_load:
+                if support_unloaded and support == STICKING:
+                    holds = abs(at.support_friction) <= least
+                if side_unloaded and side == STICKING:
+                    holds = holds and abs(at.side_friction) <= least
+                at = motion(time + _MOMENT, _advanced(q, at), p, trial)
             if support_at_rest:
-                holds = _friction_holds(
+                holds = holds and _friction_holds(
                     support, at.support_friction, at.support_load, at.support_drive, p
                 )
             if side_at_rest:
@@ -289,12 +295,32 @@ def _corner_lands(edge, time, q, p, mode, declared):
 
 
 @kernel
-def _face_ends(q, p, mode):
-    """The edge has passed the end of the bottom face toward the slot: alignment, or a free fall."""
+def _is_in_slot(time, q, p, mode):
+    """Whether the corner B2 is in the slot, below the plane or at rest on it and about to fall."""
     corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
-    if mode.edge == RIGHT_EDGE and corner_x >= -p.slot_half_width and corner_y < 0.0:
+    if corner_y == 0.0:
+        at = motion(time, q, p, mode)
+        corner_y = at.y + at.tilt * (corner_x - q.x)
+    return corner_x >= -p.slot_half_width and corner_y < 0.0
+
+
+@kernel
+def _face_ends(time, q, p, mode):
+    """The edge has passed the end of the bottom face toward the slot: alignment, or a free fall."""
+    opened = with_face(mode, mode.edge, OPEN)
+    if mode.edge == RIGHT_EDGE and _is_in_slot(time, q, p, opened):
         return _with_drop(mode), _ALIGNED, _NONE
-    return with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
+    return opened, CONTINUES, _NONE
+
+
+@kernel
+def _corner_slides_in(time, q, p, mode):
+    """A bottom corner has slid from the flat into the slot: alignment if A1 is past B1 already."""
+    opened = with_corner(mode, mode.edge, OPEN, 0.0)
+    place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    if mode.edge == LEFT_EDGE and not mode.dropped and place.along_face >= p.half_width:
+        return _with_drop(opened), _ALIGNED, _NONE
+    return _decided(time, q, p, opened, False, False)
 
 
 @kernel
@@ -335,7 +361,9 @@ def _contact_switch(which, time, q, p, mode):
     if which == CORNER_RELOAD:
         closed = with_corner(mode, mode.edge, CLOSED, mode.corner_offset)
         return _decided(time, q, p, closed, False, False)
-    # CORNER_GAP, CORNER_END
+    if which == CORNER_END:
+        return _corner_slides_in(time, q, p, mode)
+    # CORNER_GAP
     opened = with_corner(mode, mode.edge, OPEN, 0.0)
     return _decided(time, q, p, opened, False, False)
 
@@ -371,7 +399,7 @@ def switch(which, time, q, p, mode, declared):
     if which == LEFT_CORNER_LANDS:
         return _corner_lands(LEFT_EDGE, time, q, p, mode, declared)
     if which == FACE_END:
-        return _face_ends(q, p, mode)
+        return _face_ends(time, q, p, mode)
     if which == FACE_FAR_END:
         return mode, _LEFT_SCENE, _MOVED_AWAY if mode.edge == RIGHT_EDGE else _OVERSHOT
     if which == RIGHT_WALL or which == LEFT_WALL:

@@ -32,7 +32,14 @@ from model.physics.scenes import Declared
 from model.solver.course import start
 from model.solver.record import STATE_SIZE
 from model.solver.step import error_estimate, state_of
-from model.solver.switching import LARGEST_TILT, corners_outside, edge_inside, not_fallen_in
+from model.solver.switching import (
+    FLAT,
+    LARGEST_TILT,
+    corners_outside,
+    edge_inside,
+    largest,
+    not_fallen_in,
+)
 
 # How to step.
 RK4_STEPS, SEMI_IMPLICIT_EULER_STEPS, ADAPTIVE_STEPS = 0, 1, 2
@@ -84,7 +91,7 @@ def _corner_force(side, face_depth, q, p):
     """Force of the flat beside the slot on a bottom corner, where it is the lower of the two."""
     corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
     depth = -corner_y - max(0.0, face_depth)
-    if depth > 0.0 and side * q.tilt < 0.0 and side * corner_x > p.slot_half_width:
+    if depth > 0.0 and side * q.tilt < -FLAT and side * corner_x > p.slot_half_width:
         return _force(corner_on_flat(side, q, p), depth, q, p)
     return 0.0, 0.0, 0.0
 
@@ -133,8 +140,8 @@ def outside(y, p):
     """Positive until the part has fallen in, by the alignment criterion in force (R8)."""
     q = state_of(y)
     if p.printed_alignment_criterion != 0.0:
-        return corners_outside(q, p)[0]
-    return not_fallen_in(q, p)[0]
+        return largest(corners_outside(q, p))[0]
+    return largest(not_fallen_in(q, p))[0]
 
 
 @kernel

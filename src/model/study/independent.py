@@ -296,7 +296,7 @@ class _Run:
         def lands(_time: Any, z: State, at: _Body) -> Any:
             place = complex(side * d.a, -d.b) * at.along
             rising = (at.velocity + 1j * at.turn * place).imag
-            return _highest(*beside(at), side * z[2], rising)
+            return _highest(*beside(at), side * z[2] + 1e-8, rising)  # flat below 1e-8
 
         if side == RIGHT or mode.side == "off":  # else B2 has come through the slot's wall
             add(f"{name} lands", lands)
