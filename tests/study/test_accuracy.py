@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, align
+from model import Batch, Outcome, Reason, align
 from model.study.accuracy import (
     FARTHEST,
     is_wrong,
@@ -159,6 +159,9 @@ def made(**columns):
         "tight_tau": np.full(size, 1.0 + 1e-10),
         "independent_tau": np.full(size, 1.0 + 1e-10),
         "independent_ending": np.full(size, "aligned"),
+        "reason": np.zeros(size, dtype=int),
+        "end": np.ones(size),
+        "independent_end": np.full(size, 1.0 + 1e-10),
     }
     return {**table, **columns}
 
@@ -191,6 +194,29 @@ def test_an_honest_estimate_holds():
 )  # fmt: skip
 def test_a_target_that_is_missed_is_named(columns, what):
     assert what in failing(made(**columns))
+
+
+def leaving(ending, count):
+    """Half of the sets run against a wall; in truth, ``count`` of them end otherwise."""
+    left = np.arange(2000) >= 1000
+    return made(
+        outcome=np.where(left, Outcome.LEFT_SCENE, Outcome.ALIGNED),
+        tight_outcome=np.where(left, Outcome.LEFT_SCENE, Outcome.ALIGNED),
+        reason=np.where(left, Reason.CORNER_ON_WALL, Reason.NONE),
+        independent_ending=np.where(
+            left, np.where(np.arange(2000) < 1000 + count, ending, "right wall"), "aligned"
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    ("ending", "count", "fails"),
+    [("left wall", 1000, False), ("aligned", 1, False), ("aligned", 2, True), ("horizon", 2, True),
+     ("other face", 2, True)],
+)  # fmt: skip
+def test_sets_leave_the_scene_as_in_the_independent_solution(ending, count, fails):
+    missed = ["leave the scene as in the independent solution"] if fails else []
+    assert failing(leaving(ending, count)) == missed
 
 
 def test_a_flag_takes_a_set_out_of_the_count():

@@ -13,6 +13,12 @@ from model.study.fuzz import LAWS, SETTINGS, UNEXPLAINED_SHARE, broken_propertie
 
 SEED = 2007
 PATIENT = replace(SETTINGS, max_evaluations=10_000)  # enough for a device to align
+SETTLES = 24_390  # as hardly one set in ten thousand does before the horizon
+# Sets that one engine or both got wrong without a flag; decision 21 says why.
+ONCE_WRONG = (
+    61987, 115174, 137368, 138461, 147806, 307496, 488748, 518930, 567408, 634297, 690504, 734897,
+    764952, 813861, 814978, 837068, 846441, 875933, 1016048, 1027689,
+)  # fmt: skip
 
 
 def test_ten_thousand_sets_keep_every_property():
@@ -25,8 +31,15 @@ def test_ten_thousand_sets_keep_every_property():
     assert sum(report.against_reference for report in reports) > 4000
     # No answer is allowed where it is said, and rare.
     assert sum(len(report.unexplained) for report in reports) <= UNEXPLAINED_SHARE * 10_000
+    reports.append(try_sets(SEED, SETTLES, 1))
     endings = {name.split(":")[0] for report in reports for name in report.endings}
     assert endings == {outcome.name.lower() for outcome in Outcome}  # the law meets them all
+
+
+def test_both_engines_agree_where_they_once_did_not():
+    reports = [try_sets(SEED, number, 1, PATIENT) for number in ONCE_WRONG]
+    assert [finding for report in reports for finding in report.findings] == []
+    assert sum(report.against_reference for report in reports) >= len(ONCE_WRONG) - 1
 
 
 def test_a_set_depends_on_its_number_only():

@@ -1,8 +1,9 @@
 """How accurate the integrator is, tried on random sets: the campaign behind `make accuracy`.
 
 Two trials draw parameter sets by the law in the configuration. "error" compares every alignment
-time and its ``tau_error`` with a run at a tolerance of 1e-13 and with the independent solution;
-"settled" runs every set that ended as settled on to several times the horizon. Tables are CSV.
+time and its ``tau_error`` with a run at a tolerance of 1e-13 and with the independent solution,
+and every way of leaving the scene with the latter; "settled" runs every set that ended as settled
+on to several times the horizon. Tables are CSV.
 """
 
 import csv
@@ -15,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import PARAMETER_NAMES, Batch
-from model.runs.batch import align
+from model.runs.batch import align, run_once
 from model.runs.settings import Settings
 from model.runs.trajectory import simulate
-from model.solver.outcomes import Outcome
+from model.solver.outcomes import Outcome, Reason
 from model.study.files import whole_file
 from model.study.independent import solve
 from model.study.trials import Trial
@@ -27,7 +28,16 @@ Table = dict[str, NDArray[Any]]
 
 TIGHT = 1e-13  # the tolerance of the run taken for true
 ACCURATE = 1e-8  # what a regular alignment time is to be known to
-_AFTER = 1.0  # how long after the alignment the independent solution may still align
+_AFTER = 1.0  # how long after the run's end the independent solution may still end
+# What the independent solution calls the ways of leaving the scene.
+_LEAVING = {
+    Reason.MOVED_AWAY: ("face far",),
+    Reason.OVERSHOT: ("face far",),
+    Reason.CORNER_ON_WALL: ("right wall", "left wall"),
+    Reason.EDGE_ON_OTHER_FACE: ("other face",),
+    Reason.BOTH_SIDES: ("both sides",),
+    Reason.OVERTURNED: ("overturned",),
+}
 _UNBOUNDED = 2_000_000_000  # evaluations: a trial is stopped by its horizon only
 # What the difference of two runs is to be as an estimate of one's error (decision 3): rarely too
 # small, hardly ever by a factor of ten, and not for being large.
@@ -50,20 +60,25 @@ def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
 
 
 def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Table:
-    """Default runs, runs at ``TIGHT``, and the independent solution of what aligns for certain."""
+    """Default runs, runs at ``TIGHT``, and the independent solution of what ends for certain."""
     runs = align(batch, settings, cores=cores)
+    left = runs.outcome == Outcome.LEFT_SCENE
+    ended = np.where(left, run_once(batch, settings, cores=cores)["time"], runs.tau_align)
     tight = align(batch, settings, cores=cores, tolerance=TIGHT, max_evaluations=_UNBOUNDED)
-    independent = np.full(len(batch), math.nan)
+    independent, independent_end = np.full((2, len(batch)), math.nan)
     ending = ["not run"] * len(batch)
-    for row in np.flatnonzero((runs.outcome == Outcome.ALIGNED) & ~runs.sensitive):
+    for row in np.flatnonzero(np.isfinite(ended) & ~runs.sensitive):
         try:
-            solution = solve(batch[int(row)], float(runs.tau_align[row]) + _AFTER)
+            solution = solve(batch[int(row)], float(ended[row]) + _AFTER)
         except ArithmeticError:
             ending[row] = "failed"
         else:
-            independent[row], ending[row] = solution.tau, solution.ending
+            independent[row], independent_end[row] = solution.tau, solution.time
+            ending[row] = solution.ending
     return {
         "outcome": runs.outcome,
+        "reason": runs.reason,
+        "end": ended,
         "tau_align": runs.tau_align,
         "tau_error": runs.tau_error,
         "sensitive": runs.sensitive.astype(np.int8),
@@ -73,6 +88,7 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
         "tight_error": tight.tau_error,
         "tight_sensitive": tight.sensitive.astype(np.int8),
         "independent_tau": independent,
+        "independent_end": independent_end,
         "independent_ending": np.array(ending),
     }
 
@@ -162,7 +178,7 @@ def judge_errors(table: Table) -> list[Verdict]:
     otherwise = ~flagged & (aligned != (table["tight_outcome"] == Outcome.ALIGNED))
     estimate = regular["tau_error"]
     apart = np.abs(regular["tight_tau"] - regular["independent_tau"])
-    unfinished = np.isin(regular["independent_ending"], ["failed", "endless"])
+    unfinished = np.isin(table["independent_ending"], ["failed", "endless"])
     return [
         Verdict("sets", f"{flagged.size}"),
         Verdict("sets that align", f"{int(aligned.sum())}"),
@@ -179,7 +195,25 @@ def judge_errors(table: Table) -> list[Verdict]:
         Verdict("median of tau_error", f"{np.median(estimate):.1e}"),
         Verdict("99th percentile of tau_error", f"{np.quantile(estimate, 0.99):.1e}"),
         Verdict(f"tau_error <= {ACCURATE:g}", f"{100 * np.mean(estimate <= ACCURATE):.2f} %"),
+        *_judge_leaving({name: values[~flagged] for name, values in table.items()}),
     ]  # fmt: skip
+
+
+def _judge_leaving(table: Table) -> list[Verdict]:
+    """Verdicts on the sets that leave the scene, none of them flagged; none without such sets."""
+    left = np.flatnonzero(table["outcome"] == Outcome.LEFT_SCENE)
+    if not left.size:
+        return []
+    endings, reasons = table["independent_ending"][left], table["reason"][left]
+    alike = [
+        ending in _LEAVING.get(Reason(int(reason)), ())
+        for ending, reason in zip(endings, reasons, strict=True)
+    ]
+    apart = np.abs(table["end"] - table["independent_end"])[left]
+    return [
+        _share("leave the scene as in the independent solution", np.array(alike), 0.999),
+        Verdict("their ends apart: median", f"{np.nanmedian(apart):.1e}"),
+    ]
 
 
 def is_wrong(table: Table) -> NDArray[np.bool_]:

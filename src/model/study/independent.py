@@ -427,9 +427,12 @@ class _Run:
                 rate = self.device.derivative(time, z, trial)
                 at[:3] += _MOMENT * (z[3:] + 0.5 * _MOMENT * rate[3:])
                 at[3:] += _MOMENT * rate[3:]
+            begins = self.device.rates(time, z, trial)[3]
             _, _, ahead, frictions, drives = self.device.rates(now, at, trial)
             holds = True
             for i, slide in enumerate((slides, side_slides)):
+                if rests[i] and not slide and groups[i][3] <= 1e-11:
+                    holds &= abs(begins[i]) <= 1e-11  # what carries no load holds nothing
                 if rests[i] and slide:
                     holds &= drives[i] * slide >= 0.0
                 elif rests[i]:
