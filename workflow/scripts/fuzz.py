@@ -35,6 +35,8 @@ def main() -> int:
         near += report.against_neighbour
         alone += report.against_reference
         done += count
+        for finding in report.findings:
+            print(f"set {finding.number}: {finding.what}: {finding.found}", flush=True)
         if first // _AT_ONCE % 10 == 0:
             print(f"{done} sets, {len(findings)} findings, {perf_counter() - started:.0f} s",
                   flush=True)  # fmt: skip

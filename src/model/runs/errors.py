@@ -3,8 +3,10 @@
 The result is that of the run at the tolerance asked for. A second run, at ``COARSER`` times that
 tolerance and from a start displaced in x(0) by the tolerance, tells how far the alignment time may
 still move. Where the two end differently, or far apart, or agree less closely than the tolerance
-promises, the set is run again at a smaller tolerance. It is sensitive if the displaced start, then
-run as accurately as that, still ends elsewhere: digits of its alignment time would be false.
+promises, the set is run again at a smaller tolerance; so is one whose gap between part and slot is
+below the tolerance, where the two may agree and both be wrong. It is sensitive if the displaced
+start, then run as accurately as that, still ends elsewhere: digits of its alignment time would be
+false.
 """
 
 from collections.abc import Callable
@@ -27,7 +29,9 @@ Array = NDArray[np.float64]
 Run = Callable[[Array, Array], Array]
 """(rows, tolerances) to endings; shapes (n, constants), (n,) and (n, len(Ending._fields))."""
 
-_MISALIGNMENT = Constants._fields.index("misalignment")
+_MISALIGNMENT, _SLOT, _PART = (
+    Constants._fields.index(name) for name in ("misalignment", "slot_half_width", "half_width")
+)
 _SAFETY = 4.0
 
 
@@ -88,7 +92,7 @@ def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = 
         Ending._fields.index(name) for name in ("outcome", "tau_align", "rhs_evaluations")
     )
     differences = [np.abs(fine[:, tau] - other[:, tau]) for other in ran[1:]]
-    sensitive = np.zeros(len(rows), dtype=np.bool_)
+    sensitive = rows[:, _SLOT] - rows[:, _PART] < tolerance
     for other, difference in zip(ran[1:], differences, strict=True):
         sensitive |= (fine[:, outcome] != other[:, outcome]) | (difference > SENSITIVE)
     return Estimate(

@@ -9,13 +9,17 @@ repeats the step up to it, so that the switched state has the step's full order.
 import numpy as np
 
 from model.physics.compiled import inlined_kernel, kernel
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.solver.step import interpolate, keep_in
 from model.solver.switching import (
     COMBINED_COUNT,
     NEVER,
     ON_A_SWITCH,
+    RIGHT_WALL,
     SWITCH_COUNT,
+    edge_outside,
     is_wall,
+    largest,
     quantities,
     switching_functions,
 )
@@ -208,7 +212,9 @@ def _counts(which, theta, time, h, y, dense, p, mode, scratch):
     if theta == NO_SWITCH or not is_wall(which):
         return theta != NO_SWITCH
     _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
-    return scratch[SWITCH_COUNT + which] == 0.0
+    edge = RIGHT_EDGE if which == RIGHT_WALL else LEFT_EDGE
+    gap, _ = largest(edge_outside(edge, interpolate(theta, h, y, dense), p))
+    return scratch[SWITCH_COUNT + which] == 0.0 or gap > ON_A_SWITCH
 
 
 @inlined_kernel

@@ -134,8 +134,8 @@ def corner_below(side, q, p):
 def corner_off_wall(side, q, p):
     """Negative once a bottom corner, not the lower one, has run into the slot's wall from inside.
 
-    Only as its first quantity falls through zero, though: a corner that comes down beside the slot
-    has an edge in front of it.
+    Or has come down beside the slot, with all of the part beside it. Otherwise an edge is in front
+    of a corner that comes down there, and carries the part.
     """
     corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
     return p.slot_half_width - side * corner_x, corner_y, -side * q.tilt, _NOTHING

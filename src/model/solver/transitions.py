@@ -305,6 +305,13 @@ def _is_in_slot(time, q, p, mode):
 
 
 @kernel
+def _is_beside(edge, q, p):
+    """Whether all of the bottom face is beyond an edge, beside the slot."""
+    corner_x, _ = bottom_corner(-edge, q.x, q.y, q.tilt, p)
+    return edge * corner_x > p.slot_half_width
+
+
+@kernel
 def _face_ends(time, q, p, mode):
     """The edge has passed the end of the bottom face toward the slot: alignment, or a free fall."""
     opened = with_face(mode, mode.edge, OPEN)
@@ -402,8 +409,10 @@ def switch(which, time, q, p, mode, declared):
         return _face_ends(time, q, p, mode)
     if which == FACE_FAR_END:
         return mode, _LEFT_SCENE, _MOVED_AWAY if mode.edge == RIGHT_EDGE else _OVERSHOT
-    if which == RIGHT_WALL or which == LEFT_WALL:
-        return mode, _LEFT_SCENE, _CORNER_ON_WALL
+    if which == RIGHT_WALL:
+        return mode, _LEFT_SCENE, _MOVED_AWAY if _is_beside(RIGHT_EDGE, q, p) else _CORNER_ON_WALL
+    if which == LEFT_WALL:
+        return mode, _LEFT_SCENE, _OVERSHOT if _is_beside(LEFT_EDGE, q, p) else _CORNER_ON_WALL
     if which == OVERTURNED:
         return mode, _LEFT_SCENE, _OVERTURNED
     if which == SUPPORT_SLIP or which == SIDE_SLIP:

@@ -31,8 +31,8 @@ ACCURATE = 1e-8  # what a regular alignment time is to be known to
 _AFTER = 1.0  # how long after the run's end the independent solution may still end
 # What the independent solution calls the ways of leaving the scene.
 _LEAVING = {
-    Reason.MOVED_AWAY: ("face far",),
-    Reason.OVERSHOT: ("face far",),
+    Reason.MOVED_AWAY: ("face far", "right wall"),  # a wall's name for all that comes down beside
+    Reason.OVERSHOT: ("face far", "left wall"),
     Reason.CORNER_ON_WALL: ("right wall", "left wall"),
     Reason.EDGE_ON_OTHER_FACE: ("other face",),
     Reason.BOTH_SIDES: ("both sides",),
