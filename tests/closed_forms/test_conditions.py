@@ -126,3 +126,17 @@ def test_what_carries_no_load_and_is_not_pulled_sticks(device, constants):
     mode, possible = decide_friction(0.0, q, p, START, True, True)
     assert possible
     assert mode.support_slip == STICKING
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize(
+    ("side", "reason"), [(1, Reason.MOVED_AWAY), (-1, Reason.OVERSHOT)], ids=["right", "left"]
+)
+def test_a_part_that_comes_down_beside_the_slot_has_left_the_scene(
+    course, bare, side, reason, tolerance
+):
+    # All of it is beyond the edge, tilted so that the corner at the slot is the lower one.
+    x = side * (bare.slot_half_width + 2.0 * bare.half_width)
+    state = np.array([x, bare.half_height + 0.1, 0.05 * side, 0.0, -1.0, 0.0])
+    run = course(bare, state, FREE, horizon=1.0, tolerance=tolerance)
+    assert (run.outcome, run.reason) == (Outcome.LEFT_SCENE, reason)
