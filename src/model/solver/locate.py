@@ -13,6 +13,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.solver.step import interpolate, keep_in
 from model.solver.switching import (
     COMBINED_COUNT,
+    FLAT,
     NEVER,
     ON_A_SWITCH,
     RIGHT_WALL,
@@ -32,6 +33,7 @@ NO_SWITCH = 2.0  # a fraction of the step beyond its end
 _ROOT_ITERATIONS = 60
 _DIP_ITERATIONS = 12
 _HALVINGS = 30
+_STRETCHES = 4  # in which each quantity of a condition is taken to go one way
 
 
 @inlined_kernel
@@ -142,29 +144,26 @@ def _dip(
 
 
 @kernel
-def _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch):
-    """Where between two samples a combined function first falls through zero, or ``NO_SWITCH``.
+def _all_met(which, leaves, low, before, high, after, time, h, y, dense, p, mode, scratch):
+    """Where in [low, high] all quantities of ``which`` are first negative, or ``NO_SWITCH``.
 
-    It is not negative at either, or starts on zero, and another of its quantities is the largest at
-    each. A quantity that is positive at both is so in between; the condition is met from the last
-    root at which one turns negative to the first at which another turns positive.
+    Each goes one way between its values ``before`` and ``after``, so that all are negative from the
+    last root at which one turns so to the first at which another turns positive. The number
+    ``leaves`` is that of the one that is zero as the mode begins, if any, and leaves it.
     """
-    before = quantities(which, interpolate(low, h, y, dense), p)
-    after = quantities(which, interpolate(high, h, y, dense), p)
     first, last = low, high
     for part in range(len(before)):
         g_low, g_high = before[part], after[part]
-        leaves = f_low <= 0.0 and g_low == f_low  # the mode starts on its own switch
         if g_high > 0.0:
-            if g_low > 0.0 or leaves:
+            if g_low > 0.0 or part == leaves:
                 return NO_SWITCH
             theta = _root(
                 which, part, low, g_low, high, g_high, time, h, y, dense, p, mode, scratch
             )
             last = min(last, theta)
-        elif g_low > 0.0 or leaves:
+        elif g_low > 0.0 or part == leaves:
             left, right = low, high
-            if leaves:
+            if part == leaves:
                 left, g_low, right, g_high = _after_start(
                     which, part, right, g_high, time, h, y, dense, p, mode, scratch
                 )
@@ -173,6 +172,27 @@ def _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch):
             )
             first = max(first, theta)
     return first if first < last else NO_SWITCH
+
+
+@kernel
+def _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch):
+    """Where between two samples a combined function first falls through zero, or ``NO_SWITCH``.
+
+    It is not negative at either, or starts on zero, and another of its quantities is the largest at
+    each: it may be negative in between.
+    """
+    left, before = low, quantities(which, interpolate(low, h, y, dense), p)
+    for i in range(1, _STRETCHES + 1):
+        right = low + (high - low) * i / _STRETCHES
+        after = quantities(which, interpolate(right, h, y, dense), p)
+        leaves = int(largest(before)[1]) if i == 1 and f_low <= 0.0 else WHOLE
+        theta = _all_met(
+            which, leaves, left, before, right, after, time, h, y, dense, p, mode, scratch
+        )
+        if theta != NO_SWITCH:
+            return theta
+        left, before = right, after
+    return NO_SWITCH
 
 
 @inlined_kernel
@@ -214,7 +234,8 @@ def _counts(which, theta, time, h, y, dense, p, mode, scratch):
     _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
     edge = RIGHT_EDGE if which == RIGHT_WALL else LEFT_EDGE
     gap, _ = largest(edge_outside(edge, interpolate(theta, h, y, dense), p))
-    return scratch[SWITCH_COUNT + which] == 0.0 or gap > ON_A_SWITCH
+    # A part that is flat to FLAT reaches its edge and its corner together.
+    return scratch[SWITCH_COUNT + which] == 0.0 or gap > ON_A_SWITCH + 2.0 * FLAT * p.half_width
 
 
 @inlined_kernel

@@ -277,14 +277,15 @@ def _at_end(which, lanes, runs, work, i):
 def _approach(which, g, by, runs, work, i):
     """Move Y_END onto the switch ``which``, ``by`` away where its function is ``g``.
 
-    The secant method on steps so short that RK4 makes no error in them. Returns the way made and
-    whether it ends on the switch.
+    The secant method on steps so short that RK4 makes no error in them, and never back beyond the
+    step's start. Returns the way made and whether it ends on the switch.
     """
-    p, mode, time = constants_of(runs, i), mode_of(runs, i), runs[TIME, i] + runs[LENGTH, i]
+    p, mode, length = constants_of(runs, i), mode_of(runs, i), runs[LENGTH, i]
+    time = runs[TIME, i] + length
     q, way = state_in(runs, Y_END, i), 0.0
     enough = max(1e-15 * time, SWITCH_RESOLUTION * sqrt(runs[TOLERANCE, i]))
     trials = 0
-    while abs(by) > enough and trials < _MOST_APPROACHES:
+    while abs(by) > enough and trials < _MOST_APPROACHES and length + way + by >= 0.0:
         trials += 1
         q = short_step(time + way, by, q, p, mode)
         runs[EVALUATIONS, i] += 4.0
@@ -296,7 +297,7 @@ def _approach(which, g, by, runs, work, i):
         if abs(further) > abs(by):
             break
         by = further
-    there = abs(by) <= enough
+    there = abs(by) <= enough and length + way + by >= 0.0
     if there:
         q = moved(q, by, rates_of(time + way, q, p, mode))
         runs[EVALUATIONS, i] += 1.0

@@ -138,7 +138,7 @@ def corner_off_wall(side, q, p):
     of a corner that comes down there, and carries the part.
     """
     corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    return p.slot_half_width - side * corner_x, corner_y, -side * q.tilt, _NOTHING
+    return p.slot_half_width - side * corner_x, corner_y, -side * q.tilt - FLAT, _NOTHING
 
 
 @kernel

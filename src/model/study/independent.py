@@ -301,7 +301,7 @@ class _Run:
         if side == RIGHT or mode.side == "off":  # else B2 has come through the slot's wall
             add(f"{name} lands", lands)
         if not faced:
-            add(f"{name} wall", lambda _t, z, at: _highest(*beside(at), -side * z[2]))
+            add(f"{name} wall", lambda _t, z, at: _highest(*beside(at), -side * z[2] - 1e-8))
 
     def _add_friction(self, mode: _Mode, found: dict[str, Function]) -> None:
         mu = self.device.p.friction
