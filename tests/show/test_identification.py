@@ -49,7 +49,7 @@ def found() -> Identified:
         margins=np.array([0.1, -0.2, -0.9]),
         ensemble_shares=np.array([0.75, 0.25, 0.0]),
         prior_shares=np.array([0.5, 0.1, 0.02]),
-        splits=(Split(0, 1, 1, 1, 1), Split(1, 1, 1, 1, 0)),
+        splits=(Split(0, 1, 1, 1, 1, 1, 1), Split(1, 1, 1, 1, 0, 1, 0)),
         readings={"consistent": np.array([0.1, 0.2, -0.9]), "printed": np.array([-1, -0.1, 0.3])},
     )
 
@@ -135,12 +135,12 @@ def test_claims_that_the_device_does_not_show_look_different(found: Identified) 
 
 def test_readings_are_marked_where_they_fail(found: Identified) -> None:
     margins = np.array(list(found.readings.values()))
-    figure = readings_by_claims(list(found.readings), found.claims, margins)
+    figure = readings_by_claims(list(found.readings), found.claims, margins, found.counted)
     axes = figure.axes[0]
     crosses = {(line.get_xdata()[0], line.get_ydata()[0]) for line in axes.lines}
     assert crosses == {(2, 0), (0, 1), (1, 1)}
     names = [label.get_text() for label in axes.get_yticklabels()]
-    assert names == ["consistent (2)", "as printed (1)"]
+    assert names == ["consistent (2)", "as printed (0)"]  # the third claim does not count
 
 
 def test_a_band_stands_behind_the_curve_of_its_parameter() -> None:
@@ -165,7 +165,7 @@ def test_a_band_stands_behind_the_curve_of_its_parameter() -> None:
 def test_the_section_counts_only_what_counts(found: Identified) -> None:
     section = identification_section(found, CHOSEN, RANGES)
     assert (section.sets, section.reproduced, section.counted) == (4000, 1, 2)
-    assert section.rate == 0.5
+    assert (section.rate, section.rate_of_possible) == (0.5, 0.5)
     assert section.prior_rate == pytest.approx(0.3)
     wide, narrow = section.unknowns
     assert wide[-1] == pytest.approx(1.0, abs=0.03)  # as wide as the prior: nothing was learnt

@@ -103,6 +103,13 @@ def test_curves_that_a_claim_names_may_be_missing() -> None:
     assert "no curve between 5 and 7" in finding.seen
 
 
+def test_more_force_is_to_be_faster_where_the_tilt_spring_is_stiff() -> None:
+    soft_the_other_way = curves("fig09", lambda f, k: 10.0 * f if k < 10.0 else 10.0 / f)
+    assert found("F8e", soft_the_other_way).verdict == "reproduced"
+    stiff_the_other_way = curves("fig09", lambda f, k: 10.0 / f if k < 10.0 else 10.0 * f)
+    assert found("F8e", stiff_the_other_way).verdict == "contradicted"
+
+
 def test_one_run_that_does_not_align_contradicts_the_drop_of_the_force() -> None:
     dataset = Course().datasets["fig05"].copy(deep=True)
     dataset["outcome"].values[...] = 1

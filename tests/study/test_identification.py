@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from model.physics.parameters import Parameters
+from model.solver.outcomes import Outcome
 from model.study.claims import CLAIMS
 from model.study.config import (
     CURVES,
@@ -45,6 +46,7 @@ from model.study.identification.results import (
     spreads,
 )
 from model.study.identification.search import (
+    contenders,
     first_population,
     halves,
     most_shown,
@@ -191,10 +193,48 @@ def test_a_batch_of_candidates_is_each_by_itself(space: Space) -> None:
 
 
 def test_what_can_be_checked_is_judged_and_what_is_set_aside_does_not_count(judge: Judge) -> None:
-    assert set(judge.ids) == {claim.id for claim in CLAIMS if claim.check is not None}
+    checked = {claim.id for claim in CLAIMS if claim.check is not None}
+    assert set(judge.ids) == checked | {"N1 (Fig. 5)"}
     assert {"M3", "M4", "F8d", "F8f", "C1b", "C2a", "C6"} <= set(judge.ids)
     counted = dict(zip(judge.ids, judge.counted.tolist(), strict=True))
-    assert [name for name, counts in counted.items() if not counts] == ["C6", "C2a"]
+    aside = [name for name, counts in counted.items() if not counts]
+    assert aside == ["C6", "C2a", "N1 (Fig. 5)"]
+
+
+def test_what_is_required_of_a_figure_is_judged_by_it_alone(space: Space, judge: Judge) -> None:
+    point = np.random.default_rng(11).random(len(space.names))
+    (made,) = datasets_of(space, [(point, ("fig05", "fig12"))])
+    fifth, whole = judge.ids.index("N1 (Fig. 5)"), judge.ids.index("N1")
+    for separations, holds in ((0, True), (3, False)):
+        fig05 = made["fig05"].assign(separations=separations, outcome=float(Outcome.ALIGNED))
+        hopping = made["fig12"].assign(separations=made["fig12"]["separations"] + 1.0)
+        margins = known_margins(judge, {"fig05": fig05, "fig12": hopping})
+        assert (margins[fifth] > 0.0) == judge.holds(margins) == holds
+        assert margins[whole] < 0.0
+
+
+def test_what_is_required_weighs_more_than_a_claim_and_in_no_half(judge: Judge) -> None:
+    fifth = judge.ids.index("N1 (Fig. 5)")
+    shown = np.full(len(judge.claims), judge.goal)
+    lacking, one_less = shown.copy(), shown.copy()
+    lacking[fifth], one_less[0] = -0.5, -0.5
+    assert judge.score(lacking) < judge.score(one_less) < judge.score(shown)
+    assert judge.reproduced(lacking) == judge.reproduced(shown) == judge.counted.sum()
+    half = judge.counting(halves(judge, 2007, 0)[0])
+    assert half.score(lacking) == half.score(shown)
+    assert half.holds(lacking)
+
+
+def test_contenders_hold_what_is_required_and_differ_in_structure(judge: Judge) -> None:
+    fifth = judge.ids.index("N1 (Fig. 5)")
+    margins = np.full((4, len(judge.claims)), 0.1)
+    margins[0, fifth] = -0.1  # reproduces all that counts, but hops
+    margins[1, :2] = -0.1
+    margins[2, :1] = -0.1
+    margins[3, :3] = -0.1
+    structures = np.array([[0.1] * 7, [0.2] * 7, [0.2] * 7, [0.3] * 7])
+    assert contenders(judge, structures, margins, 4).tolist() == [2, 3, 0]
+    assert contenders(judge, structures, margins, 1).tolist() == [2]
 
 
 def test_a_claim_not_shown_is_not_made_up_for_by_others_shown_clearly(judge: Judge) -> None:
@@ -229,12 +269,17 @@ def test_halves_share_no_claim_and_hold_all(judge: Judge) -> None:
     assert len({first.tobytes() for first, _ in splits}) == 5
 
 
-def test_what_is_admissible() -> None:
-    margins = np.array([[0.1, 0.1, -1.0], [0.1, -0.1, 0.5], [-0.1, -0.1, 0.5]])
-    counted = np.array([True, True, False])
-    assert admissible(margins, counted, 0).tolist() == [True, False, False]
-    assert admissible(margins, counted, 1).tolist() == [True, True, False]
-    np.testing.assert_allclose(shares(margins), [2 / 3, 1 / 3, 2 / 3])
+def test_what_is_admissible(judge: Judge) -> None:
+    margins = np.full((4, len(judge.claims)), 0.1)
+    margins[1, 0], margins[2, :2] = -0.1, -0.1
+    margins[3, judge.ids.index("N1 (Fig. 5)")] = -0.1
+    assert admissible(judge, margins, 0).tolist() == [True, False, False, False]
+    assert admissible(judge, margins, 1).tolist() == [True, True, False, False]
+    # What does not show what is required is not what the others are measured by.
+    assert admissible(judge, margins[1:], 0).tolist() == [True, False, False]
+    with pytest.raises(ValueError, match="no set shows what is required"):
+        admissible(judge, margins[3:], 4)
+    np.testing.assert_allclose(shares(margins)[:3], [0.5, 0.75, 1.0])
 
 
 def test_of_sets_that_show_as_much_the_one_contradicted_least_is_chosen(judge: Judge) -> None:
@@ -243,13 +288,17 @@ def test_of_sets_that_show_as_much_the_one_contradicted_least_is_chosen(judge: J
     assert most_shown(judge, margins, [1, 2, 1]) == 2  # reproduces one more
     assert most_shown(judge, margins[:2], [2, 1]) == 1
     assert most_shown(judge, margins[:2], [1, 1]) == 0  # the score decides
+    margins[2, judge.ids.index("N1 (Fig. 5)")] = -0.1
+    assert most_shown(judge, margins, [1, 2, 1]) == 0  # the other does not show what it must
 
 
 def test_a_split_counts_each_half_by_itself() -> None:
     first, second = np.array([True, True, False, False]), np.array([False, False, True, True])
-    split = split_of(0, (first, second), np.array([0.1, 0.2, 0.3, -0.1]))
+    possible = np.array([True, True, True, False])
+    split = split_of(0, (first, second), np.array([0.1, 0.2, 0.3, -0.1]), possible)
     assert (split.searched_reproduced, split.held_out_reproduced) == (2, 1)
     assert split.rate == 0.5
+    assert (split.possible, split.possible_reproduced, split.rate_of_possible) == (1, 1, 1.0)
 
 
 def test_the_spread_of_the_prior_is_one_and_of_a_point_nothing(space: Space) -> None:
@@ -311,6 +360,7 @@ def test_a_candidate_as_configured_is_the_candidate(study: Study, space: Space) 
         ({"structure": {"half_widht": {"low": 1.0, "high": 2.0}}}, "Did you mean 'half_width'"),
         ({"run_counts": {"pressed": 4}}, "run_counts: must name each of centred"),
         ({"stated": {"fig01": {"frequency": 1.0}}}, "fig01"),
+        ({"required": {"fig03": ["N1"]}}, "fig03"),
     ],
 )
 def test_a_law_that_cannot_be_searched_is_refused(

@@ -35,7 +35,7 @@ def main() -> None:
         )
     else:
         margins = np.array(list(found.readings.values()))
-        figure = readings_by_claims(list(found.readings), found.claims, margins)
+        figure = readings_by_claims(list(found.readings), found.claims, margins, found.counted)
     pictures = save(figure, arguments.output.with_suffix(""))
     job.finish(arguments.record, pictures, arguments.tables)
 

@@ -2,17 +2,26 @@
 
 import argparse
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 import yaml
+from numpy.typing import NDArray
 
 from model.study.config import Study
 from model.study.csv_tables import csv_text
 from model.study.datasets import read_dataset, write_dataset
-from model.study.identification.candidate import space_of
-from model.study.identification.evaluate import contradicted, datasets_of, judge_of, known_margins
+from model.study.identification.candidate import Space, space_of, space_of_reading
+from model.study.identification.committed import Split
+from model.study.identification.evaluate import (
+    Judge,
+    contradicted,
+    datasets_of,
+    judge_of,
+    known_margins,
+)
 from model.study.identification.results import (
     Findings,
     admissible,
@@ -26,15 +35,43 @@ from model.study.identification.results import (
     spreads,
     summary,
 )
-from model.study.identification.search import best_of, halves, most_shown
+from model.study.identification.search import contenders, halves, most_shown
 from model.study.provenance import Job, write_text
 
 FINER = 3
+_AT_ONCE = 8  # sets judged together
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Finer:
+    """Candidates judged on finer grids: values (m, unknowns), margins (m, claims), the best row."""
+
+    values: Array
+    margins: Array
+    best: int
+
+
+def judged_finer(space: Space, judge: Judge, found: xr.Dataset, count: int) -> Finer:
+    """The ``count`` best of a search, judged on the grids of ``space``."""
+    points = space.point(found["value"].values)
+    structures = points[:, space.places["structure"]]
+    rows = contenders(judge, structures, found["margin"].values, count)
+    margins, against = [], []
+    for start in range(0, len(rows), _AT_ONCE):
+        wanted = [(points[row], space.everything) for row in rows[start : start + _AT_ONCE]]
+        for datasets in datasets_of(space, wanted):
+            margins.append(known_margins(judge, datasets))
+            against.append(contradicted(judge, datasets))
+    best = most_shown(judge, np.array(margins), against)
+    return Finer(found["value"].values[rows], np.array(margins), best)
 
 
 def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
-    """Write a table as CSV, whole or not at all."""
-    write_text(csv_text(header, (dict(zip(header, row, strict=True)) for row in rows)), path)
+    """Write a table as CSV, whole or not at all; numbers to six digits."""
+    written = [[f"{each:.6g}" if isinstance(each, float) else each for each in row] for row in rows]
+    write_text(csv_text(header, (dict(zip(header, row, strict=True)) for row in written)), path)
     return path
 
 
@@ -52,42 +89,43 @@ def main() -> None:
     space = space_of(arguments.study)
     judge = judge_of(space)
 
-    starts = [read_dataset(path) for path in arguments.starts]
-    values = np.concatenate([each["value"].values for each in starts])
-    margins = np.concatenate([each["margin"].values for each in starts])
-    points = space.point(values)
-    leading = best_of(judge, margins, law.finer)
+    # A set is admissible by what it shows, whichever claims it was searched by.
+    searches = [read_dataset(path) for path in (*arguments.starts, *arguments.halves)]
+    tried = xr.concat([each[["value", "margin"]] for each in searches], "candidate")
     finer = space_of(arguments.study, finer=FINER)
-    shown = [datasets_of(finer, [(point, finer.everything)])[0] for point in points[leading]]
-    judged = np.array([known_margins(judge, datasets) for datasets in shown])
-    best = most_shown(judge, judged, [contradicted(judge, datasets) for datasets in shown])
-    kept = admissible(margins, judge.counted, law.admissible)
-    ensemble = candidates_dataset(space, judge, points[kept], margins[kept], "Admissible sets")
+    leading = judged_finer(finer, judge, tried, law.finer)
+    kept = admissible(judge, leading.margins, law.admissible)
+    ensemble, margins = leading.values[kept], leading.margins[kept]
+    possible = shares(margins) > 0.0
 
     splits = []
     for number, path in enumerate(arguments.halves):
-        tried = read_dataset(path)["margin"].values
-        first, second = halves(judge, space.law.seed, number)
-        row = best_of(judge.counting(first), tried, 1)[0]
-        splits.append(split_of(number, (first, second), tried[row]))
-    readings: dict[str, np.ndarray] = {}
+        pair = halves(judge, space.law.seed, number)
+        half = judged_finer(finer, judge.counting(pair[0]), read_dataset(path), law.finer_each)
+        splits.append(split_of(number, pair, half.margins[half.best], possible))
+    readings: dict[str, Array] = {}
     for path in arguments.readings:
-        tried = read_dataset(path)["margin"].values
-        readings[path.stem] = tried[best_of(judge, tried, 1)[0]]
+        under = space_of_reading(arguments.study, path.stem, finer=FINER)
+        found_so = judged_finer(under, judge, read_dataset(path), law.finer_each)
+        readings[path.stem] = found_so.margins[found_so.best]
 
     found = Findings(
         space=space,
         judge=judge,
-        tried=len(points),
-        best=points[leading[best]],
-        best_margins=judged[best],
-        ensemble=values[kept],
-        ensemble_margins=margins[kept],
+        tried=tried.sizes["candidate"],
+        judged=len(leading.margins),
+        best=space.point(leading.values[leading.best]),
+        best_margins=leading.margins[leading.best],
+        ensemble=ensemble,
+        ensemble_margins=margins,
         prior=prior_shares(samples_of([read_dataset(path) for path in arguments.samples])),
         splits=tuple(splits),
         readings=readings,
     )
-    made = write_all(found, ensemble, folder)
+    title = "Admissible sets, on the finer grids"
+    made = write_all(
+        found, candidates_dataset(space, judge, space.point(ensemble), margins, title), folder
+    )
     inputs = [*arguments.samples, *arguments.starts, *arguments.halves, *arguments.readings]
     job.finish(arguments.record, made, inputs, sweep=space.identity)
 
@@ -131,7 +169,7 @@ def write_all(found: Findings, ensemble: xr.Dataset, folder: Path) -> list[Path]
         ),
         write_rows(
             folder / "splits.csv",
-            ("split", "searched", "searched_reproduced", "held_out", "held_out_reproduced"),
+            Split._fields,
             found.splits,
         ),
         write_rows(

@@ -52,7 +52,7 @@ CAPTIONS: Mapping[str, str] = {
     "where at least half of them align, dashed the median. Every set has an operating point of its "
     "own. Lines: the study's device, one curve of each figure.",
     "readings": "Which claims the best set found under each reading of the equations reproduces; "
-    "all readings were searched with the same budget. In brackets how many.",
+    "all readings were searched with the same budget. In brackets how many of those that count.",
 }
 _BINS = 12
 READING_LABELS: Mapping[str, str] = {
@@ -182,7 +182,7 @@ def claim_shares(
         claims: their names.
         ensemble: shares, shape (claims,).
         prior: shares, shape (claims,), NaN where unknown.
-        reproduced: whether the study's own device does, shape (claims,).
+        reproduced: whether the best set found does, shape (claims,).
     """
     half = (len(claims) + 1) // 2
     with style.context():
@@ -202,8 +202,8 @@ def claim_shares(
             axes.set_xlabel("share that reproduces the claim")
         figure.legend(
             handles=[
-                _dot("o", style.BLUE, "admissible sets; the study's device reproduces it"),
-                _dot("X", style.VERMILLION, "admissible sets; the study's device does not"),
+                _dot("o", style.BLUE, "admissible sets; the best set reproduces it"),
+                _dot("X", style.VERMILLION, "admissible sets; the best set does not"),
                 _dot("o", style.GREY, "draws from the prior", hollow=True),
             ],
             loc="outside lower center",
@@ -219,13 +219,16 @@ def _dot(marker: str, colour: str, label: str, hollow: bool = False) -> Line2D:
     )  # fmt: skip
 
 
-def readings_by_claims(readings: Sequence[str], claims: Sequence[str], margins: Array) -> Figure:
+def readings_by_claims(
+    readings: Sequence[str], claims: Sequence[str], margins: Array, counted: NDArray[np.bool_]
+) -> Figure:
     """Which claims the best set found under each reading reproduces.
 
     Args:
         readings: their names.
         claims: their names.
         margins: shape (readings, claims).
+        counted: of which claims the number is stated, shape (claims,).
     """
     shown = np.asarray(margins > 0.0)
     with style.context():
@@ -237,7 +240,7 @@ def readings_by_claims(readings: Sequence[str], claims: Sequence[str], margins: 
             axes.plot(column, row, "x", color=style.VERMILLION, markersize=3.0)
         axes.set_xticks(np.arange(len(claims)), claims, rotation=90.0, fontsize=5.5)
         names = [
-            f"{READING_LABELS.get(each, each)} ({row.sum()})"
+            f"{READING_LABELS.get(each, each)} ({(row & counted).sum()})"
             for each, row in zip(readings, shown, strict=True)
         ]
         axes.set_yticks(np.arange(len(readings)), names, fontsize=7.0)
@@ -278,13 +281,13 @@ class Section:
 
     Attributes:
         sets: how many admissible sets.
-        reproduced: claims that the study's device reproduces on the search's finer grids.
+        reproduced: claims that the best set reproduces on the search's finer grids.
         counted: claims that counted.
         unknowns: of the structure: symbol, words, the study's value, 5 %, median, 95 %, and the
             width of the middle nine tenths over the prior's.
-        held_out: for each split its number, claims searched for, of these reproduced, claims held
-            out, of these reproduced.
+        held_out: the splits.
         rate: mean share of the claims held out that is reproduced.
+        rate_of_possible: the same of those that some admissible set shows.
         prior_rate: share of the claims that a draw from the prior reproduces.
         readings: label, claims reproduced of those that counted, and names of the others.
     """
@@ -295,6 +298,7 @@ class Section:
     unknowns: tuple[tuple[str, str, float, float, float, float, float], ...]
     held_out: tuple[Split, ...]
     rate: float
+    rate_of_possible: float
     prior_rate: float
     readings: tuple[tuple[str, int, str], ...]
 
@@ -330,6 +334,7 @@ def identification_section(
         unknowns=tuple(unknowns),
         held_out=found.splits,
         rate=float(np.mean([split.rate for split in found.splits])),
+        rate_of_possible=float(np.mean([split.rate_of_possible for split in found.splits])),
         prior_rate=float(np.nanmean(found.prior_shares[found.counted])),
         readings=readings,
     )

@@ -252,6 +252,7 @@ class SearchLaw(_Strict):
         stated: what the paper says of a figure's operating point.
         operating_points: ranges of what it leaves open, by figure.
         set_aside: claims that do not count in the score, with the reason.
+        required: claims that a figure must show, by figure.
         goal: margin from which more of it is worth little.
     """
 
@@ -264,11 +265,12 @@ class SearchLaw(_Strict):
     stated: dict[str, ParameterValues]
     operating_points: dict[str, Annotated[Ranges, AfterValidator(_parameter_names)]]
     set_aside: dict[str, str]
+    required: dict[str, list[str]]
     goal: float = Field(gt=0.0, lt=1.0)
 
     @model_validator(mode="after")
     def _names_figures(self) -> "SearchLaw":
-        for name in (*self.counts, *self.stated, *self.operating_points):
+        for name in (*self.counts, *self.stated, *self.operating_points, *self.required):
             check_name(name, HISTORIES + CURVES + MAPS, "figure that is computed")
         missing = [name for name in CURVES + MAPS if name not in self.counts]
         if missing:
@@ -290,7 +292,9 @@ class Identification(_Strict):
         rounds: of each search over all claims.
         starts: searches over all claims, each from structures of its own.
         known: sets found before, by unknown, that searches over all claims set out from as well.
-        finer: how many of the best are judged again, with three times the values along each axis.
+        finer: how many of the best are judged again, with three times the values along each axis;
+            of these are the chosen set and the admissible ones.
+        finer_each: how many of each search over half of the claims, and of each reading's.
         half: rounds of each search over half of the claims.
         splits: how often the claims are halved.
         admissible: how many claims fewer than the best an admissible set may reproduce.
@@ -304,6 +308,7 @@ class Identification(_Strict):
     starts: int = Field(ge=1)
     known: dict[str, dict[str, float]]
     finer: int = Field(ge=1)
+    finer_each: int = Field(ge=1)
     half: Annotated[list[Evolution], Field(min_length=1)]
     splits: int = Field(ge=1)
     admissible: int = Field(ge=0)

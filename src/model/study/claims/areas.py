@@ -19,9 +19,9 @@ from model.study.claims.limits import (
 from model.study.claims.mechanism import FIGURES
 from model.study.claims.reading import NAN, Array, Data, Flags, MissingDataError, Plane, trend
 from model.study.claims.shapes import each_figure, of_points, one
+from model.study.claims.stiffness import STIFF
 
 RELIABLE_REACH = 0.05
-STIFF = 10.0
 _MAPS = {"fig13": "(k_φ, f0)", "fig14": "(k_φ, ν)"}
 
 

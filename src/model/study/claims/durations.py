@@ -49,8 +49,8 @@ def influence(*names: str) -> Check:
     )
 
 
-def across(name: str, number: Callable[[Array, Array], float]) -> Check:
-    """Mean of a number of the durations over the family's values, for each swept value.
+def across(name: str, number: Callable[[Array, Array], float], low: float = -ANY) -> Check:
+    """Mean of a number of the durations over the family's values, for swept values from ``low`` on.
 
     ``number`` takes the family's values, shape (m,), and the durations there.
     """
@@ -58,7 +58,8 @@ def across(name: str, number: Callable[[Array, Array], float]) -> Check:
     def mean(data: Data) -> float:
         curves = data.curves(name)
         values = np.array([c.at for c in curves])
-        taus = np.array([sampled(c, grid_of(curves)) for c in curves])
+        grid = grid_of(curves)
+        taus = np.array([sampled(c, grid) for c in curves])[:, grid >= low]
         return mean_of([number(values, column) for column in taus.T])
 
     return one(mean)

@@ -249,21 +249,24 @@ def space_of(study: Study, finer: int = 1) -> Space:
         study: the study.
         finer: times the coarse grids' values along each axis, run with a smaller tolerance.
     """
-    law = study.identification.law
-    if finer > 1:
-        counts = {name: finer * count for name, count in law.counts.items()}
-        run_counts = {name: finer * count for name, count in law.run_counts.items()}
-        law = law.model_copy(
-            update={"counts": counts, "run_counts": run_counts, "tolerance": FINE_TOLERANCE}
-        )
-    return _space(study, law, "consistent")
+    return _space(study, _finer(study.identification.law, finer), "consistent")
 
 
-def space_of_reading(study: Study, reading: str) -> Space:
-    """The smaller search under a reading, as ``readings_of`` takes it."""
+def space_of_reading(study: Study, reading: str, finer: int = 1) -> Space:
+    """The smaller search under a reading, as ``readings_of`` takes it; ``finer`` as above."""
     identification = study.identification
     few = identification.law.model_copy(update={"counts": identification.reading_counts})
-    return _space(study, few, reading)
+    return _space(study, _finer(few, finer), reading)
+
+
+def _finer(law: SearchLaw, times: int) -> SearchLaw:
+    if times == 1:
+        return law
+    counts = {name: times * count for name, count in law.counts.items()}
+    run_counts = {name: times * count for name, count in law.run_counts.items()}
+    return law.model_copy(
+        update={"counts": counts, "run_counts": run_counts, "tolerance": FINE_TOLERANCE}
+    )
 
 
 def _space(study: Study, law: SearchLaw, reading: str) -> Space:

@@ -1,7 +1,7 @@
 """The identification's result as it is committed in config/identification.
 
-``make identification`` writes these tables anew. A search takes hours; figures and report read what
-it found.
+``make identification`` writes these tables anew. A search takes an hour; figures and report read
+what it found.
 """
 
 import csv
@@ -30,18 +30,28 @@ class IdentificationError(ValueError):
 
 
 class Split(NamedTuple):
-    """One split: claims searched for and those held out, and how many of each are reproduced."""
+    """One split: claims searched for and those held out, and how many of each are reproduced.
+
+    ``possible`` are those held out that some admissible set shows: what could be reproduced.
+    """
 
     number: int
     searched: int
     searched_reproduced: int
     held_out: int
     held_out_reproduced: int
+    possible: int
+    possible_reproduced: int
 
     @property
     def rate(self) -> float:
         """Share of the claims held out that is reproduced."""
         return self.held_out_reproduced / self.held_out
+
+    @property
+    def rate_of_possible(self) -> float:
+        """The same of those that some admissible set shows."""
+        return self.possible_reproduced / max(self.possible, 1)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ Each is run once: an estimated error of every point would double the cost and de
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -34,6 +34,7 @@ _STORED = (
     "contact_force_max",
 )
 _WORST = -1.0  # margin of a claim for which there is nothing to measure
+_REQUIRED = 3.0  # claims that one which must hold weighs as many as
 
 
 @dataclass(frozen=True)
@@ -44,11 +45,13 @@ class Judge:
         claims: those that something can be measured by.
         counted: which of them count, shape (claims,).
         goal: margin from which more of it is worth little.
+        required: which must hold, as claims of their own that do not count, shape (claims,).
     """
 
     claims: tuple[Claim, ...]
     counted: NDArray[np.bool_]
     goal: float
+    required: NDArray[np.bool_]
 
     @property
     def ids(self) -> tuple[str, ...]:
@@ -64,22 +67,45 @@ class Judge:
         return np.asarray(self.worth(margins).sum(axis=-1))
 
     def worth(self, margins: Array) -> Array:
-        """What each claim adds to the score; 0 where it does not count."""
+        """What each claim adds to the score; 0 where it neither counts nor is required."""
         short = np.minimum(margins, self.goal) / self.goal
         worth = np.where(margins < 0.0, 2.0 * margins, short)
         worth = worth + 0.1 * np.maximum(margins - self.goal, 0.0)
-        return np.asarray(worth * self.counted)
+        return np.asarray(worth * (self.counted + _REQUIRED * self.required))
 
     def counting(self, counted: NDArray[np.bool_]) -> "Judge":
-        """The same with only some of the claims that count."""
-        return Judge(self.claims, self.counted & counted, self.goal)
+        """The same with only some of the claims that count, and none required."""
+        none = np.zeros_like(self.required)
+        return Judge(self.claims, self.counted & counted, self.goal, none)
+
+    def reproduced(self, margins: Array) -> NDArray[np.int64]:
+        """How many of the claims that count are reproduced; shape (..., claims) in."""
+        return np.asarray((margins[..., self.counted] > 0.0).sum(axis=-1))
+
+    def holds(self, margins: Array) -> NDArray[np.bool_]:
+        """Whether all that is required holds; shape (..., claims) in."""
+        return np.asarray((margins[..., self.required] > 0.0).all(axis=-1))
 
 
 def judge_of(space: Space) -> Judge:
-    """The judge of the study: every claim that can be checked and is not set aside."""
-    claims = tuple(claim for claim in CLAIMS if claim.check is not None)
-    counted = np.array([claim.id not in space.law.set_aside for claim in claims])
-    return Judge(claims, counted, space.law.goal)
+    """The judge of the study: every claim that can be checked and is not set aside.
+
+    What is required of a figure stands behind the claims, as a claim on that figure alone.
+    """
+    claims = [claim for claim in CLAIMS if claim.check is not None]
+    counted = [claim.id not in space.law.set_aside for claim in claims]
+    required = [
+        replace(claim, id=f"{claim.id} (Fig. {int(figure[3:])})", figures=(figure,))
+        for figure, names in space.law.required.items()
+        for claim in claims
+        if claim.id in names
+    ]
+    return Judge(
+        claims=(*claims, *required),
+        counted=np.array(counted + [False] * len(required)),
+        goal=space.law.goal,
+        required=np.array([False] * len(claims) + [True] * len(required)),
+    )
 
 
 def datasets_of(
@@ -169,9 +195,11 @@ def margins_of(judge: Judge, datasets: Mapping[str, xr.Dataset]) -> Array:
     data = Data(datasets)
     found = np.full(len(judge.claims), math.nan)
     for i, claim in enumerate(judge.claims):
-        if any(name in datasets for name in claim.figures):
-            margin = judge_claim(claim, data).margin
-            found[i] = margin
+        known = [name for name in claim.figures if name in datasets]
+        if known:
+            alone = judge.required[i]  # what is required of one figure is judged by it alone
+            read = Data({name: datasets[name] for name in known}) if alone else data
+            found[i] = judge_claim(claim, read).margin
     return found
 
 

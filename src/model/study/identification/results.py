@@ -95,10 +95,18 @@ def configured(space: Space, point: Array) -> dict[str, object]:
 # --- What the ensemble says of itself -----------------------------------------------------------
 
 
-def admissible(margins: Array, counted: NDArray[np.bool_], fewer: int) -> NDArray[np.bool_]:
-    """Which candidates reproduce at most ``fewer`` claims less than the best; shape (m,)."""
-    reproduced = (margins[:, counted] > 0.0).sum(axis=1)
-    return np.asarray(reproduced >= reproduced.max() - fewer)
+def admissible(judge: Judge, margins: Array, fewer: int) -> NDArray[np.bool_]:
+    """Which candidates show what is required and at most ``fewer`` claims less than the best.
+
+    ``margins`` has shape (m, claims), what comes back (m,).
+
+    Raises:
+        ValueError: none shows what is required.
+    """
+    holds, reproduced = judge.holds(margins), judge.reproduced(margins)
+    if not holds.any():
+        raise ValueError("no set shows what is required: search further")
+    return np.asarray(holds & (reproduced >= reproduced[holds].max() - fewer))
 
 
 class Spread(NamedTuple):
@@ -150,17 +158,16 @@ def prior_shares(samples: Samples) -> Array:
     return np.divide(held, count, out=np.full(count.size, math.nan), where=count > 0)
 
 
-def split_of(number: int, halves: tuple[Flags, Flags], margins: Array) -> Split:
-    """What the best candidate of a split's search shows; ``margins`` has shape (claims,)."""
+def split_of(number: int, halves: tuple[Flags, Flags], margins: Array, possible: Flags) -> Split:
+    """What the best candidate of a split's search shows; ``margins`` has shape (claims,).
+
+    ``possible`` says which claims some admissible set of the searches over all claims reproduces.
+    """
     first, second = halves
     reproduced = margins > 0.0
-    return Split(
-        number,
-        int(first.sum()),
-        int((reproduced & first).sum()),
-        int(second.sum()),
-        int((reproduced & second).sum()),
-    )
+    asked = (first, first & reproduced, second, second & reproduced)
+    shown = (second & possible, second & possible & reproduced)
+    return Split(number, *(int(each.sum()) for each in (*asked, *shown)))
 
 
 # --- In words -----------------------------------------------------------------------------------
@@ -173,11 +180,12 @@ class Findings:
     Attributes:
         space: what was searched.
         judge: by which claims.
-        tried: how many candidates the searches over all claims tried.
+        tried: how many candidates the searches over all and over half of the claims tried.
+        judged: how many of them were judged on the finer grids.
         best: point of the best of them on the finer grids.
         best_margins: its margins there, shape (claims,).
         ensemble: values of the admissible ones, shape (m, unknowns).
-        ensemble_margins: their margins on the coarse grids, shape (m, claims).
+        ensemble_margins: their margins on the finer grids, shape (m, claims).
         prior: share of the first samples that reproduces each claim, shape (claims,).
         splits: the splits.
         readings: margins of the best candidate of each reading, each of shape (claims,).
@@ -186,6 +194,7 @@ class Findings:
     space: Space
     judge: Judge
     tried: int
+    judged: int
     best: Array
     best_margins: Array
     ensemble: Array
@@ -195,20 +204,16 @@ class Findings:
     readings: Mapping[str, Array]
 
 
-def _count(judge: Judge, margins: Array) -> int:
-    return int((margins[judge.counted] > 0.0).sum())
-
-
 def summary(found: Findings) -> str:
     """What was found, as text."""
     judge, counted = found.judge, int(found.judge.counted.sum())
     ids = np.array(judge.ids)
     failing = ids[judge.counted & (found.best_margins <= 0.0)]
-    shown = _count(judge, found.best_margins)
+    shown = int(judge.reproduced(found.best_margins))
     lines = [
         f"the best of {found.tried} candidates reproduces {shown} of {counted} claims, finer grids",
         f"not reproduced: {', '.join(failing) or 'none'}",
-        f"{len(found.ensemble)} admissible sets",
+        f"{len(found.ensemble)} admissible sets of {found.judged} judged on the finer grids",
         "",
         f"{'unknown':28} {'5 %':>9} {'median':>9} {'95 %':>9}  width over the prior's",
     ]
@@ -216,23 +221,30 @@ def summary(found: Findings) -> str:
         f"{each.name:28} {each.low:9.4g} {each.median:9.4g} {each.high:9.4g}  {each.narrowed:.2f}"
         for each in spreads(found.space, found.ensemble)
     ]
-    lines += ["", f"{'claim':8} {'margin':>7} {'ensemble':>9} {'prior':>6}"]
+    lines += ["", f"{'claim':11} {'margin':>7} {'ensemble':>9} {'prior':>6}"]
     lines += [
-        f"{name:8} {margin:7.2f} {share:9.2f} {prior:6.2f}" + ("" if in_score else "  set aside")
-        for name, margin, share, prior, in_score in zip(
-            ids, found.best_margins, shares(found.ensemble_margins), found.prior, judge.counted,
+        f"{name:11} {margin:7.2f} {share:9.2f} {prior:6.2f}{remark}"
+        for name, margin, share, prior, remark in zip(
+            ids, found.best_margins, shares(found.ensemble_margins), found.prior,
+            np.where(judge.counted, "", np.where(judge.required, "  required", "  set aside")),
             strict=True,
         )
     ]  # fmt: skip
     lines += ["", "identified on half of the claims, judged on the other half"]
     lines += [
         f"split {each.number}: {each.searched_reproduced} of {each.searched} searched for, "
-        f"{each.held_out_reproduced} of {each.held_out} held out ({100 * each.rate:.0f} %)"
+        f"{each.held_out_reproduced} of {each.held_out} held out ({100 * each.rate:.0f} %), "
+        f"{each.possible_reproduced} of {each.possible} that an admissible set shows"
         for each in found.splits
     ]
-    mean = sum(each.rate for each in found.splits) / len(found.splits)
-    lines += [f"held out, mean: {100 * mean:.0f} %", "", "reading, each with the same budget"]
+    mean = 100.0 * float(np.mean([each.rate for each in found.splits]))
+    of_possible = 100.0 * float(np.mean([each.rate_of_possible for each in found.splits]))
+    lines += [
+        f"held out, mean: {mean:.0f} %, of what an admissible set shows {of_possible:.0f} %",
+        "",
+        "reading, each with the same budget",
+    ]
     for name, margins in found.readings.items():
         missing = ", ".join(ids[judge.counted & (margins <= 0.0)])
-        lines.append(f"{name:22} {_count(judge, margins)} of {counted}; not {missing}")
+        lines.append(f"{name:22} {judge.reproduced(margins)} of {counted}; not {missing}")
     return "\n".join(lines) + "\n"

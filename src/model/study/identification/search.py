@@ -299,15 +299,31 @@ def halves(judge: Judge, seed: int, split: int) -> tuple[Flags, Flags]:
 
 
 def most_shown(judge: Judge, margins: Array, contradicted: Sequence[int]) -> int:
-    """Row of the candidate that reproduces most; of equals, of the fewest contradicted claims.
+    """Row of the candidate that shows what is required and reproduces most.
 
-    What is equal then is told apart by the score. ``margins`` has shape (m, claims).
+    Of equals it has the fewest contradicted claims; what is equal then is told apart by the score.
+    ``margins`` has shape (m, claims).
     """
-    reproduced = (margins[:, judge.counted] > 0.0).sum(axis=1)
+    lacks, reproduced = ~judge.holds(margins), judge.reproduced(margins)
     scores = judge.score(margins)
     return min(
-        range(len(margins)), key=lambda row: (-reproduced[row], contradicted[row], -scores[row])
+        range(len(margins)),
+        key=lambda row: (lacks[row], -reproduced[row], contradicted[row], -scores[row]),
     )
+
+
+def contenders(judge: Judge, structures: Array, margins: Array, count: int) -> NDArray[np.int64]:
+    """Rows of the candidates that show what is required and reproduce most, the best first.
+
+    Args:
+        judge: of what counts.
+        structures: shape (m, 7); of those with the same structure only the best is taken.
+        margins: shape (m, claims).
+        count: at most how many.
+    """
+    order = np.lexsort((-judge.score(margins), -judge.reproduced(margins), ~judge.holds(margins)))
+    _, first = np.unique(structures[order], axis=0, return_index=True)
+    return np.asarray(order[np.sort(first)[:count]])
 
 
 def best_of(judge: Judge, margins: Array, count: int) -> NDArray[np.int64]:
