@@ -1,6 +1,7 @@
 """What was identified: tables read whole or refused, pictures that show their numbers."""
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -171,3 +172,18 @@ def test_the_section_counts_only_what_counts(found: Identified) -> None:
     assert wide[-1] == pytest.approx(1.0, abs=0.03)  # as wide as the prior: nothing was learnt
     assert narrow[-1] == 0.0
     assert section.readings == (("consistent", 2, ""), ("as printed", 0, "N1, F6a"))
+
+
+def test_the_section_says_which_claims_hang_on_which_correction(found: Identified) -> None:
+    margins = {
+        "consistent": [1.0, 1.0, 1.0], "printed": [-1.0, -1.0, 1.0],
+        "normal_sign": [1.0, -1.0, 1.0], "preload": [-1.0, -1.0, -1.0],
+    }  # fmt: skip
+    readings = {name: np.array(values) for name, values in margins.items()}
+    section = identification_section(replace(found, readings=readings), CHOSEN, RANGES)
+    assert section.mended == (("R1 corrected: sign of U1", "N1"),)
+    assert (section.together, section.printed_only, section.nowhere) == ("F6a", "", "")
+    readings["consistent"], readings["printed"] = readings["preload"], readings["normal_sign"]
+    readings["normal_sign"] = readings["preload"]
+    section = identification_section(replace(found, readings=readings), CHOSEN, RANGES)
+    assert (section.printed_only, section.nowhere) == ("N1", "F6a")

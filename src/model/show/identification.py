@@ -290,6 +290,11 @@ class Section:
         rate_of_possible: the same of those that some admissible set shows.
         prior_rate: share of the claims that a draw from the prior reproduces.
         readings: label, claims reproduced of those that counted, and names of the others.
+        mended: of the claims that the consistent reading shows and the print does not, the label of
+            each correction that shows some by itself, and their names.
+        together: those of them that no correction shows by itself.
+        printed_only: claims that the print shows and the consistent reading does not.
+        nowhere: claims that no reading shows.
     """
 
     sets: int
@@ -301,6 +306,10 @@ class Section:
     rate_of_possible: float
     prior_rate: float
     readings: tuple[tuple[str, int, str], ...]
+    mended: tuple[tuple[str, str], ...]
+    together: str
+    printed_only: str
+    nowhere: str
 
 
 def identification_section(
@@ -327,6 +336,10 @@ def identification_section(
         )
         for name, margins in found.readings.items()
     )
+    shown = {name: found.counted & (margins > 0.0) for name, margins in found.readings.items()}
+    consistent, printed = shown.pop("consistent"), shown.pop("printed")
+    any_alone = np.logical_or.reduce([np.zeros_like(consistent), *shown.values()])
+    gained = consistent & ~printed
     return Section(
         sets=len(next(iter(found.ensemble.values()))),
         reproduced=int((found.counted & (found.margins > 0.0)).sum()),
@@ -337,4 +350,12 @@ def identification_section(
         rate_of_possible=float(np.mean([split.rate_of_possible for split in found.splits])),
         prior_rate=float(np.nanmean(found.prior_shares[found.counted])),
         readings=readings,
+        mended=tuple(
+            (READING_LABELS.get(name, name), ", ".join(names[gained & alone]))
+            for name, alone in shown.items()
+            if (gained & alone).any()
+        ),
+        together=", ".join(names[gained & ~any_alone]),
+        printed_only=", ".join(names[printed & ~consistent]),
+        nowhere=", ".join(names[found.counted & ~(consistent | printed | any_alone)]),
     )
