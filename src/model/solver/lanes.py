@@ -44,6 +44,7 @@ from model.solver.switching import (
     CORNER_LOAD,
     CORNER_RELOAD,
     FACE_LOAD,
+    FLAT,
     LEFT_CORNER_LANDS,
     NEVER,
     ON_A_SWITCH,
@@ -92,6 +93,7 @@ LANE_ROWS = TILT_SAMPLE + 1
 SAMPLE_ROWS = SAMPLE_SIZE + 1
 
 _BLOCK = STATE_SIZE * LANES  # one state of every lane
+_NEARLY_FLAT = 10.0 * FLAT
 _NO_CORNER = (CORNER_LOAD, CORNER_GAP, CORNER_RELOAD, CORNER_END)
 WATCHED = np.array([which for which in range(SWITCH_COUNT) if which not in _NO_CORNER])
 
@@ -386,6 +388,7 @@ def _screen(which, w, samples):
     """Raise SHOWN where function ``which`` falls through zero in the step, or may do so."""
     combined = which < COMBINED_COUNT
     place = which + SWITCH_COUNT if combined else which
+    corner = which == RIGHT_CORNER_LANDS or which == LEFT_CORNER_LANDS
     for i in range(LANES):
         g0, g1, g2 = samples[0, which, i], samples[1, which, i], samples[2, which, i]
         g3, g4 = samples[3, which, i], samples[4, which, i]
@@ -406,7 +409,9 @@ def _screen(which, w, samples):
             | (p0 != samples[3, place, i])
             | (p0 != samples[4, place, i])
         )
-        shown = UNCLEAR if dips | turns else CLEAR
+        # Near flat, a tilt too small for the samples decides whether the corner lands.
+        flat = corner & (min(g0, lowest) < _NEARLY_FLAT)
+        shown = UNCLEAR if dips | turns | flat else CLEAR
         shown = max(shown, CROSSING) if lowest < 0.0 else shown
         shown = CLEAR if g0 == NEVER else shown
         w[SHOWN * LANES + i] = max(w[SHOWN * LANES + i], shown)
