@@ -383,12 +383,18 @@ def _may_dip(f_left, f_right, slope_left, slope_right):
     return turns & (bound < 0.0)
 
 
+@inlined_kernel
+def is_corner(which):
+    """Whether a function is sampled without its closing rate, so that its samples do not tell."""
+    return which == RIGHT_CORNER_LANDS or which == LEFT_CORNER_LANDS
+
+
 @kernel
 def _screen(which, w, samples):
     """Raise SHOWN where function ``which`` falls through zero in the step, or may do so."""
     combined = which < COMBINED_COUNT
     place = which + SWITCH_COUNT if combined else which
-    corner = which == RIGHT_CORNER_LANDS or which == LEFT_CORNER_LANDS
+    corner = is_corner(which)
     for i in range(LANES):
         g0, g1, g2 = samples[0, which, i], samples[1, which, i], samples[2, which, i]
         g3, g4 = samples[3, which, i], samples[4, which, i]

@@ -9,15 +9,14 @@ repeats the step up to it, so that the switched state has the step's full order.
 import numpy as np
 
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.solver.step import interpolate, keep_in
 from model.solver.switching import (
     COMBINED_COUNT,
     FLAT,
     NEVER,
     ON_A_SWITCH,
-    RIGHT_WALL,
     SWITCH_COUNT,
+    edge_of_wall,
     edge_outside,
     is_wall,
     largest,
@@ -227,15 +226,15 @@ def _fall(i, which, time, h, y, dense, p, mode, samples, scratch):
 
 
 @kernel
-def _counts(which, theta, time, h, y, dense, p, mode, scratch):
+def _counts(which, theta, h, y, dense, p):
     """Whether function ``which`` may end the mode at θ, a zero of it; see ``corner_off_wall``."""
     if theta == NO_SWITCH or not is_wall(which):
         return theta != NO_SWITCH
-    _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
-    edge = RIGHT_EDGE if which == RIGHT_WALL else LEFT_EDGE
-    gap, _ = largest(edge_outside(edge, interpolate(theta, h, y, dense), p))
+    q = interpolate(theta, h, y, dense)
+    _, place = largest(quantities(which, q, p))
+    gap, _ = largest(edge_outside(edge_of_wall(which), q, p))
     # A part that is flat to FLAT reaches its edge and its corner together.
-    return scratch[SWITCH_COUNT + which] == 0.0 or gap > ON_A_SWITCH + 2.0 * FLAT * p.half_width
+    return place == 0.0 or gap > ON_A_SWITCH + 2.0 * FLAT * p.half_width
 
 
 @inlined_kernel
@@ -252,7 +251,7 @@ def first_switch(time, h, y, dense, p, mode, samples, scratch):
             if NODE_PLACES[i - 1] >= first:
                 break
             theta = _fall(i, which, time, h, y, dense, p, mode, samples, scratch)
-            if _counts(which, theta, time, h, y, dense, p, mode, scratch):
+            if _counts(which, theta, h, y, dense, p):
                 if theta < first:
                     first, which_first = theta, which
                 break

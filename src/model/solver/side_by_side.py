@@ -50,6 +50,7 @@ from model.solver.lanes import (
     Combinations,
     Lanes,
     borrowed_lanes,
+    is_corner,
     lanes_hold,
     new_lanes,
     slopes,
@@ -92,9 +93,7 @@ from model.solver.step import (
 )
 from model.solver.switching import (
     COMBINED_COUNT,
-    LEFT_CORNER_LANDS,
     NEVER,
-    RIGHT_CORNER_LANDS,
     SWITCH_COUNT,
     is_wall,
     switching_functions,
@@ -138,12 +137,6 @@ def _quartic_root(place, g0, g1, g2, g3, g4):
 
 
 @inlined_kernel
-def _is_corner(which):
-    """Whether a function is sampled without its closing rate, so that its samples do not tell."""
-    return which == RIGHT_CORNER_LANDS or which == LEFT_CORNER_LANDS
-
-
-@inlined_kernel
 def _crossing(which, samples, i):
     """Where in the step function ``which`` falls through zero: (θ, whether the samples tell)."""
     g0, g1, g2 = samples[0, which, i], samples[1, which, i], samples[2, which, i]
@@ -153,7 +146,7 @@ def _crossing(which, samples, i):
     place = 1
     while samples[place, which, i] >= 0.0:
         place += 1
-    if _is_corner(which) or is_wall(which) or samples[place - 1, which, i] <= 0.0:
+    if is_corner(which) or is_wall(which) or samples[place - 1, which, i] <= 0.0:
         return 0.25 * (place - 1), False
     if which < COMBINED_COUNT:
         first = samples[0, SWITCH_COUNT + which, i]
@@ -256,7 +249,7 @@ def _other_crossing(lanes, i, landing):
 def _at_end(which, lanes, runs, work, i):
     """(value, slope) of function ``which`` at the end of the step."""
     samples, length = lanes.samples, runs[LENGTH, i]
-    if not _is_corner(which):
+    if not is_corner(which):
         g = samples[NODES - 1, which, i]
         _, _, _, _, rise = slopes(
             samples[0, which, i], samples[1, which, i], samples[2, which, i],

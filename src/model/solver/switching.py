@@ -141,6 +141,12 @@ def corner_off_wall(side, q, p):
     return p.slot_half_width - side * corner_x, corner_y, -side * q.tilt - FLAT, _NOTHING
 
 
+@inlined_kernel
+def edge_of_wall(which):
+    """The edge above the wall that a function is about."""
+    return RIGHT_EDGE if which == RIGHT_WALL else LEFT_EDGE
+
+
 @kernel
 def quantities(which, q, p):
     """The four quantities whose largest is the combined function ``which``."""
@@ -156,7 +162,7 @@ def quantities(which, q, p):
         return corner_above(RIGHT_EDGE, q, p)
     if which == LEFT_CORNER_LANDS:
         return corner_above(LEFT_EDGE, q, p)
-    return corner_off_wall(RIGHT_EDGE if which == RIGHT_WALL else LEFT_EDGE, q, p)
+    return corner_off_wall(edge_of_wall(which), q, p)
 
 
 @inlined_kernel

@@ -28,11 +28,9 @@ from model.solver.switching import (
     FACE_RELOAD,
     LEFT_CORNER_LANDS,
     LEFT_EDGE_ENTERS,
-    LEFT_WALL,
     OVERTURNED,
     RIGHT_CORNER_LANDS,
     RIGHT_EDGE_ENTERS,
-    RIGHT_WALL,
     SIDE_END,
     SIDE_GAP,
     SIDE_LOAD,
@@ -40,6 +38,8 @@ from model.solver.switching import (
     SIDE_SLIP,
     SUPPORT_SLIP,
     edge_inside,
+    edge_of_wall,
+    is_wall,
 )
 
 # Plain integers for kernels; CONTINUES means the run goes on in the mode returned.
@@ -127,6 +127,17 @@ def _friction_holds(slip_state, friction, load, drive, p):
 
 
 @kernel
+def _may_begin(slip_state, friction, drive, least):
+    """Whether a contact at rest that carries no load may begin so: it holds nothing.
+
+    ``drive`` is that without friction: a state against it would end at once, and come back.
+    """
+    if slip_state == STICKING:
+        return abs(friction) <= least
+    return drive * slip_state >= 0.0
+
+
+@kernel
 def _sign(value):
     return -1 if value < 0.0 else 1
 
@@ -151,9 +162,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     A contact that slips keeps the sign of its slip. For a contact at rest every state is tried,
     sticking first, and the first set of states that is consistent with its own accelerations holds.
     Where a contact at rest carries no load yet, nothing decides at this instant: the states are
-    tried on what follows a moment later. What carries no load holds nothing, though, and slip
-    begins along the acceleration that there is without friction: a state that says otherwise would
-    end at once, and come back without end.
+    tried on what follows a moment later, and on how they may begin.
     """
     mode = _with_slip_place(mode)
     if never_sticks(p):
@@ -180,11 +189,11 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
             trial = _with_friction(mode, support, side)
             at = motion(time, q, p, trial)
             holds = True
+            if support_unloaded:
+                holds = _may_begin(support, at.support_friction, begins.support_drive, least)
+            if side_unloaded:
+                holds = holds and _may_begin(side, at.side_friction, begins.side_drive, least)
             if no_load:
-                if support_unloaded and support == STICKING:
-                    holds = abs(at.support_friction) <= least
-                if side_unloaded and side == STICKING:
-                    holds = holds and abs(at.side_friction) <= least
                 at = motion(time + _MOMENT, _advanced(q, at), p, trial)
             if support_at_rest:
                 holds = holds and _friction_holds(
@@ -194,10 +203,6 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
                 holds = holds and _friction_holds(
                     side, at.side_friction, at.side_load, at.side_drive, p
                 )
-            if support_unloaded and support != STICKING:
-                holds = holds and begins.support_drive * support >= 0.0
-            if side_unloaded and side != STICKING:
-                holds = holds and begins.side_drive * side >= 0.0
             if holds:
                 return trial, True
     if no_load and support_unloaded == support_at_rest and side_unloaded == side_at_rest:
@@ -305,6 +310,12 @@ def _is_in_slot(time, q, p, mode):
 
 
 @kernel
+def _passed(edge):
+    """Why a part has left the scene that is wholly beyond an edge."""
+    return _MOVED_AWAY if edge == RIGHT_EDGE else _OVERSHOT
+
+
+@kernel
 def _is_beside(edge, q, p):
     """Whether all of the bottom face is beyond an edge, beside the slot."""
     corner_x, _ = bottom_corner(-edge, q.x, q.y, q.tilt, p)
@@ -408,11 +419,10 @@ def switch(which, time, q, p, mode, declared):
     if which == FACE_END:
         return _face_ends(time, q, p, mode)
     if which == FACE_FAR_END:
-        return mode, _LEFT_SCENE, _MOVED_AWAY if mode.edge == RIGHT_EDGE else _OVERSHOT
-    if which == RIGHT_WALL:
-        return mode, _LEFT_SCENE, _MOVED_AWAY if _is_beside(RIGHT_EDGE, q, p) else _CORNER_ON_WALL
-    if which == LEFT_WALL:
-        return mode, _LEFT_SCENE, _OVERSHOT if _is_beside(LEFT_EDGE, q, p) else _CORNER_ON_WALL
+        return mode, _LEFT_SCENE, _passed(mode.edge)
+    if is_wall(which):
+        edge = edge_of_wall(which)
+        return mode, _LEFT_SCENE, _passed(edge) if _is_beside(edge, q, p) else _CORNER_ON_WALL
     if which == OVERTURNED:
         return mode, _LEFT_SCENE, _OVERTURNED
     if which == SUPPORT_SLIP or which == SIDE_SLIP:

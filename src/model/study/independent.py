@@ -28,6 +28,8 @@ RIGHT, LEFT = 1, -1
 _NODES = np.concatenate([[0.0, 1e-4, 1e-3, 1e-2], np.linspace(1 / 24, 1.0, 24)])
 _ON_ZERO = 1e-9  # a switching function below this, as a mode begins, begins on its zero
 _AT_REST = 1e-11
+_NO_LOAD = 1e-11
+_FLAT = 1e-8  # a part tilted by less stands on its edge
 _MOMENT = 1e-5
 _FIRST_STEP = 1e-3
 _MOST_SWITCHES = 100_000
@@ -296,12 +298,12 @@ class _Run:
         def lands(_time: Any, z: State, at: _Body) -> Any:
             place = complex(side * d.a, -d.b) * at.along
             rising = (at.velocity + 1j * at.turn * place).imag
-            return _highest(*beside(at), side * z[2] + 1e-8, rising)  # flat below 1e-8
+            return _highest(*beside(at), side * z[2] + _FLAT, rising)
 
         if side == RIGHT or mode.side == "off":  # else B2 has come through the slot's wall
             add(f"{name} lands", lands)
         if not faced:
-            add(f"{name} wall", lambda _t, z, at: _highest(*beside(at), -side * z[2] - 1e-8))
+            add(f"{name} wall", lambda _t, z, at: _highest(*beside(at), -side * z[2] - _FLAT))
 
     def _add_friction(self, mode: _Mode, found: dict[str, Function]) -> None:
         mu = self.device.p.friction
@@ -418,21 +420,22 @@ class _Run:
             rests.append(resting)
             moving = int(np.sign(touches[0].slip)) if touches else was
             choices.append((0, -1, 1) if resting else (moving,))
-        unloaded = any(r and groups[i][3] <= 1e-11 for i, r in enumerate(rests))
+        unloaded = any(r and groups[i][3] <= _NO_LOAD for i, r in enumerate(rests))
         for slides, side_slides in itertools.product(*choices):
             trial = replace(mode, slides=slides, side_slides=side_slides)
             at, now = z, time
+            holds = True
             if unloaded:  # nothing decides yet: look a moment ahead
                 at, now = z.copy(), time + _MOMENT
                 rate = self.device.derivative(time, z, trial)
                 at[:3] += _MOMENT * (z[3:] + 0.5 * _MOMENT * rate[3:])
                 at[3:] += _MOMENT * rate[3:]
-            begins = self.device.rates(time, z, trial)[3]
+                frictions = self.device.rates(time, z, trial)[3]
+                for i, slide in enumerate((slides, side_slides)):
+                    if rests[i] and not slide and groups[i][3] <= _NO_LOAD:
+                        holds &= abs(frictions[i]) <= _NO_LOAD  # it holds nothing
             _, _, ahead, frictions, drives = self.device.rates(now, at, trial)
-            holds = True
             for i, slide in enumerate((slides, side_slides)):
-                if rests[i] and not slide and groups[i][3] <= 1e-11:
-                    holds &= abs(begins[i]) <= 1e-11  # what carries no load holds nothing
                 if rests[i] and slide:
                     holds &= drives[i] * slide >= 0.0
                 elif rests[i]:
