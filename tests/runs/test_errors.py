@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, align
+from model.physics.parameters import Constants
+from model.runs.errors import TILTED, estimate
+from model.solver.record import Ending
 
 SEEDS = [0, 1]
 COUNT = 200
@@ -64,3 +67,48 @@ def test_an_error_is_given_for_every_certain_alignment_and_no_other(pair):
     assert np.isfinite(result.tau_error[aligned & ~result.sensitive]).all()
     assert np.isnan(result.tau_error[~aligned]).all()
     assert (result.tau_error[np.isfinite(result.tau_error)] > 0.0).all()
+
+
+def columns(named, **values):
+    """Rows with the named columns filled, all others zero."""
+    size = np.broadcast(*values.values()).size
+    made = np.zeros((size, len(named._fields)))
+    for name, value in values.items():
+        made[:, named._fields.index(name)] = value
+    return made
+
+
+def test_a_flat_part_may_settle_later_when_it_is_tilted():
+    rows = columns(Constants, initial_tilt=np.zeros(3), slot_half_width=2.0, half_width=1.0)
+    first = np.array([Outcome.SETTLED, Outcome.HORIZON_REACHED, Outcome.SETTLED])
+    tilted = np.array([Outcome.HORIZON_REACHED, Outcome.SETTLED, Outcome.ALIGNED])
+
+    def run(rows, tolerances):
+        is_tilted = rows[:, Constants._fields.index("initial_tilt")] > 0.0
+        at = np.arange(len(tolerances)) % len(first)
+        outcome = np.where(is_tilted, tilted[at], first[at])
+        return columns(Ending, outcome=outcome.astype(float))
+
+    assert estimate(run, rows, 1e-14).sensitive.tolist() == [False, False, True]
+
+
+@pytest.mark.parametrize("differs_by", ["outcome", "time"])
+def test_a_nearly_flat_part_that_a_tilt_decides_is_flagged(differs_by):
+    tilts = np.array([0.0, -2e-8, 5e-7, 1e-3, -1e-3])
+    rows = columns(Constants, initial_tilt=tilts, slot_half_width=2.0, half_width=1.0)
+    ran = []
+
+    def run(rows, tolerances):
+        ran.append(len(tolerances))
+        tilt = rows[:, Constants._fields.index("initial_tilt")]
+        # Aligned, except for a tilt that is not that of one of the sets.
+        other = np.abs(tilt[:, None] - tilts).min(axis=1) > 0.5 * TILTED
+        if differs_by == "outcome":
+            return columns(Ending, outcome=np.where(other, 1.0, 0.0), rhs_evaluations=1.0)
+        return columns(Ending, tau_align=np.where(other, 5.0, 4.9), rhs_evaluations=1.0)
+
+    found = estimate(run, rows, 1e-10)
+    assert found.sensitive.tolist() == [True, True, True, False, False]
+    assert ran == [5 + 5 + 3, 3 * 3 + 3]  # again, at a smaller tolerance, only what is flagged
+    assert found.rhs_evaluations.tolist() == [3 + 4, 3 + 4, 3 + 4, 2, 2]
+    assert (found.tau_error < 1e-8).all()  # the tilt adds nothing to the error of the time

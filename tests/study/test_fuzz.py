@@ -14,12 +14,13 @@ from model.study.fuzz import LAWS, SETTINGS, UNEXPLAINED_SHARE, broken_propertie
 SEED = 2007
 PATIENT = replace(SETTINGS, max_evaluations=10_000)  # enough for a device to align
 SETTLES = 24_390  # as hardly one set in ten thousand does before the horizon
-# Sets that one engine or both got wrong without a flag; decision 21 says why. (It names those, too,
-# that still are.)
+# Sets that one engine or both got wrong without a flag; decision 21 says why.
 ONCE_WRONG = (
-    61987, 115174, 137368, 138461, 147806, 307496, 488748, 518930, 567408, 690504, 734897,
-    764952, 813861, 814978, 837068, 846441, 875933, 1016048, 1027689,
+    61987, 115174, 138461, 307496, 488748, 518930, 567408, 624176, 690504, 764952, 813861, 837068,
+    846441, 1016048,
 )  # fmt: skip
+# So were these; a tilt of 1e-7 decides them, and nothing is sure.
+NEARLY_FLAT = (137368, 147806, 634297, 689932, 734897, 814978, 875933, 1027689)
 
 
 def test_ten_thousand_sets_keep_every_property():
@@ -40,7 +41,13 @@ def test_ten_thousand_sets_keep_every_property():
 def test_both_engines_agree_where_they_once_did_not():
     reports = [try_sets(SEED, number, 1, PATIENT) for number in ONCE_WRONG]
     assert [finding for report in reports for finding in report.findings] == []
-    assert sum(report.against_reference for report in reports) >= len(ONCE_WRONG) - 1
+    assert sum(report.against_reference for report in reports) == len(ONCE_WRONG)
+
+
+@pytest.mark.parametrize("engine", ["lanes", "scalar"])
+@pytest.mark.parametrize("number", NEARLY_FLAT)
+def test_what_no_tilt_of_a_device_decides_is_flagged(number, engine):
+    assert align(draw(SEED, number, 1), SETTINGS, engine=engine).sensitive.all()
 
 
 def test_a_set_depends_on_its_number_only():

@@ -33,7 +33,8 @@ class Alignments:
         tau_error: estimated error of ``tau_align``, NaN where it cannot be estimated.
         tau_corners_inside: when the paper's four corner conditions hold, NaN if they never do.
         sensitive: whether a start displaced in x(0) by the tolerance ends differently, or at a time
-            more than 1e-4 off, or the gap between part and slot is below what a run can tell.
+            more than 1e-4 off; or, of a part that starts nearly flat, one tilted by 1e-7 more; or
+            the gap between part and slot is below what a run can tell.
         tilt_at_alignment: tilt at ``tau_align``, radians.
         tilt_max: largest |tilt| until alignment or the end, radians.
         separations: how often the part lost the base before alignment.

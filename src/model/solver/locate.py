@@ -31,6 +31,7 @@ NO_SWITCH = 2.0  # a fraction of the step beyond its end
 
 _ROOT_ITERATIONS = 60
 _DIP_ITERATIONS = 12
+_UNEVEN = 8.0  # intervals beside a minimum whose ratio is larger
 _HALVINGS = 30
 _STRETCHES = 4  # in which each quantity of a condition is taken to go one way
 
@@ -114,19 +115,23 @@ def _dip(
 ):
     """Follow a sampled minimum down: a place where f < 0, or ``NO_SWITCH``.
 
-    Parabolas through the three lowest points; given up when they no longer point below zero.
+    Parabolas through the three lowest points; given up when they no longer point below zero. Of
+    points too uneven to tell, the far one is drawn nearer first.
     """
     for _ in range(_DIP_ITERATIONS):
         d1, d2 = middle - left, right - middle
+        even = max(d1, d2) <= _UNEVEN * min(d1, d2)
         slope = ((f_middle - f_left) / d1 * d2 + (f_right - f_middle) / d2 * d1) / (d1 + d2)
         curvature = ((f_right - f_middle) / d2 - (f_middle - f_left) / d1) / (0.5 * (d1 + d2))
         if curvature <= 0.0:
             return NO_SWITCH
         move = -slope / curvature
         lowest = f_middle + 0.5 * slope * move
-        if lowest > 0.5 * f_middle or abs(move) < 1e-9:
+        if even and (lowest > 0.5 * f_middle or abs(move) < 1e-9):
             return NO_SWITCH
         theta = min(max(middle + move, left + 0.05 * d1), right - 0.05 * d2)
+        if not even:
+            theta = middle + 2.0 * d1 if d1 < d2 else middle - 2.0 * d2
         f = _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
         if f < 0.0:
             return theta
