@@ -11,6 +11,7 @@ from model.solver.outcomes import Outcome
 from model.study.claims import CLAIMS
 from model.study.config import (
     CURVES,
+    MAPS,
     ConfigError,
     Evolution,
     Pool,
@@ -28,6 +29,7 @@ from model.study.identification.candidate import (
     readings_of,
     searched_of,
     space_of,
+    space_of_figures,
     structure_of,
 )
 from model.study.identification.evaluate import (
@@ -335,6 +337,17 @@ def test_a_search_repeats_itself_with_the_margins_of_its_points(space: Space, ju
     assert judge.score(more).max() >= judge.score(margins[-1])
     failing = judge.counted & (known_margins(judge, datasets) <= 0.0)
     assert 0 <= contradicted(judge, datasets) <= failing.sum()
+
+
+def test_the_device_is_chosen_on_the_grids_of_the_figures(study: Study) -> None:
+    own = space_of_figures(study)
+    for name in CURVES:
+        assert own.dimensions[name] == [study.figures[name].family, study.figures[name].swept]
+    for name in MAPS:
+        figure = study.figures[name]
+        assert [axis.count for axis in own.dimensions[name]] == [figure.y.count // 2] * 2
+    for name, run in study.claims_runs.items():
+        assert own.dimensions[name] == [run.family, run.swept]
 
 
 def test_a_candidate_as_configured_is_the_candidate(study: Study, space: Space) -> None:

@@ -97,3 +97,13 @@ def trial_chunks(name):
 def rounds(evolutions):
     """How far a search is carried on, as JSON."""
     return json.dumps([each.model_dump() for each in evolutions])
+
+
+def known_to(kind, number):
+    """The known sets, as JSON, for the last of the searches over all claims, none for the others.
+
+    Half of a first population of known sets would keep a search in their neighbourhood; and what was
+    found with all claims would tell of those held out.
+    """
+    is_last = (kind, int(number)) == ("start", study.identification.starts - 1)
+    return json.dumps(study.identification.known if is_last else {})

@@ -125,14 +125,13 @@ rule identify_search:
         code=code("identify_search"),
         space=space_of(study).model_dump_json(),
         rounds=lambda wildcards: rounds(getattr(study.identification, ROUNDS[wildcards.kind])),
-        starts=study.identification.starts,
-        known=json.dumps(study.identification.known),
+        known=lambda wildcards: known_to(wildcards.kind, wildcards.number),
     message:
         "identification: search {wildcards.kind} {wildcards.number}"
     shell:
         "python workflow/scripts/identify_search.py --space {params.space:q}"
         " --rounds {params.rounds:q} --known {params.known:q} --kind {wildcards.kind}"
-        " --number {wildcards.number} --of {params.starts}"
+        " --number {wildcards.number}"
         " --output {output.data} --record {output.record} {input} > {log} 2>&1"
 
 

@@ -21,23 +21,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--space", required=True, type=Space.model_validate_json)
     parser.add_argument("--rounds", required=True, type=TypeAdapter(list[Evolution]).validate_json)
-    parser.add_argument("--known", required=True, type=json.loads, help="sets found before")
+    parser.add_argument("--known", required=True, type=json.loads, help="sets to begin at as well")
     parser.add_argument("--kind", required=True, choices=["start", "half"])
     parser.add_argument("--number", required=True, type=int)
-    parser.add_argument("--of", required=True, type=int, help="searches that share the samples")
     parser.add_argument("--output", required=True, type=Path)
     parser.add_argument("--record", required=True, type=Path)
     parser.add_argument("samples", nargs="+", type=Path)
     arguments = parser.parse_args()
     space, number = arguments.space, arguments.number
     job = Job("identify_search", arguments.kind, number)
-    judge, known = judge_of(space), None
+    judge = judge_of(space)
     samples = samples_of([read_dataset(path) for path in arguments.samples])
-    if arguments.kind == "half":  # what was found with all claims would tell of those held out
+    if arguments.kind == "half":
         judge = judge.counting(halves(judge, space.law.seed, number)[0])
-    else:
-        samples = samples.every(number, arguments.of)
-        known = np.array([space.point_of(values) for values in arguments.known.values()])
+    begin = [space.point_of(values) for values in arguments.known.values()]
+    known = np.array(begin) if begin else None
     first = 0 if arguments.kind == "start" else 1000  # other draws than those over all claims
     found = search(space, judge, samples, arguments.rounds, first + number, known)
     title = f"Candidates of search {arguments.kind} {number}"

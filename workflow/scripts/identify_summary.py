@@ -13,15 +13,14 @@ from numpy.typing import NDArray
 from model.study.config import Study
 from model.study.csv_tables import csv_text
 from model.study.datasets import read_dataset, write_dataset
-from model.study.identification.candidate import Space, space_of, space_of_reading
-from model.study.identification.committed import Split
-from model.study.identification.evaluate import (
-    Judge,
-    contradicted,
-    datasets_of,
-    judge_of,
-    known_margins,
+from model.study.identification.candidate import (
+    Space,
+    space_of,
+    space_of_figures,
+    space_of_reading,
 )
+from model.study.identification.committed import Split
+from model.study.identification.evaluate import Judge, judge_of
 from model.study.identification.results import (
     Findings,
     admissible,
@@ -35,11 +34,16 @@ from model.study.identification.results import (
     spreads,
     summary,
 )
-from model.study.identification.search import contenders, halves, most_shown
+from model.study.identification.search import (
+    contenders,
+    foremost,
+    halves,
+    judged,
+    most_shown,
+)
 from model.study.provenance import Job, write_text
 
 FINER = 3
-_AT_ONCE = 8  # sets judged together
 
 Array = NDArray[np.float64]
 
@@ -58,14 +62,8 @@ def judged_finer(space: Space, judge: Judge, found: xr.Dataset, count: int) -> F
     points = space.point(found["value"].values)
     structures = points[:, space.places["structure"]]
     rows = contenders(judge, structures, found["margin"].values, count)
-    margins, against = [], []
-    for start in range(0, len(rows), _AT_ONCE):
-        wanted = [(points[row], space.everything) for row in rows[start : start + _AT_ONCE]]
-        for datasets in datasets_of(space, wanted):
-            margins.append(known_margins(judge, datasets))
-            against.append(contradicted(judge, datasets))
-    best = most_shown(judge, np.array(margins), against)
-    return Finer(found["value"].values[rows], np.array(margins), best)
+    margins, against = judged(space, judge, points[rows])
+    return Finer(found["value"].values[rows], margins, most_shown(judge, margins, against))
 
 
 def write_rows(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> Path:
@@ -94,6 +92,9 @@ def main() -> None:
     tried = xr.concat([each[["value", "margin"]] for each in searches], "candidate")
     finer = space_of(arguments.study, finer=FINER)
     leading = judged_finer(finer, judge, tried, law.finer)
+    last = space.point(leading.values[foremost(judge, leading.margins, law.final)])
+    shown, against = judged(space_of_figures(arguments.study), judge, last)
+    best = most_shown(judge, shown, against)
     kept = admissible(judge, leading.margins, law.admissible)
     ensemble, margins = leading.values[kept], leading.margins[kept]
     possible = shares(margins) > 0.0
@@ -114,8 +115,8 @@ def main() -> None:
         judge=judge,
         tried=tried.sizes["candidate"],
         judged=len(leading.margins),
-        best=space.point(leading.values[leading.best]),
-        best_margins=leading.margins[leading.best],
+        best=last[best],
+        best_margins=shown[best],
         ensemble=ensemble,
         ensemble_margins=margins,
         prior=prior_shares(samples_of([read_dataset(path) for path in arguments.samples])),

@@ -281,7 +281,7 @@ class Section:
 
     Attributes:
         sets: how many admissible sets.
-        reproduced: claims that the best set reproduces on the search's finer grids.
+        reproduced: claims that the best set reproduces on the study's own grids.
         counted: claims that counted.
         unknowns: of the structure: symbol, words, the study's value, 5 %, median, 95 %, and the
             width of the middle nine tenths over the prior's.

@@ -290,10 +290,12 @@ class Identification(_Strict):
         law: what is searched.
         pool: the first samples under the study's reading.
         rounds: of each search over all claims.
-        starts: searches over all claims, each from structures of its own.
-        known: sets found before, by unknown, that searches over all claims set out from as well.
+        starts: searches over all claims, which draw differently.
+        known: sets found before, by unknown, that the last of these sets out from as well.
         finer: how many of the best are judged again, with three times the values along each axis;
-            of these are the chosen set and the admissible ones.
+            of these are the admissible sets.
+        final: how many of the best of these are judged on the study's own grids, where the one that
+            shows most is the study's device.
         finer_each: how many of each search over half of the claims, and of each reading's.
         half: rounds of each search over half of the claims.
         splits: how often the claims are halved.
@@ -308,6 +310,7 @@ class Identification(_Strict):
     starts: int = Field(ge=1)
     known: dict[str, dict[str, float]]
     finer: int = Field(ge=1)
+    final: int = Field(ge=1)
     finer_each: int = Field(ge=1)
     half: Annotated[list[Evolution], Field(min_length=1)]
     splits: int = Field(ge=1)

@@ -259,6 +259,21 @@ def space_of_reading(study: Study, reading: str, finer: int = 1) -> Space:
     return _space(study, _finer(few, finer), reading)
 
 
+def space_of_figures(study: Study) -> Space:
+    """The search on the study's own grids, of maps with every second value, to its horizon."""
+    counts = {}
+    for name in study.identification.law.counts:
+        spec = study.figures[name]
+        if isinstance(spec, Curves):
+            counts[name] = spec.swept.count
+        elif isinstance(spec, Map):
+            counts[name] = spec.x.count // 2
+    run_counts = {name: run.swept.count for name, run in study.claims_runs.items()}
+    grids = {"counts": counts, "run_counts": run_counts, "horizon": study.settings.horizon}
+    law = study.identification.law.model_copy(update={**grids, "tolerance": FINE_TOLERANCE})
+    return _space(study, law, "consistent")
+
+
 def _finer(law: SearchLaw, times: int) -> SearchLaw:
     if times == 1:
         return law

@@ -62,7 +62,7 @@ class Identified:
         ensemble: values of the admissible sets by unknown, each of shape (sets,).
         claims: their names.
         counted: whether a claim counted in the score, shape (claims,).
-        margins: of the best set, on the finer grids, shape (claims,).
+        margins: of the best set, on the study's own grids, shape (claims,).
         ensemble_shares: share of the ensemble that reproduces each claim, shape (claims,).
         prior_shares: share of draws from the prior that does, NaN where unknown, shape (claims,).
         splits: identified on one half of the claims, judged on the other.

@@ -182,7 +182,7 @@ class Findings:
         judge: by which claims.
         tried: how many candidates the searches over all and over half of the claims tried.
         judged: how many of them were judged on the finer grids.
-        best: point of the best of them on the finer grids.
+        best: point of the best of them on the study's own grids.
         best_margins: its margins there, shape (claims,).
         ensemble: values of the admissible ones, shape (m, unknowns).
         ensemble_margins: their margins on the finer grids, shape (m, claims).
@@ -211,7 +211,7 @@ def summary(found: Findings) -> str:
     failing = ids[judge.counted & (found.best_margins <= 0.0)]
     shown = int(judge.reproduced(found.best_margins))
     lines = [
-        f"the best of {found.tried} candidates reproduces {shown} of {counted} claims, finer grids",
+        f"the best of {found.tried} candidates reproduces {shown} of {counted} claims, own grids",
         f"not reproduced: {', '.join(failing) or 'none'}",
         f"{len(found.ensemble)} admissible sets of {found.judged} judged on the finer grids",
         "",

@@ -18,10 +18,17 @@ from scipy.stats import qmc
 
 from model.study.config import Evolution, Pool
 from model.study.identification.candidate import COMPUTED, Space
-from model.study.identification.evaluate import Judge, datasets_of, known_margins, margins_of
+from model.study.identification.evaluate import (
+    Judge,
+    contradicted,
+    datasets_of,
+    known_margins,
+    margins_of,
+)
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+_AT_ONCE = 8  # points judged together
 # Of a step beside a known operating point: its standard deviation, over the range, and the chance
 # that a coordinate is drawn anew.
 _BESIDE, _ANEW = 0.1, 0.1
@@ -39,10 +46,6 @@ class Samples:
 
     points: Array
     margins: Array
-
-    def every(self, first: int, step: int) -> "Samples":
-        """Every ``step``-th structure from the ``first`` on."""
-        return Samples(self.points[first::step], self.margins[first::step])
 
 
 def sample(space: Space, judge: Judge, pool: Pool, chunk: int) -> Samples:
@@ -238,6 +241,21 @@ def polish(
     return np.array([each[0] for each in polished]), np.array([each[1] for each in polished])
 
 
+def judged(space: Space, judge: Judge, points: Array) -> tuple[Array, list[int]]:
+    """Points of shape (m, n) on the grids of ``space``.
+
+    Returns:
+        Their margins, shape (m, claims), and of each how many claims are contradicted.
+    """
+    margins, against = [], []
+    for start in range(0, len(points), _AT_ONCE):
+        wanted = [(point, space.everything) for point in points[start : start + _AT_ONCE]]
+        for datasets in datasets_of(space, wanted):
+            margins.append(known_margins(judge, datasets))
+            against.append(contradicted(judge, datasets))
+    return np.array(margins), against
+
+
 def _variants(
     structure: Array, size: int, known: Array, scores: Array, trials: int, rng: Generator
 ) -> Array:
@@ -321,9 +339,15 @@ def contenders(judge: Judge, structures: Array, margins: Array, count: int) -> N
         margins: shape (m, claims).
         count: at most how many.
     """
-    order = np.lexsort((-judge.score(margins), -judge.reproduced(margins), ~judge.holds(margins)))
+    order = foremost(judge, margins, len(margins))
     _, first = np.unique(structures[order], axis=0, return_index=True)
     return np.asarray(order[np.sort(first)[:count]])
+
+
+def foremost(judge: Judge, margins: Array, count: int) -> NDArray[np.int64]:
+    """Rows of the ``count`` that show what is required and reproduce most, the best first."""
+    order = np.lexsort((-judge.score(margins), -judge.reproduced(margins), ~judge.holds(margins)))
+    return np.asarray(order[:count])
 
 
 def best_of(judge: Judge, margins: Array, count: int) -> NDArray[np.int64]:
