@@ -174,6 +174,17 @@ def test_the_section_counts_only_what_counts(found: Identified) -> None:
     assert section.readings == (("consistent", 2, ""), ("as printed", 0, "N1, F6a"))
 
 
+def test_the_section_names_what_no_admissible_set_shows_and_a_draw_does(found: Identified) -> None:
+    def named(ensemble: list[float], prior: list[float]) -> str:
+        shares = {"ensemble_shares": np.array(ensemble), "prior_shares": np.array(prior)}
+        return identification_section(replace(found, **shares), CHOSEN, RANGES).never_together
+
+    # The last claim does not count; of NaN, where one figure does not suffice, nothing is said.
+    assert named([0.0, 0.0, 0.0], [0.5, 0.1, 0.02]) == "N1, F6a"
+    assert named([0.0, 0.25, 0.0], [0.5, 0.1, 0.02]) == "N1"
+    assert named([0.0, 0.0, 0.0], [0.0, np.nan, 0.02]) == ""
+
+
 def test_the_section_says_which_claims_hang_on_which_correction(found: Identified) -> None:
     margins = {
         "consistent": [1.0, 1.0, 1.0], "printed": [-1.0, -1.0, 1.0],

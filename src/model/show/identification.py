@@ -295,6 +295,7 @@ class Section:
         together: those of them that no correction shows by itself.
         printed_only: claims that the print shows and the consistent reading does not.
         nowhere: claims that no reading shows.
+        never_together: claims that some draw from the prior shows, and no admissible set.
     """
 
     sets: int
@@ -310,6 +311,7 @@ class Section:
     together: str
     printed_only: str
     nowhere: str
+    never_together: str
 
 
 def identification_section(
@@ -358,4 +360,7 @@ def identification_section(
         together=", ".join(names[gained & ~any_alone]),
         printed_only=", ".join(names[printed & ~consistent]),
         nowhere=", ".join(names[found.counted & ~(consistent | printed | any_alone)]),
+        never_together=", ".join(
+            names[found.counted & (found.prior_shares > 0.0) & (found.ensemble_shares == 0.0)]
+        ),
     )
