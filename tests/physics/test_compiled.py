@@ -1,10 +1,82 @@
 """The folder of compiled kernels."""
 
+import gc
 from pathlib import Path
 
 import pytest
+from numba.core.errors import TypingError
 
 from model.physics import compiled
+
+
+def halved(x):
+    return 0.5 * x
+
+
+def times(x, count):
+    return count * x
+
+
+part = None  # a kernel, where a test makes it one
+
+
+def quartered(x):
+    return part(part(x))
+
+
+def six_times(x):
+    return part(x, 2) + part(x, 4)
+
+
+@pytest.fixture
+def empty(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled, "_CACHE_FOLDER", str(tmp_path))
+    return tmp_path
+
+
+def kept(folder):
+    """Names of the functions whose machine code is in ``folder``."""
+    return {path.name.split("-")[0].split(".")[-1] for path in folder.rglob("*.nbc")}
+
+
+def test_a_kernel_becomes_machine_code_where_python_calls_it(empty, monkeypatch):
+    monkeypatch.setitem(globals(), "part", compiled.kernel(halved))
+    assert compiled.kernel(quartered)(8.0) == 2.0
+    assert kept(empty) == {"quartered"}
+    assert part(8.0) == 4.0
+    assert kept(empty) == {"quartered", "halved"}
+
+
+@pytest.mark.usefixtures("empty")
+def test_another_process_would_find_it(monkeypatch):
+    monkeypatch.setitem(globals(), "part", compiled.inlined_kernel(halved))
+    assert compiled.kernel(quartered)(8.0) == 2.0
+    monkeypatch.setitem(globals(), "part", None)  # compiling would fail
+    assert compiled.kernel(quartered)(12.0) == 3.0
+
+
+@pytest.mark.usefixtures("empty")
+def test_constants_do_not_make_versions_of_a_kernel(monkeypatch):
+    monkeypatch.setitem(globals(), "part", compiled.kernel(times))
+    assert compiled.kernel(six_times)(1.5) == 9.0
+    assert len(part.signatures) == 1
+
+
+@pytest.mark.usefixtures("empty")
+@pytest.mark.parametrize("collects", [True, False])
+def test_the_garbage_collector_is_as_it_was(monkeypatch, collects):
+    monkeypatch.setitem(globals(), "part", compiled.kernel(halved))
+    before = gc.isenabled()
+    (gc.enable if collects else gc.disable)()
+    try:
+        compiled.kernel(quartered)(8.0)
+        assert gc.isenabled() is collects
+        monkeypatch.setitem(globals(), "part", None)
+        with pytest.raises(TypingError):
+            compiled.kernel(quartered)(8)  # of an integer: compiled anew, and this fails
+        assert gc.isenabled() is collects
+    finally:
+        (gc.enable if before else gc.disable)()
 
 
 def test_a_changed_source_opens_another_folder(tmp_path, monkeypatch):

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, align
+from model import Batch, Outcome, Reason, align, simulate
 from model.physics.parameters import Constants
 from model.runs.errors import TILTED, estimate
 from model.solver.record import Ending
+from model.study.config import load_study, study_path
+from model.study.trials import trial_of
 
 SEEDS = [0, 1]
 COUNT = 200
@@ -90,6 +92,83 @@ def test_a_flat_part_may_settle_later_when_it_is_tilted():
         return columns(Ending, outcome=outcome.astype(float))
 
     assert estimate(run, rows, 1e-14).sensitive.tolist() == [False, False, True]
+
+
+def numbered(count):
+    """Rows that differ in their press force, their number; no part is flat, nor its gap small."""
+    number = np.arange(float(count))
+    return columns(
+        Constants, press_force=number, initial_tilt=0.1, slot_half_width=2.0, half_width=1.0
+    )
+
+
+def of_neighbours(first, second, ran=None):
+    """An engine whose numbered runs end as ``first``, and from displaced starts as ``second``."""
+
+    def run(rows, tolerances):
+        if ran is not None:
+            ran.append(len(tolerances))
+        displaced = rows[:, Constants._fields.index("misalignment")] > 0.0
+        at = rows[:, Constants._fields.index("press_force")].astype(int)
+        ends = {name: np.where(displaced, second[name][at], first[name][at]) for name in first}
+        return columns(Ending, **ends)
+
+    return run
+
+
+def test_a_part_that_hops_its_own_way_until_the_horizon_is_chaotic():
+    reached, settled = Outcome.HORIZON_REACHED, Outcome.SETTLED
+    first = {
+        "outcome": np.array([reached, reached, reached, settled]),
+        "separations": np.array([9.0, 9.0, 0.0, 9.0]),
+        "sticking_share": np.full(4, 0.5),
+    }
+    second = {
+        "outcome": np.array([reached, reached, reached, settled]),
+        "separations": np.array([9.0, 8.0, 0.0, 8.0]),
+        "sticking_share": np.array([0.5 + 1e-5, 0.5, 0.5 + 2e-4, 0.5]),
+    }
+    found = estimate(of_neighbours(first, second), numbered(4), 1e-10)
+    none, chaotic = Reason.NONE, Reason.CHAOTIC
+    assert found.column("reason").tolist() == [none, chaotic, chaotic, none]
+    assert not found.sensitive.any()
+
+
+def test_what_only_settles_earlier_at_a_looser_tolerance_ends_alike():
+    reached, settled = Outcome.HORIZON_REACHED, Outcome.SETTLED
+    first = {
+        "outcome": np.array([reached, settled, reached, settled]),
+        "separations": np.full(4, 3.0),
+    }
+    second = {
+        "outcome": np.array([settled, reached, settled, Outcome.ALIGNED]),
+        "separations": np.array([3.0, 3.0, 2.0, 3.0]),
+    }
+    ran = []
+    found = estimate(of_neighbours(first, second, ran), numbered(4), 1e-10)
+    assert found.sensitive.tolist() == [False, False, True, True]
+    assert ran == [2 * 4, 3 * 2]  # the others are not run again
+    assert (found.column("reason") == Reason.NONE).all()
+
+
+def test_a_part_that_leaves_the_scene_at_another_time_is_flagged():
+    left = {"outcome": np.full(2, Outcome.LEFT_SCENE), "tau_align": np.full(2, np.nan)}
+    first, second = {**left, "time": np.array([5.0, 5.0])}, {**left, "time": np.array([5.0, 5.1])}
+    found = estimate(of_neighbours(first, second), numbered(2), 1e-10)
+    assert found.sensitive.tolist() == [False, True]
+    assert np.isnan(found.tau_error).all()
+
+
+@pytest.mark.parametrize("number", [1079, 1442])
+def test_chance_is_said_whatever_the_tolerance(number):
+    """Sets of the accuracy law that hop for 300 time units and align at some tolerances only."""
+    trial = trial_of(load_study(study_path()), "error")
+    settings, batch = trial.settings.settings, trial.batch(np.array([number]))
+    found = [align(batch, settings, tolerance=tolerance) for tolerance in (1e-8, 1e-9, 1e-10)]
+    assert all(run.sensitive[0] or run.reason[0] == Reason.CHAOTIC for run in found)
+    run = simulate(batch[0], settings)
+    assert (run.outcome, run.reason) == (Outcome.HORIZON_REACHED, Reason.CHAOTIC)
+    assert "chance" in run.message
 
 
 @pytest.mark.parametrize("differs_by", ["outcome", "time"])

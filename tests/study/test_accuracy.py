@@ -189,6 +189,8 @@ def test_an_honest_estimate_holds():
          "error below tau_error, independent solution"),
         ({"tau_error": np.full(2000, 4e-9)}, "median of tau_error over error, tolerance 1e-13"),
         ({"sensitive": first(41, 1, 0)}, "sets flagged sensitive"),
+        ({"outcome": first(1, Outcome.HORIZON_REACHED, Outcome.ALIGNED)},
+         "sets of neither that align at one tolerance only"),
         ({"independent_ending": first(1, "failed", "aligned")}, "independent solutions unfinished"),
     ],
 )  # fmt: skip
@@ -217,6 +219,15 @@ def leaving(ending, count):
 def test_sets_leave_the_scene_as_in_the_independent_solution(ending, count, fails):
     missed = ["leave the scene as in the independent solution"] if fails else []
     assert failing(leaving(ending, count)) == missed
+
+
+def test_what_is_chaotic_may_align_at_one_tolerance_only():
+    moving = first(1, Outcome.HORIZON_REACHED, Outcome.ALIGNED)
+    chaotic = made(outcome=moving, reason=first(1, Reason.CHAOTIC, Reason.NONE))
+    assert failing(chaotic) == []
+    found = {verdict.what: verdict.found for verdict in judge_errors(chaotic)}
+    assert found["sets that are chaotic"] == "1"
+    assert found["of those, sets that align at the tight tolerance"] == "1"
 
 
 def test_a_flag_takes_a_set_out_of_the_count():

@@ -3,9 +3,15 @@
 numba's on-disk cache does not notice an edit in another file that a kernel calls. The cache folder
 is therefore keyed by the content of every file that can hold a kernel: an edit anywhere among them
 opens a fresh folder, and a stale kernel can never come back.
+
+numba gives every function machine code of its own, with that of all it calls, and wrappers for
+calls from Python, which for some two hundred kernels took most of the time of compiling. Here a
+kernel is compiled once as a part of others, and becomes machine code only with one that Python
+calls (docs/decisions/0025-compiling.md).
 """
 
 import contextlib
+import gc
 import hashlib
 import os
 import tempfile
@@ -15,6 +21,9 @@ from typing import Any, TypeVar
 
 import numba
 from numba.core.cgutils import get_null_value
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic, overload
 from numba.np.arrayobj import make_array
 
@@ -64,6 +73,72 @@ def _numba_cache_in(folder: str) -> Iterator[None]:
         config.CACHE_DIR = previous
 
 
+class _LinkedOnly(JITCodeLibrary):
+    """Intermediate code that others link; what they make of it is optimised as a whole."""
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+class _PartCompiler(Compiler):
+    """numba's compiler, up to the intermediate code."""
+
+    def __init__(
+        self, typingctx: Any, targetctx: Any, _library: Any, args: Any, return_type: Any,
+        flags: Any, locals: Any,  # noqa: A002 - numba's name
+    ) -> None:  # fmt: skip
+        flags.no_compile = True
+        library = _LinkedOnly(targetctx.codegen(), "part")
+        super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
+
+
+class _Whole(CPUDispatcher):
+    """A kernel as Python calls it: machine code with all that it calls, cached."""
+
+    def _compile_for_args(self, *args: Any, **named: Any) -> Any:
+        collects = gc.isenabled()
+        gc.disable()  # a quarter of the time, for cycles that the compiler does not leave
+        try:
+            return super()._compile_for_args(*args, **named)  # type: ignore[misc]
+        finally:
+            if collects:
+                gc.enable()
+
+
+class _Part(CPUDispatcher):
+    """A kernel as other kernels call it; Python's calls go to its ``_Whole``."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        without_wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        super().__init__(
+            function, targetoptions=options | without_wrappers, pipeline_class=_PartCompiler
+        )
+        self._options = options
+        self._whole: _Whole | None = None
+
+    def _compile_for_args(self, *_args: Any, **_named: Any) -> Any:
+        if self._whole is None:
+            with _numba_cache_in(_CACHE_FOLDER):
+                whole: Any = _Whole(self.py_func, targetoptions=self._options)
+                whole.enable_caching()
+            self._whole = whole
+        return self._whole
+
+    def add_overload(self, cres: Any) -> None:
+        key = object()  # in place of the address of machine code
+        self.overloads[tuple(cres.signature.args)] = cres._replace(entry_point=key)
+        self.targetctx.insert_user_function(key, cres.fndesc, [cres.library])
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        # A constant argument is a number like others: not compiled anew, and folded all the same.
+        plain = {name: numba.types.unliteral(each) for name, each in kws.items()}
+        return super().get_call_template([numba.types.unliteral(each) for each in args], plain)
+
+
 def kernel(function: Function) -> Function:
     """Compile ``function`` on first call: no Python objects, no GIL, cached.
 
@@ -78,14 +153,16 @@ def inlined_kernel(function: Function) -> Function:
 
 
 def _compiled(function: Function, forceinline: bool) -> Function:
-    with _numba_cache_in(_CACHE_FOLDER):
-        compiled: Any = numba.njit(
-            cache=True,
-            nogil=True,
-            error_model="numpy",
-            fastmath={"contract"},
-            forceinline=forceinline,
-        )(function)
+    if config.DISABLE_JIT:
+        return function
+    options = {
+        "nopython": True,
+        "nogil": True,
+        "error_model": "numpy",
+        "fastmath": {"contract"},
+        "forceinline": forceinline,
+    }
+    compiled: Any = _Part(function, options)
     return compiled
 
 

@@ -28,13 +28,14 @@ class Alignments:
 
     Attributes:
         outcome: values of ``Outcome``.
-        reason: values of ``Reason``.
+        reason: values of ``Reason``; ``CHAOTIC`` where the horizon is reached on a course that a
+            neighbouring start does not share, so that another tolerance may align.
         tau_align: alignment time, NaN where not aligned.
         tau_error: estimated error of ``tau_align``, NaN where it cannot be estimated.
         tau_corners_inside: when the paper's four corner conditions hold, NaN if they never do.
-        sensitive: whether a start displaced in x(0) by the tolerance ends differently, or at a time
-            more than 1e-4 off; or, of a part that starts nearly flat, one tilted by 1e-7 more; or
-            the gap between part and slot is below what a run can tell.
+        sensitive: whether a start displaced in x(0) by the tolerance ends differently, or aligns or
+            leaves the scene at a time more than 1e-4 off; or, of a part that starts nearly flat,
+            one tilted by 1e-7 more; or the gap between part and slot is below what a run can tell.
         tilt_at_alignment: tilt at ``tau_align``, radians.
         tilt_max: largest |tilt| until alignment or the end, radians.
         separations: how often the part lost the base before alignment.

@@ -9,6 +9,9 @@ start, then run as accurately as that, still ends elsewhere: digits of its align
 false. A part that starts nearly flat is sensitive, too, if it ends elsewhere when it is tilted by
 ``TILTED`` more: no device has a tilt so exact, but one decides whether such a part stands on its
 edge or on its corner, or touches the base at all.
+
+A part that hops or sticks its own way in each of the two runs, until both reach the horizon, may
+well align at another tolerance, by chance. Its reason is then ``CHAOTIC``.
 """
 
 from collections.abc import Callable
@@ -18,11 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Constants
-from model.solver.outcomes import Outcome
+from model.solver.outcomes import Outcome, Reason
 from model.solver.record import Ending
 
 COARSER = 16.0
-SENSITIVE = 1e-4  # difference of two alignment times above which they are not the same
+SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same
 SHARPER = 1e3  # tolerance over that at which sets are run again whose two runs part
 PROMISED = 100.0  # largest error, over the tolerance, that is not run again
 FINEST = 1e-14  # smallest tolerance
@@ -39,6 +42,13 @@ _MISALIGNMENT, _TILT, _SLOT, _PART = (
     Constants._fields.index(name)
     for name in ("misalignment", "initial_tilt", "slot_half_width", "half_width")
 )
+_OUTCOME, _REASON, _TIME, _TAU, _SEPARATIONS, _STICKING, _EVALUATIONS = (
+    Ending._fields.index(name)
+    for name in (
+        "outcome", "reason", "time", "tau_align", "separations", "sticking_share",
+        "rhs_evaluations",
+    )
+)  # fmt: skip
 _SAFETY = 4.0
 
 
@@ -83,9 +93,32 @@ def _displaced(rows: Array, which: int, by: Array | float) -> Array:
     return displaced
 
 
-def _as_never_aligned(outcomes: Array) -> Array:
-    """Outcomes, of which those that reach the horizon count as settled."""
-    return np.where(outcomes == Outcome.HORIZON_REACHED, Outcome.SETTLED, outcomes)
+def _end_otherwise(endings: Array, others: Array, tilted: bool) -> NDArray[np.bool_]:
+    """Which runs have another outcome than their neighbours.
+
+    A motion that repeats itself may settle later, or not before the horizon, at a smaller
+    tolerance or by a tilt: it is the same if the part has left the base as often, or is tilted.
+    """
+    ended, ended_there = endings[:, _OUTCOME], others[:, _OUTCOME]
+    go_on = (Outcome.SETTLED, Outcome.HORIZON_REACHED)
+    as_often = endings[:, _SEPARATIONS] == others[:, _SEPARATIONS]
+    same = np.isin(ended, go_on) & np.isin(ended_there, go_on) & (as_often | tilted)
+    return (ended != ended_there) & ~same
+
+
+def _end(endings: Array) -> Array:
+    """When runs aligned or left the scene; NaN for others, which end when it is not their own."""
+    left = endings[:, _OUTCOME] == Outcome.LEFT_SCENE
+    return np.where(left, endings[:, _TIME], endings[:, _TAU])
+
+
+def _are_chaotic(endings: Array, others: Array) -> NDArray[np.bool_]:
+    """Which runs reach the horizon, as their neighbours do, on another course."""
+    moving = (endings[:, _OUTCOME] == Outcome.HORIZON_REACHED) & (
+        others[:, _OUTCOME] == Outcome.HORIZON_REACHED
+    )
+    hops = endings[:, _SEPARATIONS] != others[:, _SEPARATIONS]
+    return moving & (hops | (np.abs(endings[:, _STICKING] - others[:, _STICKING]) > SENSITIVE))
 
 
 def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = None) -> Estimate:
@@ -104,22 +137,17 @@ def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = 
     ends = np.cumsum([each.size for each in tolerances])
     fine, *ran = np.split(run(starts, np.concatenate(tolerances)), ends[:-1])
 
-    outcome, tau, evaluations = (
-        Ending._fields.index(name) for name in ("outcome", "tau_align", "rhs_evaluations")
-    )
-    spent = fine[:, evaluations].copy()
+    spent = fine[:, _EVALUATIONS].copy()
     sensitive = rows[:, _SLOT] - rows[:, _PART] < tolerance
-    differences = []
     for (which, _), other in zip(others, ran, strict=True):
-        differences.append(np.abs(fine[which, tau] - other[:, tau]))
-        ended, ended_there = fine[which, outcome], other[:, outcome]
-        if which is flat:  # by a tilt a motion may settle later, or not before the horizon
-            ended, ended_there = _as_never_aligned(ended), _as_never_aligned(ended_there)
-        sensitive[which] |= (ended != ended_there) | (differences[-1] > SENSITIVE)
-        spent[which] += other[:, evaluations]
+        apart = np.abs(_end(fine[which]) - _end(other)) > SENSITIVE
+        sensitive[which] |= _end_otherwise(fine[which], other, tilted=which is flat) | apart
+        spent[which] += other[:, _EVALUATIONS]
+    fine[_are_chaotic(fine, ran[0]), _REASON] = Reason.CHAOTIC
+    difference = np.abs(fine[:, _TAU] - ran[0][:, _TAU])
     return Estimate(
         endings=fine,
-        tau_error=differences[0] + tolerance + RESOLUTION * (1.0 + fine[:, tau]),
+        tau_error=difference + tolerance + RESOLUTION * (1.0 + fine[:, _TAU]),
         sensitive=sensitive,
         rhs_evaluations=spent,
         tolerance=tolerance,

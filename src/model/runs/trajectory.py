@@ -86,6 +86,7 @@ def simulate(
     followed = _followed(parameters, settings, run, found.tolerance)
     return replace(
         followed,
+        reason=Reason(int(found.column("reason")[0])),
         tau_error=float(found.tau_error[0]),
         sensitive=bool(found.sensitive[0]),
         rhs_evaluations=int(found.rhs_evaluations[0]),

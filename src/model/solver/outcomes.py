@@ -14,7 +14,10 @@ class Outcome(IntEnum):
 
 
 class Reason(IntEnum):
-    """How a run left the scene, or why it failed; NONE for the other outcomes."""
+    """How a run left the scene, why it failed, or that it reached the horizon in chaotic motion.
+
+    NONE where there is nothing to add to the outcome.
+    """
 
     NONE = 0
     MOVED_AWAY = 1
@@ -30,6 +33,7 @@ class Reason(IntEnum):
     CHATTER = 11
     NOT_FINITE = 12
     NO_FRICTION_SOLUTION = 13
+    CHAOTIC = 14
 
 
 OUTCOME_TEXT: dict[Outcome, str] = {
@@ -55,6 +59,8 @@ REASON_TEXT: dict[Reason, str] = {
     Reason.CHATTER: "two modes alternate without time passing",
     Reason.NOT_FINITE: "the state is no longer finite",
     Reason.NO_FRICTION_SOLUTION: "no friction force satisfies this reading's friction law",
+    Reason.CHAOTIC: "its motion is chaotic, and whether it ever aligns is chance: another "
+    "tolerance may answer otherwise",
 }
 
 _REMEDY_OF_OUTCOME: dict[Outcome, str] = {
@@ -73,6 +79,8 @@ _REMEDY_OF_REASON: dict[Reason, str] = {
     Reason.IMPOSSIBLE_START: "lower initial_tilt or raise clearance",
     Reason.TOO_MANY_EVALUATIONS: "raise max_evaluations, or lower contact_stiffness or the horizon",
     Reason.CHATTER: "change the tolerance; report the parameters if it stays",
+    Reason.CHAOTIC: "change press_force, tilt_stiffness or frequency: a longer horizon leaves it "
+    "to chance",
     Reason.NO_FRICTION_SOLUTION: "use the consistent readings normal_sign and side_force, under "
     "which friction always has a solution",
 }

@@ -61,7 +61,10 @@ VARIABLES: dict[str, dict[str, Any]] = {
     "tau_error": {"long_name": "estimated error of the alignment duration"},
     "tau_corners_inside": {"long_name": "time at which all four corner conditions hold"},
     "outcome": {"long_name": "how the run ended", **flags(Outcome)},
-    "reason": {"long_name": "how the run left the scene, or why it failed", **flags(Reason)},
+    "reason": {
+        "long_name": "why it left the scene or failed, or that it is chaotic",
+        **flags(Reason),
+    },
     "sensitive": {
         "long_name": "whether another tolerance ends differently or at another time",
         **_SENSITIVE_FLAGS,

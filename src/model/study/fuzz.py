@@ -103,8 +103,8 @@ class Finding(NamedTuple):
 class Report(NamedTuple):
     """What a campaign found: how runs ended, how many sets are sensitive, and every violation.
 
-    ``against_neighbour`` and ``against_reference`` count the sets that were compared: neither
-    flagged, nor stopped at the limit of evaluations, on either side. ``unexplained`` holds the sets
+    ``against_neighbour`` and ``against_reference`` count the sets that were compared: not flagged,
+    chaotic, or stopped at the limit of evaluations, on either side. ``unexplained`` holds the sets
     that failed without a reason of their own.
     """
 
@@ -147,8 +147,10 @@ def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray
     aligned, left = runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.LEFT_SCENE
     failed = runs.outcome == Outcome.FAILED
     spent = _MOST_RUNS * (settings.max_evaluations + _LAST_STEP)
+    moving = runs.outcome == Outcome.HORIZON_REACHED
     reasons = np.where(left, np.isin(runs.reason, _LEAVING), runs.reason == Reason.NONE)
     reasons = np.where(failed, np.isin(runs.reason, _FAILING), reasons)
+    reasons |= moving & (runs.reason == Reason.CHAOTIC)
     with np.errstate(invalid="ignore"):
         in_time = (runs.tau_align >= 0.0) & (runs.tau_align <= settings.horizon)
         inside = (runs.sticking_share >= 0.0) & (runs.sticking_share <= 1.0 + 1e-12)
@@ -227,11 +229,11 @@ def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -
 
 
 def _is_certain(runs: Alignments) -> NDArray[np.bool_]:
-    """Which sets end without a flag, and before their limit of evaluations.
+    """Which sets end without a flag, not in chaos, and before their limit of evaluations.
 
     What stopped there may have stopped before or after its end.
     """
-    return ~runs.sensitive & (runs.reason != Reason.TOO_MANY_EVALUATIONS)
+    return ~runs.sensitive & ~np.isin(runs.reason, (Reason.TOO_MANY_EVALUATIONS, Reason.CHAOTIC))
 
 
 def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:

@@ -18,7 +18,10 @@ _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no 
 
 MAP_VARIABLES: dict[str, dict[str, Any]] = {
     "outcome": {"long_name": "how the run ended", **flags(Outcome)},
-    "reason": {"long_name": "how the run left the scene, or why it failed", **flags(Reason)},
+    "reason": {
+        "long_name": "why it left the scene or failed, or that it is chaotic",
+        **flags(Reason),
+    },
     "tau_align": {
         "long_name": "alignment duration",
         "symbol": "τ",
