@@ -19,7 +19,7 @@ from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
 from model.show.hard_cases import Hardness
 from model.show.precision import CAPTIONS, Comparison, advice
 from model.show.report import READING_WORDS, Findings, render_report
-from model.solver.outcomes import Outcome
+from model.solver.outcomes import Outcome, Reason
 from model.study.claims import judge, tally
 from model.study.claims.table import lines_of
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
@@ -226,6 +226,13 @@ def test_errors_are_summed_up_without_the_sensitive_points(datasets):
     assert counts.error_median == pytest.approx(2.5e-9)
     assert counts.error_largest == 4e-9
     assert counts.error_largest_sensitive == 2.0
+
+
+def test_chaotic_runs_are_counted_apart(datasets):
+    dataset = datasets["fig08"].copy(deep=True)
+    assert report._counts(dataset).chaotic == 0
+    dataset["reason"][0, :3] = Reason.CHAOTIC
+    assert report._counts(dataset).chaotic == 3
 
 
 def test_a_figure_says_what_is_varied_and_what_is_held(rendered, study):

@@ -40,7 +40,7 @@ from model.show.precision import (
 )
 from model.show.schematics import CAPTIONS
 from model.show.style import FORMATS
-from model.solver.outcomes import OUTCOME_TEXT, Outcome
+from model.solver.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.study.config import HardCases, Study
 from model.study.fixed_steps import wrong_counts
 from model.study.hard_cases import DEFAULT, EXPLICIT, Judged, Mark
@@ -84,6 +84,7 @@ class _Counts:
 
     runs: int
     outcomes: Mapping[str, int]
+    chaotic: int
     sensitive: int
     error_median: float
     error_largest: float
@@ -442,6 +443,7 @@ def _counts(dataset: "xr.Dataset") -> _Counts:
     return _Counts(
         runs=outcome.size,
         outcomes={each.name.lower(): int(found[each]) for each in Outcome},
+        chaotic=int((dataset["reason"].values == Reason.CHAOTIC).sum()),
         sensitive=int(sensitive.sum()),
         error_median=_summary(error[~sensitive], 0.5),
         error_largest=_summary(error[~sensitive], 1.0),
