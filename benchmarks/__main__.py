@@ -19,6 +19,7 @@ from benchmarks.machine import (  # noqa: E402 - after the line above
     bare_evaluation_ns,
     compilation,
     facts,
+    lane_operations,
     peak_gflops,
     settling_gain,
     two_cores,
@@ -84,7 +85,9 @@ def main() -> None:
         _report_maps(plan, arguments.output)
         return
 
-    machine: dict[str, object] = {"peak_gflops": peak_gflops(), "quick": arguments.quick}
+    peak, operations = peak_gflops(), lane_operations(plan.cores_points)
+    machine: dict[str, object] = {"peak_gflops": peak, "quick": arguments.quick, **operations}
+    machine["useful_share_of_peak"] = operations["useful_gflops"] / peak
     machine["bare_evaluation_ns"] = bare_evaluation_ns()
     problems = all_problems(plan.points, plan.neighbours)
     wanted = arguments.problems or [problem.name for problem in problems]

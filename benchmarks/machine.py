@@ -1,4 +1,4 @@
-"""The machine and what does not depend on a problem: peak, start, compilation, cores, settling."""
+"""The machine and what does not depend on a peer: peak, operations, start, compilation, cores."""
 
 import importlib.metadata
 import os
@@ -14,10 +14,12 @@ from time import process_time
 import numba
 import numpy as np
 
-from benchmarks.equations import device
+from benchmarks.equations import Device, device, equations
 from benchmarks.modes import SLIDE_NEGATIVE, STATE_SIZE, rates, start
-from benchmarks.problems import W1
-from model import Outcome, align
+from benchmarks.problems import W1, neighbours
+from model import Batch, Outcome, Settings, align
+from model.runs.batch import run_once
+from model.solver.tableaux import DOP853
 from model.study.config import load_study, study_path
 from model.study.sweeps import sweep_of
 
@@ -107,6 +109,71 @@ def bare_evaluation_ns() -> float:
         _bare_loop(y, p, out, count)
         times.append(1e9 * (process_time() - started) / count)
     return statistics.median(times)
+
+
+# ------------------------------------------------------------------------------------- operations
+
+
+class Counted:
+    """A number that counts the operations made with it."""
+
+    made = 0
+
+    def _made(self, _other: object = None) -> "Counted":
+        Counted.made += 1
+        return self
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = _made
+
+    def __neg__(self) -> "Counted":
+        return self._made()
+
+
+_SINE_AND_COSINE = 38  # operations of ``sine_cosine``, which makes both
+
+
+def rate_operations() -> int:
+    """Operations of one sliding right-hand side, a sine with its cosine as ``sine_cosine`` does."""
+    number = Counted()
+    Counted.made = 0
+    physics = equations(lambda _: number, lambda _: number)
+    state, constants = (number,) * STATE_SIZE, Device(*(number,) * len(Device._fields))
+    at = physics.touch(state, constants)
+    physics.accelerations(number, state, constants, at, at.load, at.load * number)
+    angles = 2  # the tilt, and the excitation's
+    return Counted.made + angles * _SINE_AND_COSINE
+
+
+def step_operations() -> int:
+    """Operations of one step's sums: stages, errors and the states at its quarters."""
+    weights = np.count_nonzero(DOP853.a) + np.count_nonzero(DOP853.error)
+    weights += 3 * np.count_nonzero(np.abs(DOP853.dense).sum(axis=1))
+    return 2 * STATE_SIZE * int(weights)
+
+
+def lane_operations(count: int) -> dict[str, float]:
+    """Useful operations a second in the lanes on neighbours of W1, and where evaluations go.
+
+    Useful are right-hand sides and sums of steps that stand; not what lanes compute for modes that
+    they are not in, nor the search for switches, nor a step rejected or made toward a switch.
+    """
+    batch = Batch.stack(neighbours([W1], count))
+    settings = Settings(horizon=10.0)
+    run_once(batch, settings)
+    spent = []
+    for _ in range(5):
+        started = process_time()
+        runs = run_once(batch, settings)
+        spent.append(process_time() - started)
+    stages = DOP853.method.c.size - 1
+    total, steps = float(runs["rhs_evaluations"].sum()), float(runs["steps"].sum())
+    rejected = float(runs["rejected"].sum())
+    useful = steps * (stages * rate_operations() + step_operations())
+    return {
+        "useful_gflops": useful / statistics.median(spent) / 1e9,
+        "evaluations_rejected_share": stages * rejected / total,
+        "evaluations_at_switches_share": 1.0 - stages * (steps + rejected) / total,
+    }
 
 
 # ----------------------------------------------------------------------------- start, compilation
@@ -220,26 +287,32 @@ def two_cores(count: int, rounds: int) -> float:
 def settling_gain(count: int, horizons: Sequence[float]) -> dict[str, float]:
     """How much faster maps are if settled runs may stop, on ``count`` points of Figs. 13 and 14.
 
-    ``aperiodic`` is the share of points that run to the longest horizon without settling.
+    ``settling_evaluations`` is the same for the evaluations of what does not align;
+    ``aperiodic_share`` are the points that run to the longest horizon without settling.
     """
     study = load_study(study_path())
     gains: dict[str, float] = {}
-    batches = []
+    batches: list[Batch] = []
     for figure in ("fig13", "fig14"):
         sweep = sweep_of(study, figure)
         every = np.random.default_rng(_SEED).permutation(int(np.prod(sweep.shape)))
         batches.append(sweep.batch(every[: count // 2]))
+        align(batches[-1], horizon=1.0, cores=1)
     for horizon in horizons:
-        spent = {}
+        spent, never = {}, {}
         for may_settle in (True, False):
             started = process_time()
             runs = [
                 align(batch, horizon=horizon, may_settle=may_settle, cores=1) for batch in batches
             ]
             spent[may_settle] = process_time() - started
+            never[may_settle] = sum(
+                int(run.rhs_evaluations[run.outcome != Outcome.ALIGNED].sum()) for run in runs
+            )
             if may_settle:
                 outcomes = np.concatenate([run.outcome for run in runs])
         gains[f"settling_gain_{horizon:g}"] = spent[False] / spent[True]
+        gains[f"settling_evaluations_{horizon:g}"] = never[False] / never[True]
         gains["settled_share"] = float(np.mean(outcomes == Outcome.SETTLED))
         gains["aperiodic_share"] = float(np.mean(outcomes == Outcome.HORIZON_REACHED))
     return gains

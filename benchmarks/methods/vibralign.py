@@ -1,41 +1,31 @@
 """The package itself: ``align`` on a batch, by each of its engines, as a user calls it."""
 
-import inspect
 from collections.abc import Sequence
-from dataclasses import fields
-from typing import Any
 
 import numpy as np
 
 from benchmarks.methods.base import Method, Solution, typical_error
 from benchmarks.problems import Problem, answers
-from model import Parameters, Settings, align
-
-# The field of ``Settings`` that leaves out the second run, which estimates the error.
-_ESTIMATE = "estimate_error"
+from model import Batch, Parameters, Settings, align
+from model.runs.batch import Engine, run_once
 
 
 class Vibralign(Method):
-    """``align`` with one engine; each set is run twice, which yields its error estimate."""
+    """``align`` with one engine: two runs of each set, or more, which yields its error estimate."""
 
     package = "vibralign"
     batch = 256
+    formulation = "align, two runs each with error estimate"
 
-    def __init__(self, name: str, formulation: str, **changes: Any) -> None:
-        self.name, self.formulation, self.changes = name, formulation, changes
+    def __init__(self, engine: Engine) -> None:
+        self.name, self.engine = f"vibralign {engine}", engine
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float
     ) -> Solution:
         """As ``Method.solve``; ``align`` tells alignment times, but no states."""
-        runs = align(
-            cases,
-            tolerance=tolerance,
-            horizon=problem.horizon,
-            may_settle=not problem.checkpoints,
-            cores=1,
-            **self.changes,
-        )
+        settings = _settings(problem, tolerance)
+        runs = align(cases, settings, cores=1, engine=self.engine)
         return Solution(runs.tau_align[:, np.newaxis], int(runs.rhs_evaluations.sum()))
 
     def error(self, problem: Problem, tolerance: float, deadline: float) -> float:
@@ -45,18 +35,29 @@ class Vibralign(Method):
         return super().error(problem, tolerance, deadline)
 
 
+class OneRun(Vibralign):
+    """The lanes, one run of each set and no estimate of its error: what the peers do."""
+
+    formulation = "one run each, no error estimate"
+
+    def __init__(self) -> None:
+        super().__init__("lanes")
+        self.name = "vibralign lanes, one run"
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float
+    ) -> Solution:
+        """As ``Method.solve``."""
+        runs = run_once(Batch.stack(cases), _settings(problem, tolerance), cores=1)
+        return Solution(runs["tau_align"][:, np.newaxis], int(runs["rhs_evaluations"].sum()))
+
+
+def _settings(problem: Problem, tolerance: float) -> Settings:
+    return Settings(
+        tolerance=tolerance, horizon=problem.horizon, may_settle=not problem.checkpoints
+    )
+
+
 def engines() -> list[Vibralign]:
-    """What the installed version offers, the one it is to be known by first."""
-    twice = "align, two runs each with error estimate"
-    if "engine" not in inspect.signature(align).parameters:
-        return [Vibralign("vibralign", twice)]
-    offered = [
-        Vibralign("vibralign lanes", twice, engine="lanes"),
-        Vibralign("vibralign scalar", twice, engine="scalar"),
-    ]
-    if _ESTIMATE in {field.name for field in fields(Settings)}:
-        once = "align, one run each, no error estimate"
-        offered.insert(
-            1, Vibralign("vibralign lanes, one run", once, engine="lanes", **{_ESTIMATE: False})
-        )
-    return offered
+    """The one it is to be known by first."""
+    return [Vibralign("lanes"), OneRun(), Vibralign("scalar")]
