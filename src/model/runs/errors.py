@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from model.physics.parameters import Constants
 from model.solver.outcomes import Outcome, Reason
 from model.solver.record import Ending
+from model.solver.switching import FLAT
 
 COARSER = 16.0
 SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same
@@ -36,7 +37,7 @@ Run = Callable[[Array, Array], Array]
 """(rows, tolerances) to endings; shapes (n, constants), (n,) and (n, len(Ending._fields))."""
 
 NEARLY_FLAT = 1e-6  # a tilt at the start below which a part is nearly flat
-TILTED = 1e-7  # by how much its neighbour is tilted further
+TILTED = 10.0 * FLAT  # by how much its neighbour is tilted further
 
 _MISALIGNMENT, _TILT, _SLOT, _PART = (
     Constants._fields.index(name)

@@ -93,7 +93,7 @@ LANE_ROWS = TILT_SAMPLE + 1
 SAMPLE_ROWS = SAMPLE_SIZE + 1
 
 _BLOCK = STATE_SIZE * LANES  # one state of every lane
-_NEARLY_FLAT = 10.0 * FLAT
+_TOO_FLAT_TO_TELL = 10.0 * FLAT
 _NO_CORNER = (CORNER_LOAD, CORNER_GAP, CORNER_RELOAD, CORNER_END)
 WATCHED = np.array([which for which in range(SWITCH_COUNT) if which not in _NO_CORNER])
 
@@ -416,7 +416,7 @@ def _screen(which, w, samples):
             | (p0 != samples[4, place, i])
         )
         # Near flat, a tilt too small for the samples decides whether the corner lands.
-        flat = corner & (min(g0, lowest) < _NEARLY_FLAT)
+        flat = corner & (min(g0, lowest) < _TOO_FLAT_TO_TELL)
         shown = UNCLEAR if dips | turns | flat else CLEAR
         shown = max(shown, CROSSING) if lowest < 0.0 else shown
         shown = CLEAR if g0 == NEVER else shown
