@@ -15,7 +15,7 @@ well align at another tolerance, by chance. Its reason is then ``CHAOTIC``.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,17 +94,18 @@ def _displaced(rows: Array, which: int, by: Array | float) -> Array:
     return displaced
 
 
-def _end_otherwise(endings: Array, others: Array, tilted: bool) -> NDArray[np.bool_]:
-    """Which runs have another outcome than their neighbours.
+def end_otherwise(
+    outcome: NDArray[Any], other: NDArray[Any], alike: NDArray[np.bool_] | bool
+) -> NDArray[np.bool_]:
+    """Which runs have another outcome than their neighbours; arrays of shape (n,).
 
-    A motion that repeats itself may settle later, or not before the horizon, at a smaller
-    tolerance or by a tilt: it is the same if the part has left the base as often, or is tilted.
+    A motion that repeats itself may settle later, or not before the horizon, at a smaller tolerance
+    or by a tilt: that is the same ending if the motions are ``alike``.
     """
-    ended, ended_there = endings[:, _OUTCOME], others[:, _OUTCOME]
     go_on = (Outcome.SETTLED, Outcome.HORIZON_REACHED)
-    as_often = endings[:, _SEPARATIONS] == others[:, _SEPARATIONS]
-    same = np.isin(ended, go_on) & np.isin(ended_there, go_on) & (as_often | tilted)
-    return (ended != ended_there) & ~same
+    same = np.isin(outcome, go_on) & np.isin(other, go_on) & alike
+    found: NDArray[np.bool_] = (outcome != other) & ~same
+    return found
 
 
 def _end(endings: Array) -> Array:
@@ -141,8 +142,10 @@ def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = 
     spent = fine[:, _EVALUATIONS].copy()
     sensitive = rows[:, _SLOT] - rows[:, _PART] < tolerance
     for (which, _), other in zip(others, ran, strict=True):
-        apart = np.abs(_end(fine[which]) - _end(other)) > SENSITIVE
-        sensitive[which] |= _end_otherwise(fine[which], other, tilted=which is flat) | apart
+        mine = fine[which]
+        alike = (mine[:, _SEPARATIONS] == other[:, _SEPARATIONS]) | (which is flat)
+        apart = np.abs(_end(mine) - _end(other)) > SENSITIVE
+        sensitive[which] |= end_otherwise(mine[:, _OUTCOME], other[:, _OUTCOME], alike) | apart
         spent[which] += other[:, _EVALUATIONS]
     fine[_are_chaotic(fine, ran[0]), _REASON] = Reason.CHAOTIC
     difference = np.abs(fine[:, _TAU] - ran[0][:, _TAU])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from model.physics.parameters import Batch
 from model.runs.batch import Alignments, align
-from model.runs.errors import SENSITIVE
+from model.runs.errors import SENSITIVE, end_otherwise
 from model.runs.settings import Settings
 from model.solver.outcomes import Outcome, Reason
 
@@ -241,7 +241,8 @@ def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
     with np.errstate(invalid="ignore"):
         apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
     certain = _is_certain(runs) & _is_certain(others)
-    return certain & ((runs.outcome != others.outcome) | apart)
+    alike = runs.separations == others.separations
+    return certain & (end_otherwise(runs.outcome, others.outcome, alike) | apart)
 
 
 def _describer(runs: Alignments) -> Callable[[int], str]:
