@@ -1,6 +1,8 @@
 """The folder of compiled kernels."""
 
 import gc
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -53,6 +55,23 @@ def test_another_process_would_find_it(monkeypatch):
     assert compiled.kernel(quartered)(8.0) == 2.0
     monkeypatch.setitem(globals(), "part", None)  # compiling would fail
     assert compiled.kernel(quartered)(12.0) == 3.0
+
+
+def test_threads_that_call_a_kernel_first_at_once_leave_numbas_setting_alone(empty, monkeypatch):
+    folders = {compiled.config.CACHE_DIR}
+    monkeypatch.setitem(globals(), "part", compiled.kernel(halved))
+    for _ in range(20):
+        whole, gate = compiled.kernel(quartered), threading.Barrier(4)
+
+        def first(each, whole=whole, gate=gate):
+            gate.wait()
+            return whole(each)
+
+        with ThreadPoolExecutor(4) as pool:
+            assert list(pool.map(first, [4.0, 8.0, 12.0, 16.0])) == [1.0, 2.0, 3.0, 4.0]
+        folders.add(compiled.config.CACHE_DIR)
+    assert len(folders) == 1
+    assert kept(empty) == {"quartered"}
 
 
 @pytest.mark.usefixtures("empty")

@@ -15,6 +15,7 @@ import gc
 import hashlib
 import os
 import tempfile
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
@@ -60,17 +61,20 @@ def cache_folder() -> Path:
 
 _CACHE_FOLDER = str(cache_folder())
 config: Any = numba.config  # its settings are set at import, unseen by type checkers
+_ONE_AT_A_TIME = threading.Lock()
 
 
 @contextlib.contextmanager
 def _numba_cache_in(folder: str) -> Iterator[None]:
     # numba reads the setting while it decorates, so other users of numba never see ours.
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = folder
-    try:
-        yield
-    finally:
-        config.CACHE_DIR = previous
+    # Kernels are first called from several threads: one after the other, or the setting would stay.
+    with _ONE_AT_A_TIME:
+        previous = config.CACHE_DIR
+        config.CACHE_DIR = folder
+        try:
+            yield
+        finally:
+            config.CACHE_DIR = previous
 
 
 class _LinkedOnly(JITCodeLibrary):
@@ -101,7 +105,7 @@ class _Whole(CPUDispatcher):
 
     def _compile_for_args(self, *args: Any, **named: Any) -> Any:
         collects = gc.isenabled()
-        gc.disable()  # a quarter of the time, for cycles that the compiler does not leave
+        gc.disable()  # a third of the time goes to looking for garbage that is hardly there
         try:
             return super()._compile_for_args(*args, **named)  # type: ignore[misc]
         finally:
@@ -123,9 +127,10 @@ class _Part(CPUDispatcher):
     def _compile_for_args(self, *_args: Any, **_named: Any) -> Any:
         if self._whole is None:
             with _numba_cache_in(_CACHE_FOLDER):
-                whole: Any = _Whole(self.py_func, targetoptions=self._options)
-                whole.enable_caching()
-            self._whole = whole
+                if self._whole is None:
+                    whole: Any = _Whole(self.py_func, targetoptions=self._options)
+                    whole.enable_caching()
+                    self._whole = whole
         return self._whole
 
     def add_overload(self, cres: Any) -> None:
