@@ -10,11 +10,9 @@ methods solve the same equations with the same switches. Friction is Coulomb's, 
 - fig06, fig13: points drawn from the figures' own sweeps (``drawn_points``), all of which align.
 """
 
-import inspect
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,10 +55,6 @@ W3 = W1.replace(
 TRUE_TOLERANCE = 1e-13
 _SEED = 20070401
 _SPREAD = 1e-3  # relative spread of the press force among neighbours
-# The readable engine is the reference, where there is a choice.
-_REFERENCE: dict[str, Any] = {}
-if "engine" in inspect.signature(align).parameters:
-    _REFERENCE["engine"] = "scalar"
 _RIGHT_EDGE_ONLY = Scene("right_edge", frozenset({"edge_on_face"}))
 
 
@@ -94,7 +88,7 @@ class Problem:
 def answers(problem: Problem, cases: Sequence[Parameters], tolerance: float) -> NDArray[np.float64]:
     """The package's answers, shape (cases, answers): alignment times, or states in a row."""
     if not problem.checkpoints:
-        runs = align(cases, tolerance=tolerance, horizon=problem.horizon, cores=1, **_REFERENCE)
+        runs = align(cases, tolerance=tolerance, horizon=problem.horizon, cores=1, engine="scalar")
         return runs.tau_align[:, np.newaxis]
     return np.array(
         [

@@ -11,7 +11,7 @@ def test_operations_are_counted():
 
 
 def test_a_right_hand_side_takes_what_its_terms_say():
-    # touch: 5 products and 4 sums of places, 3, 3 and 2 and 2 of rates, ...; see equations.py.
+    # Some fifty of the contact and the accelerations, twice a sine with its cosine.
     assert 130 <= rate_operations() <= 200
     # Twelve stages with 4 to 12 terms, of six components.
     assert 6 * 2 * 60 <= step_operations() <= 6 * 2 * 250

@@ -9,19 +9,16 @@ import xarray as xr
 
 from model.physics.parameters import FIELDS
 from model.physics.units import DURATION, QUANTITIES, UNITS, Units
-from model.solver.outcomes import Outcome, Reason
+from model.solver.outcomes import Outcome
 from model.study.config import CURVES, HISTORIES, Curves, Study
-from model.study.datasets import flags, global_attributes, parameter_attributes
+from model.study.datasets import VARIABLES, global_attributes, parameter_attributes
 from model.study.maps import BESIDE, PERIODS, SHARE, MapPlan, StabilityMap, Work
 
 _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
 
 MAP_VARIABLES: dict[str, dict[str, Any]] = {
-    "outcome": {"long_name": "how the run ended", **flags(Outcome)},
-    "reason": {
-        "long_name": "why it left the scene or failed, or that it is chaotic",
-        **flags(Reason),
-    },
+    "outcome": VARIABLES["outcome"],
+    "reason": VARIABLES["reason"],
     "tau_align": {
         "long_name": "alignment duration",
         "symbol": "τ",
