@@ -40,7 +40,10 @@ class Step(NamedTuple):
 
 
 class Course:
-    """A run from any state, or from the start, with every step that the engine made."""
+    """A run from any state, or from the start, with every step that the engine made.
+
+    ``changes`` are constants that no parameter of a device may have.
+    """
 
     def __init__(
         self,
@@ -51,9 +54,11 @@ class Course:
         horizon: float,
         tolerance: float = 1e-12,
         until: Callable[["Course"], bool] = lambda _: False,
+        **changes: float,
     ) -> None:
         row = Batch.stack([parameters]).constants(Readings.consistent())[0]
-        self.p = Constants(*row.tolist())
+        self.p = Constants(*row.tolist())._replace(**changes)
+        row = np.array(self.p)
         self.parameters, self.steps = parameters, []
         single = new_single(DOP853.method)
         control = Control(horizon, 50_000_000, 0.0)

@@ -1,115 +1,161 @@
-"""Statics of a tilted peg in a hole, and whether friction lets a contact press at all.
+"""A tilted peg in a hole, and whether friction lets a contact press at all.
 
 Two-point contact and wedging: D. E. Whitney, Quasi-static assembly of compliantly supported rigid
 parts, J. Dyn. Syst. Meas. Control 104 (1982) 65-77. A peg of width d = 2a, tilted by θ in a hole of
 width D = 2l, touches the edge on one side and the wall on the other at the depth h with
 D = d cos θ + h sin θ, about cD/θ with c = (D - d)/D. It wedges where friction can hold it between
-these two points without any outer force: for small θ below c/μ, where h > μ D, it cannot.
+these two points without any outer force: for small θ above c/μ, where h < μ D.
 
-No run gets that far: a part with both corners in the slot has aligned, and the scene ends there; a
-corner that meets the wall before has left the scene. What is tried is what these ends are found by,
-the switching functions and contact rows themselves.
+The scene lies on its side. A part turned by θ - 90° shows its left side to the sky, so that A2
+presses down on it, as an edge of the hole does; the flat base carries the corner B1, as the wall
+across the hole does, if it is taken to lie D lower, which is a mode's ``corner_offset``. The hole
+is to the left of A2: the two edges change places, and the corner B1 stands right of its edge A1.
 
 Painlevé's paradox: P. Painlevé (1895); the effective inverse mass of a sliding contact, n·(n - μ t)
 in the metric of the masses, see D. E. Stewart, SIAM Review 42 (2000) 3-39.
 """
 
-from math import atan, cos, radians, sin, tan
+from math import acos, atan, cos, hypot, pi, radians, sin, tan
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, linprog
+from scipy.optimize import brentq
 
-from model import Outcome, simulate
+from model import Outcome, Parameters, simulate
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.notation import RIGHT_EDGE, State
-from model.solver.switching import corner_off_wall, edge_inside
+from model.physics.parameters import Constants
+from model.physics.scenes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
+from model.solver.switching import edge_inside
+from model.solver.transitions import decide_friction
 from model.study.config import load_study, study_path
 from model.study.independent import solve
 from model.study.trials import trial_of
 
+MOUTH = 10.0  # abscissa of A2; A1 is at -MOUTH, far behind the peg's end
+
+
+class Hole(NamedTuple):
+    """A peg in a hole that lies on its side, from a state and in a mode."""
+
+    parameters: Parameters
+    changes: dict[str, float]
+    p: Constants
+    state: np.ndarray
+    mode: Mode
+
 
 @pytest.fixture
-def peg(device, constants):
-    """(constants, state) of a peg at rest that touches the edge A2 and, with B1, the right wall."""
+def hole(device, constants):
+    """A peg at rest in the hole, tilted, A2 as deep in its side and B1 in the wall as is said.
 
-    def make(clearance, tilt):
-        p = constants(device.replace(half_height=40.0, clearance=clearance, initial_tilt=0.0))
-        along, up = np.array([cos(tilt), sin(tilt)]), np.array([-sin(tilt), cos(tilt)])
+    How far the peg is in the hole follows, unless it is given: then how deep A2 is does. Nothing
+    but ``press`` acts on the peg, across the hole; the axial spring is weak beside the contacts.
+    """
 
-        def state(place):  # A2 on the side face, ``place`` above the mass centre
-            centre = [-p.slot_half_width, 0.0] + p.half_width * along - place * up
-            return State(*centre, tilt, 0.0, 0.0, 0.0)
-
-        def gap(place):
-            return p.slot_half_width - bottom_corner(RIGHT_EDGE, *state(place)[:3], p)[0]
-
-        return p, state(brentq(gap, -p.half_height, p.half_height, xtol=1e-13))
+    def make(tilt, depth_at_edge=0.0, depth_in_wall=0.0, far=None, press=0.0, **changes):
+        bare = {
+            "half_width": 1.0, "inertia": 1.0, "initial_tilt": 0.0, "frequency": 0.0, "phase": 0.0,
+            "lateral_stiffness": 0.0, "tilt_stiffness": 0.0, "lateral_damping": 0.0,
+            "axial_damping": 0.0, "tilt_damping": 0.0, "press_force": press,
+            "contact_stiffness": 1e6, "contact_damping": 300.0,
+        }  # fmt: skip
+        peg = device.replace(**bare | changes)
+        a, b, width = peg.half_width, peg.half_height, 2.0 * peg.slot_half_width
+        across, along = np.array([sin(tilt), -cos(tilt)]), np.array([cos(tilt), sin(tilt)])
+        if far is None:
+            far = width + depth_in_wall - (2.0 * a - depth_at_edge) * cos(tilt)
+            far /= sin(tilt)
+        else:
+            depth_at_edge = 2.0 * a - (width + depth_in_wall - far * sin(tilt)) / cos(tilt)
+        centre = np.array([MOUTH, 0.0]) + (a - depth_at_edge) * across + (b - far) * along
+        mode = Mode(
+            RIGHT_EDGE, OPEN, CLOSED, width, True, STICKING,
+            CLOSED if depth_at_edge > 0.0 else OPEN, STICKING, False,
+        )  # fmt: skip
+        lies = {"slot_half_width": -MOUTH, "rest_y": centre[1]}
+        state = np.array([*centre, tilt - 0.5 * pi, 0.0, 0.0, 0.0])
+        return Hole(peg, lies, constants(peg)._replace(**lies), state, mode)
 
     return make
 
 
 @pytest.mark.parametrize("clearance", [0.02, 0.09])
 @pytest.mark.parametrize("degrees", [2.0, 5.0, 10.0])
-def test_two_point_contact_depth(peg, clearance, degrees):
-    tilt = radians(degrees)
-    p, q = peg(clearance, tilt)
-    assert edge_on_side(q, p).depth == pytest.approx(0.0, abs=1e-12)
-    wide, narrow = 2 * p.slot_half_width, 2 * p.half_width
-    depth, _, _, above = edge_inside(-RIGHT_EDGE, q, p)
-    assert above > 0.0  # the edge is on the side, not above it
-    assert depth == pytest.approx((wide - narrow * cos(tilt)) / sin(tilt), rel=1e-12)
-    # The switch that ends a run on the wall is met here: a little further in it is behind.
-    # The corner must stand below the plane, else it leans on the base from above.
-    below = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)[1] < 0.0
-    assert (max(corner_off_wall(RIGHT_EDGE, q._replace(x=q.x + 1e-9), p)) < 0.0) is below
-    assert max(corner_off_wall(RIGHT_EDGE, q._replace(x=q.x - 1e-9), p)) > 0.0
-
-
-def wall_rows(q, p):
-    """(normal, tangent) rows of B1 on the right wall: those of a flat, turned by 90 degrees."""
-    turned = State(q.y, -q.x, q.tilt - 0.5 * np.pi, q.y_rate, -q.x_rate, q.tilt_rate)
-    contact = corner_on_flat(RIGHT_EDGE, turned, p)
-    return tuple((-y, x, moment) for x, y, moment in (contact.normal, contact.tangent))
-
-
-def wedges(q, p, friction):
-    """Whether forces at both places, within their friction cones, can balance by themselves."""
-    side, (wall, along_wall) = edge_on_side(q, p), wall_rows(q, p)
-    rows = np.array([side.normal, side.tangent, wall, along_wall]).T  # times (n1, T1, n2, T2)
-    cones = np.array([
-        [-friction, 1.0, 0.0, 0.0], [-friction, -1.0, 0.0, 0.0],
-        [0.0, 0.0, -friction, 1.0], [0.0, 0.0, -friction, -1.0],
-    ])  # fmt: skip
-    # Balanced, with n1 = 1. Moments are of forces over lengths of 100: scaled.
-    balanced = np.vstack([rows, [1.0, 0.0, 0.0, 0.0]])
-    found = linprog(
-        np.zeros(4), A_ub=cones, b_ub=np.zeros(4), A_eq=balanced, b_eq=[0, 0, 0, 1],
-        bounds=[(0, None), (None, None)] * 2, method="highs",
+def test_two_point_contact_depth(course, hole, clearance, degrees):
+    # The peg slides into the hole on its corner, slowly turning upright, until its side meets the
+    # edge. Its mass centre goes at a constant speed: no friction, and no moment turns it.
+    tilt, speed, turning = radians(degrees), 1.0, 1e-3
+    press, stiffness, narrow = 3.0, 1e6, 2.0
+    half_way = 0.5 * narrow * (1.0 + clearance - cos(tilt)) / sin(tilt)
+    scene = hole(
+        tilt, depth_in_wall=press / stiffness, far=half_way, press=press, inertia=1e15,
+        friction=0.0, clearance=clearance,
     )  # fmt: skip
-    return found.status == 0
+    corner, _ = bottom_corner(RIGHT_EDGE, *scene.state[:3], scene.p)
+    lowering = turning * (corner - scene.state[0])  # so that the corner stays at its height
+    start = scene.state + [0.0, 0.0, 0.0, -speed, lowering, -turning]
+    slides = scene.mode._replace(support_slip=SLIP_NEGATIVE)
+    run = course(
+        scene.parameters, start, slides, horizon=20.0, **scene.changes,
+        until=lambda run: run.steps[-1].end_mode.side == CLOSED,
+    )  # fmt: skip
+    step, q = run.steps[-1], State(*run.state[-1])
+    assert step.mode.side == OPEN
+    wide = -bottom_corner(RIGHT_EDGE, *q[:3], scene.p)[1]  # and what the corner is in the wall
+    assert wide == pytest.approx(2.0 * scene.parameters.slot_half_width, abs=1e-5)
+
+    def depth(time):
+        return (wide - narrow * cos(tilt - turning * time)) / sin(tilt - turning * time)
+
+    def far(time):
+        now, x = tilt - turning * time, scene.state[0] - speed * time
+        return (MOUTH + 0.5 * narrow * sin(now) - x) / cos(now) + scene.p.half_height
+
+    meets = brentq(lambda time: far(time) - depth(time), 0.0, 20.0, xtol=1e-14)
+    assert step.end == pytest.approx(meets, rel=1e-9)
+    assert edge_inside(-RIGHT_EDGE, q, scene.p)[0] == pytest.approx(depth(meets), rel=1e-9)
 
 
-@pytest.mark.parametrize("clearance", [0.0002, 0.002])
-@pytest.mark.parametrize("friction", [0.1, 0.3])
-def test_wedging_limit(peg, clearance, friction):
-    def margin(tilt):
-        # A force along the line between the two places must lie in both cones; the edge's normal is
-        # turned by the tilt toward it: θ + β <= atan μ, β the line's slope.
-        p, q = peg(clearance, tilt)
-        depth = edge_inside(-RIGHT_EDGE, q, p)[0]
-        low = depth * cos(tilt) - 2 * p.half_width * sin(tilt)
-        return atan(friction) - tilt - atan(low / (2 * p.slot_half_width))
+@pytest.mark.parametrize(
+    ("friction", "clearance"), [(0.1, 5e-4), (0.1, 2e-3), (0.3, 5e-4), (0.3, 2e-3), (0.3, 2e-2)]
+)
+def test_wedging_limit(course, hole, friction, clearance):
+    # Pressed together between edge and wall by equal and opposite forces and let go: beyond the
+    # limit the peg stays as it is for ever, below it the forces push it out.
+    narrow, load, stiffness = 2.0, 1e-3, 1e6
+    wide = narrow * (1.0 + clearance)
 
-    wide = clearance / (1 + clearance)  # c = (D - d)/D
-    limit = brentq(margin, 0.5 * wide / friction, 2.0 * wide / friction)
-    # To the next order θ + β is c/θ + θ/2, so that θ is later by a share θ/2μ; atan μ is μ - μ³/3.
-    share = 0.5 * limit / friction
-    assert limit == pytest.approx(wide / friction * (1.0 + share), rel=4.0 * share**2 + friction**2)
-    for factor, expected in ((1.0 + 1e-6, True), (1.0 - 1e-6, False)):
-        p, q = peg(clearance, factor * limit)
-        assert wedges(q, p, friction) is expected
+    # The line between the two places is h/d off the side's normal: μ d sin θ = D - d cos θ.
+    limit = atan(friction) - acos((1.0 + clearance) / hypot(1.0, friction))
+    # Whitney's c/μ for small θ; the next order is a share θ/2μ.
+    assert limit == pytest.approx((wide - narrow) / wide / friction, rel=limit / friction)
+    for factor in (1.001, 0.999):
+        # Loads in balance are as the two places' lever arms: d on the side, D on the wall.
+        scene = hole(
+            factor * limit, load * narrow / stiffness, load * wide / stiffness,
+            half_height=1.0, friction=friction, clearance=clearance,
+        )  # fmt: skip
+        at_rest = State(*scene.state), scene.p, scene.mode, True, True
+        mode, possible = decide_friction(0.0, *at_rest)
+        assert possible
+        run = course(scene.parameters, scene.state, mode, horizon=2.0, **scene.changes)
+        assert run.outcome is Outcome.HORIZON_REACHED
+        last = run.steps[-1]
+        holds = run.forces(last.end, State(*last.end_state), last.end_mode)
+        if factor > 1.0:
+            assert last.end_mode == scene.mode
+            assert last.end_state == pytest.approx(scene.state, abs=1e-11)
+            assert holds.side_load == pytest.approx(load * narrow, rel=1e-4)
+            assert holds.support_load == pytest.approx(load * wide, rel=1e-4)
+        else:
+            assert STICKING in (mode.support_slip, mode.side_slip)
+            assert mode.side_slip != STICKING or mode.support_slip != STICKING
+            assert last.end_mode.corner == OPEN
+            assert last.end_state[0] > scene.state[0]  # outward, out of the hole
+            assert last.end_state[3] > 0.0
 
 
 # --------------------------------------------------------------------------------------- Painlevé
@@ -129,8 +175,6 @@ def test_the_study_has_no_paradox():
     trial = trial_of(study, "error")
     batch = trial.batch(np.arange(trial.sets))
     rows = batch.constants(trial.settings.settings.readings)
-    from model.physics.parameters import Constants  # noqa: PLC0415
-
     rng = np.random.default_rng(5)
     least = np.inf
     for row in rows[:400]:
