@@ -11,6 +11,7 @@ calls (docs/decisions/0025-compiling.md).
 """
 
 import contextlib
+import functools
 import gc
 import hashlib
 import os
@@ -22,7 +23,7 @@ from typing import Any, TypeVar
 
 import numba
 from numba.core.cgutils import get_null_value
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import JITCodeLibrary, ll
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic, overload
@@ -100,6 +101,47 @@ class _PartCompiler(Compiler):
         super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
 
 
+class _WideLibrary(JITCodeLibrary):
+    """Machine code that uses the widest vectors there are.
+
+    LLVM keeps to 256 bits on processors with 512, which may then run at a higher clock. In loops
+    over lanes, which are arithmetic throughout, twice the width is worth more.
+    """
+
+    def _optimize_final_module(self) -> None:
+        codegen = self._codegen
+        usual = codegen._tm
+        codegen._tm = _wide_machine(codegen)
+        try:
+            super()._optimize_final_module()
+        finally:
+            codegen._tm = usual
+
+
+@functools.cache
+def _wide_machine(codegen: Any) -> Any:
+    """The target machine of numba's code generator without its preference for 256 bits."""
+    options: dict[str, Any] = {}
+    codegen._customize_tm_options(options)
+    if "+avx512f" not in options["features"]:  # another processor may not know the preference
+        return codegen._tm
+    options["features"] += ",-prefer-256-bit"
+    target = ll.Target.from_triple(ll.get_process_triple())
+    return target.create_target_machine(opt=config.OPT, **options)
+
+
+class _WholeCompiler(Compiler):
+    """numba's compiler, into a ``_WideLibrary``."""
+
+    def __init__(
+        self, typingctx: Any, targetctx: Any, _library: Any, args: Any, return_type: Any,
+        flags: Any, locals: Any,  # noqa: A002 - numba's name
+    ) -> None:  # fmt: skip
+        library = _WideLibrary(targetctx.codegen(), "whole")
+        library.enable_object_caching()
+        super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
+
+
 class _Whole(CPUDispatcher):
     """A kernel as Python calls it: machine code with all that it calls, cached."""
 
@@ -128,7 +170,9 @@ class _Part(CPUDispatcher):
         if self._whole is None:
             with _numba_cache_in(_CACHE_FOLDER):
                 if self._whole is None:
-                    whole: Any = _Whole(self.py_func, targetoptions=self._options)
+                    whole: Any = _Whole(
+                        self.py_func, targetoptions=self._options, pipeline_class=_WholeCompiler
+                    )
                     whole.enable_caching()
                     self._whole = whole
         return self._whole
