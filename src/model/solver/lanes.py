@@ -9,6 +9,7 @@ Lanes hold the modes in which the part stands on A1 or flies, alone or with A2 o
 other modes, and readings of the printed equations, are left to the reference engine.
 """
 
+import math
 from math import isnan, sqrt
 from typing import NamedTuple
 
@@ -76,11 +77,12 @@ CLEAR, AT_STOP, CROSSING, UNCLEAR, REJECTED_STEP = 0.0, 1.0, 2.0, 3.0, 4.0
     GROWTH,  # the next step over this one
     STEP_TILT,  # largest |tilt| in the step
     STEP_FORCE,  # largest normal force in the step
+    REACH,  # more than any corner or edge moves in half a quarter of the step
     WHICH,  # the switch that a lane lands on
     FULL_STEP,  # the step in which it was found
     LANDINGS,  # steps made toward it
     SEARCHED,  # 1.0 where it was found on the dense output
-) = range(ROWS, ROWS + 10)
+) = range(ROWS, ROWS + 11)
 LENGTHS = SEARCHED + 1  # the length, once for each component of the state
 TRIAL = LENGTHS + STATE_SIZE
 RATES = TRIAL + STATE_SIZE
@@ -89,10 +91,12 @@ SUM = Y_END + STATE_SIZE
 COARSE_SUM = SUM + STATE_SIZE
 SAMPLE = COARSE_SUM + STATE_SIZE
 TILT_SAMPLE = SAMPLE + SAMPLE_SIZE
-LANE_ROWS = TILT_SAMPLE + 1
-SAMPLE_ROWS = SAMPLE_SIZE + 1
+SPEED_SAMPLE = TILT_SAMPLE + 1
+LANE_ROWS = SPEED_SAMPLE + 1
+SAMPLE_ROWS = SAMPLE_SIZE + 2
 
 _BLOCK = STATE_SIZE * LANES  # one state of every lane
+_CACHE_LINE = 64  # bytes
 _TOO_FLAT_TO_TELL = 10.0 * FLAT
 _NO_CORNER = (CORNER_LOAD, CORNER_GAP, CORNER_RELOAD, CORNER_END)
 WATCHED = np.array([which for which in range(SWITCH_COUNT) if which not in _NO_CORNER])
@@ -102,8 +106,8 @@ class Lanes(NamedTuple):
     """Runs side by side.
 
     Shapes: w (LANE_ROWS * LANES,); k (m, 6 * LANES), the stages, component by component; samples
-    (NODES + 1, SAMPLE_ROWS, LANES), the switching functions and |tilt| at the step's quarters and,
-    behind them, the lowest switching functions of the step.
+    (NODES + 1, SAMPLE_ROWS, LANES), the switching functions, |tilt| and a bound of the speed at the
+    step's quarters and, behind them, the lowest switching functions of the step.
     """
 
     w: Array
@@ -195,12 +199,20 @@ def _keep_state(q, row, w, i):
     )
 
 
+def _on_cache_lines(*shape: int) -> Array:
+    """Zeros that begin on a cache line, as then every row does: no vector lies across two."""
+    count, line = math.prod(shape), _CACHE_LINE // 8
+    numbers = np.zeros(count + line)
+    first = -numbers.ctypes.data % _CACHE_LINE // 8
+    return numbers[first : first + count].reshape(shape)
+
+
 def new_lanes() -> Lanes:
     """Lanes without runs."""
     return Lanes(
-        np.zeros(LANE_ROWS * LANES),
-        np.zeros((METHOD.c.size, _BLOCK)),
-        np.zeros((NODES + 1, SAMPLE_ROWS, LANES)),
+        _on_cache_lines(LANE_ROWS * LANES),
+        _on_cache_lines(METHOD.c.size, _BLOCK),
+        _on_cache_lines(NODES + 1, SAMPLE_ROWS, LANES),
     )
 
 
@@ -284,9 +296,9 @@ def _judge_step(sums, w, k):
         fine, coarse = 0.0, 0.0
         for n in range(STATE_SIZE):
             start, end = w[(STATE + n) * LANES + i], w[(Y_END + n) * LANES + i]
-            scale = w[TOLERANCE * LANES + i] * (1.0 + max(abs(start), abs(end)))
-            first = w[(SUM + n) * LANES + i] / scale
-            second = w[(COARSE_SUM + n) * LANES + i] / scale
+            per_scale = 1.0 / (w[TOLERANCE * LANES + i] * (1.0 + max(abs(start), abs(end))))
+            first = w[(SUM + n) * LANES + i] * per_scale
+            second = w[(COARSE_SUM + n) * LANES + i] * per_scale
             fine += first * first
             coarse += second * second
         length = w[LENGTH * LANES + i]
@@ -322,6 +334,13 @@ def _keep_sample(sample, w, i):
     w[at + 30 * n], w[at + 31 * n] = sample[30], sample[31]
 
 
+@inlined_kernel
+def _largest_speed(q, p):
+    """What no corner of the part is faster than, nor an edge in its frame, nor its tilt."""
+    to_corner, to_edge = p.half_width + p.half_height, p.slot_half_width + abs(q.x) + abs(q.y)
+    return abs(q.x_rate) + abs(q.y_rate) + abs(q.tilt_rate) * max(1.0, max(to_corner, to_edge))
+
+
 @kernel
 def _sample(node, w, samples):
     """Switching functions at a quarter of the step, the state in TRIAL, into SAMPLES.
@@ -341,7 +360,10 @@ def _sample(node, w, samples):
         w[(SAMPLE + LEFT_CORNER_LANDS) * LANES + i] = left[0] if mode.side == OPEN else NEVER
         w[(SAMPLE + SWITCH_COUNT + RIGHT_CORNER_LANDS) * LANES + i] = right[1]
         w[(SAMPLE + SWITCH_COUNT + LEFT_CORNER_LANDS) * LANES + i] = left[1]
+    for i in range(LANES):  # by itself: the loop above is as long as it may be
+        q = _state(w, TRIAL, i)
         w[TILT_SAMPLE * LANES + i] = abs(q.tilt)
+        w[SPEED_SAMPLE * LANES + i] = _largest_speed(q, _constants(w, i))
     for j in range(SAMPLE_ROWS):
         for i in range(LANES):
             samples[node, j, i] = w[(SAMPLE + j) * LANES + i]
@@ -363,12 +385,13 @@ def _sample_step(sums, w, k, samples):
 @inlined_kernel
 def slopes(g0, g1, g2, g3, g4):
     """Slopes, per quarter, of the quartic through five samples at a step's quarters."""
+    twelfth = 1.0 / 12.0
     return (
-        (-25.0 * g0 + 48.0 * g1 - 36.0 * g2 + 16.0 * g3 - 3.0 * g4) / 12.0,
-        (-3.0 * g0 - 10.0 * g1 + 18.0 * g2 - 6.0 * g3 + g4) / 12.0,
-        (g0 - 8.0 * g1 + 8.0 * g3 - g4) / 12.0,
-        (-g0 + 6.0 * g1 - 18.0 * g2 + 10.0 * g3 + 3.0 * g4) / 12.0,
-        (3.0 * g0 - 16.0 * g1 + 36.0 * g2 - 48.0 * g3 + 25.0 * g4) / 12.0,
+        twelfth * (-25.0 * g0 + 48.0 * g1 - 36.0 * g2 + 16.0 * g3 - 3.0 * g4),
+        twelfth * (-3.0 * g0 - 10.0 * g1 + 18.0 * g2 - 6.0 * g3 + g4),
+        twelfth * (g0 - 8.0 * g1 + 8.0 * g3 - g4),
+        twelfth * (-g0 + 6.0 * g1 - 18.0 * g2 + 10.0 * g3 + 3.0 * g4),
+        twelfth * (3.0 * g0 - 16.0 * g1 + 36.0 * g2 - 48.0 * g3 + 25.0 * g4),
     )
 
 
@@ -390,6 +413,26 @@ def is_corner(which):
 
 
 @kernel
+def _may_show(which, w, samples):
+    """Whether in any lane function ``which`` is so low, for its changes, that it needs a look.
+
+    Also enters its lowest sample. A slope of the quartic is at most 16/3 of the samples' range, and
+    two tangents meet by no more than half a slope below the lower sample.
+    """
+    lanes = 0
+    for i in range(LANES):
+        g0, g1, g2 = samples[0, which, i], samples[1, which, i], samples[2, which, i]
+        g3, g4 = samples[3, which, i], samples[4, which, i]
+        lowest = min(min(g1, g2), min(g3, g4))
+        highest = max(max(g0, g1), max(max(g2, g3), g4))
+        low = min(g0, lowest)
+        far = max(w[REACH * LANES + i], _TOO_FLAT_TO_TELL)
+        lanes += 0 if low > 8.0 / 3.0 * (highest - low) and low > far else 1
+        samples[NODES, which, i] = lowest if g0 > ON_A_SWITCH else NEVER
+    return lanes > 0
+
+
+@kernel
 def _screen(which, w, samples):
     """Raise SHOWN where function ``which`` falls through zero in the step, or may do so."""
     combined = which < COMBINED_COUNT
@@ -408,8 +451,11 @@ def _screen(which, w, samples):
             | _may_dip(g2, g3, s2, s3)
             | _may_dip(g3, g4, s3, s4)
         )
+        # Where another quantity has become the largest, all may have been negative in between. The
+        # one falls to zero and the other rises from there, both within a quarter of the step.
         p0 = samples[0, place, i]
-        turns = combined & (
+        near = min(g0, lowest) < w[REACH * LANES + i]
+        turns = (combined & near) & (
             (p0 != samples[1, place, i])
             | (p0 != samples[2, place, i])
             | (p0 != samples[3, place, i])
@@ -421,7 +467,6 @@ def _screen(which, w, samples):
         shown = max(shown, CROSSING) if lowest < 0.0 else shown
         shown = CLEAR if g0 == NEVER else shown
         w[SHOWN * LANES + i] = max(w[SHOWN * LANES + i], shown)
-        samples[NODES, which, i] = lowest if g0 > ON_A_SWITCH else NEVER
 
 
 @inlined_kernel
@@ -441,11 +486,12 @@ def _load(samples, node, row, i):
 
 @kernel
 def _note_largest(w, samples):
-    """Largest |tilt| and normal force of the step."""
+    """Largest |tilt| and normal force of the step, and its reach."""
     for i in range(LANES):
-        tilt, force = 0.0, 0.0
+        tilt, force, speed = 0.0, 0.0, 0.0
         for node in range(NODES):
             tilt = max(tilt, samples[node, SAMPLE_SIZE, i])
+            speed = max(speed, samples[node, SAMPLE_SIZE + 1, i])
             force = max(force, _load(samples, node, FACE_LOAD, i))
             force = max(force, _load(samples, node, SIDE_LOAD, i))
         for node in range(1, NODES - 1):
@@ -469,6 +515,8 @@ def _note_largest(w, samples):
                 )
         w[STEP_TILT * LANES + i] = tilt
         w[STEP_FORCE * LANES + i] = force
+        # Between two samples it may be faster than at both; twice as fast is ample.
+        w[REACH * LANES + i] = 2.0 * speed * 0.125 * w[LENGTH * LANES + i]
 
 
 @kernel
@@ -532,5 +580,6 @@ def step_all(method, sums, lanes):
     _sample_step(sums, w, k, samples)
     _note_largest(w, samples)
     for which in WATCHED:
-        _screen(which, w, samples)
+        if _may_show(which, w, samples):
+            _screen(which, w, samples)
     _accept(w, k, samples)

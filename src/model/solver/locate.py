@@ -55,6 +55,8 @@ def _value(which, part, theta, time, h, y, dense, p, mode, scratch):
     q = interpolate(theta, h, y, dense)
     if part != WHOLE:
         return quantities(which, q, p)[part]
+    if which < COMBINED_COUNT:
+        return largest(quantities(which, q, p))[0]
     switching_functions(time + theta * h, q, p, mode, scratch)
     return scratch[which]
 

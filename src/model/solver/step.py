@@ -8,7 +8,7 @@ from model.physics.notation import State
 from model.solver.record import STATE_SIZE
 
 # The next step over this one: the error estimate's proposal times CAUTION, within these bounds.
-CAUTION, MOST_GROWTH, LEAST_GROWTH, LEAST_SHRINKING = 0.9, 5.0, 0.3, 0.1
+CAUTION, MOST_GROWTH, LEAST_GROWTH, LEAST_SHRINKING = 0.8, 5.0, 0.3, 0.1
 
 
 @inlined_kernel

@@ -11,6 +11,7 @@ from model.physics.motion import (
     side_contact,
     sticking_friction,
     support_contact,
+    turning,
 )
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
@@ -230,7 +231,7 @@ def hold_sticking(q, p, mode):
         q.x, q.y, q.tilt,
         q.x_rate + impulse * t[0] + side_impulse * u[0],
         q.y_rate + impulse * t[1] + side_impulse * u[1],
-        q.tilt_rate + (impulse * t[2] + side_impulse * u[2]) / p.inertia,
+        q.tilt_rate + turning(impulse * t[2] + side_impulse * u[2], p),
     )  # fmt: skip
 
 
