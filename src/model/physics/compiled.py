@@ -23,7 +23,7 @@ from typing import Any, TypeVar
 
 import numba
 from numba.core.cgutils import get_null_value
-from numba.core.codegen import JITCodeLibrary, ll
+from numba.core.codegen import JITCodeLibrary, ll  # type: ignore[attr-defined]
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic, overload
