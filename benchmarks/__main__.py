@@ -96,7 +96,7 @@ def main() -> None:
     machine |= warm_start(plan.starts)
     if plan.compilation:
         machine |= compilation()
-    machine["two_cores_ratio"] = two_cores(plan.cores_points, plan.rounds)
+    machine |= two_cores(plan.cores_points, plan.rounds)
     machine |= settling_gain(plan.map_points, plan.horizons)
     machine |= facts([*packages, "numpy", "numba"]) | {"kernels": kernel_fingerprint()}
     table = rows(

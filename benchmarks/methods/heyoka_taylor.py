@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import heyoka as hy
+import llvmlite.binding as ll
 import numpy as np
 
 from benchmarks.equations import DEVICE_SIZE, Device, device, equations
@@ -37,6 +38,7 @@ _Y = hy.make_vars("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate")
 _P = Device(*(hy.par[i] for i in range(DEVICE_SIZE)))
 _EQUATIONS = equations(hy.sin, hy.cos)
 _AT = _EQUATIONS.touch(_Y, _P)
+_WIDEST = 8  # numbers in a vector of 512 bits
 _FALLING = hy.event_direction.negative
 # A function that is exactly zero at a step's start hides a root in that step from heyoka.
 _LIFT = 1e-14
@@ -205,6 +207,7 @@ class _Lanes:
             np.zeros((STATE_SIZE, width)),
             tol=max(tolerance, 1e-16),
             pars=np.ones((_LANE_SIZE, width)),
+            force_avx512=width == _WIDEST,
             t_events=[
                 hy.t_event_batch(event, callback=callback(which), direction=_FALLING)
                 for which, event in events
@@ -234,7 +237,9 @@ class HeyokaBatch(Method):
     ladder_step = 2
 
     def __init__(self) -> None:
-        self.width = hy.recommended_simd_size()
+        # heyoka recommends 256 bits where there are 512 too; with these it is up to 1.6 times faster.
+        wide = ll.get_host_cpu_features().get("avx512f", False)
+        self.width = _WIDEST if wide else hy.recommended_simd_size()
         self.batch = 8 * self.width
         self.formulation = f"{self.width} lanes, modes as parameters, terminal events, refilled"
         self._lanes: dict[float, _Lanes] = {}

@@ -64,8 +64,8 @@ MUTATIONS = {
     ),
     "sticking friction": (
         "motion.py",
-        "return -drive / g11, 0.0",
-        "return -1.01 * drive / g11, 0.0",
+        "top, side_top, bottom, side_bottom = -drive, -side_drive, g11, g22",
+        "top, side_top, bottom, side_bottom = -1.01 * drive, -side_drive, g11, g22",
     ),
 }
 # What acts in every run of every figure (friction: Fig. 7 starts at none, but not all of it).
