@@ -237,7 +237,7 @@ class HeyokaBatch(Method):
     ladder_step = 2
 
     def __init__(self) -> None:
-        # heyoka recommends 256 bits where there are 512 too; with these it is up to 1.6 times faster.
+        # heyoka recommends 256 bits where there are 512 too; these are up to 1.6 times faster.
         wide = ll.get_host_cpu_features().get("avx512f", False)
         self.width = _WIDEST if wide else hy.recommended_simd_size()
         self.batch = 8 * self.width
