@@ -151,6 +151,26 @@ def test_what_only_settles_earlier_at_a_looser_tolerance_ends_alike():
     assert (found.column("reason") == Reason.NONE).all()
 
 
+def test_a_settled_motion_that_hops_ends_like_one_that_hops_on_as_often():
+    # The excitation's period is 2π, that of the motion two of them, with one or three hops in each.
+    reached, settled = Outcome.HORIZON_REACHED, Outcome.SETTLED
+    rows = numbered(4)
+    rows[:, Constants._fields.index("frequency")] = 1.0
+    first = {
+        "outcome": np.full(4, settled), "period": np.full(4, 2.0), "separations": np.full(4, 50.0),
+        "time": np.full(4, 100.0 * np.pi),
+    }  # fmt: skip
+    second = {
+        "outcome": np.full(4, reached), "time": np.full(4, 140.0 * np.pi),
+        "period": np.zeros(4),
+        "separations": np.array([60.0, 80.0, 50.0, 65.0]),  # ten repetitions later
+    }  # fmt: skip
+    found = estimate(of_neighbours(first, second), rows, 1e-10)
+    assert found.sensitive.tolist() == [False, False, False, True]
+    found = estimate(of_neighbours(second, first), rows, 1e-10)
+    assert found.sensitive.tolist() == [False, False, False, True]
+
+
 def test_a_part_that_leaves_the_scene_at_another_time_is_flagged():
     left = {"outcome": np.full(2, Outcome.LEFT_SCENE), "tau_align": np.full(2, np.nan)}
     first, second = {**left, "time": np.array([5.0, 5.0])}, {**left, "time": np.array([5.0, 5.1])}

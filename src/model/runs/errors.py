@@ -39,15 +39,15 @@ Run = Callable[[Array, Array], Array]
 NEARLY_FLAT = 1e-6  # a tilt at the start below which a part is nearly flat
 TILTED = 10.0 * FLAT  # by how much its neighbour is tilted further
 
-_MISALIGNMENT, _TILT, _SLOT, _PART = (
+_MISALIGNMENT, _TILT, _SLOT, _PART, _FREQUENCY = (
     Constants._fields.index(name)
-    for name in ("misalignment", "initial_tilt", "slot_half_width", "half_width")
+    for name in ("misalignment", "initial_tilt", "slot_half_width", "half_width", "frequency")
 )
-_OUTCOME, _REASON, _TIME, _TAU, _SEPARATIONS, _STICKING, _EVALUATIONS = (
+_OUTCOME, _REASON, _TIME, _TAU, _SEPARATIONS, _STICKING, _EVALUATIONS, _PERIOD = (
     Ending._fields.index(name)
     for name in (
         "outcome", "reason", "time", "tau_align", "separations", "sticking_share",
-        "rhs_evaluations",
+        "rhs_evaluations", "period",
     )
 )  # fmt: skip
 _SAFETY = 4.0
@@ -108,6 +108,25 @@ def end_otherwise(
     return found
 
 
+def _hop_alike(rows: Array, endings: Array, others: Array) -> NDArray[np.bool_]:
+    """Whether a run and its neighbour leave the base as often, each as long as it goes on.
+
+    What goes on longer than a motion that has settled repeats it: it leaves the base so many times
+    more for every repetition, a whole number of them.
+    """
+    more, longer = (others - endings)[:, [_SEPARATIONS, _TIME]].T
+    frequency = rows[:, _FREQUENCY]
+    excitation = 2.0 * np.pi / np.where(frequency > 0.0, frequency, 1.0)
+    repetition = np.maximum(endings[:, _PERIOD], others[:, _PERIOD]) * excitation
+    with np.errstate(divide="ignore", invalid="ignore"):
+        repetitions = longer / repetition
+        each = np.rint(more / repetitions)
+        repeats: NDArray[np.bool_] = (repetition > 0.0) & (
+            np.abs(more - each * repetitions) <= each
+        )
+    return (more == 0.0) | repeats
+
+
 def _end(endings: Array) -> Array:
     """When runs aligned or left the scene; NaN for others, which end when it is not their own."""
     left = endings[:, _OUTCOME] == Outcome.LEFT_SCENE
@@ -143,7 +162,7 @@ def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = 
     sensitive = rows[:, _SLOT] - rows[:, _PART] < tolerance
     for (which, _), other in zip(others, ran, strict=True):
         mine = fine[which]
-        alike = (mine[:, _SEPARATIONS] == other[:, _SEPARATIONS]) | (which is flat)
+        alike = _hop_alike(rows[which], mine, other) | (which is flat)
         apart = np.abs(_end(mine) - _end(other)) > SENSITIVE
         sensitive[which] |= end_otherwise(mine[:, _OUTCOME], other[:, _OUTCOME], alike) | apart
         spent[which] += other[:, _EVALUATIONS]

@@ -2,8 +2,8 @@
 
 A build is compared with its reference variable by variable, each with a tolerance that follows from
 the estimated error of its own points. How a run ends may differ only where the reference says that
-the point is sensitive. What is meant to differ is accepted, with a reason and the numbers that
-changed, in ``accepted.csv``.
+the point is sensitive, or its run chaotic: that goes another way with every rounding. What is meant
+to differ is accepted, with a reason and the numbers that changed, in ``accepted.csv``.
 """
 
 import shutil
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.solver.outcomes import Outcome
+from model.solver.outcomes import Outcome, Reason
 from model.study.comparison import (
     CLAIMS,
     Change,
@@ -110,8 +110,9 @@ def _values(dataset: "xr.Dataset", name: str) -> NDArray[Any]:
 
 
 def _regular(reference: "xr.Dataset") -> NDArray[np.bool_]:
-    """Points on which the reference is to be relied."""
-    return _values(reference, "sensitive") == 0
+    """Points on which the reference is to be relied: no neighbour ends elsewhere, and no chance."""
+    chance = _values(reference, "reason") == Reason.CHAOTIC
+    return (_values(reference, "sensitive") == 0) & ~chance
 
 
 def _outcomes(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
