@@ -59,7 +59,7 @@ from model.solver.switching import (
 from model.solver.tableaux import DOP853, Array, Tableau
 from model.solver.transitions import hold_sticking
 
-LANES = 32  # four vectors of eight: enough to hide the latency of one behind the others
+LANES = 16  # two vectors of eight; with more, a batch waits longer for its last runs
 NODES = 5  # places of a step at which it is sampled: its ends and quarters
 METHOD = DOP853.method
 
