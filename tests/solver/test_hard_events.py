@@ -46,9 +46,7 @@ class Flight:
         dense_output(0.0, length, y, self.p, mode, self.method, self.k, self.trial, self.dense)
         nodes, samples = np.empty((NODES, 6)), np.empty((NODES, SAMPLE_SIZE))
         sample_step(0.0, length, y, self.dense, self.p, mode, nodes, samples)
-        which, theta = first_switch(
-            0.0, length, y, self.dense, self.p, mode, samples, np.empty(SAMPLE_SIZE)
-        )
+        which, theta = first_switch(0.0, length, y, self.dense, self.p, mode, samples)
         return which, theta if theta == NO_SWITCH else theta * length
 
 

@@ -41,7 +41,7 @@ def locate(device, constants):
         nodes, samples = np.empty((count, 6)), np.empty((count, SAMPLE_SIZE))
         sample_step(time, h, y, dense, p, FREE, nodes, samples)
         assert samples[:, OVERTURNED] == pytest.approx(g(NODE_PLACES), abs=1e-15)
-        return first_switch(time, h, y, dense, p, FREE, samples, np.empty(SAMPLE_SIZE))
+        return first_switch(time, h, y, dense, p, FREE, samples)
 
     return make
 

@@ -23,7 +23,7 @@ from model.solver.step import (
     state_of,
     take_step,
 )
-from model.solver.switching import SAMPLE_SIZE, switching_functions
+from model.solver.switching import SAMPLE_SIZE, switching_function
 from model.solver.tableaux import DOP853, DORMAND_PRINCE, RK4
 from model.solver.transitions import (
     CONTINUES,
@@ -58,15 +58,13 @@ class FixedSteps:
         self.k, self.end, self.trial = np.empty((m, 6)), np.empty(6), np.empty(6)
         self.dense = np.empty((6, degree))
         self.nodes, self.samples = np.empty((NODES, 6)), np.empty((NODES, SAMPLE_SIZE))
-        self.scratch = np.empty(SAMPLE_SIZE)
 
     def step(self, time, h, y, mode):
         take_step(time, h, y, self.p, mode, self.method, self.k, self.end)
         return self.end.copy()
 
     def value(self, which, time, y, mode):
-        switching_functions(time, state_of(y), self.p, mode, self.scratch)
-        return self.scratch[which]
+        return switching_function(which, time, state_of(y), self.p, mode)
 
     def to_switch(self, which, theta, time, h, y, mode):
         """(length, state): Newton's iteration on whole steps, slope from the dense output."""
@@ -95,9 +93,7 @@ class FixedSteps:
                     time, length, y, self.p, mode, self.method, self.k, self.trial, self.dense
                 )
                 sample_step(time, length, y, self.dense, self.p, mode, self.nodes, self.samples)
-                which, theta = first_switch(
-                    time, length, y, self.dense, self.p, mode, self.samples, self.scratch
-                )
+                which, theta = first_switch(time, length, y, self.dense, self.p, mode, self.samples)
                 if theta == NO_SWITCH:
                     time, y = stop, whole
                 else:

@@ -21,7 +21,13 @@ from model.physics.scenes import (
     START,
 )
 from model.solver import switching
-from model.solver.switching import NEVER, SAMPLE_SIZE, SWITCH_COUNT, switching_functions
+from model.solver.switching import (
+    NEVER,
+    SAMPLE_SIZE,
+    SWITCH_COUNT,
+    switching_function,
+    switching_functions,
+)
 
 ROUNDING = 1e-13
 FREE = START._replace(face=OPEN)
@@ -112,6 +118,19 @@ FACE = {"FACE_END", "FACE_FAR_END"}
 )  # fmt: skip
 def test_only_functions_of_the_mode_apply(sample, mode, expected):
     assert applying(sample(mode)) == expected
+
+
+def test_one_function_alone_is_as_in_the_sample(device, constants, random_states):
+    p, out, compared = constants(device), np.empty(SAMPLE_SIZE), set()
+    released = START._replace(face=RELEASED, side=RELEASED, corner=RELEASED)
+    for mode in (FREE, START, ON_CORNER._replace(side=CLOSED), released):
+        for q in (State(*y) for y in random_states(20)):
+            switching_functions(0.3, q, p, mode, out)
+            for which in np.flatnonzero(out[:SWITCH_COUNT] != NEVER).tolist():
+                alone = switching_function(which, 0.3, q, p, mode)
+                assert alone == pytest.approx(out[which], rel=1e-13, abs=1e-13), which
+                compared.add(which)
+    assert compared == set(range(SWITCH_COUNT)) - {INDEX["CORNERS_INSIDE"]}  # once it has dropped
 
 
 def test_printed_friction_never_switches(device, constants):

@@ -21,6 +21,7 @@ from model.solver.switching import (
     is_wall,
     largest,
     quantities,
+    switching_function,
     switching_functions,
 )
 
@@ -50,19 +51,16 @@ def sample_step(time, h, y, dense, p, mode, nodes, samples):
 
 
 @kernel
-def _value(which, part, theta, time, h, y, dense, p, mode, scratch):
+def _value(which, part, theta, time, h, y, dense, p, mode):
     """Function ``which`` at a place of the step; one of its quantities if ``part`` is not WHOLE."""
     q = interpolate(theta, h, y, dense)
     if part != WHOLE:
         return quantities(which, q, p)[part]
-    if which < COMBINED_COUNT:
-        return largest(quantities(which, q, p))[0]
-    switching_functions(time + theta * h, q, p, mode, scratch)
-    return scratch[which]
+    return switching_function(which, time + theta * h, q, p, mode)
 
 
 @kernel
-def _after_start(which, part, high, f_high, time, h, y, dense, p, mode, scratch):
+def _after_start(which, part, high, f_high, time, h, y, dense, p, mode):
     """A bracket (low, f, high, f) for a function that starts at zero, to rounding, and ends below.
 
     A mode often starts on a zero of its own functions. If the function rises first, its fall lies
@@ -70,7 +68,7 @@ def _after_start(which, part, high, f_high, time, h, y, dense, p, mode, scratch)
     """
     for _ in range(_HALVINGS):
         theta = 0.5 * high
-        f = _value(which, part, theta, time, h, y, dense, p, mode, scratch)
+        f = _value(which, part, theta, time, h, y, dense, p, mode)
         if f > 0.0:
             return theta, f, high, f_high
         high, f_high = theta, f
@@ -78,7 +76,7 @@ def _after_start(which, part, high, f_high, time, h, y, dense, p, mode, scratch)
 
 
 @kernel
-def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode, scratch):
+def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
     """A root in [low, high] with f(low) >= 0 > f(high), by the Illinois variant of false position.
 
     Where f(low) < 0 < f(high) both signs are turned. The last step is a bisection's worth of
@@ -95,7 +93,7 @@ def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode, scr
         theta = high - f_high * (high - low) / (f_high - f_low)
         if i % 3 == 2 or not low < theta < high:
             theta = 0.5 * (low + high)
-        f = sign * _value(which, part, theta, time, h, y, dense, p, mode, scratch)
+        f = sign * _value(which, part, theta, time, h, y, dense, p, mode)
         if f == 0.0:
             return theta
         if f < 0.0:
@@ -112,9 +110,7 @@ def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode, scr
 
 
 @kernel
-def _dip(
-    which, left, middle, right, f_left, f_middle, f_right, time, h, y, dense, p, mode, scratch
-):
+def _dip(which, left, middle, right, f_left, f_middle, f_right, time, h, y, dense, p, mode):
     """Follow a sampled minimum down: a place where f < 0, or ``NO_SWITCH``.
 
     Parabolas through the three lowest points; given up when they no longer point below zero. Of
@@ -134,7 +130,7 @@ def _dip(
         theta = min(max(middle + move, left + 0.05 * d1), right - 0.05 * d2)
         if not even:
             theta = middle + 2.0 * d1 if d1 < d2 else middle - 2.0 * d2
-        f = _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
+        f = _value(which, WHOLE, theta, time, h, y, dense, p, mode)
         if f < 0.0:
             return theta
         if theta < middle:
@@ -150,7 +146,7 @@ def _dip(
 
 
 @kernel
-def _all_met(which, leaves, low, before, high, after, time, h, y, dense, p, mode, scratch):
+def _all_met(which, leaves, low, before, high, after, time, h, y, dense, p, mode):
     """Where in [low, high] all quantities of ``which`` are first negative, or ``NO_SWITCH``.
 
     Each goes one way between its values ``before`` and ``after``, so that all are negative from the
@@ -163,25 +159,21 @@ def _all_met(which, leaves, low, before, high, after, time, h, y, dense, p, mode
         if g_high > 0.0:
             if g_low > 0.0 or part == leaves:
                 return NO_SWITCH
-            theta = _root(
-                which, part, low, g_low, high, g_high, time, h, y, dense, p, mode, scratch
-            )
+            theta = _root(which, part, low, g_low, high, g_high, time, h, y, dense, p, mode)
             last = min(last, theta)
         elif g_low > 0.0 or part == leaves:
             left, right = low, high
             if part == leaves:
                 left, g_low, right, g_high = _after_start(
-                    which, part, right, g_high, time, h, y, dense, p, mode, scratch
+                    which, part, right, g_high, time, h, y, dense, p, mode
                 )
-            theta = _root(
-                which, part, left, g_low, right, g_high, time, h, y, dense, p, mode, scratch
-            )
+            theta = _root(which, part, left, g_low, right, g_high, time, h, y, dense, p, mode)
             first = max(first, theta)
     return first if first < last else NO_SWITCH
 
 
 @kernel
-def _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch):
+def _instant(which, f_low, low, high, time, h, y, dense, p, mode):
     """Where between two samples a combined function first falls through zero, or ``NO_SWITCH``.
 
     It is not negative at either, or starts on zero, and another of its quantities is the largest at
@@ -192,9 +184,7 @@ def _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch):
         right = low + (high - low) * i / _STRETCHES
         after = quantities(which, interpolate(right, h, y, dense), p)
         leaves = int(largest(before)[1]) if i == 1 and f_low <= 0.0 else WHOLE
-        theta = _all_met(
-            which, leaves, left, before, right, after, time, h, y, dense, p, mode, scratch
-        )
+        theta = _all_met(which, leaves, left, before, right, after, time, h, y, dense, p, mode)
         if theta != NO_SWITCH:
             return theta
         left, before = right, after
@@ -202,7 +192,7 @@ def _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch):
 
 
 @inlined_kernel
-def _fall(i, which, time, h, y, dense, p, mode, samples, scratch):
+def _fall(i, which, time, h, y, dense, p, mode, samples):
     """Where function ``which`` falls through zero between nodes ``i`` - 1 and ``i``, if it does.
 
     A sampled minimum at node ``i`` is followed to both sides.
@@ -214,22 +204,22 @@ def _fall(i, which, time, h, y, dense, p, mode, samples, scratch):
     if f_high < 0.0:
         if f_low <= 0.0:
             low, f_low, high, f_high = _after_start(
-                which, WHOLE, high, f_high, time, h, y, dense, p, mode, scratch
+                which, WHOLE, high, f_high, time, h, y, dense, p, mode
             )
-        return _root(which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode, scratch)
+        return _root(which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode)
     turning = SWITCH_COUNT + which
     if which < COMBINED_COUNT and samples[i - 1, turning] != samples[i, turning]:
-        return _instant(which, f_low, low, high, time, h, y, dense, p, mode, scratch)
+        return _instant(which, f_low, low, high, time, h, y, dense, p, mode)
     if i == NODES - 1 or f_high > f_low or f_high > samples[i + 1, which]:
         return NO_SWITCH
     theta = _dip(
         which, low, high, NODE_PLACES[i + 1], f_low, f_high, samples[i + 1, which],
-        time, h, y, dense, p, mode, scratch,
+        time, h, y, dense, p, mode,
     )  # fmt: skip
     if theta == NO_SWITCH or f_low <= 0.0:
         return theta
-    f = _value(which, WHOLE, theta, time, h, y, dense, p, mode, scratch)
-    return _root(which, WHOLE, low, f_low, theta, f, time, h, y, dense, p, mode, scratch)
+    f = _value(which, WHOLE, theta, time, h, y, dense, p, mode)
+    return _root(which, WHOLE, low, f_low, theta, f, time, h, y, dense, p, mode)
 
 
 @kernel
@@ -245,11 +235,8 @@ def _counts(which, theta, h, y, dense, p):
 
 
 @inlined_kernel
-def first_switch(time, h, y, dense, p, mode, samples, scratch):
-    """(which, θ) of the earliest switch in the step; θ = ``NO_SWITCH`` if there is none.
-
-    ``scratch``, shape (SAMPLE_SIZE,), is overwritten.
-    """
+def first_switch(time, h, y, dense, p, mode, samples):
+    """(which, θ) of the earliest switch in the step; θ = ``NO_SWITCH`` if there is none."""
     first, which_first = NO_SWITCH, -1
     for which in range(SWITCH_COUNT):
         if samples[0, which] == NEVER:
@@ -257,7 +244,7 @@ def first_switch(time, h, y, dense, p, mode, samples, scratch):
         for i in range(1, NODES):
             if NODE_PLACES[i - 1] >= first:
                 break
-            theta = _fall(i, which, time, h, y, dense, p, mode, samples, scratch)
+            theta = _fall(i, which, time, h, y, dense, p, mode, samples)
             if _counts(which, theta, h, y, dense, p):
                 if theta < first:
                     first, which_first = theta, which

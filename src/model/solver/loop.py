@@ -62,6 +62,7 @@ from model.solver.switching import (
     SAMPLE_SIZE,
     SIDE_LOAD,
     SWITCH_COUNT,
+    switching_function,
     switching_functions,
 )
 from model.solver.tableaux import Method
@@ -129,21 +130,19 @@ def _accepted_step(time, h, y, p, mode, method, tolerance, work):
 
 
 @kernel
-def _secant_to_switch(which, by, time, length, h, y, p, mode, method, resolution, work):
+def _secant_to_switch(which, f, by, time, length, h, y, p, mode, method, resolution, work):
     """From the step just made, further by ``by``, as long as that comes nearer to the switch.
 
     The secant method, for a function so level that the dense output does not tell where it falls.
     Returns and leaves what ``_step_to_switch`` does.
     """
-    scratch, taken = work.scratch, 0
-    f = scratch[which]
+    taken = 0
     for _ in range(_MOST_SECANTS):
         if not 0.0 < length + by <= h:
             break
         take_step(time, length + by, y, p, mode, method, work.k, work.y_end)
         taken += 1
-        switching_functions(time + length + by, state_of(work.y_end), p, mode, scratch)
-        g = scratch[which]
+        g = switching_function(which, time + length + by, state_of(work.y_end), p, mode)
         if not abs(g) < 0.5 * abs(f):
             break
         length, by, f = length + by, -g * by / (g - f), g
@@ -163,25 +162,25 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work)
     order of the dense output that gives the slope. A last correction below ``resolution`` moves
     along the tangent instead.
     """
-    length, scratch = theta * h, work.scratch
+    length = theta * h
     if length == 0.0:
         keep_in(state_of(y), work.y_end)
         return 0.0, 0
     near = 1e-3
     low, high = max(theta - near, 0.0), min(theta + near, 1.0)
-    switching_functions(time + low * h, interpolate(low, h, y, work.dense), p, mode, scratch)
-    f_low = scratch[which]
-    switching_functions(time + high * h, interpolate(high, h, y, work.dense), p, mode, scratch)
-    slope = (scratch[which] - f_low) / ((high - low) * h)
+    before, after = interpolate(low, h, y, work.dense), interpolate(high, h, y, work.dense)
+    f_low = switching_function(which, time + low * h, before, p, mode)
+    f_high = switching_function(which, time + high * h, after, p, mode)
+    slope = (f_high - f_low) / ((high - low) * h)
     taken = 0
     for _ in range(4):
         take_step(time, length, y, p, mode, method, work.k, work.y_end)
         taken += 1
-        switching_functions(time + length, state_of(work.y_end), p, mode, scratch)
-        correction = -scratch[which] / slope if slope < 0.0 else 0.0
+        f = switching_function(which, time + length, state_of(work.y_end), p, mode)
+        correction = -f / slope if slope < 0.0 else 0.0
         if abs(correction) > near * h:
             length, more = _secant_to_switch(
-                which, correction, time, length, h, y, p, mode, method, resolution, work
+                which, f, correction, time, length, h, y, p, mode, method, resolution, work
             )
             return length, taken + more
         better = min(max(length + correction, 0.0), h)
@@ -295,7 +294,7 @@ def advance(declared, method, control, track, history, work, runs, i):
     dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
     runs[EVALUATIONS, i] += method.c.size - method.stages - 1
     sample_step(time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
-    which, theta = first_switch(time, h_step, y, work.dense, p, mode, work.samples, work.scratch)
+    which, theta = first_switch(time, h_step, y, work.dense, p, mode, work.samples)
     switches = theta != NO_SWITCH
     length, last = h_step, NODES - 1
     if switches:

@@ -96,7 +96,7 @@ from model.solver.switching import (
     NEVER,
     SWITCH_COUNT,
     is_wall,
-    switching_functions,
+    switching_function,
 )
 from model.solver.transitions import CONTINUES
 
@@ -182,7 +182,7 @@ def _first_switch(method, lanes, runs, work, i):
             work.k[j, n] = lanes.k[j, n * LANES + i]
     dense_coefficients(method, work.k, work.dense)
     sample_step(time, h, work.y, work.dense, p, mode, work.nodes, work.samples)
-    return first_switch(time, h, work.y, work.dense, p, mode, work.samples, work.scratch)
+    return first_switch(time, h, work.y, work.dense, p, mode, work.samples)
 
 
 @kernel
@@ -246,7 +246,7 @@ def _other_crossing(lanes, i, landing):
 
 
 @kernel
-def _at_end(which, lanes, runs, work, i):
+def _at_end(which, lanes, runs, i):
     """(value, slope) of function ``which`` at the end of the step."""
     samples, length = lanes.samples, runs[LENGTH, i]
     if not is_corner(which):
@@ -258,16 +258,14 @@ def _at_end(which, lanes, runs, work, i):
         return g, rise / (0.25 * length)
     p, mode, time = constants_of(runs, i), mode_of(runs, i), runs[TIME, i] + length
     q, back = state_in(runs, Y_END, i), -_NEAR * length
-    switching_functions(time, q, p, mode, work.scratch)
-    g = work.scratch[which]
+    g = switching_function(which, time, q, p, mode)
     before = short_step(time, back, q, p, mode)
-    switching_functions(time + back, before, p, mode, work.scratch)
     runs[EVALUATIONS, i] += 4.0
-    return g, (work.scratch[which] - g) / back
+    return g, (switching_function(which, time + back, before, p, mode) - g) / back
 
 
 @inlined_kernel
-def _approach(which, g, by, runs, work, i):
+def _approach(which, g, by, runs, i):
     """Move Y_END onto the switch ``which``, ``by`` away where its function is ``g``.
 
     The secant method on steps so short that RK4 makes no error in them, and never back beyond the
@@ -283,9 +281,8 @@ def _approach(which, g, by, runs, work, i):
         q = short_step(time + way, by, q, p, mode)
         runs[EVALUATIONS, i] += 4.0
         way += by
-        switching_functions(time + way, q, p, mode, work.scratch)
-        slope = (work.scratch[which] - g) / by
-        g = work.scratch[which]
+        f, g = g, switching_function(which, time + way, q, p, mode)
+        slope = (g - f) / by
         further = -g / slope if slope < 0.0 else 2.0 * by
         if abs(further) > abs(by):
             break
@@ -309,11 +306,11 @@ def _land(declared, method, lanes, runs, work, i):
         if theta < 1.0 - 1e-9:
             _land_on(earlier, theta, 1.0, runs, i)
             return
-    g, slope = _at_end(which, lanes, runs, work, i)
+    g, slope = _at_end(which, lanes, runs, i)
     by = -g / slope if slope < 0.0 else full
     near, there = abs(by) <= _NEAR * full, False
     if near:
-        way, there = _approach(which, g, by, runs, work, i)
+        way, there = _approach(which, g, by, runs, i)
         length += way
     if runs[SEARCHED, i] == 0.0 and not there:
         if not near and runs[LANDINGS, i] < _MOST_TRIALS and 0.0 < length + by < full:

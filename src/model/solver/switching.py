@@ -298,3 +298,19 @@ def switching_functions(time, q, p, mode, out):
     sample = switching_sample(time, q, p, mode)
     for i in range(SAMPLE_SIZE):
         out[i] = sample[i]
+
+
+@kernel
+def switching_function(which, time, q, p, mode):
+    """One of ``switching_sample``, that applies in ``mode``, without the others."""
+    if which < COMBINED_COUNT:
+        return largest(quantities(which, q, p))[0]
+    if which <= FACE_FAR_END:
+        return _face_switches(q, p, mode)[which - FACE_LOAD]
+    if which <= SIDE_END:
+        return _side_switches(q, p, mode)[which - SIDE_LOAD]
+    if which <= CORNER_END:
+        return _corner_switches(q, p, mode)[which - CORNER_LOAD]
+    if which <= SIDE_SLIP:
+        return _friction_switches(time, q, p, mode)[which - SUPPORT_SLIP]
+    return LARGEST_TILT - abs(q.tilt)
