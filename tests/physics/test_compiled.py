@@ -5,6 +5,9 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import llvmlite.binding as llvm
+import numba
+import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
@@ -17,6 +20,11 @@ def halved(x):
 
 def times(x, count):
     return count * x
+
+
+def shifted(values, by):
+    for i in range(values.size):
+        values[i] = values[i] * by + by
 
 
 part = None  # a kernel, where a test makes it one
@@ -75,6 +83,27 @@ def test_threads_that_call_a_kernel_first_at_once_leave_numbas_setting_alone(emp
 
 
 @pytest.mark.usefixtures("empty")
+def wide_registers(dispatcher):
+    """How often the machine code of a dispatcher's only version names a register of 512 bits."""
+    (assembler,) = dispatcher.inspect_asm().values()
+    return assembler.count("zmm")
+
+
+def test_kernels_use_the_widest_vectors_and_others_keep_theirs(empty):
+    features = llvm.get_host_cpu_features()
+    if not features.get("avx512f"):
+        pytest.skip("a processor without vectors of 512 bits")
+    usual = numba.njit(shifted)
+    usual(np.ones(100), 2.0)
+    kernel = compiled.kernel(shifted)
+    kernel(np.ones(100), 2.0)
+    assert kept(empty) == {"shifted"}
+    assert wide_registers(kernel._whole) > 0
+    after = numba.njit(shifted)
+    after(np.ones(100), 2.0)
+    assert wide_registers(after) == wide_registers(usual)
+
+
 def test_constants_do_not_make_versions_of_a_kernel(monkeypatch):
     monkeypatch.setitem(globals(), "part", compiled.kernel(times))
     assert compiled.kernel(six_times)(1.5) == 9.0
