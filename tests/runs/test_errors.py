@@ -186,8 +186,9 @@ def test_chance_is_said_whatever_the_tolerance(number):
     settings, batch = trial.settings.settings, trial.batch(np.array([number]))
     found = [align(batch, settings, tolerance=tolerance) for tolerance in (1e-8, 1e-9, 1e-10)]
     assert all(run.sensitive[0] or run.reason[0] == Reason.CHAOTIC for run in found)
+    # How this one run ends is chance, too: 1442 falls in or goes on by the rounding of a switch.
     run = simulate(batch[0], settings)
-    assert (run.outcome, run.reason) == (Outcome.HORIZON_REACHED, Reason.CHAOTIC)
+    assert run.sensitive or run.reason == Reason.CHAOTIC
     assert "chance" in run.message
 
 
