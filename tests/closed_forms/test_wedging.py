@@ -35,6 +35,7 @@ from model.study.independent import solve
 from model.study.trials import trial_of
 
 MOUTH = 10.0  # abscissa of A2; A1 is at -MOUTH, far behind the peg's end
+NARROW, STIFFNESS = 2.0, 1e6  # the peg's width d, and the stiffness of edge and wall
 
 
 class Hole(NamedTuple):
@@ -57,10 +58,11 @@ def hole(device, constants):
 
     def make(tilt, depth_at_edge=0.0, depth_in_wall=0.0, far=None, press=0.0, **changes):
         bare = {
-            "half_width": 1.0, "inertia": 1.0, "initial_tilt": 0.0, "frequency": 0.0, "phase": 0.0,
+            "half_width": 0.5 * NARROW, "inertia": 1.0, "initial_tilt": 0.0,
+            "frequency": 0.0, "phase": 0.0,
             "lateral_stiffness": 0.0, "tilt_stiffness": 0.0, "lateral_damping": 0.0,
             "axial_damping": 0.0, "tilt_damping": 0.0, "press_force": press,
-            "contact_stiffness": 1e6, "contact_damping": 300.0,
+            "contact_stiffness": STIFFNESS, "contact_damping": 300.0,
         }  # fmt: skip
         peg = device.replace(**bare | changes)
         a, b, width = peg.half_width, peg.half_height, 2.0 * peg.slot_half_width
@@ -88,10 +90,10 @@ def test_two_point_contact_depth(course, hole, clearance, degrees):
     # The peg slides into the hole on its corner, slowly turning upright, until its side meets the
     # edge. Its mass centre goes at a constant speed: no friction, and no moment turns it.
     tilt, speed, turning = radians(degrees), 1.0, 1e-3
-    press, stiffness, narrow = 3.0, 1e6, 2.0
-    half_way = 0.5 * narrow * (1.0 + clearance - cos(tilt)) / sin(tilt)
+    press = 3.0
+    half_way = 0.5 * NARROW * (1.0 + clearance - cos(tilt)) / sin(tilt)
     scene = hole(
-        tilt, depth_in_wall=press / stiffness, far=half_way, press=press, inertia=1e15,
+        tilt, depth_in_wall=press / STIFFNESS, far=half_way, press=press, inertia=1e15,
         friction=0.0, clearance=clearance,
     )  # fmt: skip
     corner, _ = bottom_corner(RIGHT_EDGE, *scene.state[:3], scene.p)
@@ -108,11 +110,11 @@ def test_two_point_contact_depth(course, hole, clearance, degrees):
     assert wide == pytest.approx(2.0 * scene.parameters.slot_half_width, abs=1e-5)
 
     def depth(time):
-        return (wide - narrow * cos(tilt - turning * time)) / sin(tilt - turning * time)
+        return (wide - NARROW * cos(tilt - turning * time)) / sin(tilt - turning * time)
 
     def far(time):
         now, x = tilt - turning * time, scene.state[0] - speed * time
-        return (MOUTH + 0.5 * narrow * sin(now) - x) / cos(now) + scene.p.half_height
+        return (MOUTH + 0.5 * NARROW * sin(now) - x) / cos(now) + scene.p.half_height
 
     meets = brentq(lambda time: far(time) - depth(time), 0.0, 20.0, xtol=1e-14)
     assert step.end == pytest.approx(meets, rel=1e-9)
@@ -125,17 +127,17 @@ def test_two_point_contact_depth(course, hole, clearance, degrees):
 def test_wedging_limit(course, hole, friction, clearance):
     # Pressed together between edge and wall by equal and opposite forces and let go: beyond the
     # limit the peg stays as it is for ever, below it the forces push it out.
-    narrow, load, stiffness = 2.0, 1e-3, 1e6
-    wide = narrow * (1.0 + clearance)
+    load = 1e-3
+    wide = NARROW * (1.0 + clearance)
 
     # The line between the two places is h/d off the side's normal: μ d sin θ = D - d cos θ.
     limit = atan(friction) - acos((1.0 + clearance) / hypot(1.0, friction))
     # Whitney's c/μ for small θ; the next order is a share θ/2μ.
-    assert limit == pytest.approx((wide - narrow) / wide / friction, rel=limit / friction)
+    assert limit == pytest.approx((wide - NARROW) / wide / friction, rel=limit / friction)
     for factor in (1.001, 0.999):
         # Loads in balance are as the two places' lever arms: d on the side, D on the wall.
         scene = hole(
-            factor * limit, load * narrow / stiffness, load * wide / stiffness,
+            factor * limit, load * NARROW / STIFFNESS, load * wide / STIFFNESS,
             half_height=1.0, friction=friction, clearance=clearance,
         )  # fmt: skip
         at_rest = State(*scene.state), scene.p, scene.mode, True, True
@@ -148,7 +150,7 @@ def test_wedging_limit(course, hole, friction, clearance):
         if factor > 1.0:
             assert last.end_mode == scene.mode
             assert last.end_state == pytest.approx(scene.state, abs=1e-11)
-            assert holds.side_load == pytest.approx(load * narrow, rel=1e-4)
+            assert holds.side_load == pytest.approx(load * NARROW, rel=1e-4)
             assert holds.support_load == pytest.approx(load * wide, rel=1e-4)
         else:
             assert STICKING in (mode.support_slip, mode.side_slip)
