@@ -82,7 +82,6 @@ def test_threads_that_call_a_kernel_first_at_once_leave_numbas_setting_alone(emp
     assert kept(empty) == {"quartered"}
 
 
-@pytest.mark.usefixtures("empty")
 def wide_registers(dispatcher):
     """How often the machine code of a dispatcher's only version names a register of 512 bits."""
     (assembler,) = dispatcher.inspect_asm().values()
@@ -104,6 +103,7 @@ def test_kernels_use_the_widest_vectors_and_others_keep_theirs(empty):
     assert wide_registers(after) == wide_registers(usual)
 
 
+@pytest.mark.usefixtures("empty")
 def test_constants_do_not_make_versions_of_a_kernel(monkeypatch):
     monkeypatch.setitem(globals(), "part", compiled.kernel(times))
     assert compiled.kernel(six_times)(1.5) == 9.0
