@@ -104,7 +104,9 @@ for mutation, source in sources.items():
     if not child:
         written = os.open(f"{source}/log", os.O_WRONLY | os.O_CREAT)
         os.dup2(written, 1), os.dup2(written, 2)
-        os._exit(pytest.main([*options, "-o", f"pythonpath={source}"]))
+        code = pytest.main([*options, "-o", f"pythonpath={source}"])
+        sys.stdout.flush()  # an exit without cleaning up loses what is buffered
+        os._exit(code)
     codes[mutation] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 print(json.dumps(codes))
 """
