@@ -1,6 +1,9 @@
 """The folder of compiled kernels."""
 
 import gc
+import os
+import subprocess
+import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -63,6 +66,33 @@ def test_another_process_would_find_it(monkeypatch):
     assert compiled.kernel(quartered)(8.0) == 2.0
     monkeypatch.setitem(globals(), "part", None)  # compiling would fail
     assert compiled.kernel(quartered)(12.0) == 3.0
+
+
+SINE = """
+import sys
+from model.physics.trigonometry import sine_cosine
+sine, _ = sine_cosine(0.5)
+set_up = "numba.np.linalg" in sys.modules
+import numba, numpy
+@numba.njit
+def norm(values):
+    return numpy.linalg.norm(values)
+print(sine, set_up, norm(numpy.ones(4)))
+"""
+
+
+def test_a_kernel_from_the_cache_asks_for_nothing_that_compiling_needs(tmp_path):
+    printed = [
+        subprocess.run(
+            [sys.executable, "-c", SINE], env=os.environ | {"VIBRALIGN_CACHE": str(tmp_path)},
+            capture_output=True, text=True, check=True,
+        ).stdout.split()
+        for _ in range(2)
+    ]  # fmt: skip
+    sine, sine_again = (float(each[0]) for each in printed)
+    assert sine == sine_again == pytest.approx(np.sin(0.5))
+    assert [each[1] for each in printed] == ["True", "False"]
+    assert [each[2] for each in printed] == ["2.0", "2.0"]  # others compile as they did
 
 
 def test_threads_that_call_a_kernel_first_at_once_leave_numbas_setting_alone(empty, monkeypatch):

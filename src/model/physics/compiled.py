@@ -22,12 +22,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.cgutils import get_null_value
 from numba.core.codegen import JITCodeLibrary, ll  # type: ignore[attr-defined]
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
+from numba.core.runtime.nrt import rtsys
 from numba.extending import intrinsic, overload
-from numba.np.arrayobj import make_array
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -117,6 +118,17 @@ class _WideLibrary(JITCodeLibrary):
         finally:
             codegen._tm = usual
 
+    def serialize_using_object_code(self) -> Any:
+        """What the cache keeps: the machine code, and of the intermediate code no more than names.
+
+        numba keeps all of it, for others to link, and from it learns what the machine code defines.
+        """
+        self._ensure_finalized()
+        defined = [each.name for each in self._final_module.functions if not each.is_declaration]
+        names = "\n".join(f'define void @"{name}"() {{ ret void }}' for name in defined)
+        kept = self._get_compiled_object(), ll.parse_assembly(names).as_bitcode()
+        return self.name, "object", kept
+
 
 @functools.cache
 def _wide_machine(codegen: Any) -> Any:
@@ -142,8 +154,39 @@ class _WholeCompiler(Compiler):
         super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
 
 
+class _KeptCode(CompileResultCacheImpl):
+    """What the cache writes of a kernel."""
+
+    def reduce(self, cres: Any) -> Any:
+        """The kernel without the environments of its parts, which hold no constants to be read.
+
+        To restore an environment, numba imports the module that it comes from.
+        """
+        *most, environments = super().reduce(cres)
+        return *most, tuple(each for each in environments if each.consts)
+
+
+class _Kept(FunctionCache):
+    """numba's cache, from which a kernel comes without all that compiling needs.
+
+    Before it looks into its cache, numba sets up everything that it can compile, scipy's linear
+    algebra included. What it finds there is machine code, which asks for the runtime alone; what it
+    does not find is compiled, and then numba's compiler sets up the rest.
+    """
+
+    _impl_class = _KeptCode
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+
+
 class _Whole(CPUDispatcher):
     """A kernel as Python calls it: machine code with all that it calls, cached."""
+
+    def enable_caching(self) -> None:
+        self._cache = _Kept(self.py_func)
 
     def _compile_for_args(self, *args: Any, **named: Any) -> Any:
         collects = gc.isenabled()
@@ -226,6 +269,8 @@ def borrowed(array):
 
 @intrinsic
 def _uncounted(_context, array):
+    from numba.np.arrayobj import make_array  # noqa: PLC0415 - long, and for compiling only
+
     def generate(context, builder, signature, arguments):
         view = make_array(signature.return_type)(context, builder, arguments[0])
         view.meminfo = get_null_value(view.meminfo.type)
