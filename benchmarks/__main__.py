@@ -33,12 +33,12 @@ from model.physics.compiled import kernel_fingerprint  # noqa: E402
 
 _PLAN = argparse.Namespace(
     points=40, neighbours=8, targets=(1e-5, 1e-8), budget=8.0, rounds=5, starts=5,
-    map_points=200, horizons=(300.0, 3000.0), cores_points=2000,
+    map_points=200, horizons=(300.0, 3000.0), cores_points=8000,
     compilation=True, map_cells=1024, map_finest=4096,
 )  # fmt: skip
 _QUICK = argparse.Namespace(
     points=10, neighbours=4, targets=(1e-8,), budget=2.0, rounds=3, starts=3,
-    map_points=40, horizons=(300.0,), cores_points=400,
+    map_points=40, horizons=(300.0,), cores_points=2000,
     compilation=False, map_cells=128, map_finest=256,
 )  # fmt: skip
 

@@ -1,5 +1,6 @@
 """What is drawn upon a stability map, read back from its artists."""
 
+import itertools
 import json
 
 import numpy as np
@@ -97,6 +98,26 @@ def test_operating_points_stand_where_the_other_figures_have_them():
     assert swept["_swept fig06"].get_xdata().tolist() == [10.0, 10.0]
     assert swept["_swept fig06"].get_ydata().tolist() == [0.25, 10.0]
     assert "_swept fig05" not in swept
+
+
+def test_numbers_of_ranges_give_way_along_their_lines():
+    marks = [
+        ("fig06", [10.0], [0.25, 10.0]),
+        ("fig12", [9.7], [0.25, 10.0]),
+        ("fig07", [10.0], [9.5]),
+        ("fig08", [20.0], [0.25, 10.0]),
+    ]
+    axes = draw(dataset(marks)).axes[0]
+    places = {text.get_text(): text.xy for text in axes.texts if hasattr(text, "xy")}
+    assert places["7"] == (10.0, 9.5)
+    assert places["8"] == (20.0, 10.0)
+    assert (places["6"][0], places["12"][0]) == (10.0, 9.7)
+    shares = {
+        name: np.subtract(place, (1.0, 0.25)) / (29.0, 9.75) for name, place in places.items()
+    }
+    for name, other in itertools.combinations(shares, 2):
+        assert np.hypot(*(shares[name] - shares[other])) > 0.04, (name, other)
+    assert min(places["6"][1], places["12"][1]) > 8.5  # no further than they must
 
 
 def test_the_map_of_the_largest_misalignment_is_drawn():

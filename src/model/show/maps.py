@@ -22,12 +22,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
+Place = tuple[float, float]
 
 RELIABLE_LABEL = "reliable: at every phase"
 MARK_LABEL = "other figures, by number"
 _CONTOURS = 5  # about as many
 _CONTOUR_NODES = 128  # along a side, of those that contours are drawn from
 _LEAST = 0.004  # of the map: a contour around less is no help to the eye
+_APART = 0.04  # of the map: what numbers keep from each other
 
 
 def add_contours(axes: Axes, x: Floats, y: Floats, values: np.ma.MaskedArray) -> None:
@@ -99,23 +101,38 @@ def add_reliable(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
 
 def add_marks(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
     """Operating points of other figures: their number, and a line along what a figure sweeps."""
-    places: dict[tuple[float, float], list[str]] = {}
+    places: dict[tuple[Place, Place], list[str]] = {}  # by where a range ends and where it begins
     for figure, x, y in json.loads(dataset.attrs.get("operating_points", "[]")):
         inside_x, inside_y = np.clip(x, *axes.get_xlim()), np.clip(y, *axes.get_ylim())
         if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
             continue  # beside the map
         if max(len(x), len(y)) > 1:
             _add_swept(axes, np.broadcast_to(inside_x, 2), np.broadcast_to(inside_y, 2), figure)
-        # Of a range, where it ends or leaves the map.
-        names = places.setdefault((float(inside_x[-1]), float(inside_y[-1])), [])
+        ends = (inside_x[-1], inside_y[-1]), (inside_x[0], inside_y[0])
+        names = places.setdefault(ends, [])
         if figure not in names:
             names.append(figure)
-    for place, figures in places.items():
-        _add_number(axes, place, figures)
+    taken: list[Floats] = []
+    for end, start in sorted(places, key=lambda ends: ends[0] != ends[1]):  # points stay: first
+        _add_number(axes, _free_place(axes, end, start, taken), places[end, start])
     if not places:
         return []
     look: Mapping[str, Any] = {"markerfacecolor": "white", "markeredgecolor": style.BLACK}
     return [Line2D([], [], linestyle="none", marker="o", markersize=6, label=MARK_LABEL, **look)]
+
+
+def _free_place(axes: Axes, end: Place, start: Place, taken: list[Floats]) -> Place:
+    """``end`` of a range, or the nearest place to it in the range that no other number covers.
+
+    ``taken`` are the places given so far, as shares of the map; this one is entered.
+    """
+    to_share = axes.transData + axes.transAxes.inverted()
+    places = np.linspace(end, start, 41)
+    shares = to_share.transform(places)
+    free = [all(np.hypot(*(share - other)) > _APART for other in taken) for share in shares]
+    chosen = int(np.argmax(free))  # the end, where none is free
+    taken.append(shares[chosen])
+    return float(places[chosen, 0]), float(places[chosen, 1])
 
 
 def _add_swept(axes: Axes, x: Floats, y: Floats, figure: str) -> None:
@@ -131,7 +148,7 @@ def _add_swept(axes: Axes, x: Floats, y: Floats, figure: str) -> None:
     )
 
 
-def _add_number(axes: Axes, place: tuple[float, float], figures: Sequence[str]) -> None:
+def _add_number(axes: Axes, place: Place, figures: Sequence[str]) -> None:
     words = ", ".join(figure.removeprefix("fig").lstrip("0") for figure in figures)
     axes.annotate(
         words,
