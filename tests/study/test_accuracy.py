@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Reason, align
+from model.study import accuracy
 from model.study.accuracy import (
     FARTHEST,
     is_wrong,
@@ -116,6 +117,18 @@ def test_truths_are_given_for_every_certain_alignment(tables):
     for tau in (table["tight_tau"], table["independent_tau"]):
         error = np.abs(table["tau_align"] - tau)[certain]
         assert (error <= 10 * table["tau_error"][certain]).all()
+
+
+def test_a_course_that_settles_later_is_followed_to_there(tables, monkeypatch):
+    trial, table, _ = tables["settled"]
+    usual = trial.settings.settings
+    monkeypatch.setattr(accuracy, "align", lambda batch, _, cores: align(batch, usual, cores=cores))
+    early = trial.settings.model_copy(update={"horizon": 20.0})
+    late = run_trial(trial.model_copy(update={"settings": early, "longer": 30.0}), 0, 1)
+    settled = late["outcome"] == Outcome.SETTLED
+    assert (late["settled_at"][settled] > 20.0).any()
+    assert np.array_equal(late["settled_at"], table["settled_at"], equal_nan=True)
+    assert not is_wrong(late).any()
 
 
 def test_settled_sets_are_run_on(tables):

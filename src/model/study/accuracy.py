@@ -97,25 +97,24 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
 def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Table:
     """Default runs, and how far those that settled still move in ``longer`` horizons.
 
-    One run of the reference engine is followed and carried on, so that both take the same course,
-    also through a chaotic transient. Where a motion only just settles it may go on instead; what
-    is compared is then its end at the horizon.
+    One run of the reference engine is followed and carried on, so that both take the same course.
+    Through a chaotic transient that is another than the one of ``align``, and may settle later than
+    at the horizon: it is followed to where it settles, and compared with its end there.
     """
     runs = align(batch, settings, cores=cores)
-    further = replace(
-        settings, horizon=longer * settings.horizon, may_settle=False, max_evaluations=_UNBOUNDED
-    )
+    long = replace(settings, horizon=longer * settings.horizon, max_evaluations=_UNBOUNDED)
     size = len(batch)
     later, moved = np.full(size, -1, dtype=np.int8), np.full(size, math.nan)
     began = np.full(size, math.nan)
     for row in np.flatnonzero(runs.outcome == Outcome.SETTLED):
         p = batch[int(row)]
-        run, on = simulate_once(p, settings), simulate_once(p, further)
+        run, on = simulate_once(p, long), simulate_once(p, replace(long, may_settle=False))
         later[row], began[row] = on.outcome, run.time[-1]
-        cycle = int(runs.period[row]) * (2.0 * math.pi / p.frequency)
-        ends = np.arange(began[row], on.time[-1] + 1e-6, cycle)
-        places = np.searchsorted(on.time, ends - 1e-6).clip(0, on.time.size - 1)
-        moved[row] = np.abs(on.state[places] - run.state[-1]).max()
+        if run.outcome == Outcome.SETTLED:
+            cycle = run.period * (2.0 * math.pi / p.frequency)
+            ends = np.arange(began[row], on.time[-1] + 1e-6, cycle)
+            places = np.searchsorted(on.time, ends - 1e-6).clip(0, on.time.size - 1)
+            moved[row] = np.abs(on.state[places] - run.state[-1]).max()
     return {
         "outcome": runs.outcome,
         "reason": runs.reason,
