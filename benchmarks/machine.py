@@ -14,13 +14,14 @@ from time import process_time
 import numba
 import numpy as np
 
-from benchmarks.equations import Device, device, equations
+from benchmarks.equations import device
 from benchmarks.modes import SLIDE_NEGATIVE, STATE_SIZE, rates, start
 from benchmarks.problems import W1, neighbours
 from model import Batch, Outcome, Settings, align
 from model.physics.compiled import kernel
 from model.runs.batch import run_once
-from model.solver.tableaux import DOP853
+from model.solver.series import FREE, SLIDES, STATES
+from model.solver.series_code import ORDER, operations
 from model.study.config import load_study, study_path
 from model.study.sweeps import sweep_of
 
@@ -115,48 +116,11 @@ def bare_evaluation_ns() -> float:
 # ------------------------------------------------------------------------------------- operations
 
 
-class Counted:
-    """A number that counts the operations made with it."""
-
-    made = 0
-
-    def _made(self, _other: object = None) -> "Counted":
-        Counted.made += 1
-        return self
-
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = _made
-
-    def __neg__(self) -> "Counted":
-        return self._made()
-
-
-_SINE_AND_COSINE = 38  # operations of ``sine_cosine``, which makes both
-
-
-def rate_operations() -> int:
-    """Operations of one sliding right-hand side, a sine with its cosine as ``sine_cosine`` does."""
-    number = Counted()
-    Counted.made = 0
-    physics = equations(lambda _: number, lambda _: number)
-    state, constants = (number,) * STATE_SIZE, Device(*(number,) * len(Device._fields))
-    at = physics.touch(state, constants)
-    physics.accelerations(number, state, constants, at, at.load, at.load * number)
-    angles = 2  # the tilt, and the excitation's
-    return Counted.made + angles * _SINE_AND_COSINE
-
-
-def step_operations() -> int:
-    """Operations of one step's sums: stages, errors and the states at its quarters."""
-    weights = np.count_nonzero(DOP853.a) + np.count_nonzero(DOP853.error)
-    weights += 3 * np.count_nonzero(np.abs(DOP853.dense).sum(axis=1))
-    return 2 * STATE_SIZE * int(weights)
-
-
 def lane_operations(count: int) -> dict[str, float]:
-    """Useful operations a second in the lanes on neighbours of W1, and where evaluations go.
+    """Useful operations a second in the lanes on neighbours of W1, and how many steps are cut.
 
-    Useful are right-hand sides and sums of steps that stand; not what lanes compute for modes that
-    they are not in, nor the search for switches, nor a step rejected or made toward a switch.
+    Useful are the series of a part that slides and their sums at the ends of steps; not the samples
+    and bounds that tell where a switch may be, nor the search for it.
     """
     batch = Batch.stack(neighbours([W1], count))
     settings = Settings(horizon=10.0)
@@ -166,14 +130,11 @@ def lane_operations(count: int) -> dict[str, float]:
         started = process_time()
         runs = run_once(batch, settings)
         spent.append(process_time() - started)
-    stages = DOP853.method.c.size - 1
-    total, steps = float(runs["rhs_evaluations"].sum()), float(runs["steps"].sum())
-    rejected = float(runs["rejected"].sum())
-    useful = steps * (stages * rate_operations() + step_operations())
+    steps, switches = float(runs["steps"].sum()), float(runs["switches"].sum())
+    useful = steps * (operations(SLIDES, FREE) + 2 * len(STATES) * ORDER)
     return {
         "useful_gflops": useful / statistics.median(spent) / 1e9,
-        "evaluations_rejected_share": stages * rejected / total,
-        "evaluations_at_switches_share": 1.0 - stages * (steps + rejected) / total,
+        "switches_a_step": switches / steps,
     }
 
 

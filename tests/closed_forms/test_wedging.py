@@ -28,7 +28,7 @@ from model.physics.geometry import bottom_corner
 from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
-from model.solver.switching import edge_inside
+from model.solver.switching import edge_inside, outline
 from model.solver.transitions import decide_friction
 from model.study.config import load_study, study_path
 from model.study.independent import solve
@@ -118,7 +118,9 @@ def test_two_point_contact_depth(course, hole, clearance, degrees):
 
     meets = brentq(lambda time: far(time) - depth(time), 0.0, 20.0, xtol=1e-14)
     assert step.end == pytest.approx(meets, rel=1e-9)
-    assert edge_inside(-RIGHT_EDGE, q, scene.p)[0] == pytest.approx(depth(meets), rel=1e-9)
+    assert edge_inside(-RIGHT_EDGE, outline(q, scene.p), scene.p)[0] == pytest.approx(
+        depth(meets), rel=1e-9
+    )
 
 
 @pytest.mark.parametrize(

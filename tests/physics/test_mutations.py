@@ -145,30 +145,43 @@ def test_without_a_mutation_no_unit_test_fails(tried: dict[str, tuple[int, str]]
     assert code == pytest.ExitCode.OK, told
 
 
-# All errors in one copy of the sources, each switched on by its number, a constant of the kernels.
-# It is compiled once, where a copy for each would be compiled sixteen times.
-ERRORS = {name: float(number) for number, name in enumerate(MUTATIONS, start=1)}
-SWITCHED = "(1.01 if p.error == {} else 1.0)"
+# All errors in one copy of the sources, each switched on by a constant of the kernels. It is
+# compiled once, where a copy for each would be compiled sixteen times. The switch is a factor, so
+# that the kernels that are read off the equations have it too.
+ERRORS = {name: number for number, name in enumerate(MUTATIONS, start=1)}
+SWITCHED = "(1.0 + 0.01 * p.error_{})"
 # Its kernel does not know p: the force is multiplied where it acts.
 STICKING = (
     "motion.py",
     "        x += stick * t[0]",
     "        stick *= 1.01\n        x += stick * t[0]",
 )
+IS_ON = "{f'error_{n}': np.full(len(self), environ['ERROR'] == str(n)) * 1.0 for n in range(1, 17)}"
 CARRIED = [
     ("physics/parameters.py", "import math\n", "import math\nfrom os import environ\n"),
     (
         "physics/parameters.py",
         "        columns = dict(self.values)\n",
-        "        columns = {**self.values, 'error': np.full(len(self), float(environ['ERROR']))}\n",
+        f"        columns = {{**self.values, **{IS_ON}}}\n",
     ),
     (
         "physics/parameters.py",
         "    printed_moment_arms: float\n",
-        "    printed_moment_arms: float\n    error: float\n",
+        "    printed_moment_arms: float\n"
+        + "".join(f"    error_{number}: float\n" for number in ERRORS.values()),
     ),
-    ("solver/record.py", "runs[26, i],\n", "runs[26, i], runs[27, i],\n"),
-    ("solver/lanes.py", "0.0, 0.0, 0.0, 0.0,\n    )", "0.0, 0.0, 0.0, 0.0, w[27 * n + i],\n    )"),
+    (
+        "solver/record.py",
+        "runs[26, i],\n",
+        f"runs[26, i], {', '.join(f'runs[{26 + number}, i]' for number in ERRORS.values())},\n",
+    ),
+    (
+        "solver/lanes.py",
+        "0.0, 0.0, 0.0, 0.0,\n    )",
+        "0.0, 0.0, 0.0, 0.0, "
+        + "".join(f"w[{19 + number} * n + i], " for number in ERRORS.values())
+        + "\n    )",
+    ),
 ]
 
 
@@ -234,7 +247,7 @@ def small_study(folder: Path) -> Path:
 
 
 def compare(
-    source: Path, study: Path, errors: dict[str, float], **cache: str
+    source: Path, study: Path, errors: dict[str, int], **cache: str
 ) -> dict[str, dict[str, dict[str, Any]]]:
     asked = (str(study), str(study.parent), errors, FIGURES)
     run = subprocess.run(
@@ -253,9 +266,9 @@ def figures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, set
     """By error, the figures where it ``acts``, to the bit, and those that are ``red`` with it."""
     folder = tmp_path_factory.mktemp("figures")
     study = small_study(folder)
-    compare(PROJECT / "src", study, {"none": 0.0})  # leaves the reference beside the study
+    compare(PROJECT / "src", study, {"none": 0})  # leaves the reference beside the study
     kernels = {"VIBRALIGN_CACHE": str(folder / "kernels")}
-    found = compare(switchable(folder), study, {"none": 0.0, **ERRORS}, **kernels)
+    found = compare(switchable(folder), study, {"none": 0, **ERRORS}, **kernels)
     return {
         error: {
             what: {name for name, each in by_figure.items() if each[what]}

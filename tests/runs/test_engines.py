@@ -5,8 +5,8 @@ import pytest
 
 from model import Batch, Outcome, Readings, Settings, align
 from model.runs.batch import each_by_itself, side_by_side
-from model.solver.lanes import LANES
 from model.solver.record import Ending
+from model.solver.side_by_side import POOL
 from model.solver.tableaux import DORMAND_PRINCE
 
 SETTINGS = Settings(horizon=60.0)
@@ -43,10 +43,24 @@ def test_both_engines_agree_to_their_error_estimates(batch):
     aligned = certain & (scalar.outcome == Outcome.ALIGNED)
     assert aligned.sum() > COUNT / 4
     difference = np.abs(scalar.tau_align - lanes.tau_align)[aligned]
-    assert (difference <= (scalar.tau_error + lanes.tau_error)[aligned]).all()
+    estimates = (scalar.tau_error + lanes.tau_error)[aligned]
+    # Two methods with errors of their own: each estimate holds for 95 % of the sets.
+    assert (difference <= estimates).mean() >= 0.95
+    assert (difference <= 10.0 * estimates).all()
 
 
-def test_one_run_takes_the_same_steps_and_meets_the_same_switches_in_both(batch):
+def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(batch):
+    exact = align(batch, SETTINGS, engine="scalar", tolerance=1e-13)
+    lanes = align(batch, SETTINGS, engine="lanes")
+    aligned = ~(exact.sensitive | lanes.sensitive) & (exact.outcome == Outcome.ALIGNED)
+    assert aligned.sum() > COUNT / 4
+    ratio = (np.abs(exact.tau_align - lanes.tau_align) / lanes.tau_error)[aligned]
+    assert (ratio <= 1.0).mean() >= 0.95
+    assert ratio.max() <= 10.0
+    assert 1.0 / np.median(ratio) <= 30.0
+
+
+def test_one_run_meets_the_same_switches_in_both(batch):
     rows = batch.constants(Readings())
     tolerances = np.full(len(rows), 1e-10)
     scalar, lanes = (
@@ -55,17 +69,16 @@ def test_one_run_takes_the_same_steps_and_meets_the_same_switches_in_both(batch)
     for name in ("outcome", "reason", "switches", "separations"):
         same = column(scalar, name) == column(lanes, name)
         assert same.mean() > 0.9, name  # chaotic runs part from each other in time
-    assert np.median(np.abs(column(scalar, "steps") - column(lanes, "steps"))) == 0
-    # Not only alike on the whole: most alignment times differ by rounding alone.
+    # Not only alike on the whole: the two methods differ by errors of the tolerance's size.
     difference = np.abs(column(scalar, "tau_align") - column(lanes, "tau_align"))
-    assert np.nanmedian(difference) < 1e-11
+    assert np.nanmedian(difference) < 1e-9
     # Peaks between samples differ by their interpolation.
     both = column(scalar, "outcome") == column(lanes, "outcome")
     force, other = (column(each, "contact_force_max")[both] for each in (scalar, lanes))
     assert np.median(np.abs(other - force) / (1.0 + force)) < 1e-3
 
 
-@pytest.mark.parametrize("count", [1, LANES - 1, LANES, LANES + 1])
+@pytest.mark.parametrize("count", [1, POOL - 1, POOL, POOL + 1])
 def test_a_run_does_not_depend_on_its_neighbours(batch, count):
     rows = batch.constants(Readings())
     run = side_by_side(SETTINGS)

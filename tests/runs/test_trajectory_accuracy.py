@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model import PRINTED_CONTACTS, Batch, Outcome, Reason, Settings, align, simulate
+from model import PRINTED_CONTACTS, Batch, Outcome, Readings, Reason, Settings, align, simulate
 from model.runs.batch import each_by_itself, side_by_side
 from model.solver.record import Ending
 from model.solver.tableaux import DOP853, DORMAND_PRINCE
@@ -37,12 +37,15 @@ def test_the_runs_go_through_what_they_are_named_after(device):
     assert without.time[-1] < runs["hops and corner landings"].tau_align
 
 
-def alignment_times(batch, tolerance, method):
+def mean_errors(batch, tolerances, engine):
     """Of one run of each set: `align` would run again what is less accurate than promised."""
-    settings = Settings(method=method)
-    engine = side_by_side if method is DOP853 else each_by_itself
-    endings = engine(settings)(batch.constants(settings.readings), np.full(len(batch), tolerance))
-    return endings[:, Ending._fields.index("tau_align")]
+    exact, means = align(batch, tolerance=1e-14), []
+    assert set(exact.outcome) == {Outcome.ALIGNED}
+    for tolerance in tolerances:
+        endings = engine(batch.constants(Readings()), np.full(len(batch), tolerance))
+        error = np.abs(endings[:, Ending._fields.index("tau_align")] - exact.tau_align)
+        means.append(np.exp(np.mean(np.log(np.maximum(error, 1e-15)))))  # rounding of times
+    return np.array(means)
 
 
 @each_run
@@ -57,15 +60,24 @@ def test_alignment_time_converges_with_the_tolerance_across_switches(device, cha
     # step is so long, for the contact's own period of 0.6, that errors are not asymptotic yet.
     p = device.replace(**changes)
     near = Batch.of(p, press_force=p.press_force * np.linspace(0.97, 1.03, 32))
-    exact = align(near, tolerance=1e-14)
-    assert set(exact.outcome) == {Outcome.ALIGNED}
-    tolerances, means = 10.0 ** -np.arange(8.0, 12.1, 0.5), []
-    for tolerance in tolerances:
-        error = np.abs(alignment_times(near, tolerance, method) - exact.tau_align)
-        means.append(np.exp(np.mean(np.log(np.maximum(error, 1e-15)))))  # rounding of times
+    tolerances = 10.0 ** -np.arange(8.0, 12.1, 0.5)
+    means = mean_errors(near, tolerances, each_by_itself(Settings(method=method)))
     slope = np.polyfit(np.log(tolerances), np.log(means), 1)[0]
     assert 0.8 < slope < 1.2
     assert means[-1] < 1e-9
+
+
+@each_run
+def test_the_lanes_series_converge_with_the_tolerance_across_switches(device, changes):
+    # The tolerance is that of the last term kept: what follows falls a little faster than it, and
+    # a step so long that the first terms do not tell yet loses more. A switch that adds an error of
+    # its own would show below 0.8.
+    p = device.replace(**changes)
+    near = Batch.of(p, press_force=p.press_force * np.linspace(0.97, 1.03, 32))
+    tolerances = 10.0 ** -np.arange(8.0, 12.1, 0.5)
+    means = mean_errors(near, tolerances, side_by_side(Settings()))
+    assert np.polyfit(np.log(tolerances), np.log(means), 1)[0] > 0.8
+    assert (means < 20.0 * tolerances).all()
 
 
 def test_a_short_release_is_met_at_every_tolerance(device):

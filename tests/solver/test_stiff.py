@@ -163,8 +163,8 @@ def test_implicit_and_explicit_runs_agree_to_their_error_estimates(hard_bases):
     assert aligned.sum() > 4
     apart = np.abs(stiff.tau_align - explicit.tau_align)[aligned]
     assert (apart <= (stiff.tau_error + explicit.tau_error)[aligned]).all()
-    # What the steps are for.
-    assert stiff.rhs_evaluations.sum() < 0.1 * explicit.rhs_evaluations.sum()
+    # What the steps are for, against series, which need half the evaluations of explicit steps.
+    assert stiff.rhs_evaluations.sum() < 0.2 * explicit.rhs_evaluations.sum()
     # What is drawn of a run, from the places of far longer steps.
     assert stiff.tilt_max[certain] == pytest.approx(explicit.tilt_max[certain], rel=1e-3)
     # A friction limit met tangentially is met to the square root of the tolerance.

@@ -12,7 +12,7 @@ from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, START
 from model.solver.step import state_of
-from model.solver.switching import edge_inside
+from model.solver.switching import edge_inside, outline
 from model.solver.tableaux import RK4
 from model.solver.unlocated import (
     outside,
@@ -79,7 +79,7 @@ def overlaps(y, p):
     """Which contacts overlap the base, found from the geometry anew."""
     q = state_of(y)
     found = set()
-    right, left = (edge_inside(edge, q, p) for edge in (RIGHT_EDGE, LEFT_EDGE))
+    right, left = (edge_inside(edge, outline(q, p), p) for edge in (RIGHT_EDGE, LEFT_EDGE))
     if min(right) > 0.0:
         found.add("right_face")
     if min(left) > 0.0:
@@ -109,7 +109,7 @@ def located_mode(kinds, y, p):
     if "right_corner" in kinds:
         contact = corner_on_flat(RIGHT_EDGE, q, p)
         # The corner has begun to press where the tilt changed sign: as deep as the edge then was.
-        offset = edge_inside(RIGHT_EDGE, q, p)[0] if "right_face" in kinds else 0.0
+        offset = edge_inside(RIGHT_EDGE, outline(q, p), p)[0] if "right_face" in kinds else 0.0
         pulls = contact_load(contact.depth - offset, contact.closing_rate, q, p) <= 0.0
         mode = mode._replace(
             edge=RIGHT_EDGE, corner=RELEASED if pulls else CLOSED, corner_offset=offset,

@@ -198,6 +198,24 @@ class _Whole(CPUDispatcher):
                 gc.enable()
 
 
+class Symbol:
+    """What stands for a number where a kernel is to be read and not computed.
+
+    A kernel called with one, also inside of tuples, runs as Python, so that the symbols see every
+    operation of it.
+    """
+
+    def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """What is called in place of a kernel: ``function``, that of the kernel, or another."""
+        return function
+
+
+def _first_symbol(value: Any) -> Symbol | None:
+    if isinstance(value, tuple):
+        return next((found for each in value if (found := _first_symbol(each))), None)
+    return value if isinstance(value, Symbol) else None
+
+
 class _Part(CPUDispatcher):
     """A kernel as other kernels call it; Python's calls go to its ``_Whole``."""
 
@@ -209,7 +227,10 @@ class _Part(CPUDispatcher):
         self._options = options
         self._whole: _Whole | None = None
 
-    def _compile_for_args(self, *_args: Any, **_named: Any) -> Any:
+    def _compile_for_args(self, *args: Any, **_named: Any) -> Any:
+        symbol = _first_symbol(args)
+        if symbol is not None:
+            return symbol.rule_of(self.py_func)
         if self._whole is None:
             with _numba_cache_in(_CACHE_FOLDER):
                 if self._whole is None:

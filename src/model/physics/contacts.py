@@ -25,7 +25,8 @@ class Contact(NamedTuple):
     Attributes:
         depth: penetration of the base, positive inside.
         closing_rate: d depth / dτ.
-        slip: velocity of the part's touching point along the tangent.
+        along: where the base touches, along the tangent.
+        slip: velocity of the part's touching point along the tangent, -d along / dτ.
         slip_drift: the part of d slip / dτ that does not come from accelerations.
         normal: row of the normal force n.
         tangent: row of the friction force T.
@@ -34,6 +35,7 @@ class Contact(NamedTuple):
 
     depth: float
     closing_rate: float
+    along: float
     slip: float
     slip_drift: float
     normal: Row
@@ -68,7 +70,7 @@ def edge_on_face(side, q, p):
     x_sign = -1.0 if p.printed_normal_sign != 0.0 else 1.0
     normal = (-x_sign * s, c, normal_arm)
     tangent = (x_sign * c, s, tangent_arm)
-    return Contact(depth, closing_rate, slip, drift, normal, tangent, slip_row)
+    return Contact(depth, closing_rate, place.along_face, slip, drift, normal, tangent, slip_row)
 
 
 @inlined_kernel
@@ -96,14 +98,15 @@ def edge_on_side(q, p):
         normal = (-x_sign * s, c, face_coordinate(LEFT_EDGE, q.x, q.tilt, p))
         tangent = (x_sign * c, s, p.half_height)
         return Contact(
-            depth, closing_rate, as_face.slip, as_face.slip_drift, normal, tangent, as_face.slip_row
-        )
+            depth, closing_rate, as_face.along, as_face.slip, as_face.slip_drift, normal, tangent,
+            as_face.slip_row,
+        )  # fmt: skip
     normal = (c, s, -place.along_axis)
     tangent = (-s, c, place.along_face)
     slip = across + q.tilt_rate * place.along_face
     true_closing_rate = q.tilt_rate * place.along_axis - along
     drift = q.tilt_rate * (true_closing_rate - along)
-    return Contact(depth, closing_rate, slip, drift, normal, tangent, tangent)
+    return Contact(depth, closing_rate, place.along_axis, slip, drift, normal, tangent, tangent)
 
 
 @inlined_kernel
@@ -119,7 +122,7 @@ def corner_on_flat(side, q, p):
     closing_rate = -(q.y_rate + q.tilt_rate * r_x)
     slip = q.x_rate - q.tilt_rate * r_y
     drift = -q.tilt_rate * q.tilt_rate * r_x
-    return Contact(-corner_y, closing_rate, slip, drift, normal, tangent, tangent)
+    return Contact(-corner_y, closing_rate, -corner_x, slip, drift, normal, tangent, tangent)
 
 
 @inlined_kernel

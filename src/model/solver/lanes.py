@@ -1,154 +1,133 @@
-"""Many runs side by side: one step of DOP853 in all lanes at once, and what it shows.
+"""WIDTH runs in the same kind of mode, side by side: one step of a power series, and what it shows.
 
-The loops over lanes are plain arithmetic on one flat array, each lane with its own time, step and
-mode, so that a compiler carries eight or more runs in one vector register. A row of ``w`` holds one
-number of every lane: row r of lane i stands at ``w[r * LANES + i]``. The first rows are those of
-record.py.
+The loops over lanes are plain arithmetic on one flat array, so that a compiler carries eight or
+more runs in one vector register; the series themselves are written for vectors (series_code.py).
+A row of ``w`` holds one number of every lane: row r of lane i stands at ``w[r * WIDTH + i]``.
+
+Between two of its samples a function g of the step's fraction θ stays above the line through them
+less its bend, an eighth of their distance squared times the largest |g''|, of which the series'
+coefficients tell a bound. What is above zero by this bound has not switched.
 
 Lanes hold the modes in which the part stands on A1 or flies, alone or with A2 on its side face;
 other modes, and readings of the printed equations, are left to the reference engine.
 """
 
-import math
-from math import isnan, sqrt
-from typing import NamedTuple
+from math import sqrt
 
 import numpy as np
 
-from model.physics.compiled import borrowed, inlined_kernel, kernel
-from model.physics.motion import is_supported, motion
+from model.physics.compiled import inlined_kernel, kernel
+from model.physics.motion import never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import OPEN, STICKING, Mode
-from model.solver.record import (
-    CLOSEST,
-    EVALUATIONS,
-    FORCE_MAX,
-    MODE,
-    NEXT_STEP,
-    REJECTED,
+from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
+from model.physics.trigonometry import sine_cosine
+from model.solver.record import STATE_SIZE
+from model.solver.series import GIVEN, Contacts
+from model.solver.series_code import (
+    FRACTIONS,
+    NODES,
+    ORDER,
     ROWS,
-    STATE,
-    STATE_SIZE,
-    STEPS,
-    STICKING_TIME,
-    STOP,
-    TILT_MAX,
-    TIME,
-    TOLERANCE,
+    SINES,
+    WIDTH,
+    fill_series,
+    follow_series,
 )
-from model.solver.step import CAUTION, LEAST_GROWTH, LEAST_SHRINKING, MOST_GROWTH
 from model.solver.switching import (
-    COMBINED_COUNT,
-    CORNER_END,
-    CORNER_GAP,
-    CORNER_LOAD,
-    CORNER_RELOAD,
+    ALIGNED,
+    CORNERS_INSIDE,
+    FACE_END,
+    FACE_FAR_END,
+    FACE_GAP,
     FACE_LOAD,
+    FACE_RELOAD,
     FLAT,
+    LARGEST_TILT,
     LEFT_CORNER_LANDS,
+    LEFT_EDGE_ENTERS,
+    LEFT_WALL,
     NEVER,
     ON_A_SWITCH,
+    OVERTURNED,
     RIGHT_CORNER_LANDS,
-    SAMPLE_SIZE,
+    RIGHT_EDGE_ENTERS,
+    RIGHT_WALL,
+    SIDE_END,
+    SIDE_GAP,
     SIDE_LOAD,
+    SIDE_RELOAD,
+    SIDE_SLIP,
+    SUPPORT_SLIP,
     SWITCH_COUNT,
+    Outline,
+    applies_in,
     corner_below,
-    switching_sample,
+    corner_off_wall,
+    corners_outside,
+    edge_outside,
+    face_switches,
+    friction_margin,
+    largest,
+    not_fallen_in,
+    side_switches,
 )
-from model.solver.tableaux import DOP853, Array, Tableau
+from model.solver.tableaux import Array
 from model.solver.transitions import hold_sticking
 
-LANES = 16  # two vectors of eight; with more, a batch waits longer for its last runs
-NODES = 5  # places of a step at which it is sampled: its ends and quarters
-METHOD = DOP853.method
-
-# What a lane does.
-# SEARCHING repeats a step for its dense output.
-IDLE, STEPPING, LANDING, SEARCHING = 0.0, 1.0, 2.0, 3.0
-# What a step has shown, what matters more the larger.
-CLEAR, AT_STOP, CROSSING, UNCLEAR, REJECTED_STEP = 0.0, 1.0, 2.0, 3.0, 4.0
-
-# Rows behind those of the record.
+# Rows: the constants and signs of the slips, numbers of the lanes, and what a step shows.
 (
-    PHASE,
+    TIME,
+    STOP,
+    TOLERANCE,
+    LONGEST,  # step
+    FACE,
+    SUPPORT_SLIP_STATE,
+    SIDE,
+    SIDE_SLIP_STATE,
+    DROPPED,
     LENGTH,
-    SHOWN,
-    GROWTH,  # the next step over this one
+    SHOWN,  # 1 where a switch may be in the step
     STEP_TILT,  # largest |tilt| in the step
     STEP_FORCE,  # largest normal force in the step
-    REACH,  # more than any corner or edge moves in half a quarter of the step
-    WHICH,  # the switch that a lane lands on
-    FULL_STEP,  # the step in which it was found
-    LANDINGS,  # steps made toward it
-    SEARCHED,  # 1.0 where it was found on the dense output
-) = range(ROWS, ROWS + 11)
-LENGTHS = SEARCHED + 1  # the length, once for each component of the state
-TRIAL = LENGTHS + STATE_SIZE
-RATES = TRIAL + STATE_SIZE
-Y_END = RATES + STATE_SIZE
-SUM = Y_END + STATE_SIZE
-COARSE_SUM = SUM + STATE_SIZE
-SAMPLE = COARSE_SUM + STATE_SIZE
-TILT_SAMPLE = SAMPLE + SAMPLE_SIZE
-SPEED_SAMPLE = TILT_SAMPLE + 1
-LANE_ROWS = SPEED_SAMPLE + 1
-SAMPLE_ROWS = SAMPLE_SIZE + 2
+    OUTLINE_BEND,  # over a quarter of the step, the largest of what combined functions are made of,
+    FACE_BEND,  # of the load under the edge, its friction, the load at the side, its friction
+    SUPPORT_BEND,
+    SIDE_BEND,
+    SIDE_FRICTION_BEND,
+) = range(GIVEN, GIVEN + 18)
+END = SIDE_FRICTION_BEND + 1
+SAMPLES = END + STATE_SIZE  # switching functions at each node
+LOWEST = SAMPLES + NODES * SWITCH_COUNT  # the lowest of them in the step
+MAY_SWITCH = LOWEST + SWITCH_COUNT  # 1 for each function that may fall through zero
+VALUES = MAY_SWITCH + SWITCH_COUNT  # the states and what is watched at each node, and their bends
+COEFFICIENTS = VALUES + (NODES + 1) * SINES
+LANE_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS
 
-_BLOCK = STATE_SIZE * LANES  # one state of every lane
+OUTLINE_AT, CONTACTS_AT = STATE_SIZE, STATE_SIZE + len(Outline._fields)
+LAST_TERMS = 4.0  # of a series, over the tolerance: what follows them is smaller
+_TILT = 2  # its place in a state
 _CACHE_LINE = 64  # bytes
-_TOO_FLAT_TO_TELL = 10.0 * FLAT
-_NO_CORNER = (CORNER_LOAD, CORNER_GAP, CORNER_RELOAD, CORNER_END)
-WATCHED = np.array([which for which in range(SWITCH_COUNT) if which not in _NO_CORNER])
+TOO_FLAT_TO_TELL = 10.0 * FLAT
+# The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
+_BEND = 0.25**2 / 8.0
+_NO_CORNER = range(SIDE_END + 1, SUPPORT_SLIP)  # functions of the other modes
+WATCHED_SWITCHES = np.array([each for each in range(SWITCH_COUNT) if each not in _NO_CORNER])
+_QUARTERS = np.array(FRACTIONS)
 
 
-class Lanes(NamedTuple):
-    """Runs side by side.
-
-    Shapes: w (LANE_ROWS * LANES,); k (m, 6 * LANES), the stages, component by component; samples
-    (NODES + 1, SAMPLE_ROWS, LANES), the switching functions, |tilt| and a bound of the speed at the
-    step's quarters and, behind them, the lowest switching functions of the step.
-    """
-
-    w: Array
-    k: Array
-    samples: Array
-
-
-class Combinations(NamedTuple):
-    """Weighted sums of stages, their terms without weight left out and filled up to fours.
-
-    Shapes: weights and stages (sums, terms), fours (sums,). The sums, in order: the states at which
-    stages 1 to m - 1 are evaluated, those at the step's quarters, and the two error estimates.
-    """
-
-    weights: Array
-    stages: np.ndarray
-    fours: np.ndarray
-
-
-def _combinations(tableau: Tableau) -> Combinations:
-    quarters = np.array([0.25, 0.5, 0.75])
-    powers = quarters[:, None] ** np.arange(1, tableau.dense.shape[1] + 1)
-    sums = [*tableau.a[1:], *(powers @ tableau.dense.T), *tableau.error]
-    terms = [np.flatnonzero(weights) for weights in sums]
-    fours = np.array([-(-len(each) // 4) for each in terms])
-    weights, stages = np.zeros((2, len(sums), 4 * fours.max()))
-    for row, (each, values) in enumerate(zip(terms, sums, strict=True)):
-        weights[row, : len(each)] = values[each]
-        stages[row, : len(each)] = each
-    return Combinations(weights, stages.astype(np.int64), fours)
-
-
-COMBINATIONS = _combinations(DOP853)
-_FIRST_QUARTER = METHOD.c.size - 1  # which sum
-_FINE, _COARSE = _FIRST_QUARTER + 3, _FIRST_QUARTER + 4
+def new_lanes() -> Array:
+    """The array ``w``. It begins on a cache line, as then every row does."""
+    count, line = LANE_ROWS * WIDTH, _CACHE_LINE // 8
+    numbers = np.zeros(count + line)
+    first = -numbers.ctypes.data % _CACHE_LINE // 8
+    return numbers[first : first + count]
 
 
 @inlined_kernel
-def _constants(w, i):
+def constants_of_lane(w, i):
     """``Constants`` of lane ``i``, consistent readings."""
-    n = LANES
+    n = WIDTH
     return Constants(
         w[i], w[n + i], w[2 * n + i], w[3 * n + i], w[4 * n + i], w[5 * n + i], w[6 * n + i],
         w[7 * n + i], w[8 * n + i], w[9 * n + i], w[10 * n + i], w[11 * n + i], w[12 * n + i],
@@ -158,18 +137,18 @@ def _constants(w, i):
 
 
 @inlined_kernel
-def _mode(w, i):
+def mode_of_lane(w, i):
     """``Mode`` of lane ``i``, of those that lanes hold."""
     return Mode(
         RIGHT_EDGE,
-        int(w[(MODE + 1) * LANES + i]),
+        int(w[FACE * WIDTH + i]),
         OPEN,
         0.0,
         False,
-        int(w[(MODE + 5) * LANES + i]),
-        int(w[(MODE + 6) * LANES + i]),
-        int(w[(MODE + 7) * LANES + i]),
-        w[(MODE + 8) * LANES + i] != 0.0,
+        int(w[SUPPORT_SLIP_STATE * WIDTH + i]),
+        int(w[SIDE * WIDTH + i]),
+        int(w[SIDE_SLIP_STATE * WIDTH + i]),
+        w[DROPPED * WIDTH + i] != 0.0,
     )
 
 
@@ -181,7 +160,7 @@ def lanes_hold(mode):
 
 @inlined_kernel
 def _state(w, row, i):
-    n = LANES
+    n = WIDTH
     return State(
         w[row * n + i], w[(row + 1) * n + i], w[(row + 2) * n + i],
         w[(row + 3) * n + i], w[(row + 4) * n + i], w[(row + 5) * n + i],
@@ -189,284 +168,318 @@ def _state(w, row, i):
 
 
 @inlined_kernel
-def _keep_state(q, row, w, i):
-    n = LANES
-    w[row * n + i], w[(row + 1) * n + i], w[(row + 2) * n + i] = q.x, q.y, q.tilt
-    w[(row + 3) * n + i], w[(row + 4) * n + i], w[(row + 5) * n + i] = (
-        q.x_rate,
-        q.y_rate,
-        q.tilt_rate,
-    )
+def _outline(w, node, i):
+    """``Outline`` of lane ``i`` at a node."""
+    at, n = (VALUES + node * SINES + OUTLINE_AT) * WIDTH + i, WIDTH
+    return Outline(
+        w[at], w[at + n], w[at + 2 * n], w[at + 3 * n], w[at + 4 * n], w[at + 5 * n],
+        w[at + 6 * n], w[at + 7 * n], w[at + 8 * n],
+    )  # fmt: skip
 
 
-def _on_cache_lines(*shape: int) -> Array:
-    """Zeros that begin on a cache line, as then every row does: no vector lies across two."""
-    count, line = math.prod(shape), _CACHE_LINE // 8
-    numbers = np.zeros(count + line)
-    first = -numbers.ctypes.data % _CACHE_LINE // 8
-    return numbers[first : first + count].reshape(shape)
-
-
-def new_lanes() -> Lanes:
-    """Lanes without runs."""
-    return Lanes(
-        _on_cache_lines(LANE_ROWS * LANES),
-        _on_cache_lines(METHOD.c.size, _BLOCK),
-        _on_cache_lines(NODES + 1, SAMPLE_ROWS, LANES),
-    )
+@inlined_kernel
+def _contacts(w, node, i):
+    """``Contacts`` of lane ``i`` at a node."""
+    at, n = (VALUES + node * SINES + CONTACTS_AT) * WIDTH + i, WIDTH
+    return Contacts(w[at], w[at + n], w[at + 2 * n], w[at + 3 * n])
 
 
 @kernel
-def borrowed_lanes(lanes):
-    """``lanes`` without reference counts."""
-    return Lanes(borrowed(lanes.w), borrowed(lanes.k), borrowed(lanes.samples))
+def _turn(w):
+    """Sine and cosine of the tilt and of the excitation's angle, at the start of the step."""
+    first = COEFFICIENTS + SINES
+    for i in range(WIDTH):
+        p = constants_of_lane(w, i)
+        s, c = sine_cosine(w[(COEFFICIENTS + _TILT) * WIDTH + i])
+        w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
+        s, c = sine_cosine(p.frequency * w[TIME * WIDTH + i] + p.phase)
+        w[(first + 2) * WIDTH + i], w[(first + 3) * WIDTH + i] = s, c
+
+
+@inlined_kernel
+def _sixteenth_root(value):
+    return sqrt(sqrt(sqrt(sqrt(value))))
+
+
+@inlined_kernel
+def _last_terms(order, w, i):
+    """The coefficients of ``order``, each over 1 + |state|: the largest."""
+    largest = 0.0
+    for n in range(STATE_SIZE):
+        last = abs(w[(COEFFICIENTS + order * ROWS + n) * WIDTH + i])
+        largest = max(largest, last / (1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])))
+    return largest
 
 
 @kernel
 def _set_lengths(w):
-    """Choose every lane's length: what the last step proposes, cut at the stop."""
-    for i in range(LANES):
-        time, step, stop = w[TIME * LANES + i], w[NEXT_STEP * LANES + i], w[STOP * LANES + i]
-        length = stop - time if time + 1.0001 * step >= stop else step
-        phase = w[PHASE * LANES + i]
-        length = w[LENGTH * LANES + i] if phase >= LANDING else length
-        w[LENGTH * LANES + i] = 0.0 if phase == IDLE else length
-    for n in range(STATE_SIZE):
-        for i in range(LANES):
-            w[(LENGTHS + n) * LANES + i] = w[LENGTH * LANES + i]
+    """The steps at which the larger of the series' last two terms comes to what is admitted."""
+    for i in range(WIDTH):
+        longest = w[LONGEST * WIDTH + i]
+        admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
+        last = admitted / max(_last_terms(ORDER, w, i), 1e-200)
+        before = admitted / max(_last_terms(ORDER - 1, w, i), 1e-200)
+        # Its root of one order less: 1/15 = 1/16 + 1/16² + ...
+        root = _sixteenth_root(before)
+        step = min(_sixteenth_root(last), root * _sixteenth_root(root))
+        step = min(step, longest)
+        time, stop = w[TIME * WIDTH + i], w[STOP * WIDTH + i]
+        w[LENGTH * WIDTH + i] = stop - time if time + 1.0001 * step >= stop else step
+
+
+@inlined_kernel
+def _bend(row, w, i):
+    return _BEND * w[(VALUES + NODES * SINES + row) * WIDTH + i]
 
 
 @kernel
-def _combine(which, sums, w, k):
-    """Σ_j weights[j] k_j into the rows SUM."""
-    for e in range(_BLOCK):
-        w[SUM * LANES + e] = 0.0
-    for four in range(sums.fours[which]):
-        t = 4 * four
-        w0, w1 = sums.weights[which, t], sums.weights[which, t + 1]
-        w2, w3 = sums.weights[which, t + 2], sums.weights[which, t + 3]
-        j0, j1 = sums.stages[which, t], sums.stages[which, t + 1]
-        j2, j3 = sums.stages[which, t + 2], sums.stages[which, t + 3]
-        for e in range(_BLOCK):
-            w[SUM * LANES + e] += w0 * k[j0, e] + w1 * k[j1, e] + w2 * k[j2, e] + w3 * k[j3, e]
+def _note_bends(w):
+    for i in range(WIDTH):
+        bend = _bend(_TILT, w, i)
+        for row in range(OUTLINE_AT, CONTACTS_AT):
+            bend = max(bend, _bend(row, w, i))
+        w[OUTLINE_BEND * WIDTH + i] = bend
+        mode, friction = mode_of_lane(w, i), constants_of_lane(w, i).friction
+        face, side = _bend(CONTACTS_AT, w, i), _bend(CONTACTS_AT + 2, w, i)
+        support_slip, side_slip = _bend(CONTACTS_AT + 1, w, i), _bend(CONTACTS_AT + 3, w, i)
+        support_limit = friction * face if mode.support_slip == STICKING else 0.0
+        side_limit = friction * side if mode.side_slip == STICKING else 0.0
+        w[FACE_BEND * WIDTH + i], w[SIDE_BEND * WIDTH + i] = face, side
+        w[SUPPORT_BEND * WIDTH + i] = support_slip + support_limit
+        w[SIDE_FRICTION_BEND * WIDTH + i] = side_slip + side_limit
 
 
-@kernel
-def _move(which, sums, w, k):
-    """The state y + h Σ_j weights[j] k_j into the rows TRIAL."""
-    _combine(which, sums, w, k)
-    for e in range(_BLOCK):
-        w[TRIAL * LANES + e] = w[STATE * LANES + e] + w[LENGTHS * LANES + e] * w[SUM * LANES + e]
+@inlined_kernel
+def bend_row(which):
+    """Where the bend of a function stands."""
+    if which == FACE_LOAD or which == FACE_RELOAD:
+        return FACE_BEND
+    if which == SIDE_LOAD or which == SIDE_RELOAD:
+        return SIDE_BEND
+    if which == SUPPORT_SLIP:
+        return SUPPORT_BEND
+    return SIDE_FRICTION_BEND if which == SIDE_SLIP else OUTLINE_BEND
 
 
-@kernel
-def _evaluate(c, w):
-    """dy/dτ at the fraction ``c`` of the step and the state in TRIAL, into the rows RATES."""
-    for i in range(LANES):
-        q = _state(w, TRIAL, i)
-        time = w[TIME * LANES + i] + c * w[LENGTH * LANES + i]
-        at = motion(time, q, _constants(w, i), _mode(w, i))
-        _keep_state(State(q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt), RATES, w, i)
+@inlined_kernel
+def single_functions(at, contacts, p, mode):
+    """The switching functions that are one quantity, of what is watched; see switching.py.
 
-
-@kernel
-def _take_step(method, sums, w, k):
-    """Stages 1 to the last of the continuous extension, the step's end into Y_END."""
-    for stage in range(1, method.c.size):
-        _move(stage - 1, sums, w, k)
-        if stage == method.stages:
-            for e in range(_BLOCK):
-                w[Y_END * LANES + e] = w[TRIAL * LANES + e]
-        _evaluate(method.c[stage], w)
-        for e in range(_BLOCK):
-            k[stage, e] = w[RATES * LANES + e]
-
-
-@kernel
-def _judge_step(sums, w, k):
-    """Error of the step over tolerance, as in step.py, into what follows from it.
-
-    GROWTH is the next step over this one; SHOWN is CLEAR where the step stands.
+    (load, gap, reload, end, far end) of the face, (load, gap, reload, end) of the side, friction
+    margins of support and side.
     """
-    _combine(_COARSE, sums, w, k)
-    for e in range(_BLOCK):
-        w[COARSE_SUM * LANES + e] = w[SUM * LANES + e]
-    _combine(_FINE, sums, w, k)
-    for i in range(LANES):
-        fine, coarse = 0.0, 0.0
-        for n in range(STATE_SIZE):
-            start, end = w[(STATE + n) * LANES + i], w[(Y_END + n) * LANES + i]
-            per_scale = 1.0 / (w[TOLERANCE * LANES + i] * (1.0 + max(abs(start), abs(end))))
-            first = w[(SUM + n) * LANES + i] * per_scale
-            second = w[(COARSE_SUM + n) * LANES + i] * per_scale
-            fine += first * first
-            coarse += second * second
-        length = w[LENGTH * LANES + i]
-        square = (fine + 0.01 * coarse) * STATE_SIZE
-        error = length * fine / sqrt(square) if fine > 0.0 else 0.0
-        error = 1e300 if isnan(fine) else error
-        growth = CAUTION / sqrt(sqrt(sqrt(max(error, 1e-12))))  # error^(-1/8), the step's order
-        stands = error <= 1.0 or w[PHASE * LANES + i] != STEPPING
-        least = LEAST_GROWTH if stands else LEAST_SHRINKING
-        w[GROWTH * LANES + i] = min(max(growth, least), MOST_GROWTH)
-        w[SHOWN * LANES + i] = CLEAR if stands else REJECTED_STEP
-
-
-@inlined_kernel
-def _keep_sample(sample, w, i):
-    # Each by its own constant: an index that varies keeps the loop over lanes scalar.
-    at, n = SAMPLE * LANES + i, LANES
-    w[at + 0 * n], w[at + 1 * n] = sample[0], sample[1]
-    w[at + 2 * n], w[at + 3 * n] = sample[2], sample[3]
-    w[at + 4 * n], w[at + 5 * n] = sample[4], sample[5]
-    w[at + 6 * n], w[at + 7 * n] = sample[6], sample[7]
-    w[at + 8 * n], w[at + 9 * n] = sample[8], sample[9]
-    w[at + 10 * n], w[at + 11 * n] = sample[10], sample[11]
-    w[at + 12 * n], w[at + 13 * n] = sample[12], sample[13]
-    w[at + 14 * n], w[at + 15 * n] = sample[14], sample[15]
-    w[at + 16 * n], w[at + 17 * n] = sample[16], sample[17]
-    w[at + 18 * n], w[at + 19 * n] = sample[18], sample[19]
-    w[at + 20 * n], w[at + 21 * n] = sample[20], sample[21]
-    w[at + 22 * n], w[at + 23 * n] = sample[22], sample[23]
-    w[at + 24 * n], w[at + 25 * n] = sample[24], sample[25]
-    w[at + 26 * n], w[at + 27 * n] = sample[26], sample[27]
-    w[at + 28 * n], w[at + 29 * n] = sample[28], sample[29]
-    w[at + 30 * n], w[at + 31 * n] = sample[30], sample[31]
-
-
-@inlined_kernel
-def _largest_speed(q, p):
-    """What no corner of the part is faster than, nor an edge in its frame, nor its tilt."""
-    to_corner, to_edge = p.half_width + p.half_height, p.slot_half_width + abs(q.x) + abs(q.y)
-    return abs(q.x_rate) + abs(q.y_rate) + abs(q.tilt_rate) * max(1.0, max(to_corner, to_edge))
-
-
-@kernel
-def _sample(node, w, samples):
-    """Switching functions at a quarter of the step, the state in TRIAL, into SAMPLES.
-
-    A corner that comes down on the flat is watched as long as it stands below the plane, whether it
-    moves down or not: the lower of the two, and smooth for longer.
-    """
-    theta = 0.25 * node
-    for i in range(LANES):
-        q, p = _state(w, TRIAL, i), _constants(w, i)
-        time, mode = w[TIME * LANES + i] + theta * w[LENGTH * LANES + i], _mode(w, i)
-        sample = switching_sample(time, q, p, mode)
-        right = corner_below(RIGHT_EDGE, q, p)
-        left = corner_below(LEFT_EDGE, q, p)
-        _keep_sample(sample, w, i)
-        w[(SAMPLE + RIGHT_CORNER_LANDS) * LANES + i] = right[0]
-        w[(SAMPLE + LEFT_CORNER_LANDS) * LANES + i] = left[0] if mode.side == OPEN else NEVER
-        w[(SAMPLE + SWITCH_COUNT + RIGHT_CORNER_LANDS) * LANES + i] = right[1]
-        w[(SAMPLE + SWITCH_COUNT + LEFT_CORNER_LANDS) * LANES + i] = left[1]
-    for i in range(LANES):  # by itself: the loop above is as long as it may be
-        q = _state(w, TRIAL, i)
-        w[TILT_SAMPLE * LANES + i] = abs(q.tilt)
-        w[SPEED_SAMPLE * LANES + i] = _largest_speed(q, _constants(w, i))
-    for j in range(SAMPLE_ROWS):
-        for i in range(LANES):
-            samples[node, j, i] = w[(SAMPLE + j) * LANES + i]
-
-
-@kernel
-def _sample_step(sums, w, k, samples):
-    for e in range(_BLOCK):
-        w[TRIAL * LANES + e] = w[STATE * LANES + e]
-    _sample(0, w, samples)
-    for node in range(1, NODES - 1):
-        _move(_FIRST_QUARTER + node - 1, sums, w, k)
-        _sample(node, w, samples)
-    for e in range(_BLOCK):
-        w[TRIAL * LANES + e] = w[Y_END * LANES + e]
-    _sample(NODES - 1, w, samples)
-
-
-@inlined_kernel
-def slopes(g0, g1, g2, g3, g4):
-    """Slopes, per quarter, of the quartic through five samples at a step's quarters."""
-    twelfth = 1.0 / 12.0
+    face = face_switches(
+        p.half_height + at.right_along_axis, contacts.face_load, at.right_along_face, p, mode
+    )
+    side = side_switches(at.left_behind_side, contacts.side_load, at.left_along_axis, p, mode)
+    slip = friction_margin(
+        mode.support_slip == STICKING, mode.support_slip,
+        contacts.support_friction, contacts.support_friction, contacts.face_load, p,
+    )  # fmt: skip
+    side_slip = friction_margin(
+        mode.side_slip == STICKING, mode.side_slip,
+        contacts.side_friction, contacts.side_friction, contacts.side_load, p,
+    )  # fmt: skip
+    no_face, no_side = mode.face == OPEN, mode.side == OPEN
+    rubs = not never_sticks(p)
     return (
-        twelfth * (-25.0 * g0 + 48.0 * g1 - 36.0 * g2 + 16.0 * g3 - 3.0 * g4),
-        twelfth * (-3.0 * g0 - 10.0 * g1 + 18.0 * g2 - 6.0 * g3 + g4),
-        twelfth * (g0 - 8.0 * g1 + 8.0 * g3 - g4),
-        twelfth * (-g0 + 6.0 * g1 - 18.0 * g2 + 10.0 * g3 + 3.0 * g4),
-        twelfth * (3.0 * g0 - 16.0 * g1 + 36.0 * g2 - 48.0 * g3 + 25.0 * g4),
+        NEVER if no_face else face[0], NEVER if no_face else face[1],
+        NEVER if no_face else face[2], NEVER if no_face else face[3],
+        NEVER if no_face else face[4],
+        NEVER if no_side else side[0], NEVER if no_side else side[1],
+        NEVER if no_side else side[2], NEVER if no_side else side[3],
+        slip if mode.face == CLOSED and rubs else NEVER,
+        side_slip if mode.side == CLOSED and rubs else NEVER,
+    )  # fmt: skip
+
+
+@inlined_kernel
+def _sample_single(node, w):
+    n, at = WIDTH, (SAMPLES + node * SWITCH_COUNT) * WIDTH
+    for i in range(WIDTH):
+        p, mode = constants_of_lane(w, i), mode_of_lane(w, i)
+        g = single_functions(_outline(w, node, i), _contacts(w, node, i), p, mode)
+        w[at + FACE_LOAD * n + i], w[at + FACE_GAP * n + i] = g[0], g[1]
+        w[at + FACE_RELOAD * n + i], w[at + FACE_END * n + i] = g[2], g[3]
+        w[at + FACE_FAR_END * n + i], w[at + SIDE_LOAD * n + i] = g[4], g[5]
+        w[at + SIDE_GAP * n + i], w[at + SIDE_RELOAD * n + i] = g[6], g[7]
+        w[at + SIDE_END * n + i], w[at + SUPPORT_SLIP * n + i] = g[8], g[9]
+        w[at + SIDE_SLIP * n + i] = g[10]
+        tilt = w[(VALUES + node * SINES + _TILT) * n + i]
+        w[at + OVERTURNED * n + i] = LARGEST_TILT - abs(tilt)
+
+
+@kernel
+def _sample(w):
+    # Each by its own constant: offsets that vary keep the loop over lanes scalar.
+    _sample_single(0, w)
+    _sample_single(1, w)
+    _sample_single(2, w)
+    _sample_single(3, w)
+    _sample_single(4, w)
+
+
+@inlined_kernel
+def stays_above(left, right, bend):
+    """Whether a function that bends by no more than ``bend`` stays above zero between two places.
+
+    Also where it is zero at one of them and leaves it.
+    """
+    rise = right - left
+    return (
+        (min(left, right) > bend)
+        | ((left >= -ON_A_SWITCH) & (rise > 4.0 * bend))
+        | ((right > 0.0) & (rise < -4.0 * bend))
     )
 
 
 @inlined_kernel
-def _may_dip(f_left, f_right, slope_left, slope_right):
-    """Whether a function with a minimum between two samples may fall below zero there.
-
-    It lies above its tangents: the place where they meet bounds it.
-    """
-    turns = (slope_left < 0.0) & (slope_right > 0.0)
-    bound = f_left * slope_right - slope_left * f_right + slope_left * slope_right
-    return turns & (bound < 0.0)
+def _screen_single(which, w):
+    """Enter a function's lowest sample, and whether it may fall through zero."""
+    n = WIDTH
+    row = bend_row(which)
+    first = (SAMPLES + which) * n
+    for i in range(WIDTH):
+        bend = w[row * n + i]
+        g0, g1 = w[first + i], w[first + SWITCH_COUNT * n + i]
+        g2, g3 = w[first + 2 * SWITCH_COUNT * n + i], w[first + 3 * SWITCH_COUNT * n + i]
+        g4 = w[first + 4 * SWITCH_COUNT * n + i]
+        above = stays_above(g0, g1, bend) & stays_above(g1, g2, bend)
+        above = above & stays_above(g2, g3, bend) & stays_above(g3, g4, bend)
+        above = above | (g0 == NEVER)
+        lowest = min(min(g1, g2), min(g3, g4))
+        w[(LOWEST + which) * n + i] = lowest if g0 > ON_A_SWITCH else NEVER
+        w[(MAY_SWITCH + which) * n + i] = 0.0 if above else 1.0
+        w[SHOWN * n + i] = max(w[SHOWN * n + i], 0.0 if above else 1.0)
 
 
 @inlined_kernel
 def is_corner(which):
-    """Whether a function is sampled without its closing rate, so that its samples do not tell."""
+    """Whether a function is watched without its closing rate, and so does not tell by itself."""
     return which == RIGHT_CORNER_LANDS or which == LEFT_CORNER_LANDS
 
 
-@kernel
-def _may_show(which, w, samples):
-    """Whether in any lane function ``which`` is so low, for its changes, that it needs a look.
+@inlined_kernel
+def quantities_at(which, at, tilt, p):
+    """As ``quantities`` of switching.py, of what is watched.
 
-    Also enters its lowest sample. A slope of the quartic is at most 16/3 of the samples' range, and
-    two tangents meet by no more than half a slope below the lower sample.
+    A corner that comes down on the flat is watched as long as it stands below the plane, whether it
+    moves down or not.
     """
-    lanes = 0
-    for i in range(LANES):
-        g0, g1, g2 = samples[0, which, i], samples[1, which, i], samples[2, which, i]
-        g3, g4 = samples[3, which, i], samples[4, which, i]
+    if which == ALIGNED:
+        return not_fallen_in(at, p)
+    if which == CORNERS_INSIDE:
+        return corners_outside(at, p)
+    if which == RIGHT_EDGE_ENTERS:
+        return edge_outside(RIGHT_EDGE, at, p)
+    if which == LEFT_EDGE_ENTERS:
+        return edge_outside(LEFT_EDGE, at, p)
+    if which == RIGHT_CORNER_LANDS:
+        return corner_below(RIGHT_EDGE, at, tilt, p)
+    if which == LEFT_CORNER_LANDS:
+        return corner_below(LEFT_EDGE, at, tilt, p)
+    if which == RIGHT_WALL:
+        return corner_off_wall(RIGHT_EDGE, at, tilt, p)
+    return corner_off_wall(LEFT_EDGE, at, tilt, p)
+
+
+@inlined_kernel
+def one_stays_above(left, right, bend):
+    """Whether one of four quantities ``stays_above``, and with it the largest of them."""
+    return (
+        stays_above(left[0], right[0], bend)
+        | stays_above(left[1], right[1], bend)
+        | stays_above(left[2], right[2], bend)
+        | stays_above(left[3], right[3], bend)
+    )
+
+
+@inlined_kernel
+def _quantities(which, w, node, i):
+    tilt = w[(VALUES + node * SINES + _TILT) * WIDTH + i]
+    return quantities_at(which, _outline(w, node, i), tilt, constants_of_lane(w, i))
+
+
+@inlined_kernel
+def _screen_combined(which, w):
+    """The same of the largest of several quantities, which is sampled here."""
+    n = WIDTH
+    first = (SAMPLES + which) * n
+    for i in range(WIDTH):
+        applies = applies_in(mode_of_lane(w, i))[which]
+        bend = w[OUTLINE_BEND * n + i]
+        q0, q1 = _quantities(which, w, 0, i), _quantities(which, w, 1, i)
+        q2, q3 = _quantities(which, w, 2, i), _quantities(which, w, 3, i)
+        q4 = _quantities(which, w, 4, i)
+        g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
+        g3, g4 = largest(q3)[0], largest(q4)[0]
+        above = one_stays_above(q0, q1, bend) & one_stays_above(q1, q2, bend)
+        above = above & one_stays_above(q2, q3, bend) & one_stays_above(q3, q4, bend)
+        w[first + i] = g0 if applies else NEVER
+        w[first + SWITCH_COUNT * n + i] = g1
+        w[first + 2 * SWITCH_COUNT * n + i] = g2
+        w[first + 3 * SWITCH_COUNT * n + i] = g3
+        w[first + 4 * SWITCH_COUNT * n + i] = g4
         lowest = min(min(g1, g2), min(g3, g4))
-        highest = max(max(g0, g1), max(max(g2, g3), g4))
-        low = min(g0, lowest)
-        far = max(w[REACH * LANES + i], _TOO_FLAT_TO_TELL)
-        lanes += 0 if low > 8.0 / 3.0 * (highest - low) and low > far else 1
-        samples[NODES, which, i] = lowest if g0 > ON_A_SWITCH else NEVER
-    return lanes > 0
+        w[(LOWEST + which) * n + i] = lowest if (g0 > ON_A_SWITCH) & applies else NEVER
+        # Near flat, what is on its switch to rounding may be beyond it.
+        flat = is_corner(which) & (min(g0, lowest) < TOO_FLAT_TO_TELL)
+        shown = 1.0 if applies & (flat | (not above)) else 0.0
+        w[(MAY_SWITCH + which) * n + i] = shown
+        w[SHOWN * n + i] = max(w[SHOWN * n + i], shown)
 
 
 @kernel
-def _screen(which, w, samples):
-    """Raise SHOWN where function ``which`` falls through zero in the step, or may do so."""
-    combined = which < COMBINED_COUNT
-    place = which + SWITCH_COUNT if combined else which
-    corner = is_corner(which)
-    for i in range(LANES):
-        g0, g1, g2 = samples[0, which, i], samples[1, which, i], samples[2, which, i]
-        g3, g4 = samples[3, which, i], samples[4, which, i]
-        s0, s1, s2, s3, s4 = slopes(g0, g1, g2, g3, g4)
-        lowest = min(min(g1, g2), min(g3, g4))
-        # A mode starts on its own switch, as far as that is located, and leaves it.
-        leaves = abs(g0) <= 0.1 * w[TOLERANCE * LANES + i]
-        dips = (
-            (not leaves) & _may_dip(g0, g1, s0, s1)
-            | _may_dip(g1, g2, s1, s2)
-            | _may_dip(g2, g3, s2, s3)
-            | _may_dip(g3, g4, s3, s4)
-        )
-        # Where another quantity has become the largest, all may have been negative in between. The
-        # one falls to zero and the other rises from there, both within a quarter of the step.
-        p0 = samples[0, place, i]
-        near = min(g0, lowest) < w[REACH * LANES + i]
-        turns = (combined & near) & (
-            (p0 != samples[1, place, i])
-            | (p0 != samples[2, place, i])
-            | (p0 != samples[3, place, i])
-            | (p0 != samples[4, place, i])
-        )
-        # Near flat, a tilt too small for the samples decides whether the corner lands.
-        flat = corner & (min(g0, lowest) < _TOO_FLAT_TO_TELL)
-        shown = UNCLEAR if dips | turns | flat else CLEAR
-        shown = max(shown, CROSSING) if lowest < 0.0 else shown
-        shown = CLEAR if g0 == NEVER else shown
-        w[SHOWN * LANES + i] = max(w[SHOWN * LANES + i], shown)
+def _leave_out(which, w):
+    """Enter that a function applies in no lane."""
+    for i in range(WIDTH):
+        w[(SAMPLES + which) * WIDTH + i], w[(LOWEST + which) * WIDTH + i] = NEVER, NEVER
+        w[(MAY_SWITCH + which) * WIDTH + i] = 0.0
+
+
+@kernel
+def _screen_side(w):
+    _screen_single(SIDE_LOAD, w)
+    _screen_single(SIDE_GAP, w)
+    _screen_single(SIDE_RELOAD, w)
+    _screen_single(SIDE_END, w)
+    _screen_single(SIDE_SLIP, w)
+
+
+@kernel
+def _screen_face(w):
+    _screen_single(FACE_LOAD, w)
+    _screen_single(FACE_GAP, w)
+    _screen_single(FACE_RELOAD, w)
+    _screen_single(FACE_END, w)
+    _screen_single(FACE_FAR_END, w)
+    _screen_single(SUPPORT_SLIP, w)
+    _screen_single(OVERTURNED, w)
+
+
+@kernel
+def _screen(flies, beside, w):
+    """Screen every function that may apply."""
+    for i in range(WIDTH):
+        w[SHOWN * WIDTH + i] = 0.0
+    if beside:
+        _screen_side(w)
+    else:
+        for which in (SIDE_LOAD, SIDE_GAP, SIDE_RELOAD, SIDE_END, SIDE_SLIP):
+            _leave_out(which, w)
+    _screen_face(w)
+    if flies:
+        _screen_combined(ALIGNED, w)
+        _screen_combined(CORNERS_INSIDE, w)
+        _screen_combined(RIGHT_EDGE_ENTERS, w)
+        _screen_combined(RIGHT_WALL, w)
+    else:
+        for which in (ALIGNED, CORNERS_INSIDE, RIGHT_EDGE_ENTERS, RIGHT_WALL):
+            _leave_out(which, w)
+    _screen_combined(LEFT_EDGE_ENTERS, w)
+    _screen_combined(RIGHT_CORNER_LANDS, w)
+    _screen_combined(LEFT_CORNER_LANDS, w)
+    _screen_combined(LEFT_WALL, w)
 
 
 @inlined_kernel
@@ -479,107 +492,65 @@ def _peak(left, middle, right):
 
 
 @inlined_kernel
-def _load(samples, node, row, i):
-    load = samples[node, row, i]
-    return load if load != NEVER else 0.0
+def highest(five):
+    """Highest value of a function by its samples at the ends and quarters of an interval."""
+    g0, g1, g2, g3, g4 = five
+    highest = max(max(g0, g1), max(max(g2, g3), g4))
+    return max(max(highest, _peak(g0, g1, g2)), max(_peak(g1, g2, g3), _peak(g2, g3, g4)))
+
+
+@inlined_kernel
+def largest_size(five):
+    """Largest absolute value of a function, by the same samples."""
+    g0, g1, g2, g3, g4 = five
+    return max(highest(five), highest((-g0, -g1, -g2, -g3, -g4)))
+
+
+@inlined_kernel
+def _five(row, w, i):
+    return (
+        w[(VALUES + row) * WIDTH + i], w[(VALUES + SINES + row) * WIDTH + i],
+        w[(VALUES + 2 * SINES + row) * WIDTH + i], w[(VALUES + 3 * SINES + row) * WIDTH + i],
+        w[(VALUES + 4 * SINES + row) * WIDTH + i],
+    )  # fmt: skip
 
 
 @kernel
-def _note_largest(w, samples):
-    """Largest |tilt| and normal force of the step, and its reach."""
-    for i in range(LANES):
-        tilt, force, speed = 0.0, 0.0, 0.0
-        for node in range(NODES):
-            tilt = max(tilt, samples[node, SAMPLE_SIZE, i])
-            speed = max(speed, samples[node, SAMPLE_SIZE + 1, i])
-            force = max(force, _load(samples, node, FACE_LOAD, i))
-            force = max(force, _load(samples, node, SIDE_LOAD, i))
-        for node in range(1, NODES - 1):
-            before, after = node - 1, node + 1
-            tilt = max(
-                tilt,
-                _peak(
-                    samples[before, SAMPLE_SIZE, i],
-                    samples[node, SAMPLE_SIZE, i],
-                    samples[after, SAMPLE_SIZE, i],
-                ),
-            )
-            for row in (FACE_LOAD, SIDE_LOAD):
-                force = max(
-                    force,
-                    _peak(
-                        _load(samples, before, row, i),
-                        _load(samples, node, row, i),
-                        _load(samples, after, row, i),
-                    ),
-                )
-        w[STEP_TILT * LANES + i] = tilt
-        w[STEP_FORCE * LANES + i] = force
-        # Between two samples it may be faster than at both; twice as fast is ample.
-        w[REACH * LANES + i] = 2.0 * speed * 0.125 * w[LENGTH * LANES + i]
+def _note_largest(w):
+    """Largest |tilt| and normal force of the step."""
+    for i in range(WIDTH):
+        w[STEP_TILT * WIDTH + i] = largest_size(_five(_TILT, w, i))
+        face, side = highest(_five(CONTACTS_AT, w, i)), highest(_five(CONTACTS_AT + 2, w, i))
+        face = face if w[FACE * WIDTH + i] == CLOSED else 0.0
+        side = side if w[SIDE * WIDTH + i] == CLOSED else 0.0
+        w[STEP_FORCE * WIDTH + i] = max(max(face, side), 0.0)
 
 
 @kernel
-def _accept(w, k, samples):
-    """Complete the steps that stand and show nothing: the usual way of a step, in all lanes."""
-    for i in range(LANES):
-        length, step = w[LENGTH * LANES + i], w[NEXT_STEP * LANES + i]
-        shown = w[SHOWN * LANES + i]
-        stepping = w[PHASE * LANES + i] == STEPPING
-        cut = length != step
-        at_stop = cut and shown == CLEAR and stepping
-        shown = AT_STOP if at_stop else shown
-        w[SHOWN * LANES + i] = shown if stepping or shown == UNCLEAR else CROSSING
-        clear = stepping and shown == CLEAR
-        rejected = stepping and shown == REJECTED_STEP
-        grown = length * w[GROWTH * LANES + i]
-        w[NEXT_STEP * LANES + i] = grown if clear or rejected else step
-        w[TIME * LANES + i] += length if clear else 0.0
-        w[STEPS * LANES + i] += 1.0 if clear else 0.0
-        w[REJECTED * LANES + i] += 1.0 if rejected else 0.0
-        w[EVALUATIONS * LANES + i] += METHOD.c.size - 1.0
-        mode, p = _mode(w, i), _constants(w, i)
-        counted = clear and not mode.dropped
-        tilt, force = w[STEP_TILT * LANES + i], w[STEP_FORCE * LANES + i]
-        w[TILT_MAX * LANES + i] = max(w[TILT_MAX * LANES + i], tilt if counted else 0.0)
-        w[FORCE_MAX * LANES + i] = max(w[FORCE_MAX * LANES + i], force if counted else 0.0)
-        sticks = counted and mode.support_slip == STICKING and is_supported(mode)
-        w[STICKING_TIME * LANES + i] += length if sticks else 0.0
-        q, end = _state(w, STATE, i), hold_sticking(_state(w, Y_END, i), p, mode)
-        _keep_state(
-            State(
-                end.x if clear else q.x,
-                end.y if clear else q.y,
-                end.tilt if clear else q.tilt,
-                end.x_rate if clear else q.x_rate,
-                end.y_rate if clear else q.y_rate,
-                end.tilt_rate if clear else q.tilt_rate,
-            ),
-            STATE, w, i,
-        )  # fmt: skip
-    for n in range(STATE_SIZE):
-        for i in range(LANES):
-            clear = w[SHOWN * LANES + i] == CLEAR
-            first, last = k[0, n * LANES + i], k[METHOD.stages, n * LANES + i]
-            k[0, n * LANES + i] = last if clear else first
-    runs = w.reshape(LANE_ROWS, LANES)
-    for which in WATCHED:
-        for i in range(LANES):
-            clear = w[SHOWN * LANES + i] == CLEAR
-            so_far, here = runs[CLOSEST + which, i], samples[NODES, which, i]
-            runs[CLOSEST + which, i] = min(so_far, here) if clear else so_far
+def _end_steps(w):
+    """The state at the end of every step, with what sticks at rest."""
+    for i in range(WIDTH):
+        end = _state(w, VALUES + (NODES - 1) * SINES, i)
+        end = hold_sticking(end, constants_of_lane(w, i), mode_of_lane(w, i))
+        n = WIDTH
+        w[END * n + i], w[(END + 1) * n + i], w[(END + 2) * n + i] = end.x, end.y, end.tilt
+        w[(END + 3) * n + i], w[(END + 4) * n + i] = end.x_rate, end.y_rate
+        w[(END + 5) * n + i] = end.tilt_rate
 
 
 @kernel
-def step_all(method, sums, lanes):
-    """Try one step in every lane, complete those that show nothing, and say in SHOWN the others."""
-    w, k, samples = lanes
+def step_all(kind, flies, beside, w):
+    """Make one step in every lane, and say in SHOWN where a switch may be in it.
+
+    ``flies`` and ``beside``: whether in any lane the edge is not under the face, and whether A2 is
+    behind the side.
+    """
+    _turn(w)
+    fill_series(kind, w, COEFFICIENTS, 0)
     _set_lengths(w)
-    _take_step(method, sums, w, k)
-    _judge_step(sums, w, k)
-    _sample_step(sums, w, k, samples)
-    _note_largest(w, samples)
-    for which in WATCHED:
-        if _may_show(which, w, samples):
-            _screen(which, w, samples)
-    _accept(w, k, samples)
+    follow_series(w, COEFFICIENTS, LENGTH, VALUES)
+    _note_bends(w)
+    _sample(w)
+    _screen(flies, beside, w)
+    _note_largest(w)
+    _end_steps(w)

@@ -20,6 +20,7 @@ from model.solver.switching import (
     edge_outside,
     is_wall,
     largest,
+    outline,
     quantities,
     switching_function,
     switching_functions,
@@ -229,7 +230,7 @@ def _counts(which, theta, h, y, dense, p):
         return theta != NO_SWITCH
     q = interpolate(theta, h, y, dense)
     _, place = largest(quantities(which, q, p))
-    gap, _ = largest(edge_outside(edge_of_wall(which), q, p))
+    gap, _ = largest(edge_outside(edge_of_wall(which), outline(q, p), p))
     # A part that is flat to FLAT reaches its edge and its corner together.
     return place == 0.0 or gap > ON_A_SWITCH + 2.0 * FLAT * p.half_width
 

@@ -10,6 +10,7 @@ at each of them where that changes.
 """
 
 from math import pi
+from typing import NamedTuple
 
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
@@ -22,7 +23,7 @@ NEVER = 1e300
 ON_A_SWITCH = 1e-8  # a switching function below this is on its switch
 FLAT = 1e-8  # a part tilted by less is flat: it stands on its edge
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
-_NOTHING = -1e300  # a quantity that a condition does not have
+NOTHING = -1e300  # a quantity that a condition does not have
 
 # Index of each switching function.
 (
@@ -70,75 +71,112 @@ def largest(quantities):
     return value, place
 
 
-@inlined_kernel
-def not_fallen_in(q, p):
-    """Negative once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
-    place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
-    corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
-    return p.half_width - place.along_face, -corner_x - p.slot_half_width, corner_y, _NOTHING
+class Outline(NamedTuple):
+    """Where the edges stand in the frame of the part, and the bottom corners beside the slot.
+
+    ``along_face`` and ``along_axis`` as in ``EdgePlace``, (X, Y) of the corners, and how deep A2 is
+    behind the left side, in the reading in force.
+    """
+
+    right_along_face: float
+    right_along_axis: float
+    left_along_face: float
+    left_along_axis: float
+    left_behind_side: float
+    right_corner_x: float
+    right_corner_y: float
+    left_corner_x: float
+    left_corner_y: float
 
 
 @inlined_kernel
-def corners_outside(q, p):
-    """Negative once X_B1 <= l, X_B2 >= -l, Y_B1 < 0 and Y_B2 < 0 (paper, sect. 2)."""
+def outline(q, p):
+    """The ``Outline`` for the state ``q``."""
+    right = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    left = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    behind_side = left.along_face + p.half_width
+    if p.printed_side_gap != 0.0:
+        behind_side = edge_on_side(q, p).depth
     right_x, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     left_x, left_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
-    return right_x - p.slot_half_width, -left_x - p.slot_half_width, right_y, left_y
+    return Outline(
+        right.along_face, right.along_axis, left.along_face, left.along_axis, behind_side,
+        right_x, right_y, left_x, left_y,
+    )  # fmt: skip
 
 
 @inlined_kernel
-def edge_inside(edge, q, p):
+def _corner(side, at):
+    """(X, Y) of a bottom corner."""
+    if side == RIGHT_EDGE:
+        return at.right_corner_x, at.right_corner_y
+    return at.left_corner_x, at.left_corner_y
+
+
+@inlined_kernel
+def not_fallen_in(at, p):
+    """Negative once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
+    past = p.half_width - at.right_along_face
+    return past, -at.left_corner_x - p.slot_half_width, at.left_corner_y, NOTHING
+
+
+@inlined_kernel
+def corners_outside(at, p):
+    """Negative once X_B1 <= l, X_B2 >= -l, Y_B1 < 0 and Y_B2 < 0 (paper, sect. 2)."""
+    right, left = at.right_corner_x - p.slot_half_width, -at.left_corner_x - p.slot_half_width
+    return right, left, at.right_corner_y, at.left_corner_y
+
+
+@inlined_kernel
+def edge_inside(edge, at, p):
     """How far an edge is inside the part: (through bottom, left, right, top), all positive inside.
 
     On the left edge the depth behind the left side is that of the reading in force.
     """
-    place = edge_place(edge, q.x, q.y, q.tilt, p)
-    left = place.along_face + p.half_width
-    if edge == LEFT_EDGE and p.printed_side_gap != 0.0:
-        left = edge_on_side(q, p).depth
-    return (
-        p.half_height + place.along_axis,
-        left,
-        p.half_width - place.along_face,
-        p.half_height - place.along_axis,
-    )
+    if edge == RIGHT_EDGE:
+        face, axis = at.right_along_face, at.right_along_axis
+        return p.half_height + axis, face + p.half_width, p.half_width - face, p.half_height - axis
+    face, axis = at.left_along_face, at.left_along_axis
+    return p.half_height + axis, at.left_behind_side, p.half_width - face, p.half_height - axis
 
 
 @inlined_kernel
-def edge_outside(edge, q, p):
+def edge_outside(edge, at, p):
     """Negative once an edge has entered the part."""
-    bottom, left, right, top = edge_inside(edge, q, p)
+    bottom, left, right, top = edge_inside(edge, at, p)
     return -bottom, -left, -right, -top
 
 
 @inlined_kernel
-def corner_above(side, q, p):
+def corner_below(side, at, tilt, p):
+    """Negative where a bottom corner stands beside the slot, below the plane, and is the lower one.
+
+    Else the edge carries the bottom face.
+    """
+    corner_x, corner_y = _corner(side, at)
+    return p.slot_half_width - side * corner_x, corner_y, side * tilt + FLAT, NOTHING
+
+
+@inlined_kernel
+def corner_above(side, at, q, p):
     """Negative once a bottom corner presses on the flat beside the slot.
 
-    It must stand beside the slot, below the plane, be the lower corner of the bottom face (else the
-    edge carries the face), and move down: it presses from the depth at which it starts to.
+    It stands as in ``corner_below`` and moves down: it presses from the depth where it starts to.
     """
-    corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    rising = q.y_rate + q.tilt_rate * (corner_x - q.x)
-    return p.slot_half_width - side * corner_x, corner_y, side * q.tilt + FLAT, rising
+    corner_x, _ = _corner(side, at)
+    beside, height, lower, _ = corner_below(side, at, q.tilt, p)
+    return beside, height, lower, q.y_rate + q.tilt_rate * (corner_x - q.x)
 
 
 @inlined_kernel
-def corner_below(side, q, p):
-    """(value, place) of ``corner_above``, whether the corner moves down or not."""
-    beside, height, lower, _ = corner_above(side, q, p)
-    return largest((beside, height, lower, _NOTHING))
-
-
-@inlined_kernel
-def corner_off_wall(side, q, p):
+def corner_off_wall(side, at, tilt, p):
     """Negative once a bottom corner, not the lower one, has run into the slot's wall from inside.
 
     Or has come down beside the slot, with all of the part beside it. Otherwise an edge is in front
     of a corner that comes down there, and carries the part.
     """
-    corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    return p.slot_half_width - side * corner_x, corner_y, -side * q.tilt - FLAT, _NOTHING
+    corner_x, corner_y = _corner(side, at)
+    return p.slot_half_width - side * corner_x, corner_y, -side * tilt - FLAT, NOTHING
 
 
 @inlined_kernel
@@ -150,19 +188,20 @@ def edge_of_wall(which):
 @kernel
 def quantities(which, q, p):
     """The four quantities whose largest is the combined function ``which``."""
+    at = outline(q, p)
     if which == ALIGNED:
-        return not_fallen_in(q, p)
+        return not_fallen_in(at, p)
     if which == CORNERS_INSIDE:
-        return corners_outside(q, p)
+        return corners_outside(at, p)
     if which == RIGHT_EDGE_ENTERS:
-        return edge_outside(RIGHT_EDGE, q, p)
+        return edge_outside(RIGHT_EDGE, at, p)
     if which == LEFT_EDGE_ENTERS:
-        return edge_outside(LEFT_EDGE, q, p)
+        return edge_outside(LEFT_EDGE, at, p)
     if which == RIGHT_CORNER_LANDS:
-        return corner_above(RIGHT_EDGE, q, p)
+        return corner_above(RIGHT_EDGE, at, q, p)
     if which == LEFT_CORNER_LANDS:
-        return corner_above(LEFT_EDGE, q, p)
-    return corner_off_wall(edge_of_wall(which), q, p)
+        return corner_above(LEFT_EDGE, at, q, p)
+    return corner_off_wall(edge_of_wall(which), at, q.tilt, p)
 
 
 @inlined_kernel
@@ -193,27 +232,38 @@ def _contact_switches(state, depth, load):
 
 
 @inlined_kernel
-def _face_switches(q, p, mode):
+def face_switches(depth, load, along_face, p, mode):
     """(load, gap, reload, end, far end) of the edge on the bottom face."""
-    if mode.face == OPEN:
-        return NEVER, NEVER, NEVER, NEVER, NEVER
-    face = edge_on_face(mode.edge, q, p)
-    load = contact_load(face.depth, face.closing_rate, q, p)
-    load, gap, reload = _contact_switches(mode.face, face.depth, load)
-    along = mode.edge * edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face
+    load, gap, reload = _contact_switches(mode.face, depth, load)
+    along = mode.edge * along_face
     return load, gap, reload, p.half_width - along, p.half_width + along
 
 
 @inlined_kernel
-def _side_switches(q, p, mode):
+def _face_switches(q, p, mode):
+    if mode.face == OPEN:
+        return NEVER, NEVER, NEVER, NEVER, NEVER
+    face = edge_on_face(mode.edge, q, p)
+    load = contact_load(face.depth, face.closing_rate, q, p)
+    along_face = edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face
+    return face_switches(face.depth, load, along_face, p, mode)
+
+
+@inlined_kernel
+def side_switches(depth, load, along_axis, p, mode):
     """(load, gap, reload, end) of A2 on the left side face."""
+    load, gap, reload = _contact_switches(mode.side, depth, load)
+    return load, gap, reload, p.half_height - abs(along_axis)
+
+
+@inlined_kernel
+def _side_switches(q, p, mode):
     if mode.side == OPEN:
         return NEVER, NEVER, NEVER, NEVER
     side = edge_on_side(q, p)
     load = contact_load(side.depth, side.closing_rate, q, p)
-    load, gap, reload = _contact_switches(mode.side, side.depth, load)
-    along = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p).along_axis
-    return load, gap, reload, p.half_height - abs(along)
+    along_axis = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p).along_axis
+    return side_switches(side.depth, load, along_axis, p, mode)
 
 
 @inlined_kernel
@@ -246,11 +296,45 @@ def _friction_switches(time, q, p, mode):
     return support if supported else NEVER, side if beside else NEVER
 
 
+class Applies(NamedTuple):
+    """Which combined functions apply in a mode, in the order of their indices."""
+
+    aligned: bool
+    corners_inside: bool
+    right_edge_enters: bool
+    left_edge_enters: bool
+    right_corner_lands: bool
+    left_corner_lands: bool
+    right_wall: bool
+    left_wall: bool
+
+
+@inlined_kernel
+def applies_in(mode):
+    """``Applies`` for ``mode``."""
+    right, left = mode.edge == RIGHT_EDGE, mode.edge == LEFT_EDGE
+    no_right_face = not (right and mode.face != OPEN)
+    no_left_face = not (left and mode.face != OPEN)
+    no_right_corner = not (right and mode.corner != OPEN)
+    no_left_corner = not (left and mode.corner != OPEN)
+    no_side = mode.side == OPEN
+    return Applies(
+        no_right_face and not mode.dropped,
+        no_right_face and mode.dropped,
+        no_right_face,
+        no_left_face and no_side,
+        no_right_corner,
+        # While A2 is behind the side face, B2 beside the slot has come through its wall.
+        no_left_corner and no_side,
+        no_right_corner and no_right_face and not mode.dropped,
+        no_left_corner and no_left_face,
+    )
+
+
 @inlined_kernel
 def _only_if(applies, quantities):
     """The largest of four and its place where the condition applies, else (NEVER, NEVER)."""
-    found = largest(quantities)  # outside of the choice, so that lanes need no branch
-    return found if applies else (NEVER, NEVER)
+    return largest(quantities) if applies else (NEVER, NEVER)
 
 
 @inlined_kernel
@@ -260,22 +344,15 @@ def switching_sample(time, q, p, mode):
     In the order of their indices, and behind them which quantity is the largest in the combined
     ones.
     """
-    right, left = mode.edge == RIGHT_EDGE, mode.edge == LEFT_EDGE
-    no_right_face = not (right and mode.face != OPEN)
-    no_left_face = not (left and mode.face != OPEN)
-    no_right_corner = not (right and mode.corner != OPEN)
-    no_left_corner = not (left and mode.corner != OPEN)
-    aligned = _only_if(no_right_face and not mode.dropped, not_fallen_in(q, p))
-    inside = _only_if(no_right_face and mode.dropped, corners_outside(q, p))
-    right_edge = _only_if(no_right_face, edge_outside(RIGHT_EDGE, q, p))
-    left_edge = _only_if(no_left_face and mode.side == OPEN, edge_outside(LEFT_EDGE, q, p))
-    right_corner = _only_if(no_right_corner, corner_above(RIGHT_EDGE, q, p))
-    # While A2 is behind the side face, B2 beside the slot has come through its wall.
-    left_corner = _only_if(no_left_corner and mode.side == OPEN, corner_above(LEFT_EDGE, q, p))
-    right_wall = _only_if(
-        no_right_corner and no_right_face and not mode.dropped, corner_off_wall(RIGHT_EDGE, q, p)
-    )
-    left_wall = _only_if(no_left_corner and no_left_face, corner_off_wall(LEFT_EDGE, q, p))
+    at, applies = outline(q, p), applies_in(mode)
+    aligned = _only_if(applies.aligned, not_fallen_in(at, p))
+    inside = _only_if(applies.corners_inside, corners_outside(at, p))
+    right_edge = _only_if(applies.right_edge_enters, edge_outside(RIGHT_EDGE, at, p))
+    left_edge = _only_if(applies.left_edge_enters, edge_outside(LEFT_EDGE, at, p))
+    right_corner = _only_if(applies.right_corner_lands, corner_above(RIGHT_EDGE, at, q, p))
+    left_corner = _only_if(applies.left_corner_lands, corner_above(LEFT_EDGE, at, q, p))
+    right_wall = _only_if(applies.right_wall, corner_off_wall(RIGHT_EDGE, at, q.tilt, p))
+    left_wall = _only_if(applies.left_wall, corner_off_wall(LEFT_EDGE, at, q.tilt, p))
     face_load, face_gap, face_reload, face_end, face_far_end = _face_switches(q, p, mode)
     side_load, side_gap, side_reload, side_end = _side_switches(q, p, mode)
     corner_load, corner_gap, corner_reload, corner_end = _corner_switches(q, p, mode)

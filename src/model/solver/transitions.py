@@ -41,6 +41,7 @@ from model.solver.switching import (
     edge_inside,
     edge_of_wall,
     is_wall,
+    outline,
 )
 
 # Plain integers for kernels; CONTINUES means the run goes on in the mode returned.
@@ -272,7 +273,7 @@ def _touching(contact, q, p):
 @kernel
 def _edge_enters(edge, time, q, p, mode, declared):
     """An edge enters the part: through the face of which it is least deep."""
-    bottom, left, right, top = edge_inside(edge, q, p)
+    bottom, left, right, top = edge_inside(edge, outline(q, p), p)
     if bottom <= min(left, min(right, top)):
         if not declared.edge_on_face:
             return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
@@ -369,7 +370,7 @@ def _contact_switch(which, time, q, p, mode):
     if which == SIDE_GAP:
         return _with_side(mode, OPEN), CONTINUES, _NONE
     if which == SIDE_END:
-        bottom, _, _, top = edge_inside(LEFT_EDGE, q, p)
+        bottom, _, _, top = edge_inside(LEFT_EDGE, outline(q, p), p)
         if top < bottom:
             return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
         return _decided(time, q, p, _with_side(mode, OPEN), False, False)

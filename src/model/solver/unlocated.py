@@ -39,6 +39,7 @@ from model.solver.switching import (
     edge_inside,
     largest,
     not_fallen_in,
+    outline,
 )
 
 # How to step.
@@ -99,7 +100,7 @@ def _corner_force(side, face_depth, q, p):
 @inlined_kernel
 def _right_force(q, p):
     """Force at the right edge A1, under the bottom face, and at the corner B1."""
-    bottom, left, right, top = edge_inside(RIGHT_EDGE, q, p)
+    bottom, left, right, top = edge_inside(RIGHT_EDGE, outline(q, p), p)
     inside = min(min(bottom, left), min(right, top)) > 0.0
     x, y, moment = _corner_force(RIGHT_EDGE, bottom if inside else 0.0, q, p)
     if inside:
@@ -111,7 +112,7 @@ def _right_force(q, p):
 @inlined_kernel
 def _left_force(q, p):
     """Force at the left edge A2, on the nearer of bottom and side face, and at the corner B2."""
-    bottom, left, right, top = edge_inside(LEFT_EDGE, q, p)
+    bottom, left, right, top = edge_inside(LEFT_EDGE, outline(q, p), p)
     inside = min(min(bottom, left), min(right, top)) > 0.0
     on_face = inside and bottom <= left
     x, y, moment = _corner_force(LEFT_EDGE, bottom if on_face else 0.0, q, p)
@@ -140,15 +141,15 @@ def outside(y, p):
     """Positive until the part has fallen in, by the alignment criterion in force (R8)."""
     q = state_of(y)
     if p.printed_alignment_criterion != 0.0:
-        return largest(corners_outside(q, p))[0]
-    return largest(not_fallen_in(q, p))[0]
+        return largest(corners_outside(outline(q, p), p))[0]
+    return largest(not_fallen_in(outline(q, p), p))[0]
 
 
 @kernel
 def _has_left(y, p):
     """Whether the part is off the edge A1, away from the slot, or overturned."""
     q = state_of(y)
-    _, left, _, _ = edge_inside(RIGHT_EDGE, q, p)
+    _, left, _, _ = edge_inside(RIGHT_EDGE, outline(q, p), p)
     return left < 0.0 or abs(q.tilt) > LARGEST_TILT or not isfinite(q.x + q.y + q.tilt)
 
 
