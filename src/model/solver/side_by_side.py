@@ -106,7 +106,7 @@ from model.solver.switching import (
 from model.solver.tableaux import DOP853
 from model.solver.transitions import CONTINUES, REST_SLIP
 
-POOL = 32  # runs under way
+POOL = 64  # runs under way
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
 _TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
@@ -151,24 +151,8 @@ def _board(runs, i, w, lane):
     """Put run ``i`` into a lane."""
     for place, row in enumerate(CONSISTENT):
         w[place * WIDTH + lane] = runs[row, i]
-    w[SUPPORT_SIGN * WIDTH + lane], w[SIDE_SIGN * WIDTH + lane] = (
-        runs[MODE + 5, i],
-        runs[MODE + 7, i],
-    )
-    w[lanes.TIME * WIDTH + lane], w[lanes.STOP * WIDTH + lane] = runs[TIME, i], runs[STOP, i]
-    w[lanes.TOLERANCE * WIDTH + lane], w[lanes.LONGEST * WIDTH + lane] = (
-        runs[TOLERANCE, i],
-        runs[NEXT_STEP, i],
-    )
-    w[lanes.FACE * WIDTH + lane], w[lanes.SUPPORT_SLIP_STATE * WIDTH + lane] = (
-        runs[MODE + 1, i],
-        runs[MODE + 5, i],
-    )
-    w[lanes.SIDE * WIDTH + lane], w[lanes.SIDE_SLIP_STATE * WIDTH + lane] = (
-        runs[MODE + 6, i],
-        runs[MODE + 7, i],
-    )
-    w[lanes.DROPPED * WIDTH + lane] = runs[MODE + 8, i]
+    for place, row in _BOARDED:
+        w[place * WIDTH + lane] = runs[row, i]
     for n in range(STATE_SIZE):
         w[(COEFFICIENTS + n) * WIDTH + lane] = runs[STATE + n, i]
 
@@ -180,11 +164,8 @@ def _at(row, theta, w, lane):
     Even and odd orders by themselves: twice as many operations at a time.
     """
     time = theta * w[lanes.LENGTH * WIDTH + lane]
-    square, even, odd = (
-        time * time,
-        w[(COEFFICIENTS + ORDER * SERIES_ROWS + row) * WIDTH + lane],
-        0.0,
-    )
+    square, odd = time * time, 0.0
+    even = w[(COEFFICIENTS + ORDER * SERIES_ROWS + row) * WIDTH + lane]
     for order in range(ORDER - 2, -2, -2):
         even = even * square + w[(COEFFICIENTS + order * SERIES_ROWS + row) * WIDTH + lane]
         odd = odd * square + w[(COEFFICIENTS + (order + 1) * SERIES_ROWS + row) * WIDTH + lane]
@@ -201,7 +182,7 @@ def _state_at(theta, w, lane):
 
 @kernel
 def _combined(which, theta, w, lane):
-    """The four quantities whose largest is function ``which``, from what they are made of."""
+    """The four quantities whose largest is function ``which``, from those of what is watched."""
     right = which == RIGHT_EDGE_ENTERS
     left = which == LEFT_EDGE_ENTERS
     falls = which == ALIGNED or which == CORNERS_INSIDE
@@ -289,9 +270,8 @@ def _root(which, low, f_low, high, f_high, w, lane):
         xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
         t = 0.5
         if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
-            t = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (
-                f3 - f2
-            )
+            t = f1 / (f2 - f1) * f3 / (f2 - f3)
+            t += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
         edge = 0.5 * least / width
         t = min(max(t, edge), 1.0 - edge)
     return x1 if f1 <= 0.0 else x2
@@ -328,12 +308,8 @@ def _is_one_way(which, before, after, bend):
 def _at_node(which, node, w, lane):
     """``_quantities`` at a node of the step, sampled already where it is one."""
     if which >= COMBINED_COUNT:
-        return (
-            w[(lanes.SAMPLES + node * SWITCH_COUNT + which) * WIDTH + lane],
-            NOTHING,
-            NOTHING,
-            NOTHING,
-        )
+        sample = w[(lanes.SAMPLES + node * SWITCH_COUNT + which) * WIDTH + lane]
+        return sample, NOTHING, NOTHING, NOTHING
     return _combined(which, node * _QUARTER, w, lane)
 
 
@@ -382,9 +358,8 @@ def _searched(w, lane, runs, work, i):
         work.y[n] = runs[STATE + n, i]
         power = 1.0
         for order in range(1, ORDER + 1):
-            work.dense[n, order - 1] = (
-                power * w[(COEFFICIENTS + order * SERIES_ROWS + n) * WIDTH + lane]
-            )
+            coefficient = w[(COEFFICIENTS + order * SERIES_ROWS + n) * WIDTH + lane]
+            work.dense[n, order - 1] = power * coefficient
             power *= h
     sample_step(time, h, work.y, work.dense, p, mode, work.nodes, work.samples)
     return first_switch(time, h, work.y, work.dense, p, mode, work.samples)
@@ -436,9 +411,8 @@ def _lower_closest(which, value, runs, i):
 def _stand(history, control, w, lane, runs, i):
     """Complete a step without a switch."""
     length, time, stop = w[lanes.LENGTH * WIDTH + lane], runs[TIME, i], runs[STOP, i]
-    note_step(
-        length, w[lanes.STEP_TILT * WIDTH + lane], w[lanes.STEP_FORCE * WIDTH + lane], runs, i
-    )
+    tilt, force = w[lanes.STEP_TILT * WIDTH + lane], w[lanes.STEP_FORCE * WIDTH + lane]
+    note_step(length, tilt, force, runs, i)
     for which in WATCHED_SWITCHES:
         _lower_closest(which, w[(lanes.LOWEST + which) * WIDTH + lane], runs, i)
     for n in range(STATE_SIZE):
