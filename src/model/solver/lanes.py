@@ -203,9 +203,12 @@ def _sixteenth_root(value):
 
 @inlined_kernel
 def _last_terms(order, w, i):
-    """The coefficients of ``order``, each over 1 + |state|: the largest."""
+    """The coefficients of ``order`` over 1 + |value|: the largest of the states and the outline.
+
+    In flight the states' series end sooner than those of the places, which turn with the tilt.
+    """
     largest = 0.0
-    for n in range(STATE_SIZE):
+    for n in range(CONTACTS_AT):
         last = abs(w[(COEFFICIENTS + order * ROWS + n) * WIDTH + i])
         largest = max(largest, last / (1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])))
     return largest
@@ -483,7 +486,7 @@ def _screen(flies, beside, w):
 
 
 @inlined_kernel
-def _peak(left, middle, right):
+def peak(left, middle, right):
     """Highest value of the parabola through three equidistant samples, if the middle is highest."""
     bend = 2.0 * middle - left - right
     change = right - left
@@ -496,7 +499,7 @@ def highest(five):
     """Highest value of a function by its samples at the ends and quarters of an interval."""
     g0, g1, g2, g3, g4 = five
     highest = max(max(g0, g1), max(max(g2, g3), g4))
-    return max(max(highest, _peak(g0, g1, g2)), max(_peak(g1, g2, g3), _peak(g2, g3, g4)))
+    return max(max(highest, peak(g0, g1, g2)), max(peak(g1, g2, g3), peak(g2, g3, g4)))
 
 
 @inlined_kernel

@@ -118,6 +118,8 @@ _FINEST = 2.0**-24  # part of a step that is not divided
 _MOST_PARTS = 64
 _LEAVING = 2.0**-4  # part in which a function that begins on its switch is taken to go one way
 _ROOT_ITERATIONS = 60
+_NEARLY_LARGEST = 1.1  # what a step's samples may miss of a peak
+_PARTS_OF_A_PEAK = 16
 
 
 @inlined_kernel
@@ -407,11 +409,38 @@ def _lower_closest(which, value, runs, i):
     runs[CLOSEST + which, i] = min(runs[CLOSEST + which, i], value)
 
 
+@kernel
+def _highest(row, sign, until, w, lane):
+    """Highest value of a row, times ``sign``, in a part of the step."""
+    part = until / _PARTS_OF_A_PEAK
+    before, here = sign * _at(row, 0.0, w, lane), sign * _at(row, part, w, lane)
+    highest = max(before, here)
+    for n in range(2, _PARTS_OF_A_PEAK + 1):
+        after = sign * _at(row, n * part, w, lane)
+        highest = max(highest, max(after, lanes.peak(before, here, after)))
+        before, here = here, after
+    return highest
+
+
+@kernel
+def _largest_until(until, w, lane, runs, i):
+    """Largest |tilt| and normal force in a part of the step, where they may be the run's largest."""
+    tilt, force, mode = 0.0, 0.0, mode_of(runs, i)
+    if _NEARLY_LARGEST * w[lanes.STEP_TILT * WIDTH + lane] >= runs[TILT_MAX, i]:
+        tilt = max(_highest(_TILT, 1.0, until, w, lane), _highest(_TILT, -1.0, until, w, lane))
+    if _NEARLY_LARGEST * w[lanes.STEP_FORCE * WIDTH + lane] >= runs[FORCE_MAX, i]:
+        if mode.face == CLOSED:
+            force = _highest(CONTACTS_AT, 1.0, until, w, lane)
+        if mode.side == CLOSED:
+            force = max(force, _highest(CONTACTS_AT + 2, 1.0, until, w, lane))
+    return tilt, force
+
+
 @inlined_kernel
 def _stand(history, control, w, lane, runs, i):
     """Complete a step without a switch."""
     length, time, stop = w[lanes.LENGTH * WIDTH + lane], runs[TIME, i], runs[STOP, i]
-    tilt, force = w[lanes.STEP_TILT * WIDTH + lane], w[lanes.STEP_FORCE * WIDTH + lane]
+    tilt, force = _largest_until(1.0, w, lane, runs, i)
     note_step(length, tilt, force, runs, i)
     for which in WATCHED_SWITCHES:
         _lower_closest(which, w[(lanes.LOWEST + which) * WIDTH + lane], runs, i)
@@ -428,15 +457,7 @@ def _stand(history, control, w, lane, runs, i):
 @kernel
 def _note_part(theta, w, lane, runs, i):
     """Enter the part of a step up to a switch."""
-    tilt, force = 0.0, 0.0
-    mode = mode_of(runs, i)
-    higher = w[lanes.STEP_TILT * WIDTH + lane] > runs[TILT_MAX, i]
-    if higher or w[lanes.STEP_FORCE * WIDTH + lane] > runs[FORCE_MAX, i]:
-        tilt = lanes.largest_size(_five(_TILT, theta, w, lane))
-        if mode.face == CLOSED:
-            force = lanes.highest(_five(CONTACTS_AT, theta, w, lane))
-        if mode.side == CLOSED:
-            force = max(force, lanes.highest(_five(CONTACTS_AT + 2, theta, w, lane)))
+    tilt, force = _largest_until(theta, w, lane, runs, i)
     note_step(theta * w[lanes.LENGTH * WIDTH + lane], tilt, force, runs, i)
     for which in WATCHED_SWITCHES if theta >= _QUARTER else WATCHED_SWITCHES[:0]:
         sample = lanes.SAMPLES + which
@@ -444,15 +465,6 @@ def _note_part(theta, w, lane, runs, i):
             for node in range(1, NODES):
                 if node * _QUARTER <= theta:
                     _lower_closest(which, w[(sample + node * SWITCH_COUNT) * WIDTH + lane], runs, i)
-
-
-@inlined_kernel
-def _five(row, until, w, lane):
-    """A row at the ends and quarters of a part of the step."""
-    return (
-        _at(row, 0.0, w, lane), _at(row, 0.25 * until, w, lane), _at(row, 0.5 * until, w, lane),
-        _at(row, 0.75 * until, w, lane), _at(row, until, w, lane),
-    )  # fmt: skip
 
 
 @kernel
