@@ -424,7 +424,7 @@ def _highest(row, sign, until, w, lane):
 
 @kernel
 def _largest_until(until, w, lane, runs, i):
-    """Largest |tilt| and normal force in a part of the step, where they may be the run's largest."""
+    """Largest |tilt| and normal force in a part of the step, if they may be the run's largest."""
     tilt, force, mode = 0.0, 0.0, mode_of(runs, i)
     if _NEARLY_LARGEST * w[lanes.STEP_TILT * WIDTH + lane] >= runs[TILT_MAX, i]:
         tilt = max(_highest(_TILT, 1.0, until, w, lane), _highest(_TILT, -1.0, until, w, lane))
