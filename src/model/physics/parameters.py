@@ -7,6 +7,7 @@ line, study configuration and datasets read it. Kernels take the flat ``Constant
 import dataclasses
 import difflib
 import math
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -70,6 +71,7 @@ FIELDS: Mapping[str, Field] = {
     "rest_tilt": Field("φ_st", "tilt at which the tilt spring is relaxed"),
 }
 PARAMETER_NAMES: tuple[str, ...] = tuple(FIELDS)
+_VALUES_OF = operator.attrgetter(*PARAMETER_NAMES)
 
 
 def check_name(name: str, valid: Sequence[str], what: str) -> None:
@@ -203,12 +205,9 @@ class Batch:
                 "a batch is a Batch or a sequence of Parameters such as [parameters], got "
                 f"{type(given).__name__}"
             )
-        return cls(
-            {
-                name: np.array([_or_nan(getattr(each, name)) for each in parameters], dtype=float)
-                for name in PARAMETER_NAMES
-            }
-        )
+        rows = np.array([_VALUES_OF(each) for each in parameters], dtype=float)  # None: NaN
+        columns = rows.reshape((-1, len(PARAMETER_NAMES))).T.copy()
+        return cls(dict(zip(PARAMETER_NAMES, columns, strict=True)))
 
     @classmethod
     def _checked(cls, values: dict[str, NDArray[np.float64]], swept: Sequence[str]) -> "Batch":
@@ -245,8 +244,11 @@ class Batch:
         if readings.preload == "printed":
             columns["rest_y"] = np.zeros(len(self))
         for name in READING_NAMES:
-            columns[f"printed_{name}"] = np.full(len(self), readings.is_printed(name))
-        return np.column_stack([columns[name] for name in Constants._fields])
+            columns[f"printed_{name}"] = np.array(float(readings.is_printed(name)))
+        rows = np.empty((len(self), len(Constants._fields)))
+        for place, name in enumerate(Constants._fields):
+            rows[:, place] = columns[name]
+        return rows
 
 
 def _as_float(value: Any) -> float:
