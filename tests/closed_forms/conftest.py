@@ -65,23 +65,23 @@ class Course:
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
         begin(row, tolerance, ALIGNMENT.declared, control, runs, 0)
         if state is not None:
-            runs[OUTCOME, 0], runs[REASON, 0] = CONTINUES, 0.0
-            runs[STATE : STATE + 6, 0] = state
-            runs[MODE : MODE + 9, 0] = mode
-        while runs[OUTCOME, 0] == CONTINUES:
-            time, before, mode = runs[TIME, 0], runs[STATE : STATE + 6, 0].copy(), _mode(runs)
+            runs[0, OUTCOME], runs[0, REASON] = CONTINUES, 0.0
+            runs[0, STATE : STATE + 6] = state
+            runs[0, MODE : MODE + 9] = mode
+        while runs[0, OUTCOME] == CONTINUES:
+            time, before, mode = runs[0, TIME], runs[0, STATE : STATE + 6].copy(), _mode(runs)
             advance(
                 ALIGNMENT.declared, DOP853.method, control, track, single.history, single.work,
                 runs, 0,
             )  # fmt: skip
-            after = runs[STATE : STATE + 6, 0].copy()
-            self.steps.append(Step(time, before, mode, runs[TIME, 0], after, _mode(runs)))
+            after = runs[0, STATE : STATE + 6].copy()
+            self.steps.append(Step(time, before, mode, runs[0, TIME], after, _mode(runs)))
             if until(self):
                 break
-        self.outcome, self.reason = runs[OUTCOME, 0], Reason(int(runs[REASON, 0]))
+        self.outcome, self.reason = runs[0, OUTCOME], Reason(int(runs[0, REASON]))
         if self.outcome != CONTINUES:
             self.outcome = Outcome(int(self.outcome))
-        self.tau_align = runs[TAU_ALIGN, 0]
+        self.tau_align = runs[0, TAU_ALIGN]
 
     @property
     def time(self) -> np.ndarray:
@@ -126,7 +126,7 @@ class Course:
 
 
 def _mode(runs) -> Mode:
-    edge, face, corner, offset, at_corner, slip, side, side_slip, dropped = runs[MODE : MODE + 9, 0]
+    edge, face, corner, offset, at_corner, slip, side, side_slip, dropped = runs[0, MODE : MODE + 9]
     return Mode(
         float(edge), int(face), int(corner), float(offset), bool(at_corner), int(slip), int(side),
         int(side_slip), bool(dropped),

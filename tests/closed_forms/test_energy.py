@@ -20,10 +20,9 @@ from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_si
 from model.physics.motion import motion, side_contact, support_contact
 from model.physics.scenes import CLOSED, RELEASED
 from model.solver.course import begin
-from model.solver.loop import TRACK_COLUMNS, advance, new_single
+from model.solver.loop import TRACK_COLUMNS, advance, new_single, new_workspace
 from model.solver.outcomes import Reason
 from model.solver.record import (
-    CONSTANTS,
     OUTCOME,
     REASON,
     STATE,
@@ -31,11 +30,18 @@ from model.solver.record import (
     STEPS,
     TAU_ALIGN,
     TIME,
-    constants_of,
+    constants_in,
     mode_of,
     state_in,
 )
-from model.solver.step import dense_output, interpolate, right_hand_side, state_of, take_step
+from model.solver.step import (
+    dense_output,
+    interpolate,
+    keep_in,
+    right_hand_side,
+    state_of,
+    take_step,
+)
 from model.solver.stiff import RADAU, advance_stiff, are_stiff, new_memory
 from model.solver.transitions import CONTINUES
 from model.study.fuzz import draw
@@ -105,31 +111,37 @@ def powers(time, q, p, mode):
 
 
 @kernel
+def are_same(one, other):
+    same = True
+    for n in range(STATE_SIZE):
+        same = same and one[n] == other[n]
+    return same
+
+
+@kernel
 def balance_of(
-    row, judged, stiff, tolerance, declared, method, control, track, single, memory, nodes, weights
-):
+    row, judged, stiff, tolerance, declared, method, control, track, single, memory, apart, nodes,
+    weights,
+):  # fmt: skip
     """Run ``row`` and account for every step as a part with the constants ``judged`` would."""
     runs, history, work = single.runs, single.history, single.work
-    i = runs.shape[1] - 1
+    i = runs.shape[0] - 1
     memory.length[0], memory.pause[0], memory.pause[1] = 0.0, 0.0, 8.0
     begin(row, tolerance, declared, control, runs, i)
-    first = runs[:, i : i + 1].copy()
-    first[:CONSTANTS, 0] = judged
-    p = constants_of(first, 0)
+    p = constants_in(judged)
     start = stored(state_in(runs, STATE, i), p, mode_of(runs, i))
-    y, k, end = np.empty(STATE_SIZE), np.empty_like(work.k), np.empty(STATE_SIZE)
-    trial, dense = np.empty(STATE_SIZE), np.empty_like(work.dense)
+    y, k, end, trial, dense = apart.y, apart.k, apart.y_end, apart.trial, apart.dense
     done = taken = lost = least = 0.0
     exchanged = start
-    while runs[OUTCOME, i] == CONTINUES and np.isnan(runs[TAU_ALIGN, i]):
-        time, mode = runs[TIME, i], mode_of(runs, i)
-        y[:] = runs[STATE : STATE + STATE_SIZE, i]
+    while runs[i, OUTCOME] == CONTINUES and np.isnan(runs[i, TAU_ALIGN]):
+        time, mode = runs[i, TIME], mode_of(runs, i)
+        keep_in(state_in(runs, STATE, i), y)
         if stiff:
             advance_stiff(declared, method, RADAU, control, track, history, work, memory, runs, i)
         else:
             advance(declared, method, control, track, history, work, runs, i)
-        length = runs[TIME, i] - time
-        implicit = stiff and memory.pause[0] == 0.0 and np.all(memory.states[0] == y)
+        length = runs[i, TIME] - time
+        implicit = stiff and memory.pause[0] == 0.0 and are_same(memory.states[0], y)
         if length > 0.0 and not implicit:
             right_hand_side(time, y, p, mode, k[0])
             take_step(time, length, y, p, mode, method, k, end)
@@ -150,7 +162,7 @@ def balance_of(
     gained = stored(state_in(runs, STATE, i), p, mode_of(runs, i)) - start
     return (
         done - gained - taken - lost, 1.0 + exchanged + start + gained, taken, least,
-        runs[OUTCOME, i], runs[REASON, i], runs[STEPS, i],
+        runs[i, OUTCOME], runs[i, REASON], runs[i, STEPS],
     )  # fmt: skip
 
 
@@ -163,7 +175,7 @@ def balance(
     return Balance(
         *balance_of(
             *rows, bool(are_stiff(rows)[0]), settings.tolerance, declared, method, control, track,
-            single, memory, NODES, WEIGHTS,
+            single, memory, new_workspace(method), NODES, WEIGHTS,
         )
     )  # fmt: skip
 

@@ -30,7 +30,7 @@ def standing(device):
         runs = new_single(method).runs
         row = Batch.stack([device]).constants(Readings())[0]
         begin(row, settings.tolerance, declared, control, runs, 0)
-        runs[SWITCHES_AT_ONCE, 0] = at_once
+        runs[0, SWITCHES_AT_ONCE] = at_once
         return runs
 
     return make
@@ -49,8 +49,8 @@ def test_a_moment_passes_if_it_makes_no_difference_which_mode_holds(
     standing, at_once, before, moment
 ):
     runs = standing(at_once)
-    state = runs[STATE : STATE + STATE_SIZE, 0].copy()
+    state = runs[0, STATE : STATE + STATE_SIZE].copy()
     _pass_over(before, runs, 0)
-    assert runs[TIME, 0] == pytest.approx(moment, rel=1e-12)
-    assert np.array_equal(runs[STATE : STATE + STATE_SIZE, 0], state) is (moment == 0.0)
-    assert runs[EVALUATIONS, 0] < 20
+    assert runs[0, TIME] == pytest.approx(moment, rel=1e-12)
+    assert np.array_equal(runs[0, STATE : STATE + STATE_SIZE], state) is (moment == 0.0)
+    assert runs[0, EVALUATIONS] < 20

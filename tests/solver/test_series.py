@@ -9,10 +9,10 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.solver import lanes
+from model.solver.inside_step import QUANTITIES, _fall, _values, enter_series
 from model.solver.lanes import COEFFICIENTS, LANE_ROWS, is_corner, new_lanes, step_all
 from model.solver.series import CONSISTENT, FREE, GIVEN, SLIDES, STICKS, recurrences
 from model.solver.series_code import KINDS, ORDER, ROWS, SINES, WIDTH, operations
-from model.solver.side_by_side import _first_fall, _quantities
 from model.solver.switching import NEVER, Outline, outline
 
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
@@ -36,7 +36,7 @@ class Step:
         named["contact_stiffness"][:] = 50.0
         named["friction"][:] = 0.3
         self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
-        self.w[lanes.TIME], self.w[lanes.STOP] = 0.3, 10.0
+        self.w[lanes.TIME], self.w[lanes.DEADLINE] = 0.3, 10.0
         self.w[lanes.TOLERANCE], self.w[lanes.LONGEST] = tolerance, longest
         self.w[lanes.FACE], self.w[lanes.SIDE] = NORMAL[support], NORMAL[side]
         signs = self.w[GIVEN - 2 : GIVEN]
@@ -124,7 +124,7 @@ def test_bends_bound_the_distance_from_a_line(support: int, side: int) -> None:
     step = Step(support, side, 0.05, tolerance=1e-6)
     for lane in range(WIDTH):
         length = step.w[lanes.LENGTH, lane]
-        bends = step.w[lanes.VALUES + len(lanes.FRACTIONS) * SINES + SINES :][:SINES, lane]
+        bends = step.w[lanes.VALUES + lanes.NODES * SINES :][:SINES, lane]
         for start in (0.0, 0.25, 0.5, 0.75):
             left, middle, right = (
                 step.at((start + part) * length, lane)[:SINES] for part in (0.0, 0.125, 0.25)
@@ -142,9 +142,21 @@ def test_a_sliding_part_takes_ten_products() -> None:
     assert operations(FREE, FREE) < operations(SLIDES, FREE) < operations(STICKS, STICKS)
 
 
+def sampled(
+    which: int, places: np.ndarray, series: np.ndarray, w: np.ndarray, lane: int
+) -> np.ndarray:
+    """A switching function from the series of its quantities, of either sign."""
+    functions = []
+    for sign in (1.0, -1.0):
+        enter_series(which, sign, series, w, lane)
+        functions.append([max(_values(QUANTITIES, place, series)) for place in places])
+    return np.min(functions, axis=0)
+
+
 def test_the_first_fall_is_found_however_short_what_follows() -> None:
     # Against 1,001 samples of every function that applies, on steps ten times as long as usual.
     places, short, fell = np.linspace(0.0, 1.0, 1001), 0, 0
+    series = np.zeros((ORDER + 1, QUANTITIES))
     for support in KINDS:
         for side in KINDS:
             step = Step(support, side, 0.4, tolerance=1e-2)
@@ -153,19 +165,18 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
                 for which in lanes.WATCHED_SWITCHES:
                     if step.w[lanes.SAMPLES + which, lane] == NEVER or is_corner(int(which)):
                         continue
-                    values = np.array(
-                        [max(_quantities(int(which), place, flat, lane)) for place in places]
-                    )
+                    values = sampled(int(which), places, series, flat, lane)
                     if values[0] <= 1e-6:
                         continue
-                    theta = _first_fall(int(which), 1.0, flat, lane)
                     below = np.flatnonzero(values < 0.0)
+                    quarters = int(step.w[lanes.MAY_SWITCH + which, lane])
                     if below.size == 0:
                         continue
+                    assert quarters & 1 << min(int(4.0 * places[below[0] - 1]), 3)
+                    theta = _fall(int(which), 1.0, series, flat, lane)
                     fell += 1
                     assert places[below[0] - 1] <= theta <= places[below[0]]
                     nodes = values[:: (places.size - 1) // 4]
                     short += bool((nodes > 0.0).all())
-                    assert step.w[lanes.MAY_SWITCH + which, lane] == 1.0
     assert fell > 50
     assert short > 0  # what begins and ends between two of the step's own samples

@@ -23,12 +23,10 @@ from typing import Any, TypeVar
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
-from numba.core.cgutils import get_null_value
 from numba.core.codegen import JITCodeLibrary, ll  # type: ignore[attr-defined]
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime.nrt import rtsys
-from numba.extending import intrinsic, overload
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -255,6 +253,9 @@ class _Part(CPUDispatcher):
 def kernel(function: Function) -> Function:
     """Compile ``function`` on first call: no Python objects, no GIL, cached.
 
+    Kernels count no references to arrays, which would cost more than a few arithmetic operations:
+    whoever calls one keeps its arrays alive, and a kernel makes none of its own.
+
     IEEE arithmetic, in which a product and a sum may be one operation (fused multiply-add).
     """
     return _compiled(function, forceinline=False)
@@ -273,34 +274,8 @@ def _compiled(function: Function, forceinline: bool) -> Function:
         "nogil": True,
         "error_model": "numpy",
         "fastmath": {"contract"},
+        "_nrt": False,
         "forceinline": forceinline,
     }
     compiled: Any = _Part(function, options)
     return compiled
-
-
-def borrowed(array):
-    """``array`` as a view that counts no references: whoever calls the kernel keeps it alive.
-
-    Counting is an atomic operation each time an array is taken from a tuple or passed on; in a
-    kernel of a few arithmetic operations it would cost more than they do.
-    """
-    return array
-
-
-@intrinsic
-def _uncounted(_context, array):
-    from numba.np.arrayobj import make_array  # noqa: PLC0415 - long, and for compiling only
-
-    def generate(context, builder, signature, arguments):
-        view = make_array(signature.return_type)(context, builder, arguments[0])
-        view.meminfo = get_null_value(view.meminfo.type)
-        view.parent = get_null_value(view.parent.type)
-        return view._getvalue()
-
-    return array(array), generate
-
-
-@overload(borrowed)
-def _borrowed_in_kernels(array):  # noqa: ARG001 - numba matches arguments by name
-    return lambda array: _uncounted(array)  # type: ignore[call-arg]  # noqa: PLW0108

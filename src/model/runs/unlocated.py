@@ -54,14 +54,15 @@ class UnlocatedRuns:
 
 
 @kernel
-def _run_rows(rows, scheme, resolution, method, horizon, max_evaluations, out):
+def _run_rows(rows, scheme, resolution, method, horizon, max_evaluations, out, y_end, k):
     """Run every row of ``rows``, shape (n, constants), into ``out``, shape (n, 4 + 6)."""
     for i in range(rows.shape[0]):
         p = constants_in(rows[i])
-        passage, y = pass_unlocated(scheme, resolution, p, method, horizon, max_evaluations)
+        passage = pass_unlocated(
+            scheme, resolution, p, method, horizon, max_evaluations, out[i, 4:], y_end, k
+        )
         out[i, 0], out[i, 1] = passage.tau_align, passage.time
         out[i, 2], out[i, 3] = passage.evaluations, passage.finished
-        out[i, 4:] = y
 
 
 def align_unlocated(
@@ -99,7 +100,7 @@ def align_unlocated(
     method = (DORMAND_PRINCE if scheme == "dormand_prince" else RK4).method
     _run_rows(
         rows, _KERNEL_SCHEMES[scheme], float(resolution), method, float(horizon),
-        int(max_evaluations), out,
+        int(max_evaluations), out, np.empty(STATE_SIZE), np.empty((method.stages + 1, STATE_SIZE)),
     )  # fmt: skip
     return UnlocatedRuns(
         tau_align=out[:, 0].copy(),
@@ -111,10 +112,8 @@ def align_unlocated(
 
 
 @kernel
-def _rates(time, y, row):
-    out = np.empty(STATE_SIZE)
+def _write_rates(time, y, row, out):
     unlocated_rates(time, y, constants_in(row), out)
-    return out
 
 
 @kernel
@@ -140,8 +139,10 @@ def unlocated_problem(parameters: Parameters, readings: Readings | None = None) 
     row = Batch.stack([parameters]).constants(readings or Readings())[0]
     # A run that may evaluate nothing ends where it starts.
     start = align_unlocated([parameters], "rk4", 1.0, readings=readings, max_evaluations=0).state[0]
-    return UnlocatedProblem(
-        rates=lambda time, y: _rates(time, y, row),
-        fall=lambda _, y: _outside(y, row),
-        start=start,
-    )
+
+    def rates(time: float, y: Floats) -> Floats:
+        dy = np.empty(STATE_SIZE)
+        _write_rates(time, y, row, dy)
+        return dy
+
+    return UnlocatedProblem(rates=rates, fall=lambda _, y: _outside(y, row), start=start)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.physics.compiled import borrowed, kernel
+from model.physics.compiled import kernel
 from model.physics.geometry import bottom_corner, edge_place, resting_height
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, State
@@ -118,12 +118,6 @@ def new_history(lanes: int) -> History:
 
 
 @kernel
-def borrowed_history(history):
-    """``history`` without reference counts."""
-    return History(borrowed(history.states), borrowed(history.lowest))
-
-
-@kernel
 def start(p, declared):
     """State and mode at τ = 0: at rest, touching the base without pressing.
 
@@ -161,15 +155,15 @@ def period_length(p):
 @kernel
 def _note_end_of_period(runs, i):
     """When the present period ends, or the run."""
-    next_period = (runs[PERIODS, i] + 1.0) * period_length(constants_of(runs, i))
-    runs[STOP, i] = min(next_period, runs[DEADLINE, i])
+    next_period = (runs[i, PERIODS] + 1.0) * period_length(constants_of(runs, i))
+    runs[i, STOP] = min(next_period, runs[i, DEADLINE])
 
 
 @kernel
 def _end(runs, i, outcome, reason):
-    runs[OUTCOME, i], runs[REASON, i] = outcome, reason
-    if isfinite(runs[TAU_ALIGN, i]):  # whatever happened in the fall afterwards, it has aligned
-        runs[OUTCOME, i], runs[REASON, i] = _ALIGNED, _NONE
+    runs[i, OUTCOME], runs[i, REASON] = outcome, reason
+    if isfinite(runs[i, TAU_ALIGN]):  # whatever happened in the fall afterwards, it has aligned
+        runs[i, OUTCOME], runs[i, REASON] = _ALIGNED, _NONE
 
 
 @kernel
@@ -180,19 +174,19 @@ def fail(runs, i, reason):
 
 @kernel
 def begin(row, tolerance, declared, control, runs, i):
-    """Put the parameter set ``row``, shape (constants,), at its start into column ``i``.
+    """Put the parameter set ``row``, shape (constants,), at its start into row ``i``.
 
     ``tolerance`` is the local error admitted in a step, relative to 1 + |state|.
     """
-    for k in range(runs.shape[0]):
-        runs[k, i] = row[k] if k < CONSTANTS else 0.0
+    for k in range(runs.shape[1]):
+        runs[i, k] = row[k] if k < CONSTANTS else 0.0
     p = constants_of(runs, i)
-    runs[TOLERANCE, i], runs[DEADLINE, i] = tolerance, control.horizon
-    runs[OUTCOME, i], runs[NEXT_STEP, i] = CONTINUES, _FIRST_STEP
-    runs[TAU_ALIGN, i], runs[TAU_CORNERS_INSIDE, i], runs[TILT_AT_ALIGNMENT, i] = nan, nan, nan
-    runs[TILT_MAX, i] = abs(p.initial_tilt)
+    runs[i, TOLERANCE], runs[i, DEADLINE] = tolerance, control.horizon
+    runs[i, OUTCOME], runs[i, NEXT_STEP] = CONTINUES, _FIRST_STEP
+    runs[i, TAU_ALIGN], runs[i, TAU_CORNERS_INSIDE], runs[i, TILT_AT_ALIGNMENT] = nan, nan, nan
+    runs[i, TILT_MAX] = abs(p.initial_tilt)
     for which in range(SWITCH_COUNT):
-        runs[CLOSEST + which, i] = NEVER
+        runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, declared)
     if _start_is_impossible(q, p, mode):
         fail(runs, i, _IMPOSSIBLE_START)
@@ -203,7 +197,7 @@ def begin(row, tolerance, declared, control, runs, i):
     keep_state(q, runs, i)
     keep_mode(mode, runs, i)
     _note_end_of_period(runs, i)
-    if runs[OUTCOME, i] == CONTINUES and _starts_past_the_end(q, p, mode):
+    if runs[i, OUTCOME] == CONTINUES and _starts_past_the_end(q, p, mode):
         make_switch(FACE_END, 0.0, _FIRST_STEP, declared, runs, i)
 
 
@@ -225,12 +219,12 @@ def is_counted(mode, p):
 def note_step(length, tilt, force, runs, i):
     """Enter a step made, with its largest |tilt| and normal force."""
     mode = mode_of(runs, i)
-    runs[STEPS, i] += 1.0
+    runs[i, STEPS] += 1.0
     if is_counted(mode, constants_of(runs, i)):
-        runs[TILT_MAX, i] = max(runs[TILT_MAX, i], tilt)
-        runs[FORCE_MAX, i] = max(runs[FORCE_MAX, i], force)
+        runs[i, TILT_MAX] = max(runs[i, TILT_MAX], tilt)
+        runs[i, FORCE_MAX] = max(runs[i, FORCE_MAX], force)
         if mode.support_slip == STICKING and is_supported(mode):
-            runs[STICKING_TIME, i] += length
+            runs[i, STICKING_TIME] += length
 
 
 @kernel
@@ -247,14 +241,14 @@ def _note_alignment(which, tilt, printed_criterion, runs, i):
 
     The first instant counts (R8): a part that is lifted again and falls once more has aligned.
     """
-    time = runs[TIME, i]
+    time = runs[i, TIME]
     if which == CORNERS_INSIDE:
-        runs[TAU_CORNERS_INSIDE, i] = time
-    elif not printed_criterion and isnan(runs[TAU_ALIGN, i]):
-        runs[DEADLINE, i] = min(runs[DEADLINE, i], time + _FALL_TIME)
+        runs[i, TAU_CORNERS_INSIDE] = time
+    elif not printed_criterion and isnan(runs[i, TAU_ALIGN]):
+        runs[i, DEADLINE] = min(runs[i, DEADLINE], time + _FALL_TIME)
         _note_end_of_period(runs, i)
-    if printed_criterion == (which == CORNERS_INSIDE) and isnan(runs[TAU_ALIGN, i]):
-        runs[TAU_ALIGN, i], runs[TILT_AT_ALIGNMENT, i] = time, tilt
+    if printed_criterion == (which == CORNERS_INSIDE) and isnan(runs[i, TAU_ALIGN]):
+        runs[i, TAU_ALIGN], runs[i, TILT_AT_ALIGNMENT] = time, tilt
     return which == CORNERS_INSIDE
 
 
@@ -266,22 +260,22 @@ def _pass_over(before, runs, i):
     and goes with it, and no time passes. The moment is twice as long each time; where the two modes
     would part in it by more than a step's tolerance, the run stays, and fails in the end.
     """
-    time, p, mode = runs[TIME, i], constants_of(runs, i), mode_of(runs, i)
-    q, tolerance = state_in(runs, STATE, i), runs[TOLERANCE, i]
-    moment = _SHORTEST_STEP * 2.0 ** (runs[SWITCHES_AT_ONCE, i] - _SEVERAL_AT_ONCE)
-    if time + moment >= runs[STOP, i]:
+    time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
+    q, tolerance = state_in(runs, STATE, i), runs[i, TOLERANCE]
+    moment = _SHORTEST_STEP * 2.0 ** (runs[i, SWITCHES_AT_ONCE] - _SEVERAL_AT_ONCE)
+    if time + moment >= runs[i, STOP]:
         return
     here = short_step(time, moment, q, p, mode)
     there = short_step(time, moment, q, p, before)
     half = short_step(time, 0.5 * moment, q, p, mode)
     halves = short_step(time + 0.5 * moment, 0.5 * moment, half, p, mode)
-    runs[EVALUATIONS, i] += 16.0
+    runs[i, EVALUATIONS] += 16.0
     for n in range(STATE_SIZE):
         admitted = tolerance * (1.0 + abs(q[n]))
         if not (abs(there[n] - here[n]) <= admitted and abs(halves[n] - here[n]) <= admitted):
             return
     keep_state(hold_sticking(here, p, mode), runs, i)
-    runs[TIME, i] = time + moment
+    runs[i, TIME] = time + moment
 
 
 @kernel
@@ -290,18 +284,18 @@ def make_switch(which, length, step, declared, runs, i):
 
     ``length`` is what the run moved to get there, ``step`` the step it would have made.
     """
-    time, p, before = runs[TIME, i], constants_of(runs, i), mode_of(runs, i)
-    runs[SWITCHES, i] += 1.0
-    runs[MADE + which, i] = 1.0
+    time, p, before = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
+    runs[i, SWITCHES] += 1.0
+    runs[i, MADE + which] = 1.0
     at_once = length <= 1e-13 * max(1.0, time)
-    runs[SWITCHES_AT_ONCE, i] = runs[SWITCHES_AT_ONCE, i] + 1.0 if at_once else 0.0
+    runs[i, SWITCHES_AT_ONCE] = runs[i, SWITCHES_AT_ONCE] + 1.0 if at_once else 0.0
     # Where no time passes, the step was too long for what happens in it (friction that only just
     # reaches its limit, for instance): its dense output is not that exact.
-    runs[NEXT_STEP, i] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
+    runs[i, NEXT_STEP] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
     q = without_residual_slip(which, state_in(runs, STATE, i), p, before)
     mode, outcome, reason = switch(which, time, q, p, before, declared)
     if outcome == CONTINUES and is_counted(before, p) and _opened(before, mode):
-        runs[SEPARATIONS, i] += 1.0
+        runs[i, SEPARATIONS] += 1.0
     keep_state(hold_sticking(q, p, mode), runs, i)
     keep_mode(mode, runs, i)
     if outcome == _ALIGNED:
@@ -310,49 +304,49 @@ def make_switch(which, length, step, declared, runs, i):
             outcome = CONTINUES
     if outcome != CONTINUES:
         _end(runs, i, outcome, reason)
-    elif runs[SWITCHES_AT_ONCE, i] > _SEVERAL_AT_ONCE:
+    elif runs[i, SWITCHES_AT_ONCE] > _SEVERAL_AT_ONCE:
         _pass_over(before, runs, i)
 
 
 @kernel
-def _end_period(history, may_settle, runs, i):
+def end_period(history, may_settle, runs, i):
     """Enter a completed period; the run ends if its motion repeats itself."""
-    periods = int(runs[PERIODS, i]) + 1
-    runs[PERIODS, i] = periods
+    periods = int(runs[i, PERIODS]) + 1
+    runs[i, PERIODS] = periods
     _note_end_of_period(runs, i)
     for which in range(SWITCH_COUNT):  # a switch that was made is no switch to keep clear of
-        if runs[MADE + which, i] != 0.0:
-            runs[CLOSEST + which, i] = NEVER
-            runs[MADE + which, i] = 0.0
+        if runs[i, MADE + which] != 0.0:
+            runs[i, CLOSEST + which] = NEVER
+            runs[i, MADE + which] = 0.0
     states, lowest = history.states[i], history.lowest[i]
     record_period(
         periods,
-        runs[STATE : STATE + STATE_SIZE, i],
-        runs[CLOSEST : CLOSEST + SWITCH_COUNT, i],
+        runs[i, STATE : STATE + STATE_SIZE],
+        runs[i, CLOSEST : CLOSEST + SWITCH_COUNT],
         states,
         lowest,
     )
     for which in range(SWITCH_COUNT):
-        runs[CLOSEST + which, i] = NEVER
+        runs[i, CLOSEST + which] = NEVER
     if may_settle and not mode_of(runs, i).dropped:
-        noise = 100.0 * runs[TOLERANCE, i]
+        noise = 100.0 * runs[i, TOLERANCE]
         p = constants_of(runs, i)
         period = settled_period(periods, period_length(p), states, lowest, p, noise)
         if period > 0:
-            runs[SETTLED_PERIOD, i] = period
+            runs[i, SETTLED_PERIOD] = period
             _end(runs, i, _SETTLED, _NONE)
 
 
 @kernel
 def end_step(reached_stop, history, control, runs, i):
     """What every step ends with: the limits of the run, and its periods."""
-    if runs[OUTCOME, i] != CONTINUES:
+    if runs[i, OUTCOME] != CONTINUES:
         return
-    if runs[SWITCHES_AT_ONCE, i] > _MOST_SWITCHES_AT_ONCE:
+    if runs[i, SWITCHES_AT_ONCE] > _MOST_SWITCHES_AT_ONCE:
         fail(runs, i, _CHATTER)
-    elif runs[EVALUATIONS, i] > control.max_evaluations:
+    elif runs[i, EVALUATIONS] > control.max_evaluations:
         fail(runs, i, _TOO_MANY_EVALUATIONS)
-    elif runs[TIME, i] >= runs[DEADLINE, i]:
+    elif runs[i, TIME] >= runs[i, DEADLINE]:
         _end(runs, i, _HORIZON_REACHED, _NONE)
     elif reached_stop:
-        _end_period(history, control.may_settle != 0.0, runs, i)
+        end_period(history, control.may_settle != 0.0, runs, i)

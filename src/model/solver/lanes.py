@@ -13,12 +13,13 @@ other modes, and readings of the printed equations, are left to the reference en
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import never_sticks
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.physics.trigonometry import sine_cosine
@@ -62,14 +63,10 @@ from model.solver.switching import (
     SWITCH_COUNT,
     Outline,
     applies_in,
-    corner_below,
-    corner_off_wall,
-    corners_outside,
-    edge_outside,
     face_switches,
     friction_margin,
     largest,
-    not_fallen_in,
+    quantities_at,
     side_switches,
 )
 from model.solver.tableaux import Array
@@ -78,7 +75,7 @@ from model.solver.transitions import hold_sticking
 # Rows: the constants and signs of the slips, numbers of the lanes, and what a step shows.
 (
     TIME,
-    STOP,
+    DEADLINE,
     TOLERANCE,
     LONGEST,  # step
     FACE,
@@ -87,9 +84,9 @@ from model.solver.transitions import hold_sticking
     SIDE_SLIP_STATE,
     DROPPED,
     LENGTH,
-    SHOWN,  # 1 where a switch may be in the step
-    STEP_TILT,  # largest |tilt| in the step
-    STEP_FORCE,  # largest normal force in the step
+    SHOWN,  # above 0 where a switch may be in the step
+    STEP_TILT,  # what |tilt| stays below in the step
+    STEP_FORCE,  # the same of the normal forces
     OUTLINE_BEND,  # over a quarter of the step, the largest of what combined functions are made of,
     FACE_BEND,  # of the load under the edge, its friction, the load at the side, its friction
     SUPPORT_BEND,
@@ -99,21 +96,20 @@ from model.solver.transitions import hold_sticking
 END = SIDE_FRICTION_BEND + 1
 SAMPLES = END + STATE_SIZE  # switching functions at each node
 LOWEST = SAMPLES + NODES * SWITCH_COUNT  # the lowest of them in the step
-MAY_SWITCH = LOWEST + SWITCH_COUNT  # 1 for each function that may fall through zero
+MAY_SWITCH = LOWEST + SWITCH_COUNT  # quarters in which each may fall through zero, as bits
 VALUES = MAY_SWITCH + SWITCH_COUNT  # the states and what is watched at each node, and their bends
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
 LANE_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS
 
-OUTLINE_AT, CONTACTS_AT = STATE_SIZE, STATE_SIZE + len(Outline._fields)
+TILT, OUTLINE_AT, CONTACTS_AT = 2, STATE_SIZE, STATE_SIZE + len(Outline._fields)  # in a row
+ALL_QUARTERS = 15
 LAST_TERMS = 4.0  # of a series, over the tolerance: what follows them is smaller
-_TILT = 2  # its place in a state
 _CACHE_LINE = 64  # bytes
 TOO_FLAT_TO_TELL = 10.0 * FLAT
 # The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
-_BEND = 0.25**2 / 8.0
+_BEND = FRACTIONS[0] ** 2 / 8.0
 _NO_CORNER = range(SIDE_END + 1, SUPPORT_SLIP)  # functions of the other modes
 WATCHED_SWITCHES = np.array([each for each in range(SWITCH_COUNT) if each not in _NO_CORNER])
-_QUARTERS = np.array(FRACTIONS)
 
 
 def new_lanes() -> Array:
@@ -168,20 +164,21 @@ def _state(w, row, i):
 
 
 @inlined_kernel
-def _outline(w, node, i):
-    """``Outline`` of lane ``i`` at a node."""
-    at, n = (VALUES + node * SINES + OUTLINE_AT) * WIDTH + i, WIDTH
+def outline_in(row, scale, w, i):
+    """``Outline`` of lane ``i`` that stands from ``row`` on, times ``scale``."""
+    at, n = (row + OUTLINE_AT) * WIDTH + i, WIDTH
     return Outline(
-        w[at], w[at + n], w[at + 2 * n], w[at + 3 * n], w[at + 4 * n], w[at + 5 * n],
-        w[at + 6 * n], w[at + 7 * n], w[at + 8 * n],
+        scale * w[at], scale * w[at + n], scale * w[at + 2 * n], scale * w[at + 3 * n],
+        scale * w[at + 4 * n], scale * w[at + 5 * n], scale * w[at + 6 * n],
+        scale * w[at + 7 * n], scale * w[at + 8 * n],
     )  # fmt: skip
 
 
 @inlined_kernel
-def _contacts(w, node, i):
-    """``Contacts`` of lane ``i`` at a node."""
-    at, n = (VALUES + node * SINES + CONTACTS_AT) * WIDTH + i, WIDTH
-    return Contacts(w[at], w[at + n], w[at + 2 * n], w[at + 3 * n])
+def contacts_in(row, scale, w, i):
+    """``Contacts`` of lane ``i`` that stand from ``row`` on, times ``scale``."""
+    at, n = (row + CONTACTS_AT) * WIDTH + i, WIDTH
+    return Contacts(scale * w[at], scale * w[at + n], scale * w[at + 2 * n], scale * w[at + 3 * n])
 
 
 @kernel
@@ -190,7 +187,7 @@ def _turn(w):
     first = COEFFICIENTS + SINES
     for i in range(WIDTH):
         p = constants_of_lane(w, i)
-        s, c = sine_cosine(w[(COEFFICIENTS + _TILT) * WIDTH + i])
+        s, c = sine_cosine(w[(COEFFICIENTS + TILT) * WIDTH + i])
         w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
         s, c = sine_cosine(p.frequency * w[TIME * WIDTH + i] + p.phase)
         w[(first + 2) * WIDTH + i], w[(first + 3) * WIDTH + i] = s, c
@@ -202,16 +199,17 @@ def _sixteenth_root(value):
 
 
 @inlined_kernel
-def _last_terms(order, w, i):
-    """The coefficients of ``order`` over 1 + |value|: the largest of the states and the outline.
+def _last_terms(w, i):
+    """The coefficients of the last two orders over 1 + |value|: the largest of states and outline.
 
     In flight the states' series end sooner than those of the places, which turn with the tilt.
     """
-    largest = 0.0
+    last, before = 1e-200, 1e-200
     for n in range(CONTACTS_AT):
-        last = abs(w[(COEFFICIENTS + order * ROWS + n) * WIDTH + i])
-        largest = max(largest, last / (1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])))
-    return largest
+        over = 1.0 / (1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i]))
+        last = max(last, over * abs(w[(COEFFICIENTS + ORDER * ROWS + n) * WIDTH + i]))
+        before = max(before, over * abs(w[(COEFFICIENTS + (ORDER - 1) * ROWS + n) * WIDTH + i]))
+    return last, before
 
 
 @kernel
@@ -220,14 +218,13 @@ def _set_lengths(w):
     for i in range(WIDTH):
         longest = w[LONGEST * WIDTH + i]
         admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
-        last = admitted / max(_last_terms(ORDER, w, i), 1e-200)
-        before = admitted / max(_last_terms(ORDER - 1, w, i), 1e-200)
+        last, before = _last_terms(w, i)
         # Its root of one order less: 1/15 = 1/16 + 1/16² + ...
-        root = _sixteenth_root(before)
-        step = min(_sixteenth_root(last), root * _sixteenth_root(root))
+        root = _sixteenth_root(admitted / before)
+        step = min(_sixteenth_root(admitted / last), root * _sixteenth_root(root))
         step = min(step, longest)
-        time, stop = w[TIME * WIDTH + i], w[STOP * WIDTH + i]
-        w[LENGTH * WIDTH + i] = stop - time if time + 1.0001 * step >= stop else step
+        time, deadline = w[TIME * WIDTH + i], w[DEADLINE * WIDTH + i]
+        w[LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
 
 
 @inlined_kernel
@@ -238,7 +235,7 @@ def _bend(row, w, i):
 @kernel
 def _note_bends(w):
     for i in range(WIDTH):
-        bend = _bend(_TILT, w, i)
+        bend = _bend(TILT, w, i)
         for row in range(OUTLINE_AT, CONTACTS_AT):
             bend = max(bend, _bend(row, w, i))
         w[OUTLINE_BEND * WIDTH + i] = bend
@@ -264,24 +261,32 @@ def bend_row(which):
     return SIDE_FRICTION_BEND if which == SIDE_SLIP else OUTLINE_BEND
 
 
-@inlined_kernel
-def single_functions(at, contacts, p, mode):
-    """The switching functions that are one quantity, of what is watched; see switching.py.
+class Sizes(NamedTuple):
+    """Absolute values of what switching functions ask the size of."""
 
-    (load, gap, reload, end, far end) of the face, (load, gap, reload, end) of the side, friction
-    margins of support and side.
+    along_side: float
+    support_friction: float
+    side_friction: float
+    tilt: float
+
+
+@inlined_kernel
+def single_functions(at, contacts, sizes, p, mode):
+    """The switching functions that are one quantity, in their order; see switching.py.
+
+    Each is a constant plus multiples of what it is made of.
     """
     face = face_switches(
         p.half_height + at.right_along_axis, contacts.face_load, at.right_along_face, p, mode
     )
-    side = side_switches(at.left_behind_side, contacts.side_load, at.left_along_axis, p, mode)
+    side = side_switches(at.left_behind_side, contacts.side_load, sizes.along_side, p, mode)
     slip = friction_margin(
         mode.support_slip == STICKING, mode.support_slip,
-        contacts.support_friction, contacts.support_friction, contacts.face_load, p,
+        contacts.support_friction, sizes.support_friction, contacts.face_load, p,
     )  # fmt: skip
     side_slip = friction_margin(
         mode.side_slip == STICKING, mode.side_slip,
-        contacts.side_friction, contacts.side_friction, contacts.side_load, p,
+        contacts.side_friction, sizes.side_friction, contacts.side_load, p,
     )  # fmt: skip
     no_face, no_side = mode.face == OPEN, mode.side == OPEN
     rubs = not never_sticks(p)
@@ -293,23 +298,27 @@ def single_functions(at, contacts, p, mode):
         NEVER if no_side else side[2], NEVER if no_side else side[3],
         slip if mode.face == CLOSED and rubs else NEVER,
         side_slip if mode.side == CLOSED and rubs else NEVER,
+        LARGEST_TILT - sizes.tilt,
     )  # fmt: skip
 
 
 @inlined_kernel
 def _sample_single(node, w):
-    n, at = WIDTH, (SAMPLES + node * SWITCH_COUNT) * WIDTH
+    n, at, row = WIDTH, (SAMPLES + node * SWITCH_COUNT) * WIDTH, VALUES + node * SINES
     for i in range(WIDTH):
         p, mode = constants_of_lane(w, i), mode_of_lane(w, i)
-        g = single_functions(_outline(w, node, i), _contacts(w, node, i), p, mode)
+        places, contacts = outline_in(row, 1.0, w, i), contacts_in(row, 1.0, w, i)
+        sizes = Sizes(
+            abs(places.left_along_axis), abs(contacts.support_friction),
+            abs(contacts.side_friction), abs(w[(row + TILT) * n + i]),
+        )  # fmt: skip
+        g = single_functions(places, contacts, sizes, p, mode)
         w[at + FACE_LOAD * n + i], w[at + FACE_GAP * n + i] = g[0], g[1]
         w[at + FACE_RELOAD * n + i], w[at + FACE_END * n + i] = g[2], g[3]
         w[at + FACE_FAR_END * n + i], w[at + SIDE_LOAD * n + i] = g[4], g[5]
         w[at + SIDE_GAP * n + i], w[at + SIDE_RELOAD * n + i] = g[6], g[7]
         w[at + SIDE_END * n + i], w[at + SUPPORT_SLIP * n + i] = g[8], g[9]
-        w[at + SIDE_SLIP * n + i] = g[10]
-        tilt = w[(VALUES + node * SINES + _TILT) * n + i]
-        w[at + OVERTURNED * n + i] = LARGEST_TILT - abs(tilt)
+        w[at + SIDE_SLIP * n + i], w[at + OVERTURNED * n + i] = g[10], g[11]
 
 
 @kernel
@@ -337,8 +346,15 @@ def stays_above(left, right, bend):
 
 
 @inlined_kernel
+def _quarters(first, second, third, fourth):
+    """The quarters of the step in which a function does not stay above zero, as bits."""
+    early = (0.0 if first else 1.0) + (0.0 if second else 2.0)
+    return early + (0.0 if third else 4.0) + (0.0 if fourth else 8.0)
+
+
+@inlined_kernel
 def _screen_single(which, w):
-    """Enter a function's lowest sample, and whether it may fall through zero."""
+    """Enter a function's lowest sample, and where it may fall through zero."""
     n = WIDTH
     row = bend_row(which)
     first = (SAMPLES + which) * n
@@ -347,43 +363,21 @@ def _screen_single(which, w):
         g0, g1 = w[first + i], w[first + SWITCH_COUNT * n + i]
         g2, g3 = w[first + 2 * SWITCH_COUNT * n + i], w[first + 3 * SWITCH_COUNT * n + i]
         g4 = w[first + 4 * SWITCH_COUNT * n + i]
-        above = stays_above(g0, g1, bend) & stays_above(g1, g2, bend)
-        above = above & stays_above(g2, g3, bend) & stays_above(g3, g4, bend)
-        above = above | (g0 == NEVER)
+        flagged = _quarters(
+            stays_above(g0, g1, bend), stays_above(g1, g2, bend),
+            stays_above(g2, g3, bend), stays_above(g3, g4, bend),
+        )  # fmt: skip
+        flagged = 0.0 if g0 == NEVER else flagged
         lowest = min(min(g1, g2), min(g3, g4))
         w[(LOWEST + which) * n + i] = lowest if g0 > ON_A_SWITCH else NEVER
-        w[(MAY_SWITCH + which) * n + i] = 0.0 if above else 1.0
-        w[SHOWN * n + i] = max(w[SHOWN * n + i], 0.0 if above else 1.0)
+        w[(MAY_SWITCH + which) * n + i] = flagged
+        w[SHOWN * n + i] = max(w[SHOWN * n + i], flagged)
 
 
 @inlined_kernel
 def is_corner(which):
     """Whether a function is watched without its closing rate, and so does not tell by itself."""
     return which == RIGHT_CORNER_LANDS or which == LEFT_CORNER_LANDS
-
-
-@inlined_kernel
-def quantities_at(which, at, tilt, p):
-    """As ``quantities`` of switching.py, of what is watched.
-
-    A corner that comes down on the flat is watched as long as it stands below the plane, whether it
-    moves down or not.
-    """
-    if which == ALIGNED:
-        return not_fallen_in(at, p)
-    if which == CORNERS_INSIDE:
-        return corners_outside(at, p)
-    if which == RIGHT_EDGE_ENTERS:
-        return edge_outside(RIGHT_EDGE, at, p)
-    if which == LEFT_EDGE_ENTERS:
-        return edge_outside(LEFT_EDGE, at, p)
-    if which == RIGHT_CORNER_LANDS:
-        return corner_below(RIGHT_EDGE, at, tilt, p)
-    if which == LEFT_CORNER_LANDS:
-        return corner_below(LEFT_EDGE, at, tilt, p)
-    if which == RIGHT_WALL:
-        return corner_off_wall(RIGHT_EDGE, at, tilt, p)
-    return corner_off_wall(LEFT_EDGE, at, tilt, p)
 
 
 @inlined_kernel
@@ -399,8 +393,9 @@ def one_stays_above(left, right, bend):
 
 @inlined_kernel
 def _quantities(which, w, node, i):
-    tilt = w[(VALUES + node * SINES + _TILT) * WIDTH + i]
-    return quantities_at(which, _outline(w, node, i), tilt, constants_of_lane(w, i))
+    row = VALUES + node * SINES
+    tilt = w[(row + TILT) * WIDTH + i]
+    return quantities_at(which, outline_in(row, 1.0, w, i), tilt, constants_of_lane(w, i))
 
 
 @inlined_kernel
@@ -416,8 +411,10 @@ def _screen_combined(which, w):
         q4 = _quantities(which, w, 4, i)
         g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
         g3, g4 = largest(q3)[0], largest(q4)[0]
-        above = one_stays_above(q0, q1, bend) & one_stays_above(q1, q2, bend)
-        above = above & one_stays_above(q2, q3, bend) & one_stays_above(q3, q4, bend)
+        flagged = _quarters(
+            one_stays_above(q0, q1, bend), one_stays_above(q1, q2, bend),
+            one_stays_above(q2, q3, bend), one_stays_above(q3, q4, bend),
+        )  # fmt: skip
         w[first + i] = g0 if applies else NEVER
         w[first + SWITCH_COUNT * n + i] = g1
         w[first + 2 * SWITCH_COUNT * n + i] = g2
@@ -427,9 +424,10 @@ def _screen_combined(which, w):
         w[(LOWEST + which) * n + i] = lowest if (g0 > ON_A_SWITCH) & applies else NEVER
         # Near flat, what is on its switch to rounding may be beyond it.
         flat = is_corner(which) & (min(g0, lowest) < TOO_FLAT_TO_TELL)
-        shown = 1.0 if applies & (flat | (not above)) else 0.0
-        w[(MAY_SWITCH + which) * n + i] = shown
-        w[SHOWN * n + i] = max(w[SHOWN * n + i], shown)
+        flagged = float(ALL_QUARTERS) if flat else flagged
+        flagged = flagged if applies else 0.0
+        w[(MAY_SWITCH + which) * n + i] = flagged
+        w[SHOWN * n + i] = max(w[SHOWN * n + i], flagged)
 
 
 @kernel
@@ -486,47 +484,22 @@ def _screen(flies, beside, w):
 
 
 @inlined_kernel
-def peak(left, middle, right):
-    """Highest value of the parabola through three equidistant samples, if the middle is highest."""
-    bend = 2.0 * middle - left - right
-    change = right - left
-    peaks = middle >= left and middle >= right and bend > 0.0
-    return middle + 0.125 * change * change / bend if peaks else middle
-
-
-@inlined_kernel
-def highest(five):
-    """Highest value of a function by its samples at the ends and quarters of an interval."""
-    g0, g1, g2, g3, g4 = five
-    highest = max(max(g0, g1), max(max(g2, g3), g4))
-    return max(max(highest, peak(g0, g1, g2)), max(peak(g1, g2, g3), peak(g2, g3, g4)))
-
-
-@inlined_kernel
-def largest_size(five):
-    """Largest absolute value of a function, by the same samples."""
-    g0, g1, g2, g3, g4 = five
-    return max(highest(five), highest((-g0, -g1, -g2, -g3, -g4)))
-
-
-@inlined_kernel
-def _five(row, w, i):
-    return (
-        w[(VALUES + row) * WIDTH + i], w[(VALUES + SINES + row) * WIDTH + i],
-        w[(VALUES + 2 * SINES + row) * WIDTH + i], w[(VALUES + 3 * SINES + row) * WIDTH + i],
-        w[(VALUES + 4 * SINES + row) * WIDTH + i],
-    )  # fmt: skip
+def _at_most(row, w, i):
+    """What |row| stays below in the step, by its samples and its bend."""
+    first, node = (VALUES + row) * WIDTH + i, SINES * WIDTH
+    ends, inner = max(abs(w[first]), abs(w[first + 4 * node])), abs(w[first + 2 * node])
+    inner = max(inner, max(abs(w[first + node]), abs(w[first + 3 * node])))
+    return max(ends, inner) + _bend(row, w, i)
 
 
 @kernel
 def _note_largest(w):
-    """Largest |tilt| and normal force of the step."""
+    """What |tilt| and normal forces stay below in the step."""
     for i in range(WIDTH):
-        w[STEP_TILT * WIDTH + i] = largest_size(_five(_TILT, w, i))
-        face, side = highest(_five(CONTACTS_AT, w, i)), highest(_five(CONTACTS_AT + 2, w, i))
-        face = face if w[FACE * WIDTH + i] == CLOSED else 0.0
-        side = side if w[SIDE * WIDTH + i] == CLOSED else 0.0
-        w[STEP_FORCE * WIDTH + i] = max(max(face, side), 0.0)
+        w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
+        face = _at_most(CONTACTS_AT, w, i) if w[FACE * WIDTH + i] == CLOSED else 0.0
+        side = _at_most(CONTACTS_AT + 2, w, i) if w[SIDE * WIDTH + i] == CLOSED else 0.0
+        w[STEP_FORCE * WIDTH + i] = max(face, side)
 
 
 @kernel

@@ -5,11 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.physics.compiled import borrowed, inlined_kernel, kernel
+from model.physics.compiled import inlined_kernel, kernel
 from model.solver.course import (
     History,
     begin,
-    borrowed_history,
     end_step,
     fail,
     make_switch,
@@ -24,7 +23,7 @@ from model.solver.record import (
     NEXT_STEP,
     OUTCOME,
     REJECTED,
-    ROWS,
+    SIZE,
     STATE,
     STATE_SIZE,
     STOP,
@@ -99,15 +98,6 @@ def new_workspace(method: Method) -> Workspace:
     shapes = (STATE_SIZE,), (STATE_SIZE,), (STATE_SIZE,), (m, STATE_SIZE), (STATE_SIZE, degree)
     samples = (NODES, STATE_SIZE), (NODES, SAMPLE_SIZE), (SAMPLE_SIZE,)
     return Workspace(*(np.zeros(shape) for shape in (*shapes, *samples)))
-
-
-@kernel
-def borrowed_workspace(work):
-    """``work`` without reference counts."""
-    return Workspace(
-        borrowed(work.y), borrowed(work.y_end), borrowed(work.trial), borrowed(work.k),
-        borrowed(work.dense), borrowed(work.nodes), borrowed(work.samples), borrowed(work.scratch),
-    )  # fmt: skip
 
 
 @inlined_kernel
@@ -244,20 +234,20 @@ def _largest(nodes, samples, last):
 @kernel
 def track_sample(track, time, q, sample, runs, i):
     """Write a row of the track, as far as it has rows, and count it."""
-    row = int(runs[TRACKED, i])
+    row = int(runs[i, TRACKED])
     if row < track.shape[0]:
         track[row, 0] = time
         keep_in(q, track[row, 1 : 1 + STATE_SIZE])
         track[row, 7] = max(support_force(sample), 0.0)
         track[row, 8] = max(side_force(sample), 0.0)
-    runs[TRACKED, i] = row + 1
+    runs[i, TRACKED] = row + 1
 
 
 @kernel
 def track_run(track, scratch, runs, i):
     """Write where the run stands, with the forces of its mode."""
-    time, q = runs[TIME, i], state_in(runs, STATE, i)
-    if runs[TRACKED, i] < track.shape[0]:
+    time, q = runs[i, TIME], state_in(runs, STATE, i)
+    if runs[i, TRACKED] < track.shape[0]:
         switching_functions(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
     track_sample(track, time, q, scratch, runs, i)
 
@@ -270,29 +260,29 @@ def note_closest(samples, last, runs, i):
     """
     for which in range(SWITCH_COUNT):
         if samples[0, which] != NEVER and samples[0, which] > ON_A_SWITCH:
-            lowest = runs[CLOSEST + which, i]
+            lowest = runs[i, CLOSEST + which]
             for node in range(1, last + 1):
                 lowest = min(lowest, samples[node, which])
-            runs[CLOSEST + which, i] = lowest
+            runs[i, CLOSEST + which] = lowest
 
 
 @kernel
 def advance(declared, method, control, track, history, work, runs, i):
     """Advance run ``i`` by one step, or up to the first switch in it."""
-    time, p, mode = runs[TIME, i], constants_of(runs, i), mode_of(runs, i)
-    y, tolerance, h = work.y, runs[TOLERANCE, i], runs[NEXT_STEP, i]
+    time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
+    y, tolerance, h = work.y, runs[i, TOLERANCE], runs[i, NEXT_STEP]
     keep_in(state_in(runs, STATE, i), y)
-    stop = runs[STOP, i]
+    stop = runs[i, STOP]
     h_try = stop - time if time + 1.0001 * h >= stop else h
     right_hand_side(time, y, p, mode, work.k[0])
     h_step, h_next, rejected = _accepted_step(time, h_try, y, p, mode, method, tolerance, work)
-    runs[EVALUATIONS, i] += 1 + (1 + rejected) * method.stages
-    runs[REJECTED, i] += rejected
+    runs[i, EVALUATIONS] += 1 + (1 + rejected) * method.stages
+    runs[i, REJECTED] += rejected
     if h_step == 0.0:
         fail(runs, i, _STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else _NOT_FINITE)
         return
     dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
-    runs[EVALUATIONS, i] += method.c.size - method.stages - 1
+    runs[i, EVALUATIONS] += method.c.size - method.stages - 1
     sample_step(time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
     which, theta = first_switch(time, h_step, y, work.dense, p, mode, work.samples)
     switches = theta != NO_SWITCH
@@ -312,7 +302,7 @@ def advance(declared, method, control, track, history, work, runs, i):
             SWITCH_RESOLUTION * sqrt(tolerance),
             work,
         )
-        runs[EVALUATIONS, i] += taken * method.stages
+        runs[i, EVALUATIONS] += taken * method.stages
     tilt, force = _largest(work.nodes, work.samples, last)
     note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
     note_closest(work.samples, last, runs, i)
@@ -322,9 +312,9 @@ def advance(declared, method, control, track, history, work, runs, i):
 
     keep_state(state_of(work.y_end), runs, i)
     reached_stop = not switches and h_step == h_try and h_try == stop - time
-    runs[TIME, i] = stop if reached_stop else time + length
+    runs[i, TIME] = stop if reached_stop else time + length
     # A step cut short by a stop says nothing against the length it was cut from.
-    runs[NEXT_STEP, i] = max(h, h_next) if h_step == h_try and h_try != h else h_next
+    runs[i, NEXT_STEP] = max(h, h_next) if h_step == h_try and h_try != h else h_next
     if switches:
         track_run(track, work.scratch, runs, i)
         make_switch(which, length, h_step, declared, runs, i)
@@ -335,7 +325,7 @@ def advance(declared, method, control, track, history, work, runs, i):
 
 
 class Single(NamedTuple):
-    """Memory for one run at a time: its record, shape (ROWS, 1), history and workspace."""
+    """Memory for one run at a time: its record, shape (1, SIZE), history and workspace."""
 
     runs: np.ndarray
     history: History
@@ -344,7 +334,7 @@ class Single(NamedTuple):
 
 def new_single(method: Method) -> Single:
     """The ``Single`` that ``method`` needs."""
-    return Single(np.zeros((ROWS, 1)), new_history(1), new_workspace(method))
+    return Single(np.zeros((1, SIZE)), new_history(1), new_workspace(method))
 
 
 @kernel
@@ -361,12 +351,11 @@ def integrate(row, tolerance, declared, method, control, track, single):
             support and of the side; ``Ending.tracked`` is the number of rows a full track has.
         single: ``Single``, overwritten.
     """
-    runs, history = borrowed(single.runs), borrowed_history(single.history)
-    work, track = borrowed_workspace(single.work), borrowed(track)
-    i = runs.shape[1] - 1  # the only one; as 0, all that takes it would be compiled for 0 alone
+    runs, history, work = single.runs, single.history, single.work
+    i = runs.shape[0] - 1  # the only one; as 0, all that takes it would be compiled for 0 alone
     begin(row, tolerance, declared, control, runs, i)
     track_run(track, work.scratch, runs, i)
-    while runs[OUTCOME, i] == CONTINUES:
+    while runs[i, OUTCOME] == CONTINUES:
         advance(declared, method, control, track, history, work, runs, i)
     return ending_of(runs, i)
 

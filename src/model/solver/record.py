@@ -1,6 +1,6 @@
-"""The record of a run: one column of numbers, so that many runs stand side by side.
+"""The record of a run: one row of numbers, so that many runs make an array.
 
-A batch of runs is an array ``runs`` of shape (ROWS, lanes): ``runs[TIME, i]`` is the time that run
+A batch of runs is an array ``runs`` of shape (runs, SIZE): ``runs[i, TIME]`` is the time that run
 ``i`` has reached. Counts and flags are whole numbers kept as floats.
 """
 
@@ -14,7 +14,7 @@ from model.physics.scenes import Mode
 from model.solver.switching import SWITCH_COUNT
 
 STATE_SIZE = len(State._fields)
-CONSTANTS = len(Constants._fields)  # the first rows
+CONSTANTS = len(Constants._fields)  # the first numbers
 
 _SINGLE_ROWS = (
     TIME,
@@ -45,7 +45,7 @@ STATE = _SINGLE_ROWS[-1] + 1
 MODE = STATE + STATE_SIZE
 CLOSEST = MODE + len(Mode._fields)  # lowest switching functions in this period
 MADE = CLOSEST + SWITCH_COUNT  # whether a switch was made in this period
-ROWS = MADE + SWITCH_COUNT
+SIZE = MADE + SWITCH_COUNT
 
 
 class Ending(NamedTuple):
@@ -77,33 +77,33 @@ class Ending(NamedTuple):
 def constants_of(runs, i):
     """``Constants`` of run ``i``."""
     return Constants(
-        runs[0, i], runs[1, i], runs[2, i], runs[3, i], runs[4, i], runs[5, i], runs[6, i],
-        runs[7, i], runs[8, i], runs[9, i], runs[10, i], runs[11, i], runs[12, i], runs[13, i],
-        runs[14, i], runs[15, i], runs[16, i], runs[17, i], runs[18, i], runs[19, i], runs[20, i],
-        runs[21, i], runs[22, i], runs[23, i], runs[24, i], runs[25, i], runs[26, i],
+        runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3], runs[i, 4], runs[i, 5], runs[i, 6],
+        runs[i, 7], runs[i, 8], runs[i, 9], runs[i, 10], runs[i, 11], runs[i, 12], runs[i, 13],
+        runs[i, 14], runs[i, 15], runs[i, 16], runs[i, 17], runs[i, 18], runs[i, 19], runs[i, 20],
+        runs[i, 21], runs[i, 22], runs[i, 23], runs[i, 24], runs[i, 25], runs[i, 26],
     )  # fmt: skip
 
 
 @inlined_kernel
 def constants_in(row):
     """``Constants`` from ``row``, shape (constants,)."""
-    return constants_of(row.reshape((CONSTANTS, 1)), 0)
+    return constants_of(row.reshape((1, CONSTANTS)), 0)
 
 
 @inlined_kernel
 def state_in(runs, row, i):
     """The ``State`` of run ``i`` kept from ``row`` on."""
     return State(
-        runs[row, i], runs[row + 1, i], runs[row + 2, i],
-        runs[row + 3, i], runs[row + 4, i], runs[row + 5, i],
+        runs[i, row], runs[i, row + 1], runs[i, row + 2],
+        runs[i, row + 3], runs[i, row + 4], runs[i, row + 5],
     )  # fmt: skip
 
 
 @inlined_kernel
 def keep_state_in(q, runs, row, i):
     """Write ``q`` from ``row`` on."""
-    runs[row, i], runs[row + 1, i], runs[row + 2, i] = q.x, q.y, q.tilt
-    runs[row + 3, i], runs[row + 4, i], runs[row + 5, i] = q.x_rate, q.y_rate, q.tilt_rate
+    runs[i, row], runs[i, row + 1], runs[i, row + 2] = q.x, q.y, q.tilt
+    runs[i, row + 3], runs[i, row + 4], runs[i, row + 5] = q.x_rate, q.y_rate, q.tilt_rate
 
 
 @inlined_kernel
@@ -116,30 +116,30 @@ def keep_state(q, runs, i):
 def mode_of(runs, i):
     """The ``Mode`` of run ``i``."""
     return Mode(
-        runs[MODE, i],
-        int(runs[MODE + 1, i]),
-        int(runs[MODE + 2, i]),
-        runs[MODE + 3, i],
-        runs[MODE + 4, i] != 0.0,
-        int(runs[MODE + 5, i]),
-        int(runs[MODE + 6, i]),
-        int(runs[MODE + 7, i]),
-        runs[MODE + 8, i] != 0.0,
+        runs[i, MODE],
+        int(runs[i, MODE + 1]),
+        int(runs[i, MODE + 2]),
+        runs[i, MODE + 3],
+        runs[i, MODE + 4] != 0.0,
+        int(runs[i, MODE + 5]),
+        int(runs[i, MODE + 6]),
+        int(runs[i, MODE + 7]),
+        runs[i, MODE + 8] != 0.0,
     )
 
 
 @inlined_kernel
 def keep_mode(mode, runs, i):
     """Make ``mode`` the mode of run ``i``."""
-    runs[MODE, i] = mode.edge
-    runs[MODE + 1, i] = mode.face
-    runs[MODE + 2, i] = mode.corner
-    runs[MODE + 3, i] = mode.corner_offset
-    runs[MODE + 4, i] = mode.slip_at_corner
-    runs[MODE + 5, i] = mode.support_slip
-    runs[MODE + 6, i] = mode.side
-    runs[MODE + 7, i] = mode.side_slip
-    runs[MODE + 8, i] = mode.dropped
+    runs[i, MODE] = mode.edge
+    runs[i, MODE + 1] = mode.face
+    runs[i, MODE + 2] = mode.corner
+    runs[i, MODE + 3] = mode.corner_offset
+    runs[i, MODE + 4] = mode.slip_at_corner
+    runs[i, MODE + 5] = mode.support_slip
+    runs[i, MODE + 6] = mode.side
+    runs[i, MODE + 7] = mode.side_slip
+    runs[i, MODE + 8] = mode.dropped
 
 
 @kernel
@@ -152,12 +152,12 @@ def keep_ending(ending, endings, row):
 @kernel
 def ending_of(runs, i):
     """The ``Ending`` of run ``i``."""
-    tau_align = runs[TAU_ALIGN, i]
-    until = runs[TIME, i] if isnan(tau_align) else tau_align
+    tau_align = runs[i, TAU_ALIGN]
+    until = runs[i, TIME] if isnan(tau_align) else tau_align
     return Ending(
-        runs[OUTCOME, i], runs[REASON, i], runs[TIME, i], tau_align, runs[TAU_CORNERS_INSIDE, i],
-        runs[TILT_AT_ALIGNMENT, i], runs[TILT_MAX, i], runs[SEPARATIONS, i], runs[FORCE_MAX, i],
-        runs[STICKING_TIME, i] / until if until > 0.0 else 0.0, runs[EVALUATIONS, i],
-        runs[STEPS, i], runs[REJECTED, i], runs[SWITCHES, i], runs[SETTLED_PERIOD, i],
-        runs[TRACKED, i],
+        runs[i, OUTCOME], runs[i, REASON], runs[i, TIME], tau_align, runs[i, TAU_CORNERS_INSIDE],
+        runs[i, TILT_AT_ALIGNMENT], runs[i, TILT_MAX], runs[i, SEPARATIONS], runs[i, FORCE_MAX],
+        runs[i, STICKING_TIME] / until if until > 0.0 else 0.0, runs[i, EVALUATIONS],
+        runs[i, STEPS], runs[i, REJECTED], runs[i, SWITCHES], runs[i, SETTLED_PERIOD],
+        runs[i, TRACKED],
     )  # fmt: skip

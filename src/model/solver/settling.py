@@ -7,9 +7,8 @@ that does not contract: it is taken to last. The run has settled when neither, t
 reach alignment or any switch that the last n periods did not make.
 """
 
-import numpy as np
-
 from model.physics.compiled import kernel
+from model.physics.notation import State
 from model.solver.record import STATE_SIZE
 from model.solver.switching import (
     CORNER_LOAD,
@@ -47,10 +46,13 @@ def record_period(count, y, closest, states, lowest):
 
 
 @kernel
-def _difference(count, n, states, out):
-    """Write the state at period ``count`` less that at ``count - n``."""
-    for i in range(STATE_SIZE):
-        out[i] = states[count % HISTORY, i] - states[(count - n) % HISTORY, i]
+def _difference(count, n, states):
+    """The state at period ``count`` less that at ``count - n``."""
+    now, then = states[count % HISTORY], states[(count - n) % HISTORY]
+    return State(
+        now[0] - then[0], now[1] - then[1], now[2] - then[2],
+        now[3] - then[3], now[4] - then[4], now[5] - then[5],
+    )  # fmt: skip
 
 
 @kernel
@@ -81,34 +83,39 @@ def _ratio(later, earlier):
 
 
 @kernel
-def _reach(d0, d1, d2, cycles, noise, reach):
-    """Write how far each component may still move; whether the differences contract at all.
+def _reach(d0, d1, d2, cycles, noise):
+    """How far each component may still move, as a ``State``; whether the differences contract.
 
     ``d0``, ``d1``, ``d2`` are the differences over one cycle, the last one first; a creep is taken
     to last so many ``cycles``.
     """
     gap, before, earlier = _largest(d0), _largest(d1), _largest(d2)
     if max(before, earlier) > _NEARLY_LINEAR:
-        return False
+        return d0, False
     contraction, creeps = 0.0, False
     ratio, ratio_before = 0.0, 0.0
     if gap > noise:
         ratio, ratio_before = _ratio(d0, d1), _ratio(d1, d2)
         contraction = max(gap / before, before / earlier)
         if max(contraction, ratio) > _CONTRACTION:
-            return False
+            return d0, False
         creeps = True
     elif before > noise:
         contraction = min(before / earlier, _CONTRACTION)
     unexplained = 0.0
     for i in range(STATE_SIZE):
-        reach[i] = max(abs(d0[i]), noise) / (1.0 - contraction)
         without = max(abs(d0[i] - ratio * d1[i]), abs(d0[i] - ratio_before * d1[i]))
         unexplained = max(unexplained, without)
-    if creeps and unexplained > noise:
-        for i in range(STATE_SIZE):
-            reach[i] = max(reach[i], unexplained * cycles)
-    return True
+    creep = unexplained * cycles if creeps and unexplained > noise else 0.0
+    rest = 1.0 - contraction
+    return State(
+        max(max(abs(d0.x), noise) / rest, creep),
+        max(max(abs(d0.y), noise) / rest, creep),
+        max(max(abs(d0.tilt), noise) / rest, creep),
+        max(max(abs(d0.x_rate), noise) / rest, creep),
+        max(max(abs(d0.y_rate), noise) / rest, creep),
+        max(max(abs(d0.tilt_rate), noise) / rest, creep),
+    ), True
 
 
 @kernel
@@ -149,12 +156,10 @@ def settled_period(count, period, states, lowest, p, noise):
             break
         if not _is_close(count, n, states):
             continue
-        d0, d1, d2 = np.empty(STATE_SIZE), np.empty(STATE_SIZE), np.empty(STATE_SIZE)
-        reach = np.empty(STATE_SIZE)
-        _difference(count, n, states, d0)
-        _difference(count - n, n, states, d1)
-        _difference(count - 2 * n, n, states, d2)
-        if not _reach(d0, d1, d2, _LASTING / (n * period), noise, reach):
+        d0, d1 = _difference(count, n, states), _difference(count - n, n, states)
+        d2 = _difference(count - 2 * n, n, states)
+        reach, contracts = _reach(d0, d1, d2, _LASTING / (n * period), noise)
+        if not contracts:
             continue
         clear = True
         for i in range(n):

@@ -17,15 +17,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from model.physics.compiled import borrowed, inlined_kernel, kernel
+from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.motion import motion
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED
-from model.solver.course import begin, borrowed_history, end_step, note_step
+from model.solver.course import begin, end_step, note_step
 from model.solver.loop import (
     advance,
-    borrowed_workspace,
     note_closest,
     side_force,
     support_force,
@@ -460,13 +459,13 @@ def _implicit_length(time, longest, p, mode, table, tolerance, max_evaluations, 
     ``memory.length`` becomes what the error estimate proposes for the next one.
     """
     h = longest
-    while h > _WORTH * runs[NEXT_STEP, i] and runs[EVALUATIONS, i] <= max_evaluations:
+    while h > _WORTH * runs[i, NEXT_STEP] and runs[i, EVALUATIONS] <= max_evaluations:
         solved, evaluations = _collocate(time, h, p, mode, table, tolerance, memory)
-        runs[EVALUATIONS, i] += evaluations
+        runs[i, EVALUATIONS] += evaluations
         shrinking = 0.25
         if solved:
             error = _error(time, h, p, mode, table, tolerance, memory)
-            runs[EVALUATIONS, i] += 1
+            runs[i, EVALUATIONS] += 1
             growth = CAUTION * max(error, 1e-12) ** (-1.0 / (_STAGES + 1.0))
             if error <= 1.0:
                 memory.length[0] = h * min(growth, MOST_GROWTH)
@@ -479,7 +478,7 @@ def _implicit_length(time, longest, p, mode, table, tolerance, max_evaluations, 
                 shrinking = _BEFORE * until
             else:
                 shrinking = max(LEAST_SHRINKING, growth)
-        runs[REJECTED, i] += 1
+        runs[i, REJECTED] += 1
         h *= shrinking
     return 0.0
 
@@ -487,15 +486,15 @@ def _implicit_length(time, longest, p, mode, table, tolerance, max_evaluations, 
 @kernel
 def _advance_implicitly(table, control, track, history, memory, runs, i):
     """Advance run ``i`` by one implicit step: whether there is one."""
-    time, p, mode = runs[TIME, i], constants_of(runs, i), mode_of(runs, i)
+    time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     states, samples = memory.states, memory.samples
     keep_in(state_in(runs, STATE, i), states[0])
     switching_functions(time, state_of(states[0]), p, mode, samples[0])
-    left = runs[STOP, i] - time
-    longest = max(memory.length[0], _FIRST * runs[NEXT_STEP, i])
+    left = runs[i, STOP] - time
+    longest = max(memory.length[0], _FIRST * runs[i, NEXT_STEP])
     cut = longest >= left
     h = _implicit_length(
-        time, left if cut else longest, p, mode, table, runs[TOLERANCE, i],
+        time, left if cut else longest, p, mode, table, runs[i, TOLERANCE],
         control.max_evaluations, memory, runs, i,
     )  # fmt: skip
     if h == 0.0:
@@ -517,7 +516,7 @@ def _advance_implicitly(table, control, track, history, memory, runs, i):
         at, q = time + table.places[node] * h, state_of(states[node])
         track_sample(track, at, q, samples[node], runs, i)
     keep_state(hold_sticking(state_of(states[_STAGES]), p, mode), runs, i)
-    runs[TIME, i] = runs[STOP, i] if at_stop else time + h
+    runs[i, TIME] = runs[i, STOP] if at_stop else time + h
     end_step(at_stop, history, control, runs, i)
     return True
 
@@ -527,7 +526,7 @@ def advance_stiff(declared, method, table, control, track, history, work, memory
     """Advance run ``i`` by one step, implicit where stability would limit an explicit one."""
     p, mode = constants_of(runs, i), mode_of(runs, i)
     rate = _fastest(state_in(runs, STATE, i), p, mode)
-    if rate * runs[NEXT_STEP, i] <= _LIMITED or memory.pause[0] > 0.0:
+    if rate * runs[i, NEXT_STEP] <= _LIMITED or memory.pause[0] > 0.0:
         memory.pause[0] = max(memory.pause[0] - 1.0, 0.0)
     elif _advance_implicitly(table, control, track, history, memory, runs, i):
         return
@@ -539,13 +538,12 @@ def integrate_stiff(
     rows, tolerances, declared, method, table, control, track, endings, single, memory
 ):
     """As ``integrate_each``, for parameter sets that ``are_stiff``; ``table`` is RADAU."""
-    runs, history = borrowed(single.runs), borrowed_history(single.history)
-    work, track = borrowed_workspace(single.work), borrowed(track)
-    i = runs.shape[1] - 1
+    runs, history, work = single.runs, single.history, single.work
+    i = runs.shape[0] - 1
     for row in range(rows.shape[0]):
         begin(rows[row], tolerances[row], declared, control, runs, i)
         memory.length[0], memory.pause[0], memory.pause[1] = 0.0, 0.0, _PAUSES[0]
         track_run(track, work.scratch, runs, i)
-        while runs[OUTCOME, i] == CONTINUES:
+        while runs[i, OUTCOME] == CONTINUES:
             advance_stiff(declared, method, table, control, track, history, work, memory, runs, i)
         keep_ending(ending_of(runs, i), endings, row)

@@ -185,10 +185,12 @@ def edge_of_wall(which):
     return RIGHT_EDGE if which == RIGHT_WALL else LEFT_EDGE
 
 
-@kernel
-def quantities(which, q, p):
-    """The four quantities whose largest is the combined function ``which``."""
-    at = outline(q, p)
+@inlined_kernel
+def quantities_at(which, at, tilt, p):
+    """As ``quantities``, but a corner's does not ask whether it moves down: all it needs is places.
+
+    ``at`` is an ``Outline``. Each quantity is a constant plus multiples of what it is made of.
+    """
     if which == ALIGNED:
         return not_fallen_in(at, p)
     if which == CORNERS_INSIDE:
@@ -198,10 +200,21 @@ def quantities(which, q, p):
     if which == LEFT_EDGE_ENTERS:
         return edge_outside(LEFT_EDGE, at, p)
     if which == RIGHT_CORNER_LANDS:
+        return corner_below(RIGHT_EDGE, at, tilt, p)
+    if which == LEFT_CORNER_LANDS:
+        return corner_below(LEFT_EDGE, at, tilt, p)
+    return corner_off_wall(edge_of_wall(which), at, tilt, p)
+
+
+@kernel
+def quantities(which, q, p):
+    """The four quantities whose largest is the combined function ``which``."""
+    at = outline(q, p)
+    if which == RIGHT_CORNER_LANDS:
         return corner_above(RIGHT_EDGE, at, q, p)
     if which == LEFT_CORNER_LANDS:
         return corner_above(LEFT_EDGE, at, q, p)
-    return corner_off_wall(edge_of_wall(which), at, q.tilt, p)
+    return quantities_at(which, at, q.tilt, p)
 
 
 @inlined_kernel
@@ -214,10 +227,10 @@ def is_wall(which):
 
 
 @inlined_kernel
-def friction_margin(sticks, slip_sign, slip, friction, load, p):
-    """Sliding: slip in its direction. Sticking: what is left of the friction limit."""
+def friction_margin(sticks, slip_sign, slip, friction_size, load, p):
+    """Sliding: slip in its direction. Sticking: what |friction| leaves of its limit."""
     if sticks:
-        return p.friction * load - abs(friction)
+        return p.friction * load - friction_size
     return slip_sign * slip
 
 
@@ -250,10 +263,10 @@ def _face_switches(q, p, mode):
 
 
 @inlined_kernel
-def side_switches(depth, load, along_axis, p, mode):
+def side_switches(depth, load, size_along_axis, p, mode):
     """(load, gap, reload, end) of A2 on the left side face."""
     load, gap, reload = _contact_switches(mode.side, depth, load)
-    return load, gap, reload, p.half_height - abs(along_axis)
+    return load, gap, reload, p.half_height - size_along_axis
 
 
 @inlined_kernel
@@ -263,7 +276,7 @@ def _side_switches(q, p, mode):
     side = edge_on_side(q, p)
     load = contact_load(side.depth, side.closing_rate, q, p)
     along_axis = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p).along_axis
-    return side_switches(side.depth, load, along_axis, p, mode)
+    return side_switches(side.depth, load, abs(along_axis), p, mode)
 
 
 @inlined_kernel
@@ -288,11 +301,12 @@ def _friction_switches(time, q, p, mode):
     at = motion(time, q, p, mode)
     support = friction_margin(
         mode.support_slip == STICKING, mode.support_slip,
-        at.support_slip, at.support_friction, at.support_load, p,
+        at.support_slip, abs(at.support_friction), at.support_load, p,
     )  # fmt: skip
     side = friction_margin(
-        mode.side_slip == STICKING, mode.side_slip, at.side_slip, at.side_friction, at.side_load, p
-    )
+        mode.side_slip == STICKING, mode.side_slip,
+        at.side_slip, abs(at.side_friction), at.side_load, p,
+    )  # fmt: skip
     return support if supported else NEVER, side if beside else NEVER
 
 

@@ -14,8 +14,6 @@ already does.
 from math import isfinite, nan
 from typing import NamedTuple
 
-import numpy as np
-
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.forces import (
@@ -31,7 +29,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import Declared
 from model.solver.course import start
 from model.solver.record import STATE_SIZE
-from model.solver.step import error_estimate, state_of
+from model.solver.step import error_estimate, keep_in, state_of
 from model.solver.switching import (
     FLAT,
     LARGEST_TILT,
@@ -204,6 +202,12 @@ def _fall_within(h, y, p, method, k, trial):
 # --- Runs ---------------------------------------------------------------------------------------
 
 
+@inlined_kernel
+def _copy(state, into):
+    for n in range(STATE_SIZE):
+        into[n] = state[n]
+
+
 @kernel
 def _fixed_steps(scheme, h, p, method, horizon, max_evaluations, y, k, y_end):
     """Equal steps; whether the part has fallen in is looked at when a step has ended."""
@@ -215,12 +219,12 @@ def _fixed_steps(scheme, h, p, method, horizon, max_evaluations, y, k, y_end):
         length = min(h, horizon - time)
         if scheme == RK4_STEPS:
             runge_kutta_step(time, length, y, p, method, k, y_end)
-            k[0] = k[method.stages]
+            _copy(k[method.stages], k[0])
         else:
             semi_implicit_euler_step(time, length, y, p, k[0], y_end)
         steps += 1
         time = min(steps * h, horizon)
-        y[:] = y_end
+        _copy(y_end, y)
         if outside(y, p) < 0.0:
             return Passage(time, time, float(steps * cost), 1.0)
         if _has_left(y, p):
@@ -249,19 +253,19 @@ def _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y, k, y_end)
         h = length * (5.0 if error == 0.0 else min(5.0, 0.9 * error ** (-1.0 / method.order)))
         if outside(y_end, p) < 0.0:
             tau = time + _fall_within(length, y, p, method, k, y_end)
-            y[:] = y_end
+            _copy(y_end, y)
             return Passage(tau, tau, float(evaluations), 1.0)
         time = horizon if last else time + length
-        y[:] = y_end
-        k[0] = k[method.stages]
+        _copy(y_end, y)
+        _copy(k[method.stages], k[0])
         if _has_left(y, p):
             break
     return Passage(nan, time, float(evaluations), 1.0)
 
 
 @kernel
-def pass_unlocated(scheme, resolution, p, method, horizon, max_evaluations):
-    """Run one parameter set from its start to the fall or ``horizon``: ``Passage``, end state.
+def pass_unlocated(scheme, resolution, p, method, horizon, max_evaluations, y, y_end, k):
+    """Run one parameter set from its start to the fall or ``horizon``: ``Passage``.
 
     Args:
         scheme: RK4_STEPS, SEMI_IMPLICIT_EULER_STEPS or ADAPTIVE_STEPS.
@@ -270,13 +274,13 @@ def pass_unlocated(scheme, resolution, p, method, horizon, max_evaluations):
         method: ``Method`` of a scheme by Runge-Kutta steps; its last stage is the step's end.
         horizon: latest time.
         max_evaluations: most right-hand-side evaluations.
+        y: shape (6,), filled with the state at the end.
+        y_end: shape (6,), overwritten.
+        k: shape (stages + 1, 6), overwritten.
     """
     q, _ = start(p, _EVERY_CONTACT)
-    y = np.array([q.x, q.y, q.tilt, q.x_rate, q.y_rate, q.tilt_rate])
-    k, y_end = np.empty((method.stages + 1, STATE_SIZE)), np.empty(STATE_SIZE)
+    keep_in(q, y)
     unlocated_rates(0.0, y, p, k[0])
     if scheme == ADAPTIVE_STEPS:
-        passage = _adaptive_steps(resolution, p, method, horizon, max_evaluations, y, k, y_end)
-    else:
-        passage = _fixed_steps(scheme, resolution, p, method, horizon, max_evaluations, y, k, y_end)
-    return passage, y
+        return _adaptive_steps(resolution, p, method, horizon, max_evaluations, y, k, y_end)
+    return _fixed_steps(scheme, resolution, p, method, horizon, max_evaluations, y, k, y_end)

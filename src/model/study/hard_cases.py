@@ -102,7 +102,7 @@ def run_once(parameters: Parameters, settings: Settings) -> Run:
     tolerances = np.array([settings.tolerance])
     integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, endings, single)
     ending = Ending(*endings[0].tolist())
-    state = single.runs[STATE : STATE + STATE_SIZE, 0].copy()
+    state = single.runs[0, STATE : STATE + STATE_SIZE].copy()
     return Run(Outcome(int(ending.outcome)), ending.tau_align, state)
 
 
