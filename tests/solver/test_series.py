@@ -9,8 +9,9 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.solver import lanes
-from model.solver.inside_step import QUANTITIES, _fall, _values, enter_series
+from model.solver.inside_step import QUANTITIES, _fall, _values, enter_series, largest_until
 from model.solver.lanes import COEFFICIENTS, LANE_ROWS, is_corner, new_lanes, step_all
+from model.solver.record import SIZE
 from model.solver.series import CONSISTENT, FREE, GIVEN, SLIDES, STICKS, recurrences
 from model.solver.series_code import KINDS, ORDER, ROWS, SINES, WIDTH, operations
 from model.solver.switching import NEVER, Outline, outline
@@ -151,6 +152,40 @@ def sampled(
         enter_series(which, sign, series, w, lane)
         functions.append([max(_values(QUANTITIES, place, series)) for place in places])
     return np.min(functions, axis=0)
+
+
+@each_kind
+def test_series_of_switching_functions_are_those_of_the_functions(support: int, side: int) -> None:
+    step, compared = Step(support, side, 0.4, tolerance=1e-6), 0
+    series = np.zeros((ORDER + 1, QUANTITIES))
+    assert (step.w[lanes.LENGTH] > 0.03).all()
+    nodes = np.linspace(0.0, 1.0, lanes.NODES)
+    rows = lanes.SAMPLES + lanes.SWITCH_COUNT * np.arange(lanes.NODES)
+    for lane in range(WIDTH):
+        for which in lanes.WATCHED_SWITCHES:
+            expected = step.w[rows + which, lane]
+            if expected[0] != NEVER:
+                found = sampled(int(which), nodes, series, step.w.reshape(-1), lane)
+                assert found == pytest.approx(expected, rel=1e-10, abs=1e-11)
+                compared += 1
+    assert compared >= 5 * WIDTH
+
+
+@each_kind
+def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> None:
+    step, runs = Step(support, side, 0.4, tolerance=1e-6), np.zeros((1, SIZE))
+    assert (step.w[lanes.LENGTH] > 0.03).all()
+    for lane in range(WIDTH):
+        length = step.w[lanes.LENGTH, lane]
+        for until in (1.0, 0.6, 0.1):
+            course = np.array(
+                [step.at(theta * length, lane) for theta in np.linspace(0, until, 3001)]
+            )
+            presses = [step.w[row, lane] == CLOSED for row in (lanes.FACE, lanes.SIDE)]
+            forces = course[:, [lanes.CONTACTS_AT, lanes.CONTACTS_AT + 2]] * presses
+            tilt, force = largest_until(until, step.w.reshape(-1), lane, runs, 0)
+            assert tilt == pytest.approx(np.abs(course[:, lanes.TILT]).max(), rel=1e-6)
+            assert force == pytest.approx(max(forces.max(), 0.0), rel=1e-6)
 
 
 def test_the_first_fall_is_found_however_short_what_follows() -> None:
