@@ -26,7 +26,6 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary, ll  # type: ignore[attr-defined]
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
-from numba.core.runtime.nrt import rtsys
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -168,14 +167,13 @@ class _Kept(FunctionCache):
     """numba's cache, from which a kernel comes without all that compiling needs.
 
     Before it looks into its cache, numba sets up everything that it can compile, scipy's linear
-    algebra included. What it finds there is machine code, which asks for the runtime alone; what it
-    does not find is compiled, and then numba's compiler sets up the rest.
+    algebra included. What it finds there is machine code, which asks for nothing; what it does not
+    find is compiled, and then numba's compiler sets up everything.
     """
 
     _impl_class = _KeptCode
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
 
