@@ -24,6 +24,7 @@ from model.physics.parameters import Parameters
 State = NDArray[np.float64]
 Function = Callable[[Any, State], Any]
 
+SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
 RIGHT, LEFT = 1, -1
 _NODES = np.concatenate([[0.0, 1e-4, 1e-3, 1e-2], np.linspace(1 / 24, 1.0, 24)])
 _ON_ZERO = 1e-9  # a switching function below this, as a mode begins, begins on its zero
@@ -539,13 +540,15 @@ def _crossing(
     return None
 
 
-def solve(parameters: Parameters, horizon: float, tolerance: float = 1e-13) -> Solution:
+def solve(
+    parameters: Parameters, horizon: float, tolerance: float = SMALLEST_TOLERANCE
+) -> Solution:
     """The independent solution for one parameter set (consistent readings, alignment scene).
 
     Args:
         parameters: the device, tilted toward the slot at the start or upright.
         horizon: latest time, dimensionless.
-        tolerance: scipy's rtol and atol.
+        tolerance: scipy's rtol and atol; by default the smallest rtol that it takes.
 
     Raises:
         ArithmeticError: scipy gives up, or no friction force is consistent.
