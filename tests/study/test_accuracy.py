@@ -1,5 +1,7 @@
 """The accuracy trials: their law, their tables, and what they make of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -117,6 +119,28 @@ def test_truths_are_given_for_every_certain_alignment(tables):
     for tau in (table["tight_tau"], table["independent_tau"]):
         error = np.abs(table["tau_align"] - tau)[certain]
         assert (error <= 10 * table["tau_error"][certain]).all()
+
+
+def test_what_the_reference_engine_does_not_settle_on_is_carried_on_itself(study):
+    # 6021 is a chaotic transient that ends in a cycle of six periods; of 15645 the reference engine
+    # enters a slip of 9e-7, just after it has left zero, as a near approach.
+    trial = trial_of(study, "settled")
+    sets = np.array([6021, 15645])
+    table = accuracy._settled(trial.batch(sets), trial.settings.settings, longer=2.0, cores=1)
+    assert (table["outcome"] == Outcome.SETTLED).all()
+    assert (table["settled_at"] < trial.settings.horizon).all()
+    assert table["repeats"].tolist() == [1, 1]
+    assert not is_wrong({"set": sets, **table}).any()
+
+
+def test_a_chaotic_course_does_not_repeat(study):
+    trial = trial_of(study, "settled")
+    p = trial.batch(np.array([6021]))[0]
+    long = replace(trial.settings.settings, horizon=600.0, may_settle=False)
+    cycle = 6 * 2.0 * np.pi / p.frequency
+    other = replace(long, tolerance=1e-9)  # on which the transient lasts
+    assert accuracy._repeats(p, long, 204.638, cycle) == (Outcome.HORIZON_REACHED, True)
+    assert accuracy._repeats(p, other, 204.638, cycle) == (Outcome.HORIZON_REACHED, False)
 
 
 def test_a_course_that_settles_later_is_followed_to_there(tables, monkeypatch):
@@ -249,22 +273,24 @@ def test_a_flag_takes_a_set_out_of_the_count():
 
 
 @pytest.mark.parametrize(
-    ("later", "moved", "wrong"),
+    ("later", "moved", "repeats", "wrong"),
     [
-        (Outcome.HORIZON_REACHED, 1e-6, False),
-        (Outcome.HORIZON_REACHED, 2 * FARTHEST, True),
-        (Outcome.HORIZON_REACHED, np.nan, True),
-        (Outcome.ALIGNED, 1e-6, True),
-        (Outcome.LEFT_SCENE, 1e-6, True),
-        (Outcome.FAILED, 1e-6, True),
+        (Outcome.HORIZON_REACHED, 1e-6, -1, False),
+        (Outcome.HORIZON_REACHED, 2 * FARTHEST, -1, True),
+        (Outcome.HORIZON_REACHED, np.nan, 1, False),
+        (Outcome.HORIZON_REACHED, np.nan, 0, True),
+        (Outcome.ALIGNED, 1e-6, -1, True),
+        (Outcome.LEFT_SCENE, 1e-6, -1, True),
+        (Outcome.FAILED, np.nan, 1, True),
     ],
 )
-def test_a_settled_set_that_goes_elsewhere_is_wrong(later, moved, wrong):
+def test_a_settled_set_that_goes_elsewhere_is_wrong(later, moved, repeats, wrong):
     table = {
         "set": np.array([0, 1]),
         "outcome": np.array([int(Outcome.SETTLED), int(Outcome.ALIGNED)]),
         "later_outcome": np.array([int(later), -1]),
         "later_moved": np.array([moved, np.nan]),
+        "repeats": np.array([repeats, -1]),
     }
     assert is_wrong(table).tolist() == [wrong, False]
     named = {verdict.what: verdict for verdict in judge_settled(table)}["wrongly settled"]
