@@ -12,7 +12,7 @@ from model import Parameters
 
 TIGHTEST, LOOSEST = -28, -4  # tolerances are 10 ** (k/2): 1e-14 to 1e-2
 _LEAST_TIME = 0.05  # seconds a timed call lasts at least, where the batch allows
-_SLOW = 1.0  # seconds; a call longer than this is timed once
+_SLOW = 4.0  # seconds; a call longer than this is timed once
 
 
 @dataclass(frozen=True)

@@ -240,7 +240,7 @@ class HeyokaBatch(Method):
         # heyoka recommends 256 bits where there are 512 too; these are up to 1.6 times faster.
         wide = ll.get_host_cpu_features().get("avx512f", False)
         self.width = _WIDEST if wide else hy.recommended_simd_size()
-        self.batch = 8 * self.width
+        self.batch = 1024
         self.formulation = f"{self.width} lanes, modes as parameters, terminal events, refilled"
         self._lanes: dict[float, _Lanes] = {}
 

@@ -1,6 +1,7 @@
 """The package itself: ``align`` on a batch, by each of its engines, as a user calls it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,7 +15,7 @@ class Vibralign(Method):
     """``align`` with one engine: two runs of each set, or more, which yields its error estimate."""
 
     package = "vibralign"
-    batch = 256
+    batch = 1024
     formulation = "align, two runs each with error estimate"
 
     def __init__(self, engine: Engine) -> None:
@@ -36,9 +37,9 @@ class Vibralign(Method):
 
 
 class OneRun(Vibralign):
-    """The lanes, one run of each set and no estimate of its error: what the peers do."""
+    """The lanes, one run of each set up to alignment, no estimate of its error: as the peers do."""
 
-    formulation = "one run each, no error estimate"
+    formulation = "one run each up to alignment, no error estimate"
 
     def __init__(self) -> None:
         super().__init__("lanes")
@@ -48,7 +49,8 @@ class OneRun(Vibralign):
         self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float
     ) -> Solution:
         """As ``Method.solve``."""
-        runs = run_once(Batch.stack(cases), _settings(problem, tolerance), cores=1)
+        settings = replace(_settings(problem, tolerance), follow_fall=False, may_settle=False)
+        runs = run_once(Batch.stack(cases), settings, cores=1)
         return Solution(runs["tau_align"][:, np.newaxis], int(runs["rhs_evaluations"].sum()))
 
 

@@ -237,6 +237,24 @@ def test_printed_criterion_is_the_four_corner_conditions(device):
     assert run.tau_align == pytest.approx(other.tau_corners_inside, abs=1e-9)
 
 
+@pytest.mark.parametrize("engine", ["lanes", "scalar"])
+def test_a_run_may_end_at_alignment(device, engine):
+    whole = align([device], engine=engine)
+    part = align([device], engine=engine, follow_fall=False)
+    assert part.outcome[0] == Outcome.ALIGNED
+    assert part.tau_align[0] == whole.tau_align[0]
+    assert part.contact_force_max[0] == whole.contact_force_max[0]
+    assert np.isfinite(whole.tau_corners_inside[0])
+    assert np.isnan(part.tau_corners_inside[0])
+    assert part.rhs_evaluations[0] < whole.rhs_evaluations[0]
+
+
+def test_the_printed_criterion_is_followed_to_its_end(device):
+    printed = Readings(alignment_criterion="printed")
+    runs = align([device], readings=printed, follow_fall=False)
+    assert runs.tau_align[0] == runs.tau_corners_inside[0]
+
+
 def test_printed_sign_pushes_away_from_the_slot(device):
     # The print's U1 belongs to the mirror image: without friction the tilted face pushes to +x.
     p = device.replace(friction=0.0, initial_tilt=0.1, frequency=0.5)

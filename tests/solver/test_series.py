@@ -9,12 +9,19 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.solver import lanes
-from model.solver.inside_step import QUANTITIES, _fall, _values, enter_series, largest_until
+from model.solver.inside_step import (
+    QUANTITIES,
+    SERIES_ROWS,
+    _fall,
+    _values,
+    enter_series,
+    largest_until,
+)
 from model.solver.lanes import COEFFICIENTS, LANE_ROWS, is_corner, new_lanes, step_all
 from model.solver.record import SIZE
 from model.solver.series import CONSISTENT, FREE, GIVEN, SLIDES, STICKS, recurrences
 from model.solver.series_code import KINDS, ORDER, ROWS, SINES, WIDTH, operations
-from model.solver.switching import NEVER, Outline, outline
+from model.solver.switching import COMBINED_COUNT, NEVER, Outline, outline
 
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
 each_kind = pytest.mark.parametrize(
@@ -120,15 +127,18 @@ def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: in
             )
 
 
+FOLLOWED = [lanes.TILT, *range(lanes.OUTLINE_AT, SINES)]  # rows that are sampled at every node
+
+
 @each_kind
 def test_bends_bound_the_distance_from_a_line(support: int, side: int) -> None:
     step = Step(support, side, 0.05, tolerance=1e-6)
     for lane in range(WIDTH):
         length = step.w[lanes.LENGTH, lane]
-        bends = step.w[lanes.VALUES + lanes.NODES * SINES :][:SINES, lane]
+        bends = step.w[lanes.VALUES + lanes.NODES * SINES :][FOLLOWED, lane]
         for start in (0.0, 0.25, 0.5, 0.75):
             left, middle, right = (
-                step.at((start + part) * length, lane)[:SINES] for part in (0.0, 0.125, 0.25)
+                step.at((start + part) * length, lane)[FOLLOWED] for part in (0.0, 0.125, 0.25)
             )
             off = np.abs(middle - 0.5 * (left + right))
             assert (off <= 0.25**2 / 8.0 * bends * (1.0 + 1e-9) + 1e-12).all()
@@ -147,17 +157,17 @@ def sampled(
     which: int, places: np.ndarray, series: np.ndarray, w: np.ndarray, lane: int
 ) -> np.ndarray:
     """A switching function from the series of its quantities, of either sign."""
-    functions = []
+    functions, count = [], QUANTITIES if which < COMBINED_COUNT else 1
     for sign in (1.0, -1.0):
         enter_series(which, sign, series, w, lane)
-        functions.append([max(_values(QUANTITIES, place, series)) for place in places])
+        functions.append([max(_values(count, place, series)) for place in places])
     return np.min(functions, axis=0)
 
 
 @each_kind
 def test_series_of_switching_functions_are_those_of_the_functions(support: int, side: int) -> None:
     step, compared = Step(support, side, 0.4, tolerance=1e-6), 0
-    series = np.zeros((ORDER + 1, QUANTITIES))
+    series = np.zeros((SERIES_ROWS, QUANTITIES))
     assert (step.w[lanes.LENGTH] > 0.03).all()
     nodes = np.linspace(0.0, 1.0, lanes.NODES)
     rows = lanes.SAMPLES + lanes.SWITCH_COUNT * np.arange(lanes.NODES)
@@ -191,7 +201,7 @@ def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> Non
 def test_the_first_fall_is_found_however_short_what_follows() -> None:
     # Against 1,001 samples of every function that applies, on steps ten times as long as usual.
     places, short, fell = np.linspace(0.0, 1.0, 1001), 0, 0
-    series = np.zeros((ORDER + 1, QUANTITIES))
+    series = np.zeros((SERIES_ROWS, QUANTITIES))
     for support in KINDS:
         for side in KINDS:
             step = Step(support, side, 0.4, tolerance=1e-2)

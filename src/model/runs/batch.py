@@ -136,7 +136,8 @@ def side_by_side(settings: Settings) -> Run:
     declared, method, control = settings.for_kernels
 
     def fill(rows: Array, tolerances: Array, endings: Array) -> None:
-        integrate_all(rows, tolerances, declared, method, control, endings, new_many())
+        many = new_many(settings.may_settle)
+        integrate_all(rows, tolerances, declared, method, control, endings, many)
 
     return _filling(fill)
 

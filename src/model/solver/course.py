@@ -95,11 +95,13 @@ class Control(NamedTuple):
         horizon: latest time.
         max_evaluations: most right-hand-side evaluations.
         may_settle: 1.0 to stop a run whose motion repeats itself, else 0.0.
+        follow_fall: 1.0 to go on after alignment until all four corners are inside, else 0.0.
     """
 
     horizon: float
     max_evaluations: int
     may_settle: float
+    follow_fall: float
 
 
 class History(NamedTuple):
@@ -198,7 +200,7 @@ def begin(row, tolerance, declared, control, runs, i):
     keep_mode(mode, runs, i)
     _note_end_of_period(runs, i)
     if runs[i, OUTCOME] == CONTINUES and _starts_past_the_end(q, p, mode):
-        make_switch(FACE_END, 0.0, _FIRST_STEP, declared, runs, i)
+        make_switch(FACE_END, 0.0, _FIRST_STEP, declared, control, runs, i)
 
 
 @kernel
@@ -236,7 +238,7 @@ def _opened(before, after):
 
 
 @kernel
-def _note_alignment(which, tilt, printed_criterion, runs, i):
+def _note_alignment(which, tilt, printed_criterion, follow_fall, runs, i):
     """Alignment by the criterion in force, and the four corners inside; whether the run ends.
 
     The first instant counts (R8): a part that is lifted again and falls once more has aligned.
@@ -249,7 +251,7 @@ def _note_alignment(which, tilt, printed_criterion, runs, i):
         _note_end_of_period(runs, i)
     if printed_criterion == (which == CORNERS_INSIDE) and isnan(runs[i, TAU_ALIGN]):
         runs[i, TAU_ALIGN], runs[i, TILT_AT_ALIGNMENT] = time, tilt
-    return which == CORNERS_INSIDE
+    return which == CORNERS_INSIDE or not (follow_fall or printed_criterion)
 
 
 @kernel
@@ -279,7 +281,7 @@ def _pass_over(before, runs, i):
 
 
 @kernel
-def make_switch(which, length, step, declared, runs, i):
+def make_switch(which, length, step, declared, control, runs, i):
     """Let the run, now on its switch ``which``, go on in the mode that follows, or end.
 
     ``length`` is what the run moved to get there, ``step`` the step it would have made.
@@ -300,7 +302,8 @@ def make_switch(which, length, step, declared, runs, i):
     keep_mode(mode, runs, i)
     if outcome == _ALIGNED:
         printed_criterion = p.printed_alignment_criterion != 0.0
-        if not _note_alignment(which, q.tilt, printed_criterion, runs, i):
+        follow_fall = control.follow_fall != 0.0
+        if not _note_alignment(which, q.tilt, printed_criterion, follow_fall, runs, i):
             outcome = CONTINUES
     if outcome != CONTINUES:
         _end(runs, i, outcome, reason)
@@ -318,23 +321,23 @@ def end_period(history, may_settle, runs, i):
         if runs[i, MADE + which] != 0.0:
             runs[i, CLOSEST + which] = NEVER
             runs[i, MADE + which] = 0.0
-    states, lowest = history.states[i], history.lowest[i]
-    record_period(
-        periods,
-        runs[i, STATE : STATE + STATE_SIZE],
-        runs[i, CLOSEST : CLOSEST + SWITCH_COUNT],
-        states,
-        lowest,
-    )
+    if may_settle:
+        states, lowest = history.states[i], history.lowest[i]
+        record_period(
+            periods,
+            runs[i, STATE : STATE + STATE_SIZE],
+            runs[i, CLOSEST : CLOSEST + SWITCH_COUNT],
+            states,
+            lowest,
+        )
+        if not mode_of(runs, i).dropped:
+            noise, p = 100.0 * runs[i, TOLERANCE], constants_of(runs, i)
+            period = settled_period(periods, period_length(p), states, lowest, p, noise)
+            if period > 0:
+                runs[i, SETTLED_PERIOD] = period
+                _end(runs, i, _SETTLED, _NONE)
     for which in range(SWITCH_COUNT):
         runs[i, CLOSEST + which] = NEVER
-    if may_settle and not mode_of(runs, i).dropped:
-        noise = 100.0 * runs[i, TOLERANCE]
-        p = constants_of(runs, i)
-        period = settled_period(periods, period_length(p), states, lowest, p, noise)
-        if period > 0:
-            runs[i, SETTLED_PERIOD] = period
-            _end(runs, i, _SETTLED, _NONE)
 
 
 @kernel

@@ -16,7 +16,6 @@ from model.solver.lanes import (
     CONTACTS_AT,
     TILT,
     TOO_FLAT_TO_TELL,
-    WATCHED_SWITCHES,
     Sizes,
     constants_of_lane,
     contacts_in,
@@ -37,7 +36,6 @@ from model.solver.record import (
     constants_of,
     mode_of,
 )
-from model.solver.series import Contacts
 from model.solver.series_code import FRACTIONS, NODES, ORDER, ROWS, SINES, WIDTH
 from model.solver.switching import (
     ALIGNED,
@@ -64,7 +62,6 @@ from model.solver.switching import (
     SIDE_SLIP,
     SUPPORT_SLIP,
     SWITCH_COUNT,
-    Outline,
     is_wall,
     largest,
     quantities,
@@ -73,6 +70,8 @@ from model.solver.switching import (
 from model.solver.transitions import REST_SLIP
 
 QUANTITIES = 4  # of a switching function
+_BENDS = ORDER + 1  # row behind their series
+SERIES_ROWS = ORDER + 2
 _QUARTER = FRACTIONS[0]
 _FINEST = 2.0**-24  # part of a step that is not divided
 _MOST_PARTS = 64
@@ -124,26 +123,35 @@ def _quantities_of(which, sign, at, contacts, tilt, p, mode):
 def _enter(which, sign, series, w, lane):
     """As ``enter_series``, of a function known to the compiler."""
     p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
-    nowhere = Outline(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    unloaded = Contacts(0.0, 0.0, 0.0, 0.0)
-    constant = _quantities_of(which, sign, nowhere, unloaded, 0.0, p, mode)
-    scale = 1.0
+    constant = _quantities_of(which, sign, lanes.NOWHERE, lanes.UNLOADED, 0.0, p, mode)
+    count = QUANTITIES if which < COMBINED_COUNT else 1
+    bends, scale = (0.0, 0.0, 0.0, 0.0), 1.0
     for order in range(ORDER + 1):
         row = COEFFICIENTS + order * ROWS
         at, contacts = outline_in(row, scale, w, lane), contacts_in(row, scale, w, lane)
         tilt = scale * w[(row + TILT) * WIDTH + lane]
-        term = _quantities_of(which, sign, at, contacts, tilt, p, mode)
-        for each in range(QUANTITIES):
-            series[order, each] = term[each] - (constant[each] if order > 0 else 0.0)
+        g = _quantities_of(which, sign, at, contacts, tilt, p, mode)
+        if order > 0:
+            g = (g[0] - constant[0], g[1] - constant[1], g[2] - constant[2], g[3] - constant[3])
+            part = 0.125 * order * (order - 1)
+            bends = (
+                bends[0] + part * abs(g[0]), bends[1] + part * abs(g[1]),
+                bends[2] + part * abs(g[2]), bends[3] + part * abs(g[3]),
+            )  # fmt: skip
+        for each in range(count):
+            series[order, each] = g[each]
         scale *= w[lanes.LENGTH * WIDTH + lane]
+    for each in range(count):
+        series[_BENDS, each] = bends[each]
 
 
 @kernel
 def enter_series(which, sign, series, w, lane):
     """Enter the series of a function's quantities in the step's fraction.
 
-    Into ``series``, shape (ORDER + 1, QUANTITIES), of function ``which``, if what it asks the size
-    of has this sign. Each function has a loop of its own, which takes no more than it needs.
+    Into ``series``, shape (SERIES_ROWS, QUANTITIES), of function ``which``, if what it asks the
+    size of has this sign; behind them how far each quantity may be from a line through its values
+    at the ends of the step. Each function has a loop of its own, which takes no more than it needs.
     """
     if which == ALIGNED:
         _enter(ALIGNED, 1.0, series, w, lane)
@@ -258,27 +266,39 @@ def _goes_one_way(left, right, bend):
 
 
 @inlined_kernel
-def _all_go_one_way(before, after, bend):
+def _all_go_one_way(before, after, bends):
     return (
-        _goes_one_way(before[0], after[0], bend)
-        and _goes_one_way(before[1], after[1], bend)
-        and _goes_one_way(before[2], after[2], bend)
-        and _goes_one_way(before[3], after[3], bend)
+        _goes_one_way(before[0], after[0], bends[0])
+        and _goes_one_way(before[1], after[1], bends[1])
+        and _goes_one_way(before[2], after[2], bends[2])
+        and _goes_one_way(before[3], after[3], bends[3])
     )
 
 
 @inlined_kernel
-def _fall_between(which, count, left, end, bend, series):
+def _bends(count, width, series):
+    """How far each quantity may be from a line through its values at two places so far apart."""
+    square = width * width
+    if count == 1:
+        return square * series[_BENDS, 0], 0.0, 0.0, 0.0
+    return (
+        square * series[_BENDS, 0], square * series[_BENDS, 1],
+        square * series[_BENDS, 2], square * series[_BENDS, 3],
+    )  # fmt: skip
+
+
+@inlined_kernel
+def _fall_between(which, count, left, end, series):
     """Where between two places the largest of ``series`` first falls through zero, or NO_SWITCH.
 
     The stretch is divided until in each part the function stays above zero by its bend, or goes one
-    way; ``bend`` is that of the whole step.
+    way.
     """
     right, before, parts = end, _values(count, left, series), 0
     while left < end:
         parts += 1
         after, width = _values(count, right, series), right - left
-        most = bend * width * width
+        most = _bends(count, width, series)
         if not one_stays_above(before, after, most):
             f, g = largest(before)[0], largest(after)[0]
             # Of a function that is zero to rounding all along, no part is fine enough.
@@ -294,17 +314,23 @@ def _fall_between(which, count, left, end, bend, series):
     return NO_SWITCH
 
 
-@kernel
-def first_fall(which, quarters, until, bend, series):
-    """``_fall_between`` in the first of the ``quarters``, given as bits, in which there is one."""
-    count = QUANTITIES if which < COMBINED_COUNT else 1
+@inlined_kernel
+def _fall_in(which, count, quarters, until, series):
     for quarter in range(NODES - 1):
         left, end = quarter * _QUARTER, min((quarter + 1) * _QUARTER, until)
         if quarters & (1 << quarter) != 0 and left < end:
-            theta = _fall_between(which, count, left, end, bend, series)
+            theta = _fall_between(which, count, left, end, series)
             if theta != NO_SWITCH:
                 return theta
     return NO_SWITCH
+
+
+@kernel
+def first_fall(which, quarters, until, series):
+    """``_fall_between`` in the first of the ``quarters``, given as bits, in which there is one."""
+    if which < COMBINED_COUNT:
+        return _fall_in(which, QUANTITIES, quarters, until, series)
+    return _fall_in(which, 1, quarters, until, series)
 
 
 @inlined_kernel
@@ -319,13 +345,12 @@ def _asks_size(which, mode):
 @kernel
 def _fall(which, until, series, w, lane):
     """``first_fall`` of function ``which`` of a lane."""
-    bend = w[lanes.bend_row(which) * WIDTH + lane] / _QUARTER**2
     quarters = int(w[(lanes.MAY_SWITCH + which) * WIDTH + lane])
     enter_series(which, 1.0, series, w, lane)
-    first = first_fall(which, quarters, until, bend, series)
+    first = first_fall(which, quarters, until, series)
     if _asks_size(which, mode_of_lane(w, lane)):
         enter_series(which, -1.0, series, w, lane)
-        first = min(first, first_fall(which, quarters, min(until, first), bend, series))
+        first = min(first, first_fall(which, quarters, min(until, first), series))
     return first
 
 
@@ -369,8 +394,9 @@ def _moves_down(which, theta, w, lane):
 def first_switch(w, lane, runs, work, series, i):
     """(which, θ) of the first switch in the step; θ is ``NO_SWITCH`` if there is none."""
     first, which_first, search = NO_SWITCH, -1, False
-    for which in WATCHED_SWITCHES:
-        if w[(lanes.MAY_SWITCH + which) * WIDTH + lane] == 0.0:
+    shown = int(w[lanes.SHOWN * WIDTH + lane])
+    for which in range(SWITCH_COUNT):
+        if shown & (1 << which) == 0:
             continue
         theta = _fall(which, first, series, w, lane)
         if is_corner(which) and (theta == NO_SWITCH or not _moves_down(which, theta, w, lane)):
@@ -426,10 +452,13 @@ def _peak(row, sign, theta, until, w, lane):
 def _highest(row, sign, until, known, w, lane):
     """The larger of ``known`` and the highest value of a row, times ``sign``, before ``until``."""
     first, node = (lanes.VALUES + row) * WIDTH + lane, SINES * WIDTH
+    bend = lanes.bend_of(row, w, lane)
     g = (
         sign * w[first], sign * w[first + node], sign * w[first + 2 * node],
         sign * w[first + 3 * node], sign * w[first + 4 * node],
     )  # fmt: skip
+    if max(max(g[0], g[1]), max(max(g[2], g[3]), g[4])) + bend <= known:
+        return known
     highest = max(known, g[0])
     for n in range(1, NODES):
         if n * _QUARTER <= until:

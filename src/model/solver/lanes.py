@@ -84,19 +84,15 @@ from model.solver.transitions import hold_sticking
     SIDE_SLIP_STATE,
     DROPPED,
     LENGTH,
-    SHOWN,  # above 0 where a switch may be in the step
+    SHOWN,  # switching functions that may fall through zero in the step, as bits
     STEP_TILT,  # what |tilt| stays below in the step
     STEP_FORCE,  # the same of the normal forces
-    OUTLINE_BEND,  # over a quarter of the step, the largest of what combined functions are made of,
-    FACE_BEND,  # of the load under the edge, its friction, the load at the side, its friction
-    SUPPORT_BEND,
-    SIDE_BEND,
-    SIDE_FRICTION_BEND,
-) = range(GIVEN, GIVEN + 18)
-END = SIDE_FRICTION_BEND + 1
+) = range(GIVEN, GIVEN + 13)
+END = STEP_FORCE + 1
 SAMPLES = END + STATE_SIZE  # switching functions at each node
-LOWEST = SAMPLES + NODES * SWITCH_COUNT  # the lowest of them in the step
-MAY_SWITCH = LOWEST + SWITCH_COUNT  # quarters in which each may fall through zero, as bits
+BENDS = SAMPLES + NODES * SWITCH_COUNT  # of those that are one quantity
+LOWEST = BENDS + SWITCH_COUNT  # the lowest of their samples, up to the end of each quarter
+MAY_SWITCH = LOWEST + (NODES - 1) * SWITCH_COUNT  # where each may fall through zero, as bits
 VALUES = MAY_SWITCH + SWITCH_COUNT  # the states and what is watched at each node, and their bends
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
 LANE_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS
@@ -228,37 +224,9 @@ def _set_lengths(w):
 
 
 @inlined_kernel
-def _bend(row, w, i):
+def bend_of(row, w, i):
+    """How far a row may be from the line through two of its samples."""
     return _BEND * w[(VALUES + NODES * SINES + row) * WIDTH + i]
-
-
-@kernel
-def _note_bends(w):
-    for i in range(WIDTH):
-        bend = _bend(TILT, w, i)
-        for row in range(OUTLINE_AT, CONTACTS_AT):
-            bend = max(bend, _bend(row, w, i))
-        w[OUTLINE_BEND * WIDTH + i] = bend
-        mode, friction = mode_of_lane(w, i), constants_of_lane(w, i).friction
-        face, side = _bend(CONTACTS_AT, w, i), _bend(CONTACTS_AT + 2, w, i)
-        support_slip, side_slip = _bend(CONTACTS_AT + 1, w, i), _bend(CONTACTS_AT + 3, w, i)
-        support_limit = friction * face if mode.support_slip == STICKING else 0.0
-        side_limit = friction * side if mode.side_slip == STICKING else 0.0
-        w[FACE_BEND * WIDTH + i], w[SIDE_BEND * WIDTH + i] = face, side
-        w[SUPPORT_BEND * WIDTH + i] = support_slip + support_limit
-        w[SIDE_FRICTION_BEND * WIDTH + i] = side_slip + side_limit
-
-
-@inlined_kernel
-def bend_row(which):
-    """Where the bend of a function stands."""
-    if which == FACE_LOAD or which == FACE_RELOAD:
-        return FACE_BEND
-    if which == SIDE_LOAD or which == SIDE_RELOAD:
-        return SIDE_BEND
-    if which == SUPPORT_SLIP:
-        return SUPPORT_BEND
-    return SIDE_FRICTION_BEND if which == SIDE_SLIP else OUTLINE_BEND
 
 
 class Sizes(NamedTuple):
@@ -302,23 +270,56 @@ def single_functions(at, contacts, sizes, p, mode):
     )  # fmt: skip
 
 
+# What makes a function its constant.
+NOWHERE = Outline(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+UNLOADED = Contacts(0.0, 0.0, 0.0, 0.0)
+_SMALL = Sizes(0.0, 0.0, 0.0, 0.0)
+
+
+@inlined_kernel
+def _enter_single(first, g, w, i):
+    """Enter one number for each of the ``single_functions``, from row ``first`` on."""
+    at, n = first * WIDTH + i, WIDTH
+    w[at + FACE_LOAD * n], w[at + FACE_GAP * n], w[at + FACE_RELOAD * n] = g[0], g[1], g[2]
+    w[at + FACE_END * n], w[at + FACE_FAR_END * n], w[at + SIDE_LOAD * n] = g[3], g[4], g[5]
+    w[at + SIDE_GAP * n], w[at + SIDE_RELOAD * n], w[at + SIDE_END * n] = g[6], g[7], g[8]
+    w[at + SUPPORT_SLIP * n], w[at + SIDE_SLIP * n] = g[9], g[10]
+    w[at + OVERTURNED * n] = g[11]
+
+
 @inlined_kernel
 def _sample_single(node, w):
-    n, at, row = WIDTH, (SAMPLES + node * SWITCH_COUNT) * WIDTH, VALUES + node * SINES
+    row = VALUES + node * SINES
     for i in range(WIDTH):
-        p, mode = constants_of_lane(w, i), mode_of_lane(w, i)
         places, contacts = outline_in(row, 1.0, w, i), contacts_in(row, 1.0, w, i)
         sizes = Sizes(
             abs(places.left_along_axis), abs(contacts.support_friction),
-            abs(contacts.side_friction), abs(w[(row + TILT) * n + i]),
+            abs(contacts.side_friction), abs(w[(row + TILT) * WIDTH + i]),
+        )  # fmt: skip
+        g = single_functions(places, contacts, sizes, constants_of_lane(w, i), mode_of_lane(w, i))
+        _enter_single(SAMPLES + node * SWITCH_COUNT, g, w, i)
+
+
+@kernel
+def _note_bends(w):
+    """Enter how far the single functions may be from lines through their samples."""
+    row = VALUES + NODES * SINES
+    for i in range(WIDTH):
+        p, mode = constants_of_lane(w, i), mode_of_lane(w, i)
+        places, contacts = outline_in(row, _BEND, w, i), contacts_in(row, _BEND, w, i)
+        sizes = Sizes(  # which are subtracted
+            -places.left_along_axis, -contacts.support_friction,
+            -contacts.side_friction, -bend_of(TILT, w, i),
         )  # fmt: skip
         g = single_functions(places, contacts, sizes, p, mode)
-        w[at + FACE_LOAD * n + i], w[at + FACE_GAP * n + i] = g[0], g[1]
-        w[at + FACE_RELOAD * n + i], w[at + FACE_END * n + i] = g[2], g[3]
-        w[at + FACE_FAR_END * n + i], w[at + SIDE_LOAD * n + i] = g[4], g[5]
-        w[at + SIDE_GAP * n + i], w[at + SIDE_RELOAD * n + i] = g[6], g[7]
-        w[at + SIDE_END * n + i], w[at + SUPPORT_SLIP * n + i] = g[8], g[9]
-        w[at + SIDE_SLIP * n + i], w[at + OVERTURNED * n + i] = g[10], g[11]
+        constant = single_functions(NOWHERE, UNLOADED, _SMALL, p, mode)
+        bends = (
+            abs(g[0] - constant[0]), abs(g[1] - constant[1]), abs(g[2] - constant[2]),
+            abs(g[3] - constant[3]), abs(g[4] - constant[4]), abs(g[5] - constant[5]),
+            abs(g[6] - constant[6]), abs(g[7] - constant[7]), abs(g[8] - constant[8]),
+            abs(g[9] - constant[9]), abs(g[10] - constant[10]), abs(g[11] - constant[11]),
+        )  # fmt: skip
+        _enter_single(BENDS, bends, w, i)
 
 
 @kernel
@@ -353,13 +354,25 @@ def _quarters(first, second, third, fourth):
 
 
 @inlined_kernel
+def _note_lowest(which, applies, samples, w, i):
+    """Enter how low a function comes; NEVER where it leaves zero, which is no approach to it."""
+    at, quarter = (LOWEST + which) * WIDTH + i, SWITCH_COUNT * WIDTH
+    counts = (samples[0] > ON_A_SWITCH) & applies
+    second = min(samples[1], samples[2])
+    third = min(second, samples[3])
+    w[at] = samples[1] if counts else NEVER
+    w[at + quarter] = second if counts else NEVER
+    w[at + 2 * quarter] = third if counts else NEVER
+    w[at + 3 * quarter] = min(third, samples[4]) if counts else NEVER
+
+
+@inlined_kernel
 def _screen_single(which, w):
-    """Enter a function's lowest sample, and where it may fall through zero."""
+    """Enter how low a function comes, and where it may fall through zero."""
     n = WIDTH
-    row = bend_row(which)
     first = (SAMPLES + which) * n
     for i in range(WIDTH):
-        bend = w[row * n + i]
+        bend = w[(BENDS + which) * n + i]
         g0, g1 = w[first + i], w[first + SWITCH_COUNT * n + i]
         g2, g3 = w[first + 2 * SWITCH_COUNT * n + i], w[first + 3 * SWITCH_COUNT * n + i]
         g4 = w[first + 4 * SWITCH_COUNT * n + i]
@@ -368,10 +381,9 @@ def _screen_single(which, w):
             stays_above(g2, g3, bend), stays_above(g3, g4, bend),
         )  # fmt: skip
         flagged = 0.0 if g0 == NEVER else flagged
-        lowest = min(min(g1, g2), min(g3, g4))
-        w[(LOWEST + which) * n + i] = lowest if g0 > ON_A_SWITCH else NEVER
+        _note_lowest(which, g0 != NEVER, (g0, g1, g2, g3, g4), w, i)
         w[(MAY_SWITCH + which) * n + i] = flagged
-        w[SHOWN * n + i] = max(w[SHOWN * n + i], flagged)
+        w[SHOWN * n + i] += float(1 << which) if flagged > 0.0 else 0.0
 
 
 @inlined_kernel
@@ -381,13 +393,13 @@ def is_corner(which):
 
 
 @inlined_kernel
-def one_stays_above(left, right, bend):
+def one_stays_above(left, right, bends):
     """Whether one of four quantities ``stays_above``, and with it the largest of them."""
     return (
-        stays_above(left[0], right[0], bend)
-        | stays_above(left[1], right[1], bend)
-        | stays_above(left[2], right[2], bend)
-        | stays_above(left[3], right[3], bend)
+        stays_above(left[0], right[0], bends[0])
+        | stays_above(left[1], right[1], bends[1])
+        | stays_above(left[2], right[2], bends[2])
+        | stays_above(left[3], right[3], bends[3])
     )
 
 
@@ -399,43 +411,56 @@ def _quantities(which, w, node, i):
 
 
 @inlined_kernel
+def _bends(which, w, i):
+    """How far the quantities of a function may be from lines through their samples."""
+    p, places = constants_of_lane(w, i), outline_in(VALUES + NODES * SINES, _BEND, w, i)
+    g = quantities_at(which, places, bend_of(TILT, w, i), p)
+    constant = quantities_at(which, NOWHERE, 0.0, p)
+    return (
+        abs(g[0] - constant[0]), abs(g[1] - constant[1]),
+        abs(g[2] - constant[2]), abs(g[3] - constant[3]),
+    )  # fmt: skip
+
+
+@inlined_kernel
 def _screen_combined(which, w):
     """The same of the largest of several quantities, which is sampled here."""
     n = WIDTH
     first = (SAMPLES + which) * n
     for i in range(WIDTH):
         applies = applies_in(mode_of_lane(w, i))[which]
-        bend = w[OUTLINE_BEND * n + i]
+        bends = _bends(which, w, i)
         q0, q1 = _quantities(which, w, 0, i), _quantities(which, w, 1, i)
         q2, q3 = _quantities(which, w, 2, i), _quantities(which, w, 3, i)
         q4 = _quantities(which, w, 4, i)
         g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
         g3, g4 = largest(q3)[0], largest(q4)[0]
         flagged = _quarters(
-            one_stays_above(q0, q1, bend), one_stays_above(q1, q2, bend),
-            one_stays_above(q2, q3, bend), one_stays_above(q3, q4, bend),
+            one_stays_above(q0, q1, bends), one_stays_above(q1, q2, bends),
+            one_stays_above(q2, q3, bends), one_stays_above(q3, q4, bends),
         )  # fmt: skip
         w[first + i] = g0 if applies else NEVER
         w[first + SWITCH_COUNT * n + i] = g1
         w[first + 2 * SWITCH_COUNT * n + i] = g2
         w[first + 3 * SWITCH_COUNT * n + i] = g3
         w[first + 4 * SWITCH_COUNT * n + i] = g4
-        lowest = min(min(g1, g2), min(g3, g4))
-        w[(LOWEST + which) * n + i] = lowest if (g0 > ON_A_SWITCH) & applies else NEVER
+        _note_lowest(which, applies, (g0, g1, g2, g3, g4), w, i)
         # Near flat, what is on its switch to rounding may be beyond it.
-        flat = is_corner(which) & (min(g0, lowest) < TOO_FLAT_TO_TELL)
+        lowest = min(g0, min(min(g1, g2), min(g3, g4)))
+        flat = is_corner(which) & (lowest < TOO_FLAT_TO_TELL)
         flagged = float(ALL_QUARTERS) if flat else flagged
         flagged = flagged if applies else 0.0
         w[(MAY_SWITCH + which) * n + i] = flagged
-        w[SHOWN * n + i] = max(w[SHOWN * n + i], flagged)
+        w[SHOWN * n + i] += float(1 << which) if flagged > 0.0 else 0.0
 
 
 @kernel
 def _leave_out(which, w):
     """Enter that a function applies in no lane."""
     for i in range(WIDTH):
-        w[(SAMPLES + which) * WIDTH + i], w[(LOWEST + which) * WIDTH + i] = NEVER, NEVER
-        w[(MAY_SWITCH + which) * WIDTH + i] = 0.0
+        w[(SAMPLES + which) * WIDTH + i] = NEVER
+        for quarter in range(NODES - 1):
+            w[(LOWEST + quarter * SWITCH_COUNT + which) * WIDTH + i] = NEVER
 
 
 @kernel
@@ -489,7 +514,7 @@ def _at_most(row, w, i):
     first, node = (VALUES + row) * WIDTH + i, SINES * WIDTH
     ends, inner = max(abs(w[first]), abs(w[first + 4 * node])), abs(w[first + 2 * node])
     inner = max(inner, max(abs(w[first + node]), abs(w[first + 3 * node])))
-    return max(ends, inner) + _bend(row, w, i)
+    return max(ends, inner) + bend_of(row, w, i)
 
 
 @kernel
@@ -525,8 +550,8 @@ def step_all(kind, flies, beside, w):
     fill_series(kind, w, COEFFICIENTS, 0)
     _set_lengths(w)
     follow_series(w, COEFFICIENTS, LENGTH, VALUES)
-    _note_bends(w)
     _sample(w)
+    _note_bends(w)
     _screen(flies, beside, w)
     _note_largest(w)
     _end_steps(w)

@@ -317,7 +317,7 @@ def advance(declared, method, control, track, history, work, runs, i):
     runs[i, NEXT_STEP] = max(h, h_next) if h_step == h_try and h_try != h else h_next
     if switches:
         track_run(track, work.scratch, runs, i)
-        make_switch(which, length, h_step, declared, runs, i)
+        make_switch(which, length, h_step, declared, control, runs, i)
         track_run(track, work.scratch, runs, i)
     else:
         keep_state(hold_sticking(state_in(runs, STATE, i), p, mode), runs, i)

@@ -31,6 +31,7 @@ from model.solver.series import (
 WIDTH = 8  # runs in a vector
 ORDER = 16  # of the series
 STATE_ROWS = len(STATES)
+_TILT = 2  # row of the tilt
 SINES = STATE_ROWS + WATCHED  # sine and cosine of the tilt, and of the excitation
 _OTHERS = SINES + 4
 ROWS = _OTHERS + 16  # as many as any kind of mode needs
@@ -347,14 +348,30 @@ class _SamplesWriter(_Writer):
         self.coefficients, lengths, self.values = self.function.args
         self.length = self.load(lengths, _INDEX(0))
         self.times = [self.code.fmul(self.length, self.vector(each)) for each in FRACTIONS]
-        self.repeat(_INDEX(SINES), self._one_row)
+        self.repeat(_INDEX(STATE_ROWS), self._end_of_state)
+        self.repeat(_INDEX(1 + WATCHED), self._one_row)
         self.code.ret_void()
 
-    def _one_row(self, row: ir.Value) -> tuple[()]:
+    def _coefficient(self, row: ir.Value, order: int) -> ir.Value:
+        return self.load(self.coefficients, self.code.add(row, _INDEX(order * ROWS)))
+
+    def _end_of_state(self, row: ir.Value) -> tuple[()]:
+        """One of the states at the last node: at the others nobody asks for it."""
+        total = self.vector(0.0)
+        for order in range(ORDER, -1, -1):
+            total = self.fma(total, self.times[-1], self._coefficient(row, order))
+        self.keep(total, self.values, self.code.add(row, _INDEX((NODES - 1) * SINES)))
+        return ()
+
+    def _one_row(self, index: ir.Value) -> tuple[()]:
+        """The tilt, or what is watched, at all nodes."""
+        is_first = self.code.icmp_signed("==", index, _INDEX(0))
+        row = self.code.select(
+            is_first, _INDEX(_TILT), self.code.add(index, _INDEX(STATE_ROWS - 1))
+        )
         sums, bend = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
         for order in range(ORDER, -1, -1):
-            place = self.code.add(row, _INDEX(order * ROWS))
-            coefficient = self.load(self.coefficients, place)
+            coefficient = self._coefficient(row, order)
             sums = [self.fma(*each, coefficient) for each in zip(sums, self.times, strict=True)]
             if order > 1:
                 size = self.code.call(self.size, [coefficient])
@@ -430,9 +447,10 @@ def fill_series(kind, block, coefficients, given):
 
 @kernel
 def follow_series(block, coefficients, lengths, values):
-    """Sum the states and what is watched at the nodes of steps of the given ``lengths``.
+    """Sum the tilt and what is watched at the nodes of steps of the given ``lengths``.
 
     At ``values`` stand SINES vectors for each node and, behind them, as many bounds: what the
-    second derivative with respect to the fraction of the step stays below.
+    second derivative with respect to the fraction of the step stays below. The other states are
+    summed at the last node only.
     """
     _follow(block, (coefficients, lengths, values))

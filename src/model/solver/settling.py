@@ -56,15 +56,6 @@ def _difference(count, n, states):
 
 
 @kernel
-def _is_close(count, n, states):
-    """Whether the state at period ``count`` is near that at ``count - n``."""
-    for i in range(STATE_SIZE):
-        if abs(states[count % HISTORY, i] - states[(count - n) % HISTORY, i]) > _LINEAR:
-            return False
-    return True
-
-
-@kernel
 def _largest(vector):
     largest = 0.0
     for each in vector:
@@ -154,10 +145,10 @@ def settled_period(count, period, states, lowest, p, noise):
     for n in range(1, LONGEST_PERIOD + 1):
         if count <= 3 * n:
             break
-        if not _is_close(count, n, states):
+        d0 = _difference(count, n, states)
+        if _largest(d0) > _LINEAR:
             continue
-        d0, d1 = _difference(count, n, states), _difference(count - n, n, states)
-        d2 = _difference(count - 2 * n, n, states)
+        d1, d2 = _difference(count - n, n, states), _difference(count - 2 * n, n, states)
         reach, contracts = _reach(d0, d1, d2, _LASTING / (n * period), noise)
         if not contracts:
             continue

@@ -21,11 +21,18 @@ from model.solver.course import (
     end_period,
     end_step,
     fail,
+    is_counted,
     make_switch,
     new_history,
     note_step,
 )
-from model.solver.inside_step import QUANTITIES, first_switch, largest_until, state_at
+from model.solver.inside_step import (
+    QUANTITIES,
+    SERIES_ROWS,
+    first_switch,
+    largest_until,
+    state_at,
+)
 from model.solver.lanes import (
     COEFFICIENTS,
     WATCHED_SWITCHES,
@@ -61,17 +68,16 @@ from model.solver.record import (
     state_in,
 )
 from model.solver.series import CONSISTENT, FREE, SIDE_SIGN, SLIDES, STICKS, SUPPORT_SIGN
-from model.solver.series_code import FRACTIONS, KINDS, ORDER, WIDTH
+from model.solver.series_code import KINDS, NODES, ORDER, WIDTH
 from model.solver.step import MOST_GROWTH, are_finite, is_too_short, rates_of
-from model.solver.switching import NEVER, ON_A_SWITCH, SWITCH_COUNT
+from model.solver.switching import SWITCH_COUNT
 from model.solver.tableaux import DOP853
 from model.solver.transitions import CONTINUES, hold_sticking
 
 POOL = 128  # runs under way
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
-_TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
-_KINDS = len(KINDS) ** 2
+_ENDED = len(KINDS) ** 2  # behind the kinds of modes
 _FIRST_LONGEST = 1.0  # bound of a run's first step
 
 
@@ -114,27 +120,13 @@ def _board(runs, i, w, lane):
 
 @inlined_kernel
 def _note_lowest(until, w, lane, runs, i):
-    """Enter the lowest switching functions of a step, or of its part up to a switch."""
-    if until == 1.0:
+    """Enter how low switching functions come in a step, or in its quarters before a switch."""
+    quarters = int(until * (NODES - 1))
+    if quarters > 0 and w[lanes.DROPPED * WIDTH + lane] == 0.0:
+        first = lanes.LOWEST + (quarters - 1) * SWITCH_COUNT
         for which in WATCHED_SWITCHES:
-            lowest = w[(lanes.LOWEST + which) * WIDTH + lane]
+            lowest = w[(first + which) * WIDTH + lane]
             runs[i, CLOSEST + which] = min(runs[i, CLOSEST + which], lowest)
-    elif until >= FRACTIONS[0]:
-        for which in WATCHED_SWITCHES:
-            sample = lanes.SAMPLES + which
-            if w[sample * WIDTH + lane] != NEVER and w[sample * WIDTH + lane] > ON_A_SWITCH:
-                for node, fraction in enumerate(FRACTIONS):
-                    if fraction <= until:
-                        lowest = w[(sample + (node + 1) * SWITCH_COUNT) * WIDTH + lane]
-                        runs[i, CLOSEST + which] = min(runs[i, CLOSEST + which], lowest)
-
-
-@inlined_kernel
-def _state(theta, w, lane):
-    """The state at a fraction of the step, with what sticks at rest."""
-    return hold_sticking(
-        state_at(theta, w, lane), constants_of_lane(w, lane), mode_of_lane(w, lane)
-    )
 
 
 @inlined_kernel
@@ -144,28 +136,33 @@ def _pass_periods(until, history, control, w, lane, runs, i):
     The run may end with one of them. A step in two periods counts as near a switch in both.
     """
     start, length = runs[i, TIME], w[lanes.LENGTH * WIDTH + lane]
+    p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
     while (
         runs[i, OUTCOME] == CONTINUES
         and runs[i, STOP] <= start + until * length
         and runs[i, STOP] < runs[i, DEADLINE]
     ):
-        keep_state(_state((runs[i, STOP] - start) / length, w, lane), runs, i)
+        q = state_at((runs[i, STOP] - start) / length, w, lane)
+        keep_state(hold_sticking(q, p, mode), runs, i)
         runs[i, TIME] = runs[i, STOP]
         end_period(history, control.may_settle != 0.0, runs, i)
-        _note_lowest(until, w, lane, runs, i)
+        if control.may_settle != 0.0:
+            _note_lowest(until, w, lane, runs, i)
 
 
 @inlined_kernel
 def _move(until, history, control, w, lane, runs, i):
     """Go on by a step, or by its part up to a switch; whether the run still goes on."""
     length, start = w[lanes.LENGTH * WIDTH + lane], runs[i, TIME]
-    tilt, force = largest_until(until, w, lane, runs, i)
+    tilt, force = 0.0, 0.0
+    if is_counted(mode_of_lane(w, lane), constants_of_lane(w, lane)):
+        tilt, force = largest_until(until, w, lane, runs, i)
     note_step(until * length, tilt, force, runs, i)
-    _note_lowest(until, w, lane, runs, i)
-    if runs[i, STOP] <= start + until * length:
-        _pass_periods(until, history, control, w, lane, runs, i)
-        if runs[i, OUTCOME] != CONTINUES:
-            return False
+    if control.may_settle != 0.0:
+        _note_lowest(until, w, lane, runs, i)
+    _pass_periods(until, history, control, w, lane, runs, i)
+    if runs[i, OUTCOME] != CONTINUES:
+        return False
     at_deadline = until == 1.0 and length == runs[i, DEADLINE] - start
     runs[i, TIME] = runs[i, DEADLINE] if at_deadline else start + until * length
     runs[i, NEXT_STEP] = MOST_GROWTH * length
@@ -187,7 +184,7 @@ def _switch(which, theta, declared, history, control, w, lane, runs, i):
     if _move(theta, history, control, w, lane, runs, i):
         keep_state(state_at(theta, w, lane), runs, i)
         step = w[lanes.LENGTH * WIDTH + lane]
-        make_switch(which, theta * step, step, declared, runs, i)
+        make_switch(which, theta * step, step, declared, control, runs, i)
         if runs[i, SWITCHES_AT_ONCE] == 0.0:
             runs[i, NEXT_STEP] *= MOST_GROWTH
         end_step(False, history, control, runs, i)
@@ -211,15 +208,6 @@ def _go_on(declared, control, many, lane, i):
             _stand(history, control, w, lane, runs, i)
         else:
             _switch(which, theta, declared, history, control, w, lane, runs, i)
-    if runs[i, EVALUATIONS] > control.max_evaluations and runs[i, OUTCOME] == CONTINUES:
-        fail(runs, i, _TOO_MANY_EVALUATIONS)
-
-
-@kernel
-def _run_elsewhere(declared, method, control, runs, history, work, i):
-    """Advance a run by the reference engine until lanes can hold it, or it ends."""
-    while runs[i, OUTCOME] == CONTINUES and not lanes_hold(mode_of(runs, i)):
-        advance(declared, method, control, work.nodes[:0], history, work, runs, i)
 
 
 class Many(NamedTuple):
@@ -234,17 +222,34 @@ class Many(NamedTuple):
     order: np.ndarray  # shape (3, POOL): kinds of the runs, the runs by kind, where a kind begins
 
 
-def new_many() -> Many:
-    """A ``Many`` without runs."""
+def new_many(may_settle: bool = True) -> Many:
+    """A ``Many`` without runs, without histories if none of them ``may_settle``."""
     work = new_workspace(DOP853.method)
     search = work._replace(dense=np.zeros((STATE_SIZE, ORDER)))
-    runs, quantities = np.zeros((POOL, SIZE)), np.zeros((ORDER + 1, QUANTITIES))
+    runs, quantities = np.zeros((POOL, SIZE)), np.zeros((SERIES_ROWS, QUANTITIES))
     order = np.zeros((3, POOL), np.int64)
-    return Many(new_lanes(), runs, new_history(POOL), work, search, quantities, order)
+    return Many(
+        new_lanes(), runs, new_history(POOL if may_settle else 1), work, search, quantities, order
+    )
+
+
+@inlined_kernel
+def _place(declared, method, control, many, endings, i):
+    """Say in which kind of mode run ``i`` is, or that it has ended, and how.
+
+    The reference engine advances it until lanes can hold it.
+    """
+    runs, kinds = many.runs, many.order[0]
+    while runs[i, OUTCOME] == CONTINUES and not lanes_hold(mode_of(runs, i)):
+        advance(declared, method, control, many.work.nodes[:0], many.history, many.work, runs, i)
+    kinds[i] = _kind(mode_of(runs, i))
+    if runs[i, OUTCOME] != CONTINUES:
+        kinds[i] = _ENDED
+        keep_ending(ending_of(runs, i), endings, int(runs[i, ROW_OF_BATCH]))
 
 
 @kernel
-def _step_together(kind, members, count, declared, control, many):
+def _step_together(kind, members, count, declared, method, control, many, endings):
     """Make a step of up to WIDTH runs in the same kind of mode."""
     w, runs = many.w, many.runs
     beside, flies = False, kind < len(KINDS)
@@ -256,34 +261,30 @@ def _step_together(kind, members, count, declared, control, many):
     step_all(kind, flies, beside, w)
     for lane in range(count):
         _go_on(declared, control, many, lane, members[lane])
+        _place(declared, method, control, many, endings, members[lane])
 
 
 @kernel
-def _fill_pool(rows, tolerances, queue, under_way, declared, method, control, endings, many):
-    """Begin runs from the queue on, until as many as possible are under way: (queue, number)."""
-    runs, history, work = many.runs, many.history, many.work
+def _fill_pool(rows, tolerances, queue, declared, method, control, many, endings):
+    """Begin runs from the queue on, until as many as possible are under way; the next in it."""
+    runs, kinds = many.runs, many.order[0]
     for i in range(POOL):
-        while runs[i, OUTCOME] != CONTINUES and queue < rows.shape[0]:
+        while kinds[i] == _ENDED and queue < rows.shape[0]:
             begin(rows[queue], tolerances[queue], declared, control, runs, i)
             runs[i, ROW_OF_BATCH], runs[i, NEXT_STEP] = queue, _FIRST_LONGEST
-            _run_elsewhere(declared, method, control, runs, history, work, i)
-            under_way += 1
-            if runs[i, OUTCOME] != CONTINUES:
-                keep_ending(ending_of(runs, i), endings, queue)
-                under_way -= 1
+            _place(declared, method, control, many, endings, i)
             queue += 1
-    return queue, under_way
+    return queue
 
 
 @kernel
-def _sort_by_kind(runs, kinds, order, places):
-    """Enter the kind of each run's mode, _KINDS if it has ended, and the runs in its order."""
-    for kind in range(_KINDS + 2):
+def _sort_by_kind(kinds, order, places):
+    """Enter the runs in the order of their kinds, those that have ended last."""
+    for kind in range(_ENDED + 2):
         places[kind] = 0
     for i in range(POOL):
-        kinds[i] = _kind(mode_of(runs, i)) if runs[i, OUTCOME] == CONTINUES else _KINDS
         places[kinds[i] + 1] += 1
-    for kind in range(_KINDS):
+    for kind in range(_ENDED):
         places[kind + 1] += places[kind]
     for i in range(POOL):
         order[places[kinds[i]]] = i
@@ -303,27 +304,17 @@ def integrate_all(rows, tolerances, declared, method, control, endings, many):
         endings: shape (n, len(Ending._fields)), filled.
         many: ``Many``, overwritten.
     """
-    runs, history = many.runs, many.history
-    for i in range(POOL):
-        runs[i, OUTCOME] = CONTINUES + 1.0
     kinds, order, places = many.order[0], many.order[1], many.order[2]
-    queue, under_way = 0, 0
-    while queue < rows.shape[0] or under_way > 0:
-        queue, under_way = _fill_pool(
-            rows, tolerances, queue, under_way, declared, method, control, endings, many
-        )
-        _sort_by_kind(runs, kinds, order, places)
+    for i in range(POOL):
+        kinds[i] = _ENDED
+    queue, first = 0, POOL
+    while queue < rows.shape[0] or first > 0:
+        queue = _fill_pool(rows, tolerances, queue, declared, method, control, many, endings)
+        _sort_by_kind(kinds, order, places)
         first = 0
-        while first < POOL and kinds[order[first]] < _KINDS:
+        while first < POOL and kinds[order[first]] != _ENDED:
             kind, count = kinds[order[first]], 1
             while count < WIDTH and first + count < POOL and kinds[order[first + count]] == kind:
                 count += 1
-            _step_together(kind, order[first:], count, declared, control, many)
+            _step_together(kind, order[first:], count, declared, method, control, many, endings)
             first += count
-        for i in range(POOL):
-            if kinds[i] < _KINDS:
-                if runs[i, OUTCOME] == CONTINUES and not lanes_hold(mode_of(runs, i)):
-                    _run_elsewhere(declared, method, control, runs, history, many.work, i)
-                if runs[i, OUTCOME] != CONTINUES:
-                    keep_ending(ending_of(runs, i), endings, int(runs[i, ROW_OF_BATCH]))
-                    under_way -= 1

@@ -9,7 +9,7 @@ spare is not tried, unless the first that is tried fails.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -163,7 +163,7 @@ def _refine(plan: LimitPlan, known: Known, within: Bools | None = None) -> Refin
 
 def _limits_at(plan: LimitPlan, known: Known) -> Compute:
     plane, inner = plan.plane, plan.bounds[0]
-    settings, device = plane.settings.settings, plane.baseline
+    settings, device = replace(plane.settings.settings, follow_fall=False), plane.baseline
 
     def compute(rows: Ints, columns: Ints) -> Columns:
         swept = plane.swept(rows, columns)

@@ -6,7 +6,7 @@ Nobody controls either at touch-down: *reliable* is what aligns within the horiz
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +72,7 @@ def from_every_start(
     values = {name: np.repeat(value, len(starts)) for name, value in swept.items()}
     for name in starts[0]:
         values[name] = np.tile([start[name] for start in starts], count)
+    settings = replace(settings, follow_fall=False)
     endings = run_once(Batch.of(device, **values), settings, cores=cores)
     outcome, tau, evaluations = (
         endings[name].reshape(count, len(starts))
