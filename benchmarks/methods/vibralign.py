@@ -49,7 +49,7 @@ class OneRun(Vibralign):
         self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float
     ) -> Solution:
         """As ``Method.solve``."""
-        settings = replace(_settings(problem, tolerance), follow_fall=False, may_settle=False)
+        settings = replace(_settings(problem, tolerance), alignment_only=True, may_settle=False)
         runs = run_once(Batch.stack(cases), settings, cores=1)
         return Solution(runs["tau_align"][:, np.newaxis], int(runs["rhs_evaluations"].sum()))
 

@@ -23,8 +23,8 @@ class Settings:
         tolerance: local error admitted in a step, 1e-14 to 1e-2, relative to 1 + |state|.
         max_evaluations: most right-hand-side evaluations of one integration, >= 1.
         may_settle: stop a run whose motion repeats itself without aligning.
-        follow_fall: go on after alignment until all four corners are inside; ``tau_corners_inside``
-            is NaN without.
+        alignment_only: end a run at alignment, and do not look for the largest tilt and force;
+            ``tau_corners_inside``, ``tilt_max`` and ``contact_force_max`` are NaN.
         method: Runge-Kutta method with an error estimate.
 
     Raises:
@@ -38,7 +38,7 @@ class Settings:
     tolerance: float = 1e-10
     max_evaluations: int = 20_000_000
     may_settle: bool = True
-    follow_fall: bool = True
+    alignment_only: bool = False
     method: Tableau = DOP853
 
     def __post_init__(self) -> None:
@@ -70,7 +70,7 @@ class Settings:
             float(self.horizon),
             int(self.max_evaluations),
             float(self.may_settle),
-            float(self.follow_fall),
+            float(self.alignment_only),
         )
 
 

@@ -95,13 +95,13 @@ class Control(NamedTuple):
         horizon: latest time.
         max_evaluations: most right-hand-side evaluations.
         may_settle: 1.0 to stop a run whose motion repeats itself, else 0.0.
-        follow_fall: 1.0 to go on after alignment until all four corners are inside, else 0.0.
+        alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
     """
 
     horizon: float
     max_evaluations: int
     may_settle: float
-    follow_fall: float
+    alignment_only: float
 
 
 class History(NamedTuple):
@@ -186,7 +186,10 @@ def begin(row, tolerance, declared, control, runs, i):
     runs[i, TOLERANCE], runs[i, DEADLINE] = tolerance, control.horizon
     runs[i, OUTCOME], runs[i, NEXT_STEP] = CONTINUES, _FIRST_STEP
     runs[i, TAU_ALIGN], runs[i, TAU_CORNERS_INSIDE], runs[i, TILT_AT_ALIGNMENT] = nan, nan, nan
-    runs[i, TILT_MAX] = abs(p.initial_tilt)
+    if control.alignment_only != 0.0:
+        runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # of which nothing is the maximum
+    else:
+        runs[i, TILT_MAX] = abs(p.initial_tilt)
     for which in range(SWITCH_COUNT):
         runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, declared)
@@ -238,7 +241,7 @@ def _opened(before, after):
 
 
 @kernel
-def _note_alignment(which, tilt, printed_criterion, follow_fall, runs, i):
+def _note_alignment(which, tilt, printed_criterion, alignment_only, runs, i):
     """Alignment by the criterion in force, and the four corners inside; whether the run ends.
 
     The first instant counts (R8): a part that is lifted again and falls once more has aligned.
@@ -251,7 +254,7 @@ def _note_alignment(which, tilt, printed_criterion, follow_fall, runs, i):
         _note_end_of_period(runs, i)
     if printed_criterion == (which == CORNERS_INSIDE) and isnan(runs[i, TAU_ALIGN]):
         runs[i, TAU_ALIGN], runs[i, TILT_AT_ALIGNMENT] = time, tilt
-    return which == CORNERS_INSIDE or not (follow_fall or printed_criterion)
+    return which == CORNERS_INSIDE or (alignment_only and not printed_criterion)
 
 
 @kernel
@@ -302,8 +305,8 @@ def make_switch(which, length, step, declared, control, runs, i):
     keep_mode(mode, runs, i)
     if outcome == _ALIGNED:
         printed_criterion = p.printed_alignment_criterion != 0.0
-        follow_fall = control.follow_fall != 0.0
-        if not _note_alignment(which, q.tilt, printed_criterion, follow_fall, runs, i):
+        alignment_only = control.alignment_only != 0.0
+        if not _note_alignment(which, q.tilt, printed_criterion, alignment_only, runs, i):
             outcome = CONTINUES
     if outcome != CONTINUES:
         _end(runs, i, outcome, reason)

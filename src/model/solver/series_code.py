@@ -6,7 +6,7 @@ stay in registers. Layout: the state, what is watched, the sine and cosine rows,
 and quotients are made of.
 """
 
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -39,6 +39,9 @@ FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
 
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
+_FIRST = _INDEX(0)  # order
+_FORWARD = None
+_AT_ONCE = 14  # sums in a loop
 _VECTOR = ir.VectorType(_DOUBLE, WIDTH)
 _POINTER = _VECTOR.as_pointer()
 _ALIGNMENT = 64
@@ -79,6 +82,7 @@ class _Plan:
                     self.place.setdefault(each, len(self.place))
         if len(self.place) > ROWS:
             raise AssertionError(f"ROWS = {ROWS}: must be at least {len(self.place)}")
+        self.factors = self._oriented()
 
     def _pairs(self) -> list[Row]:
         tilt = (0.0, ((STATES[2], 1.0),))
@@ -88,6 +92,27 @@ class _Plan:
         (sine,) = [row for row in found if row.kind == "sine" and row != pair[0]]
         self.rate = sine.of[1][0][1]  # of the excitation's angle
         return [*pair, sine, Row("cosine", sine.of)]
+
+    def _oriented(self) -> dict[Row, tuple[Row, Row]]:
+        """Of all products and quotients the factors: the one taken forward, and backward.
+
+        So that products share what they take: sines and cosines are taken forward, and of a
+        quotient itself, backward what it is divided by.
+        """
+        taken: set[tuple[Row, bool | None]] = set()
+        factors = {}
+        for row in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
+            ahead = self.is_ahead(row)
+            straight = row.of if row.kind == "product" else (row, row.of[1])
+            turns = straight[::-1]
+            keys = [{(forward, None), (backward, ahead)} for forward, backward in (straight, turns)]
+            turned = len(keys[1] & taken) > len(keys[0] & taken)
+            if any(each.kind in ("sine", "cosine") for each in row.of):
+                turned = straight[0].kind not in ("sine", "cosine")
+            turned = turned and row.kind == "product"
+            taken |= keys[turned]
+            factors[row] = turns if turned else straight
+        return factors
 
     def _visit(self, row: Row) -> int:
         if row not in self.stage:
@@ -111,6 +136,10 @@ class _Plan:
             rows = [row for row in rows if self.is_ahead(row) == ahead]
             products = [row for row in rows if row.kind in ("product", "quotient")]
             yield products, [row for row in rows if row.kind in ("sum", "rate")]
+
+    def products(self, ahead: bool) -> list[Row]:
+        """All products and quotients, of positions alone or all others."""
+        return [row for products, _ in self.stages(ahead) for row in products]
 
 
 def operations(support: int, side: int) -> int:
@@ -199,8 +228,10 @@ class _SeriesWriter(_Writer):
             for each in (total.constant, *total.terms.values()):
                 self.constant(each)
         self.constant(plan.rate)
-        self._write_stages(_INDEX(0), ahead=True)
-        self.repeat(_INDEX(ORDER), self._one_order)
+        self.terms: dict[Row, ir.Value] = {}
+        self._write_stages(_FIRST, ahead=True)
+        self._one_order(_FIRST)
+        self.repeat(_INDEX(ORDER - 1), self._one_more)
         self.code.ret_void()
 
     def constant(self, value: Constant) -> ir.Value:
@@ -225,7 +256,13 @@ class _SeriesWriter(_Writer):
     def _keep(self, value: ir.Value, row: Row, order: ir.Value) -> None:
         self.keep(value, self.memory, self._place(row, order))
 
-    def _one_order(self, order: ir.Value) -> tuple[()]:
+    def _one_more(self, index: ir.Value) -> tuple[()]:
+        order = self.code.add(index, _INDEX(1))
+        self._sum_known(order)
+        self._one_order(order)
+        return ()
+
+    def _one_order(self, order: ir.Value) -> None:
         """Every row at ``order``, and from that the states, sines and cosines at the next."""
         plan, half = self.plan, len(STATES) // 2
         following = self.code.add(order, _INDEX(1))
@@ -235,7 +272,7 @@ class _SeriesWriter(_Writer):
         for n in range(half):
             position = self.code.fmul(self.value[STATES[half + n]], per_order)
             self._keep(position, STATES[n], following)
-        self._convolve(plan.turning, order, self.value)
+        self._complete(plan.turning, order, self.value)
         sine, cosine, swing, other = plan.sines
         turns, turned = (self.value[row] for row in plan.turning)
         self._keep(self.code.fmul(turned, per_order), sine, following)
@@ -248,7 +285,6 @@ class _SeriesWriter(_Writer):
         for n, total in enumerate(plan.series.accelerations):
             rate = self._total(total.constant, tuple(total.terms.items()), order, self.value)
             self._keep(self.code.fmul(rate, per_order), STATES[half + n], following)
-        return ()
 
     def _write_stages(self, order: ir.Value, ahead: bool) -> None:
         """All rows that are made of positions alone, or all others, at ``order``."""
@@ -257,8 +293,7 @@ class _SeriesWriter(_Writer):
             self.ahead: dict[Row, ir.Value] = {}
         values = self.ahead if ahead else self.value
         for products, others in plan.stages(ahead):
-            if products:
-                self._convolve(products, order, values)
+            self._complete(products, order, values)
             for row in others:
                 if row.kind == "rate":
                     values[row] = self.code.fmul(self.ahead[row.of[0]], self.number)
@@ -266,12 +301,6 @@ class _SeriesWriter(_Writer):
                     values[row] = self._total(row.of[0], row.of[1], order, values)
                 if row in plan.place:
                     self._keep(values[row], row, order)
-
-    def _if_first(self, order: ir.Value) -> ir.Value:
-        """1 at order 0, else 0: what constants are multiplied by."""
-        is_first = self.code.icmp_signed("==", order, _INDEX(0))
-        one, zero = ir.Constant(_DOUBLE, 1.0), ir.Constant(_DOUBLE, 0.0)
-        return self.everywhere(self.code.select(is_first, one, zero))
 
     def _total(
         self,
@@ -281,40 +310,91 @@ class _SeriesWriter(_Writer):
         values: dict[Row, ir.Value],
     ) -> ir.Value:
         """A constant and multiples of rows; those that ``values`` lacks are in memory."""
-        total = self.vector(0.0)
-        if constant != 0.0:
-            total = self.code.fmul(self.constant(constant), self._if_first(order))
+        total = self.constant(constant) if order is _FIRST and constant != 0.0 else None
         for row, factor in terms:
-            if row not in values:
-                values[row] = self._at(row, order)
-            total = self.fma(self.constant(factor), values[row], total)
-        return total
+            total = self._multiple(factor, self._newest(row, order, values), total)
+        return self.vector(0.0) if total is None else total
 
-    def _convolve(self, products: list[Row], order: ir.Value, values: dict[Row, ir.Value]) -> None:
-        """Σ_j a_(k-j) b_j of all products of a stage, in one loop; quotients from theirs."""
-        for row in products:
-            if row.kind == "quotient":
-                self._keep(self.vector(0.0), row, order)
+    def _multiple(self, factor: Constant, value: ir.Value, total: ir.Value | None) -> ir.Value:
+        """A multiple of a value, added to the ``total`` if there is one."""
+        if total is not None:
+            if factor == 1.0:
+                return self.code.fadd(total, value)
+            return (
+                self.code.fsub(total, value)
+                if factor == -1.0
+                else self.fma(self.constant(factor), value, total)
+            )
+        if factor == 1.0:
+            return value
+        return (
+            self.code.fneg(value)
+            if factor == -1.0
+            else self.code.fmul(self.constant(factor), value)
+        )
 
-        def add_terms(j: ir.Value, *sums: ir.Value) -> list[ir.Value]:
-            places = {False: j, True: self.code.sub(order, j)}
-            loaded: dict[tuple[Row, bool], ir.Value] = {}
+    def _newest(self, row: Row, order: ir.Value, values: dict[Row, ir.Value]) -> ir.Value:
+        """The coefficient of a row at ``order``, which ``values`` hold or memory."""
+        if row not in values:
+            values[row] = self._at(row, order)
+        return values[row]
+
+    def _sum_known(self, order: ir.Value) -> None:
+        """Of all products, the terms whose factors are known before ``order``.
+
+        Those are Σ_j a_j b_(k-j) over 0 < j < k, and over 0 < j <= k with k + 1 for k of what is
+        ahead. A loop holds many of them, since none waits for another.
+        """
+        plan, rows = self.plan, list(self.plan.factors)
+        before, body = self.code.block, self.function.append_basic_block("known")
+        after = self.function.append_basic_block("all_known")
+        self.code.cbranch(self.code.icmp_signed(">", order, _INDEX(1)), body, after)
+        self.code.position_at_end(body)
+        sums: list[ir.Value] = []
+        for first in range(0, len(rows), _AT_ONCE):
+            sums += self._sum_some(rows[first : first + _AT_ONCE], order)
+        body = self.code.block
+        self.code.branch(after)
+        self.code.position_at_end(after)
+        for row, value in zip(rows, sums, strict=True):
+            self.terms[row] = self.code.phi(_VECTOR)
+            self.terms[row].add_incoming(self.vector(0.0), before)
+            self.terms[row].add_incoming(value, body)
+        for row in filter(plan.is_ahead, rows):
+            forward, backward = plan.factors[row]
+            last = self._at(forward, order), self._at(backward, _INDEX(1))
+            self.terms[row] = self.fma(*last, self.terms[row])
+
+    def _sum_some(self, rows: list[Row], order: ir.Value) -> list[ir.Value]:
+        """Σ_j a_j b_(k-j) over 0 < j < ``order``."""
+
+        def add_terms(index: ir.Value, *sums: ir.Value) -> list[ir.Value]:
+            j = self.code.add(index, _INDEX(1))
+            opposite = self.code.sub(order, j), self.code.sub(order, index)
+            loaded: dict[tuple[Row, ir.Value], ir.Value] = {}
             added = []
-            for row, total in zip(products, sums, strict=True):
-                factors = []
-                for key in _oriented(row, loaded):
-                    if key not in loaded:
-                        loaded[key] = self._at(key[0], places[key[1]])
-                    factors.append(loaded[key])
-                added.append(self.fma(factors[0], factors[1], total))
+            for row, total in zip(rows, sums, strict=True):
+                forward, backward = self.plan.factors[row]
+                factors = (forward, j), (backward, opposite[self.plan.is_ahead(row)])
+                for each in factors:
+                    if each not in loaded:
+                        loaded[each] = self._at(*each)
+                added.append(self.fma(loaded[factors[0]], loaded[factors[1]], total))
             return added
 
-        terms = self.code.add(order, _INDEX(1))
-        added = self.repeat(terms, add_terms, *(self.vector(0.0) for _ in products))
-        for row, value in zip(products, added, strict=True):
-            values[row] = value
-            if row.kind == "quotient":
-                values[row] = self._finished(row, value, order)
+        count = self.code.sub(order, _INDEX(1))
+        return self.repeat(count, add_terms, *(self.vector(0.0) for _ in rows))
+
+    def _complete(self, products: list[Row], order: ir.Value, values: dict[Row, ir.Value]) -> None:
+        """Enter the products of a stage at ``order``, with the terms of their newest factors."""
+        for row in products:
+            one, other = row.of if row.kind == "product" else (row, row.of[1])
+            total = self.terms.get(row, self.vector(0.0))
+            if row.kind == "product":
+                total = self.fma(self._newest(one, order, values), self._at(other, _FIRST), total)
+            if order is not _FIRST:
+                total = self.fma(self._at(one, _FIRST), self._newest(other, order, values), total)
+            values[row] = self._finished(row, total, order) if row.kind == "quotient" else total
             if row in self.plan.place:
                 self._keep(values[row], row, order)
 
@@ -322,22 +402,7 @@ class _SeriesWriter(_Writer):
         """q_k = (a_k - Σ_(j<k) q_j b_(k-j)) / b_0."""
         top, bottom = quotient.of
         rest = self.code.fsub(self._at(top, order), others)
-        return self.code.fdiv(rest, self._at(bottom, _INDEX(0)))
-
-
-def _oriented(row: Row, loaded: Container[tuple[Row, bool]]) -> tuple[tuple[Row, bool], ...]:
-    """The factors of a product, each with whether it is taken backward: as many as can be known.
-
-    Of a quotient: itself forward and what it is divided by.
-    """
-    if row.kind == "quotient":
-        return (row, False), (row.of[1], True)
-    one, other = row.of
-    straight, turned = ((one, False), (other, True)), ((one, True), (other, False))
-    if any(each.kind in ("sine", "cosine") for each in row.of):
-        return turned if one.kind in ("sine", "cosine") else straight
-    known = [sum(key in loaded for key in keys) for keys in (straight, turned)]
-    return turned if known[1] > known[0] else straight
+        return self.code.fdiv(rest, self._at(bottom, _FIRST))
 
 
 class _SamplesWriter(_Writer):

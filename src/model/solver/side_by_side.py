@@ -155,7 +155,8 @@ def _move(until, history, control, w, lane, runs, i):
     """Go on by a step, or by its part up to a switch; whether the run still goes on."""
     length, start = w[lanes.LENGTH * WIDTH + lane], runs[i, TIME]
     tilt, force = 0.0, 0.0
-    if is_counted(mode_of_lane(w, lane), constants_of_lane(w, lane)):
+    counted = is_counted(mode_of_lane(w, lane), constants_of_lane(w, lane))
+    if counted and control.alignment_only == 0.0:
         tilt, force = largest_until(until, w, lane, runs, i)
     note_step(until * length, tilt, force, runs, i)
     if control.may_settle != 0.0:

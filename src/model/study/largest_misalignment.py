@@ -163,7 +163,7 @@ def _refine(plan: LimitPlan, known: Known, within: Bools | None = None) -> Refin
 
 def _limits_at(plan: LimitPlan, known: Known) -> Compute:
     plane, inner = plan.plane, plan.bounds[0]
-    settings, device = replace(plane.settings.settings, follow_fall=False), plane.baseline
+    settings, device = replace(plane.settings.settings, alignment_only=True), plane.baseline
 
     def compute(rows: Ints, columns: Ints) -> Columns:
         swept = plane.swept(rows, columns)

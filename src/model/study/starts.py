@@ -72,7 +72,7 @@ def from_every_start(
     values = {name: np.repeat(value, len(starts)) for name, value in swept.items()}
     for name in starts[0]:
         values[name] = np.tile([start[name] for start in starts], count)
-    settings = replace(settings, follow_fall=False)
+    settings = replace(settings, alignment_only=True)
     endings = run_once(Batch.of(device, **values), settings, cores=cores)
     outcome, tau, evaluations = (
         endings[name].reshape(count, len(starts))
