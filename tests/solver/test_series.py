@@ -11,7 +11,6 @@ from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.solver import lanes
 from model.solver.inside_step import (
     QUANTITIES,
-    SERIES_ROWS,
     _fall,
     _values,
     enter_series,
@@ -167,7 +166,7 @@ def sampled(
 @each_kind
 def test_series_of_switching_functions_are_those_of_the_functions(support: int, side: int) -> None:
     step, compared = Step(support, side, 0.4, tolerance=1e-6), 0
-    series = np.zeros((SERIES_ROWS, QUANTITIES))
+    series = np.zeros((ORDER + 1, QUANTITIES))
     assert (step.w[lanes.LENGTH] > 0.03).all()
     nodes = np.linspace(0.0, 1.0, lanes.NODES)
     rows = lanes.SAMPLES + lanes.SWITCH_COUNT * np.arange(lanes.NODES)
@@ -201,7 +200,7 @@ def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> Non
 def test_the_first_fall_is_found_however_short_what_follows() -> None:
     # Against 1,001 samples of every function that applies, on steps ten times as long as usual.
     places, short, fell = np.linspace(0.0, 1.0, 1001), 0, 0
-    series = np.zeros((SERIES_ROWS, QUANTITIES))
+    series = np.zeros((ORDER + 1, QUANTITIES))
     for support in KINDS:
         for side in KINDS:
             step = Step(support, side, 0.4, tolerance=1e-2)

@@ -70,8 +70,6 @@ from model.solver.switching import (
 from model.solver.transitions import REST_SLIP
 
 QUANTITIES = 4  # of a switching function
-_BENDS = ORDER + 1  # row behind their series
-SERIES_ROWS = ORDER + 2
 _QUARTER = FRACTIONS[0]
 _FINEST = 2.0**-24  # part of a step that is not divided
 _MOST_PARTS = 64
@@ -125,7 +123,7 @@ def _enter(which, sign, series, w, lane):
     p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
     constant = _quantities_of(which, sign, lanes.NOWHERE, lanes.UNLOADED, 0.0, p, mode)
     count = QUANTITIES if which < COMBINED_COUNT else 1
-    bends, scale = (0.0, 0.0, 0.0, 0.0), 1.0
+    scale = 1.0
     for order in range(ORDER + 1):
         row = COEFFICIENTS + order * ROWS
         at, contacts = outline_in(row, scale, w, lane), contacts_in(row, scale, w, lane)
@@ -133,25 +131,17 @@ def _enter(which, sign, series, w, lane):
         g = _quantities_of(which, sign, at, contacts, tilt, p, mode)
         if order > 0:
             g = (g[0] - constant[0], g[1] - constant[1], g[2] - constant[2], g[3] - constant[3])
-            part = 0.125 * order * (order - 1)
-            bends = (
-                bends[0] + part * abs(g[0]), bends[1] + part * abs(g[1]),
-                bends[2] + part * abs(g[2]), bends[3] + part * abs(g[3]),
-            )  # fmt: skip
         for each in range(count):
             series[order, each] = g[each]
         scale *= w[lanes.LENGTH * WIDTH + lane]
-    for each in range(count):
-        series[_BENDS, each] = bends[each]
 
 
 @kernel
 def enter_series(which, sign, series, w, lane):
     """Enter the series of a function's quantities in the step's fraction.
 
-    Into ``series``, shape (SERIES_ROWS, QUANTITIES), of function ``which``, if what it asks the
-    size of has this sign; behind them how far each quantity may be from a line through its values
-    at the ends of the step. Each function has a loop of its own, which takes no more than it needs.
+    Into ``series``, shape (ORDER + 1, QUANTITIES), of function ``which``, if what it asks the size
+    of has this sign. Each function has a loop of its own, which takes no more than it needs.
     """
     if which == ALIGNED:
         _enter(ALIGNED, 1.0, series, w, lane)
@@ -276,14 +266,24 @@ def _all_go_one_way(before, after, bends):
 
 
 @inlined_kernel
-def _bends(count, width, series):
-    """How far each quantity may be from a line through its values at two places so far apart."""
-    square = width * width
+def _bend(each, left, right, series):
+    """How far a quantity may be from the line through its values at two places."""
+    square, even, odd = right * right, 0.0, 0.0
+    for order in range(ORDER, 1, -2):
+        even = even * square + 0.125 * order * (order - 1) * abs(series[order, each])
+    for order in range(ORDER - 1, 1, -2):
+        odd = odd * square + 0.125 * order * (order - 1) * abs(series[order, each])
+    return (even + right * odd) * (right - left) ** 2
+
+
+@inlined_kernel
+def _bends(count, left, right, series):
+    """The same of the quantities, of which only the first, or all, are something."""
     if count == 1:
-        return square * series[_BENDS, 0], 0.0, 0.0, 0.0
+        return _bend(0, left, right, series), 0.0, 0.0, 0.0
     return (
-        square * series[_BENDS, 0], square * series[_BENDS, 1],
-        square * series[_BENDS, 2], square * series[_BENDS, 3],
+        _bend(0, left, right, series), _bend(1, left, right, series),
+        _bend(2, left, right, series), _bend(3, left, right, series),
     )  # fmt: skip
 
 
@@ -298,7 +298,7 @@ def _fall_between(which, count, left, end, series):
     while left < end:
         parts += 1
         after, width = _values(count, right, series), right - left
-        most = _bends(count, width, series)
+        most = _bends(count, left, right, series)
         if not one_stays_above(before, after, most):
             f, g = largest(before)[0], largest(after)[0]
             # Of a function that is zero to rounding all along, no part is fine enough.
@@ -310,7 +310,7 @@ def _fall_between(which, count, left, end, series):
             if width > (_LEAVING if begins else finest):
                 right = left + 0.5 * width
                 continue
-        left, before, right = right, after, end
+        left, before, right = right, after, min(end, right + 2.0 * width)
     return NO_SWITCH
 
 

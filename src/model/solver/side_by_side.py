@@ -28,7 +28,6 @@ from model.solver.course import (
 )
 from model.solver.inside_step import (
     QUANTITIES,
-    SERIES_ROWS,
     first_switch,
     largest_until,
     state_at,
@@ -227,7 +226,7 @@ def new_many(may_settle: bool = True) -> Many:
     """A ``Many`` without runs, without histories if none of them ``may_settle``."""
     work = new_workspace(DOP853.method)
     search = work._replace(dense=np.zeros((STATE_SIZE, ORDER)))
-    runs, quantities = np.zeros((POOL, SIZE)), np.zeros((SERIES_ROWS, QUANTITIES))
+    runs, quantities = np.zeros((POOL, SIZE)), np.zeros((ORDER + 1, QUANTITIES))
     order = np.zeros((3, POOL), np.int64)
     return Many(
         new_lanes(), runs, new_history(POOL if may_settle else 1), work, search, quantities, order
