@@ -39,6 +39,16 @@ class Support(NamedTuple):
     slip_drift: float
 
 
+class Forces(NamedTuple):
+    """What acts on the part but friction: resultants, and the contacts where friction may act."""
+
+    x: float
+    y: float
+    moment: float
+    support: Support
+    side: Support
+
+
 class Motion(NamedTuple):
     """Accelerations and contact forces at one instant.
 
@@ -148,18 +158,27 @@ def sticking_friction(support_sticks, side_sticks, drive, side_drive, g11, g12, 
 
 
 @inlined_kernel
-def motion(time, q, p, mode):
-    """``Motion`` for the state ``q`` at ``time`` in ``mode``: equations (3) as a sum of forces.
+def forces_without_friction(time, q, p, mode):
+    """``Forces`` in the state ``q`` at ``time``: equations (3) without friction."""
+    support = support_contact(q, p, mode)
+    side = side_contact(q, p, mode)
+    return Forces(
+        lateral_suspension(q, p) + support.x + side.x,
+        axial_suspension(q, p) + press(p) + excitation(time, p) + support.y + side.y,
+        tilt_suspension(q, p) + support.moment + side.moment,
+        support,
+        side,
+    )
+
+
+@inlined_kernel
+def under_friction(forces, p, mode):
+    """``Motion`` under these forces and the friction of ``mode``.
 
     Friction is T = -μ n sign(slip) in sliding; in sticking it is what keeps the slip at zero. A
     load is not clamped here: where it would turn negative the mode ends (see switching).
     """
-    support = support_contact(q, p, mode)
-    side = side_contact(q, p, mode)
-    x = lateral_suspension(q, p) + support.x + side.x
-    y = axial_suspension(q, p) + press(p) + excitation(time, p) + support.y + side.y
-    moment = tilt_suspension(q, p) + support.moment + side.moment
-
+    x, y, moment, support, side = forces
     support_sticks = mode.support_slip == STICKING and is_supported(mode)
     side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
     # Sliding friction first; sticking friction answers to all the rest.
@@ -192,3 +211,9 @@ def motion(time, q, p, mode):
         support.load, friction, support.slip, drive, g11,
         side.load, side_friction, side.slip, side_drive, g22,
     )  # fmt: skip
+
+
+@inlined_kernel
+def motion(time, q, p, mode):
+    """``Motion`` for the state ``q`` at ``time`` in ``mode``: equations (3) as a sum of forces."""
+    return under_friction(forces_without_friction(time, q, p, mode), p, mode)

@@ -4,6 +4,7 @@ from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.motion import (
+    forces_without_friction,
     is_supported,
     mobility,
     motion,
@@ -12,6 +13,7 @@ from model.physics.motion import (
     sticking_friction,
     support_contact,
     turning,
+    under_friction,
 )
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
@@ -169,7 +171,8 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     mode = _with_slip_place(mode)
     if never_sticks(p):
         return _with_friction(mode, -1, -1), True
-    now = motion(time, q, p, mode)
+    forces = forces_without_friction(time, q, p, mode)
+    now = under_friction(forces, p, mode)
     supported = is_supported(mode)
     beside = mode.side == CLOSED
     support_at_rest = supported and (support_at_rest or abs(now.support_slip) <= REST_SLIP)
@@ -183,13 +186,13 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     if no_load:
         support_begins = -1 if support_at_rest else _sign(now.support_slip)
         side_begins = -1 if side_at_rest else _sign(now.side_slip)
-        begins = motion(time, q, p, _with_friction(mode, support_begins, side_begins))
+        begins = under_friction(forces, p, _with_friction(mode, support_begins, side_begins))
     for i in range(3 if support_at_rest else 1):
         support = (STICKING, -1, 1)[i] if support_at_rest else _sign(now.support_slip)
         for j in range(3 if side_at_rest else 1):
             side = (STICKING, -1, 1)[j] if side_at_rest else _sign(now.side_slip)
             trial = _with_friction(mode, support, side)
-            at = motion(time, q, p, trial)
+            at = under_friction(forces, p, trial)
             holds = True
             if support_unloaded:
                 holds = _may_begin(support, at.support_friction, begins.support_drive, least)
@@ -391,16 +394,15 @@ def _contact_switch(which, time, q, p, mode):
 @kernel
 def _friction_switch(which, time, q, p, mode):
     """Slip that reaches zero reverses or sticks; sticking that reaches its limit slips."""
+    at_support = which == SUPPORT_SLIP
+    if (mode.support_slip if at_support else mode.side_slip) != STICKING:
+        return _decided(time, q, p, mode, at_support, not at_support)
     at = motion(time, q, p, mode)
-    if which == SUPPORT_SLIP:
-        if mode.support_slip == STICKING:
-            broken = _with_friction(mode, -_sign(at.support_friction), mode.side_slip)
-            return broken, CONTINUES, _NONE
-        return _decided(time, q, p, mode, True, False)
-    if mode.side_slip == STICKING:
+    if at_support:
+        broken = _with_friction(mode, -_sign(at.support_friction), mode.side_slip)
+    else:
         broken = _with_friction(mode, mode.support_slip, -_sign(at.side_friction))
-        return broken, CONTINUES, _NONE
-    return _decided(time, q, p, mode, False, True)
+    return broken, CONTINUES, _NONE
 
 
 @kernel
