@@ -14,6 +14,7 @@ from model.physics.readings import Readings
 from model.runs.errors import Array, Run, estimate
 from model.runs.settings import Settings, settings_with
 from model.solver.loop import TRACK_COLUMNS, integrate_each, new_single
+from model.solver.queue import Queue, new_queue
 from model.solver.record import Ending
 from model.solver.side_by_side import integrate_all, new_many
 from model.solver.stiff import RADAU, are_stiff, integrate_stiff, new_memory
@@ -76,38 +77,51 @@ _ESTIMATED = ("tau_error", "sensitive", "rhs_evaluations")
 Engine = Literal["lanes", "scalar", "stiff"]
 
 
-def _filling(fill: Callable[[Array, Array, Array], None]) -> Run:
-    """The engine whose kernel writes a row of endings, the last argument, for every row."""
+def _filling(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:
+    """The engine whose kernel writes a row of endings, the last argument, for every row it takes.
+
+    It takes them from the queue, the argument before, that it shares with the other ``cores``.
+    Kernels hold no lock of the interpreter.
+    """
 
     def run(rows: Array, tolerances: Array) -> Array:
         endings = np.empty((len(rows), len(Ending._fields)))
-        fill(rows, tolerances, endings)
+        threads = min(cores, len(rows))
+        queue = new_queue(len(rows), threads)
+        if threads == 1:
+            fill(rows, tolerances, queue, endings)
+            return endings
+        with ThreadPoolExecutor(threads) as pool:
+            shares = [pool.submit(fill, rows, tolerances, queue, endings) for _ in range(threads)]
+        for share in shares:
+            share.result()
         return endings
 
     return run
 
 
-def each_by_itself(settings: Settings, track: Array = NO_TRACK) -> Run:
+def each_by_itself(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
     """The reference engine: one run at a time. ``track`` is as in ``integrate_each``."""
 
-    def fill(rows: Array, tolerances: Array, endings: Array) -> None:
+    def fill(rows: Array, tolerances: Array, queue: Queue, endings: Array) -> None:
         single = new_single(settings.method.method)
-        integrate_each(rows, tolerances, *settings.for_kernels, track, endings, single)
+        integrate_each(rows, tolerances, *settings.for_kernels, track, queue, endings, single)
 
-    return _filling(fill)
+    return _filling(fill, cores)
 
 
-def implicitly(settings: Settings, track: Array = NO_TRACK) -> Run:
+def implicitly(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
     """The engine for stiff sets: one run at a time, with implicit steps where they pay."""
     declared, method, control = settings.for_kernels
 
-    def fill(rows: Array, tolerances: Array, endings: Array) -> None:
+    def fill(rows: Array, tolerances: Array, queue: Queue, endings: Array) -> None:
         single, memory = new_single(method), new_memory()
         integrate_stiff(
-            rows, tolerances, declared, method, RADAU, control, track, endings, single, memory
-        )
+            rows, tolerances, declared, method, RADAU, control, track, queue, endings, single,
+            memory,
+        )  # fmt: skip
 
-    return _filling(fill)
+    return _filling(fill, cores)
 
 
 def where_stiff(settings: Settings, stiff: Run, others: Run) -> Run:
@@ -131,47 +145,33 @@ def _is_usual(settings: Settings) -> bool:
     return settings.readings == Readings.consistent() and settings.method is DOP853
 
 
-def side_by_side(settings: Settings) -> Run:
+def side_by_side(settings: Settings, cores: int = 1) -> Run:
     """The batch engine: many runs at a time."""
     declared, method, control = settings.for_kernels
 
-    def fill(rows: Array, tolerances: Array, endings: Array) -> None:
+    def fill(rows: Array, tolerances: Array, queue: Queue, endings: Array) -> None:
         many = new_many(settings.may_settle)
-        integrate_all(rows, tolerances, declared, method, control, endings, many)
+        integrate_all(rows, tolerances, declared, method, control, queue, endings, many)
 
-    return _filling(fill)
-
-
-def _over(cores: int, run: Run) -> Run:
-    """``run`` with the rows dealt out to threads; kernels hold no lock of the interpreter."""
-
-    def spread(rows: Array, tolerances: Array) -> Array:
-        parts = [slice(core, None, cores) for core in range(min(cores, len(rows)))]
-        endings = np.empty((len(rows), len(Ending._fields)))
-        with ThreadPoolExecutor(len(parts)) as pool:
-            dealt = pool.map(lambda part: run(rows[part].copy(), tolerances[part].copy()), parts)
-            for part, result in zip(parts, dealt, strict=True):
-                endings[part] = result
-        return endings
-
-    return spread if cores > 1 else run
+    return _filling(fill, cores)
 
 
-def _engine(name: Engine | None, settings: Settings) -> Run:
+def _engine(name: Engine | None, settings: Settings, cores: int) -> Run:
     if name not in (None, *get_args(Engine)):
         raise ValueError(
             f"engine = {name!r}: must be 'lanes', 'scalar', 'stiff', or None for the fastest"
         )
     if name == "scalar" or (name is None and not _is_usual(settings)):
-        return each_by_itself(settings)
+        return each_by_itself(settings, cores=cores)
     if not _is_usual(settings):
         raise ValueError(
             f"engine = {name!r}: needs the consistent readings and the method DOP853; "
             "choose 'scalar', or None for the fastest one that fits"
         )
+    lanes, stiff = side_by_side(settings, cores), implicitly(settings, cores=cores)
     if name is None:
-        return where_stiff(settings, implicitly(settings), side_by_side(settings))
-    return side_by_side(settings) if name == "lanes" else implicitly(settings)
+        return where_stiff(settings, stiff, lanes)
+    return lanes if name == "lanes" else stiff
 
 
 def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, Array]:
@@ -181,7 +181,7 @@ def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, A
     each of shape (n,).
     """
     rows = batch.constants(settings.readings)
-    run = _over(cores, _engine(None, settings))
+    run = _engine(None, settings, cores)
     endings = run(rows, np.full(len(rows), settings.tolerance))
     return dict(zip(Ending._fields, endings.T, strict=True))
 
@@ -220,7 +220,7 @@ def align(
     cores = os.cpu_count() or 1 if cores is None else cores
     if cores < 1:
         raise ValueError(f"cores = {cores!r}: must be >= 1")
-    run = _over(cores, _engine(engine, settings))
+    run = _engine(engine, settings, cores)
     found = estimate(run, rows_of.constants(settings.readings), settings.tolerance)
     columns = {
         field.name: getattr(found, field.name)

@@ -17,6 +17,7 @@ from model.solver.course import (
 )
 from model.solver.locate import NO_SWITCH, NODE_PLACES, NODES, first_switch, sample_step
 from model.solver.outcomes import Reason
+from model.solver.queue import next_in
 from model.solver.record import (
     CLOSEST,
     EVALUATIONS,
@@ -361,8 +362,10 @@ def integrate(row, tolerance, declared, method, control, track, single):
 
 
 @kernel
-def integrate_each(rows, tolerances, declared, method, control, track, endings, single):
-    """``integrate`` for every row of ``rows``; shapes as in ``integrate_all``."""
-    for i in range(rows.shape[0]):
-        ending = integrate(rows[i], tolerances[i], declared, method, control, track, single)
-        keep_ending(ending, endings, i)
+def integrate_each(rows, tolerances, declared, method, control, track, queue, endings, single):
+    """``integrate`` for the rows of ``rows`` from ``queue``; shapes as in ``integrate_all``."""
+    row = next_in(queue)
+    while row < rows.shape[0]:
+        ending = integrate(rows[row], tolerances[row], declared, method, control, track, single)
+        keep_ending(ending, endings, row)
+        row = next_in(queue)

@@ -44,6 +44,7 @@ from model.solver.lanes import (
 from model.solver.locate import NO_SWITCH
 from model.solver.loop import Workspace, advance, new_workspace
 from model.solver.outcomes import Reason
+from model.solver.queue import fair_share, next_in
 from model.solver.record import (
     CLOSEST,
     DEADLINE,
@@ -266,15 +267,17 @@ def _step_together(kind, members, count, declared, method, control, many, ending
 
 @kernel
 def _fill_pool(rows, tolerances, queue, declared, method, control, many, endings):
-    """Begin runs from the queue on, until as many as possible are under way; the next in it."""
+    """Begin runs from the queue until as many as possible are under way; whether some may wait."""
     runs, kinds = many.runs, many.order[0]
-    for i in range(POOL):
-        while kinds[i] == _ENDED and queue < rows.shape[0]:
-            begin(rows[queue], tolerances[queue], declared, control, runs, i)
-            runs[i, ROW_OF_BATCH], runs[i, NEXT_STEP] = queue, _FIRST_LONGEST
+    for i in range(min(POOL, fair_share(queue))):
+        while kinds[i] == _ENDED:
+            row = next_in(queue)
+            if row >= rows.shape[0]:
+                return False
+            begin(rows[row], tolerances[row], declared, control, runs, i)
+            runs[i, ROW_OF_BATCH], runs[i, NEXT_STEP] = row, _FIRST_LONGEST
             _place(declared, method, control, many, endings, i)
-            queue += 1
-    return queue
+    return True
 
 
 @kernel
@@ -292,8 +295,8 @@ def _sort_by_kind(kinds, order, places):
 
 
 @kernel
-def integrate_all(rows, tolerances, declared, method, control, endings, many):
-    """Run every parameter set to its end, side by side.
+def integrate_all(rows, tolerances, declared, method, control, queue, endings, many):
+    """Run the parameter sets of a queue to their ends, side by side.
 
     Args:
         rows: shape (n, constants), the fields of ``Constants``, consistent readings only.
@@ -301,15 +304,17 @@ def integrate_all(rows, tolerances, declared, method, control, endings, many):
         declared: ``Declared`` contacts of the scene.
         method: that of DOP853.
         control: ``Control``.
-        endings: shape (n, len(Ending._fields)), filled.
+        queue: that of ``new_queue``; threads that share it share the sets.
+        endings: shape (n, len(Ending._fields)), filled for the sets taken.
         many: ``Many``, overwritten.
     """
     kinds, order, places = many.order[0], many.order[1], many.order[2]
     for i in range(POOL):
         kinds[i] = _ENDED
-    queue, first = 0, POOL
-    while queue < rows.shape[0] or first > 0:
-        queue = _fill_pool(rows, tolerances, queue, declared, method, control, many, endings)
+    waiting, first = True, 0
+    while waiting or first > 0:
+        if waiting:
+            waiting = _fill_pool(rows, tolerances, queue, declared, method, control, many, endings)
         _sort_by_kind(kinds, order, places)
         first = 0
         while first < POOL and kinds[order[first]] != _ENDED:

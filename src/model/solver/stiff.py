@@ -31,6 +31,7 @@ from model.solver.loop import (
     track_run,
     track_sample,
 )
+from model.solver.queue import next_in
 from model.solver.record import (
     EVALUATIONS,
     NEXT_STEP,
@@ -535,15 +536,17 @@ def advance_stiff(declared, method, table, control, track, history, work, memory
 
 @kernel
 def integrate_stiff(
-    rows, tolerances, declared, method, table, control, track, endings, single, memory
+    rows, tolerances, declared, method, table, control, track, queue, endings, single, memory
 ):
     """As ``integrate_each``, for parameter sets that ``are_stiff``; ``table`` is RADAU."""
     runs, history, work = single.runs, single.history, single.work
     i = runs.shape[0] - 1
-    for row in range(rows.shape[0]):
+    row = next_in(queue)
+    while row < rows.shape[0]:
         begin(rows[row], tolerances[row], declared, control, runs, i)
         memory.length[0], memory.pause[0], memory.pause[1] = 0.0, 0.0, _PAUSES[0]
         track_run(track, work.scratch, runs, i)
         while runs[i, OUTCOME] == CONTINUES:
             advance_stiff(declared, method, table, control, track, history, work, memory, runs, i)
         keep_ending(ending_of(runs, i), endings, row)
+        row = next_in(queue)

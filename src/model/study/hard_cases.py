@@ -25,6 +25,7 @@ from model.runs.errors import estimate
 from model.runs.settings import Settings
 from model.solver.loop import integrate_each, new_single
 from model.solver.outcomes import Outcome, Reason
+from model.solver.queue import new_queue
 from model.solver.record import STATE, STATE_SIZE, Ending
 from model.solver.stiff import are_stiff
 from model.solver.tableaux import DOP853
@@ -99,8 +100,8 @@ def run_once(parameters: Parameters, settings: Settings) -> Run:
     """One run by the reference engine, without an estimate of its error or a track."""
     rows = Batch.stack([parameters]).constants(settings.readings)
     endings, single = np.empty((1, len(Ending._fields))), new_single(settings.method.method)
-    tolerances = np.array([settings.tolerance])
-    integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, endings, single)
+    tolerances, queue = np.array([settings.tolerance]), new_queue(waiting=1, threads=1)
+    integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, queue, endings, single)
     ending = Ending(*endings[0].tolist())
     state = single.runs[0, STATE : STATE + STATE_SIZE].copy()
     return Run(Outcome(int(ending.outcome)), ending.tau_align, state)
