@@ -301,12 +301,13 @@ def _fall_between(which, count, left, end, series):
         most = _bends(count, left, right, series)
         if not one_stays_above(before, after, most):
             f, g = largest(before)[0], largest(after)[0]
-            # Of a function that is zero to rounding all along, no part is fine enough.
-            finest = _FINEST if parts < _MOST_PARTS else _LEAVING
-            if g < 0.0 and (width <= finest or _all_go_one_way(before, after, most)):
-                return _last_root(left, before, right, after, series)
             on_switch = ON_A_SWITCH if left == 0.0 and not is_corner(which) else REST_SLIP
             begins = abs(f) <= on_switch and g > -REST_SLIP
+            # Of a function that is zero to rounding all along, no part is fine enough.
+            finest = _FINEST if parts < _MOST_PARTS else _LEAVING
+            falls = g < 0.0 and not (left == 0.0 and begins)
+            if falls and (width <= finest or _all_go_one_way(before, after, most)):
+                return _last_root(left, before, right, after, series)
             if width > (_LEAVING if begins else finest):
                 right = left + 0.5 * width
                 continue

@@ -158,12 +158,13 @@ def _move(until, history, control, w, lane, runs, i):
     counted = is_counted(mode_of_lane(w, lane), constants_of_lane(w, lane))
     if counted and control.alignment_only == 0.0:
         tilt, force = largest_until(until, w, lane, runs, i)
-    note_step(until * length, tilt, force, runs, i)
     if control.may_settle != 0.0:
         _note_lowest(until, w, lane, runs, i)
     _pass_periods(until, history, control, w, lane, runs, i)
     if runs[i, OUTCOME] != CONTINUES:
+        note_step(runs[i, TIME] - start, tilt, force, runs, i)
         return False
+    note_step(until * length, tilt, force, runs, i)
     at_deadline = until == 1.0 and length == runs[i, DEADLINE] - start
     runs[i, TIME] = runs[i, DEADLINE] if at_deadline else start + until * length
     runs[i, NEXT_STEP] = MOST_GROWTH * length
