@@ -221,18 +221,18 @@ def _values(count, theta, series):
 
 @kernel
 def _root(each, low, f_low, high, f_high, series):
-    """Where a quantity that is positive at ``low`` and negative at ``high`` is zero.
+    """Where a quantity that has other signs at ``low`` and at ``high`` is zero.
 
     By Newton's method from the secant's root, kept between the two by bisection.
     """
     theta = low + (high - low) * f_low / (f_low - f_high)
     for _ in range(_ROOT_ITERATIONS):
         value, slope = _value(each, theta, series), _slope(each, theta, series)
-        if value > 0.0:
+        if value * f_low > 0.0:
             low = theta
         else:
             high = theta
-        following = theta - value / slope if slope < 0.0 else low
+        following = theta - value / slope
         if low <= following <= high and abs(following - theta) <= _CLOSE * following:
             return following
         theta = following if low < following < high else 0.5 * (low + high)
@@ -240,19 +240,25 @@ def _root(each, low, f_low, high, f_high, series):
 
 
 @inlined_kernel
-def _last_root(left, before, right, after, series):
-    """Where the last of the quantities that are positive at ``left`` falls through zero."""
-    last = left
-    for each in range(QUANTITIES):
+def _fall_of_all(count, left, before, right, after, series):
+    """Where the largest of quantities that each go one way falls through zero, or NO_SWITCH.
+
+    That is where the last of those that fall does, if none of the others has risen by then.
+    """
+    last, first = left, inf
+    for each in range(count):
         if before[each] > 0.0:
             last = max(last, _root(each, left, before[each], right, after[each], series))
-    return last
+    for each in range(count):
+        if before[each] <= 0.0 < after[each]:
+            first = min(first, _root(each, left, before[each], right, after[each], series))
+    return last if last < first else NO_SWITCH
 
 
 @inlined_kernel
 def _goes_one_way(left, right, bend):
-    """Whether a quantity stays below zero between two places, or falls all the way."""
-    return left - right > 4.0 * bend or stays_above(-left, -right, bend)
+    """Whether a quantity stays below zero between two places, or falls or rises all the way."""
+    return abs(left - right) > 4.0 * bend or stays_above(-left, -right, bend)
 
 
 @inlined_kernel
@@ -291,8 +297,8 @@ def _bends(count, left, right, series):
 def _fall_between(which, count, left, end, series):
     """Where between two places the largest of ``series`` first falls through zero, or NO_SWITCH.
 
-    The stretch is divided until in each part the function stays above zero by its bend, or goes one
-    way.
+    The stretch is divided until in each part the function stays above zero by its bend, or each of
+    the quantities goes one way.
     """
     right, before, parts = end, _values(count, left, series), 0
     while left < end:
@@ -305,10 +311,13 @@ def _fall_between(which, count, left, end, series):
             begins = abs(f) <= on_switch and g > -REST_SLIP
             # Of a function that is zero to rounding all along, no part is fine enough.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
-            falls = g < 0.0 and not (left == 0.0 and begins)
-            if falls and (width <= finest or _all_go_one_way(before, after, most)):
-                return _last_root(left, before, right, after, series)
-            if width > (_LEAVING if begins else finest):
+            may_fall = (f > 0.0 or g < 0.0) and not (left == 0.0 and begins)
+            decided = may_fall and _all_go_one_way(before, after, most)
+            if decided or (may_fall and g < 0.0 and width <= finest):
+                theta = _fall_of_all(count, left, before, right, after, series)
+                if theta != NO_SWITCH:
+                    return theta
+            if not decided and width > (_LEAVING if begins else finest):
                 right = left + 0.5 * width
                 continue
         left, before, right = right, after, min(end, right + 2.0 * width)
