@@ -103,15 +103,16 @@ class _Plan:
         factors = {}
         for row in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
             ahead = self.is_ahead(row)
-            straight = row.of if row.kind == "product" else (row, row.of[1])
-            turns = straight[::-1]
-            keys = [{(forward, None), (backward, ahead)} for forward, backward in (straight, turns)]
-            turned = len(keys[1] & taken) > len(keys[0] & taken)
-            if any(each.kind in ("sine", "cosine") for each in row.of):
-                turned = straight[0].kind not in ("sine", "cosine")
-            turned = turned and row.kind == "product"
-            taken |= keys[turned]
-            factors[row] = turns if turned else straight
+            choices = [row.of, row.of[::-1]] if row.kind == "product" else [(row, row.of[1])]
+            forward, backward = max(
+                choices,
+                key=lambda each, ahead=ahead: (
+                    each[0].kind in ("sine", "cosine"),
+                    ((each[0], None) in taken) + ((each[1], ahead) in taken),
+                ),
+            )
+            taken |= {(forward, None), (backward, ahead)}
+            factors[row] = forward, backward
         return factors
 
     def _visit(self, row: Row) -> int:
@@ -312,26 +313,9 @@ class _SeriesWriter(_Writer):
         """A constant and multiples of rows; those that ``values`` lacks are in memory."""
         total = self.constant(constant) if order is _FIRST and constant != 0.0 else None
         for row, factor in terms:
-            total = self._multiple(factor, self._newest(row, order, values), total)
+            term = self.constant(factor), self._newest(row, order, values)
+            total = self.code.fmul(*term) if total is None else self.fma(*term, total)
         return self.vector(0.0) if total is None else total
-
-    def _multiple(self, factor: Constant, value: ir.Value, total: ir.Value | None) -> ir.Value:
-        """A multiple of a value, added to the ``total`` if there is one."""
-        if total is not None:
-            if factor == 1.0:
-                return self.code.fadd(total, value)
-            return (
-                self.code.fsub(total, value)
-                if factor == -1.0
-                else self.fma(self.constant(factor), value, total)
-            )
-        if factor == 1.0:
-            return value
-        return (
-            self.code.fneg(value)
-            if factor == -1.0
-            else self.code.fmul(self.constant(factor), value)
-        )
 
     def _newest(self, row: Row, order: ir.Value, values: dict[Row, ir.Value]) -> ir.Value:
         """The coefficient of a row at ``order``, which ``values`` hold or memory."""
