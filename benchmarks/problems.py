@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.equations import equations
-from model import Outcome, Parameters, Scene, align, simulate
+from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
+from model.runs.batch import run_once
 from model.study.config import load_study, study_path
 from model.study.sweeps import sweep_of
 
@@ -81,8 +82,22 @@ class Problem:
         return answers(self, self.cases, TRUE_TOLERANCE)
 
     def batch(self, count: int) -> tuple[Parameters, ...]:
-        """``count`` parameter sets or a few more: neighbours of every case, as many of each."""
-        return neighbours(self.cases, -(-count // len(self.cases)))
+        """``count`` parameter sets or a few more: neighbours of every case, as many of each.
+
+        They are to ask for the work of the cases. Where a case stands in for itself, a neighbour
+        does not align, or not between half and twice the case's time.
+        """
+        sets = neighbours(self.cases, -(-count // len(self.cases)))
+        if self.checkpoints:
+            return sets
+        settings = Settings(horizon=self.horizon, alignment_only=True)
+        tau = run_once(Batch.stack(sets), settings)["tau_align"]
+        own = np.resize(tau[: len(self.cases)], tau.size)  # the first of every case's is itself
+        alike = (0.5 * own <= tau) & (tau <= 2.0 * own)
+        cases = self.cases * (len(sets) // len(self.cases))
+        return tuple(
+            each if same else case for each, same, case in zip(sets, alike, cases, strict=True)
+        )
 
 
 def answers(problem: Problem, cases: Sequence[Parameters], tolerance: float) -> NDArray[np.float64]:

@@ -65,6 +65,12 @@ def test_a_batch_has_as_many_neighbours_of_each_case() -> None:
     assert len(Problem("p", (W1, W2, W3), 1.0).batch(256)) == 258
 
 
+def test_a_case_stands_in_for_neighbours_that_ask_for_other_work() -> None:
+    batch = Problem("p", (W1, W2), 10.0).batch(6)
+    assert len(set(batch[::2])) == 3
+    assert batch[1::2] == (W2, W2, W2)  # which does not align
+
+
 def test_the_typical_error_is_kept_by_nine_of_ten() -> None:
     truth = np.zeros((10, 2))
     answers = np.zeros((10, 2))

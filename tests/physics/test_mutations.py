@@ -161,7 +161,7 @@ CARRIED = [
     ("physics/parameters.py", "import math\n", "import math\nfrom os import environ\n"),
     (
         "physics/parameters.py",
-        "        columns = dict(self.values)\n",
+        "        columns: dict[str, Any] = dict(self.values)\n",
         f"        columns = {{**self.values, **{IS_ON}}}\n",
     ),
     (
@@ -172,8 +172,8 @@ CARRIED = [
     ),
     (
         "solver/record.py",
-        "runs[26, i],\n",
-        f"runs[26, i], {', '.join(f'runs[{26 + number}, i]' for number in ERRORS.values())},\n",
+        "runs[i, 26],\n",
+        f"runs[i, 26], {', '.join(f'runs[i, {26 + number}]' for number in ERRORS.values())},\n",
     ),
     (
         "solver/lanes.py",
