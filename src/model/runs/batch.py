@@ -27,6 +27,8 @@ NO_TRACK = np.empty((0, TRACK_COLUMNS))
 class Alignments:
     """Results of a batch; every array has shape (n,), in the order of the batch, dimensionless.
 
+    With ``alignment_only``, ``tau_corners_inside``, ``tilt_max`` and ``contact_force_max`` are NaN.
+
     Attributes:
         outcome: values of ``Outcome``.
         reason: values of ``Reason``; ``CHAOTIC`` where the horizon is reached on a course that a
