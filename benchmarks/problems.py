@@ -84,8 +84,8 @@ class Problem:
     def batch(self, count: int) -> tuple[Parameters, ...]:
         """``count`` parameter sets or a few more: neighbours of every case, as many of each.
 
-        They are to ask for the work of the cases. Where a case stands in for itself, a neighbour
-        does not align, or not between half and twice the case's time.
+        They are to ask for the work of the cases, which align unless there are checkpoints. A case
+        stands in for a neighbour that does not, or not between half and twice the case's time.
         """
         sets = neighbours(self.cases, -(-count // len(self.cases)))
         if self.checkpoints:

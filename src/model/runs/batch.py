@@ -27,7 +27,7 @@ NO_TRACK = np.empty((0, TRACK_COLUMNS))
 class Alignments:
     """Results of a batch; every array has shape (n,), in the order of the batch, dimensionless.
 
-    With ``alignment_only``, ``tau_corners_inside``, ``tilt_max`` and ``contact_force_max`` are NaN.
+    See ``Settings.alignment_only`` for what is NaN with it.
 
     Attributes:
         outcome: values of ``Outcome``.
@@ -82,13 +82,13 @@ Engine = Literal["lanes", "scalar", "stiff"]
 def _filling(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:
     """The engine whose kernel writes a row of endings, the last argument, for every row it takes.
 
-    It takes them from the queue, the argument before, that it shares with the other ``cores``.
-    Kernels hold no lock of the interpreter.
+    It takes them from the queue, the argument before, which the kernels of all ``cores`` share:
+    they hold no lock of the interpreter.
     """
 
     def run(rows: Array, tolerances: Array) -> Array:
         endings = np.empty((len(rows), len(Ending._fields)))
-        threads = min(cores, len(rows))
+        threads = max(1, min(cores, len(rows)))
         queue = new_queue(len(rows), threads)
         if threads == 1:
             fill(rows, tolerances, queue, endings)
@@ -103,7 +103,7 @@ def _filling(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> 
 
 
 def each_by_itself(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
-    """The reference engine: one run at a time. ``track`` is as in ``integrate_each``."""
+    """The reference engine: one run at a time. ``track`` as in ``integrate_each``: one core."""
 
     def fill(rows: Array, tolerances: Array, queue: Queue, endings: Array) -> None:
         single = new_single(settings.method.method)

@@ -24,7 +24,8 @@ class Settings:
         max_evaluations: most right-hand-side evaluations of one integration, >= 1.
         may_settle: stop a run whose motion repeats itself without aligning.
         alignment_only: end a run at alignment, and do not look for the largest tilt and force;
-            ``tau_corners_inside``, ``tilt_max`` and ``contact_force_max`` are NaN.
+            ``tilt_max`` and ``contact_force_max`` are NaN, and ``tau_corners_inside`` where it is
+            not the criterion of alignment itself.
         method: Runge-Kutta method with an error estimate.
 
     Raises:

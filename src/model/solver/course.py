@@ -187,7 +187,7 @@ def begin(row, tolerance, declared, control, runs, i):
     runs[i, OUTCOME], runs[i, NEXT_STEP] = CONTINUES, _FIRST_STEP
     runs[i, TAU_ALIGN], runs[i, TAU_CORNERS_INSIDE], runs[i, TILT_AT_ALIGNMENT] = nan, nan, nan
     if control.alignment_only != 0.0:
-        runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # of which nothing is the maximum
+        runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # and stay so; see note_step
     else:
         runs[i, TILT_MAX] = abs(p.initial_tilt)
     for which in range(SWITCH_COUNT):
@@ -222,7 +222,10 @@ def is_counted(mode, p):
 
 @kernel
 def note_step(length, tilt, force, runs, i):
-    """Enter a step made, with its largest |tilt| and normal force."""
+    """Enter a step made, with its largest |tilt| and normal force.
+
+    The largest values so far come first in ``max``, which keeps them if they are NaN.
+    """
     mode = mode_of(runs, i)
     runs[i, STEPS] += 1.0
     if is_counted(mode, constants_of(runs, i)):

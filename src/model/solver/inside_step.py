@@ -72,7 +72,7 @@ from model.solver.transitions import REST_SLIP
 QUANTITIES = 4  # of a switching function
 _QUARTER = FRACTIONS[0]
 _FINEST = 2.0**-24  # part of a step that is not divided
-_MOST_PARTS = 64
+_MOST_PARTS = 64  # of a quarter; then parts of a sixteenth of the step are not divided
 _LEAVING = 2.0**-4  # part in which a function that begins on its switch is taken to go one way
 _ROOT_ITERATIONS = 60
 _CLOSE = 1e-8  # to a root: the next iteration is as close as its square
@@ -243,7 +243,8 @@ def _root(each, low, f_low, high, f_high, series):
 def _fall_of_all(count, left, before, right, after, series):
     """Where the largest of quantities that each go one way falls through zero, or NO_SWITCH.
 
-    That is where the last of those that fall does, if none of the others has risen by then.
+    That is where the last of those that fall does, if none of the others has risen by then. In a
+    part too small to be divided they need not go one way, if all end below zero.
     """
     last, first = left, inf
     for each in range(count):
@@ -311,6 +312,7 @@ def _fall_between(which, count, left, end, series):
             begins = abs(f) <= on_switch and g > -REST_SLIP
             # Of a function that is zero to rounding all along, no part is fine enough.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
+            # What is below zero and rises does not fall, nor what begins on zero and stays there.
             may_fall = (f > 0.0 or g < 0.0) and not (left == 0.0 and begins)
             decided = may_fall and _all_go_one_way(before, after, most)
             if decided or (may_fall and g < 0.0 and width <= finest):

@@ -91,9 +91,9 @@ from model.solver.transitions import hold_sticking
 END = STEP_FORCE + 1
 SAMPLES = END + STATE_SIZE  # switching functions at each node
 BENDS = SAMPLES + NODES * SWITCH_COUNT  # of those that are one quantity
-LOWEST = BENDS + SWITCH_COUNT  # the lowest of their samples, up to the end of each quarter
+LOWEST = BENDS + SWITCH_COUNT  # the functions' lowest samples, up to the end of each quarter
 MAY_SWITCH = LOWEST + (NODES - 1) * SWITCH_COUNT  # where each may fall through zero, as bits
-VALUES = MAY_SWITCH + SWITCH_COUNT  # the states and what is watched at each node, and their bends
+VALUES = MAY_SWITCH + SWITCH_COUNT  # the tilt and what is watched at each node, and their bends
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
 LANE_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS
 

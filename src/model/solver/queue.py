@@ -14,8 +14,8 @@ Queue = NDArray[np.int64]
 
 
 def new_queue(waiting: int, threads: int) -> Queue:
-    """The queue that kernels of all ``threads`` share: the next row, and a thread's fair share."""
-    return np.array([0, -(-waiting // threads)])
+    """What kernels of all ``threads`` share, shape (2,): next row, and a thread's fair share."""
+    return np.array([0, -(-waiting // threads)], dtype=np.int64)
 
 
 @intrinsic

@@ -40,7 +40,6 @@ NODES = len(FRACTIONS) + 1
 
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _FIRST = _INDEX(0)  # order
-_FORWARD = None
 _AT_ONCE = 14  # sums in a loop
 _VECTOR = ir.VectorType(_DOUBLE, WIDTH)
 _POINTER = _VECTOR.as_pointer()
@@ -99,7 +98,7 @@ class _Plan:
         So that products share what they take: sines and cosines are taken forward, and of a
         quotient itself, backward what it is divided by.
         """
-        taken: set[tuple[Row, bool | None]] = set()
+        taken: set[tuple[Row, bool | None]] = set()  # None: forward
         factors = {}
         for row in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
             ahead = self.is_ahead(row)

@@ -1,4 +1,4 @@
-"""The batch engine: as many runs under way as POOL, those in the same kind of mode side by side.
+"""The batch engine: many runs under way, those in the same kind of mode side by side.
 
 In every round each run makes one step, in lanes with others whose equations of motion are the same.
 A step that shows no switch stands. Where one may be in it, the series tell where: it is located on
@@ -74,7 +74,7 @@ from model.solver.switching import SWITCH_COUNT
 from model.solver.tableaux import DOP853
 from model.solver.transitions import CONTINUES, hold_sticking
 
-POOL = 128  # runs under way
+POOL = 128  # runs that a thread has under way at most
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
 _ENDED = len(KINDS) ** 2  # behind the kinds of modes
@@ -154,17 +154,19 @@ def _pass_periods(until, history, control, w, lane, runs, i):
 def _move(until, history, control, w, lane, runs, i):
     """Go on by a step, or by its part up to a switch; whether the run still goes on."""
     length, start = w[lanes.LENGTH * WIDTH + lane], runs[i, TIME]
+    if control.may_settle != 0.0:
+        _note_lowest(until, w, lane, runs, i)
+    _pass_periods(until, history, control, w, lane, runs, i)
+    goes_on = runs[i, OUTCOME] == CONTINUES
+    if not goes_on:
+        until = (runs[i, TIME] - start) / length
     tilt, force = 0.0, 0.0
     counted = is_counted(mode_of_lane(w, lane), constants_of_lane(w, lane))
     if counted and control.alignment_only == 0.0:
         tilt, force = largest_until(until, w, lane, runs, i)
-    if control.may_settle != 0.0:
-        _note_lowest(until, w, lane, runs, i)
-    _pass_periods(until, history, control, w, lane, runs, i)
-    if runs[i, OUTCOME] != CONTINUES:
-        note_step(runs[i, TIME] - start, tilt, force, runs, i)
-        return False
     note_step(until * length, tilt, force, runs, i)
+    if not goes_on:
+        return False
     at_deadline = until == 1.0 and length == runs[i, DEADLINE] - start
     runs[i, TIME] = runs[i, DEADLINE] if at_deadline else start + until * length
     runs[i, NEXT_STEP] = MOST_GROWTH * length

@@ -95,9 +95,10 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
 
 
 def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> tuple[int, bool]:
-    """How the run of ``align`` ends that is carried on to the horizon, and whether it repeats.
+    """How a run by the lanes ends at the horizon, and whether it repeats itself.
 
-    It does if it switches and separates as often in every ``cycle`` from ``since`` on as in one.
+    It does if from ``since`` on it switches and separates as often as if every ``cycle`` were the
+    first.
     """
     from_here = since + 0.37 * cycle  # hardly ever at a switch
     whole = int((settings.horizon - from_here) / cycle)
@@ -106,7 +107,8 @@ def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> t
         for cycles in (0, 1, whole)
     ]
     first, second, last = (np.array([end["switches"], end["separations"]]) for end in ends)
-    return int(ends[-1]["outcome"][0]), np.array_equal(last - first, whole * (second - first))
+    repeats = whole > 1 and np.array_equal(last - first, whole * (second - first))
+    return int(ends[-1]["outcome"][0]), repeats
 
 
 def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Table:
@@ -115,7 +117,7 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
     One run of the reference engine is followed and carried on, so that both take the same course.
     Through a chaotic transient that is another than the one of ``align``, and may settle later than
     at the horizon: it is followed to where it settles, and compared with its end there. Where it
-    never settles, the run of ``align`` is carried on itself.
+    never settles, a run by the lanes is carried on.
     """
     runs, once = align(batch, settings, cores=cores), run_once(batch, settings, cores=cores)
     long = replace(settings, horizon=longer * settings.horizon, max_evaluations=_UNBOUNDED)

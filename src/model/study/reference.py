@@ -44,7 +44,7 @@ LOG_COLUMNS = (
 # a factor of a few. An error of 1 % in a force changes a duration by a thousand times this.
 MARGIN = 10.0
 UNKNOWN_ERROR = 1e-4  # where the estimate says nothing: the difference that makes a point sensitive
-# Largest tilts and forces were once those of samples, as they are in the reference engine.
+# The reference engine takes largest tilts and forces from samples.
 TILT_SAMPLED = 1e-4
 FORCE_SAMPLED = 2e-2
 # A run that does not align ends when its motion is seen to repeat itself, a period sooner or later.
@@ -135,7 +135,7 @@ def _tolerance(name: str, reference: "xr.Dataset") -> NDArray[np.float64]:
     outcome = _values(reference, "outcome")
     own = MARGIN * np.where(np.isfinite(error), error, UNKNOWN_ERROR)
     if name == "tilt_max":
-        return np.maximum(np.where(np.isfinite(error), own, 0.0), TILT_SAMPLED)
+        return np.fmax(MARGIN * error, TILT_SAMPLED)
     if name == "contact_force_max":
         return FORCE_SAMPLED * np.maximum(1.0, np.abs(_values(reference, name)))
     if name == "sticking_share":
