@@ -16,6 +16,7 @@ from benchmarks.modes import ALIGNED, first_mode, next_mode, start
 from benchmarks.problems import Problem
 from model import Parameters
 
+BATCH = 1024  # trajectories at once of methods that refill their lanes, so that few run empty
 _MOST_SWITCHES = 20_000  # of one trajectory; W3 has about 1,000
 _AT_ONCE = 1e-12  # a switch sooner than this after the one before is none that took time
 CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try then

@@ -13,7 +13,15 @@ import llvmlite.binding as ll
 import numpy as np
 
 from benchmarks.equations import DEVICE_SIZE, Device, device, equations
-from benchmarks.methods.base import Limits, Method, NotReachedError, Solution, cpu_seconds, drive
+from benchmarks.methods.base import (
+    BATCH,
+    Limits,
+    Method,
+    NotReachedError,
+    Solution,
+    cpu_seconds,
+    drive,
+)
 from benchmarks.modes import (
     ALIGNED,
     BEYOND,
@@ -240,7 +248,7 @@ class HeyokaBatch(Method):
         # heyoka recommends 256 bits where there are 512 too; these are up to 1.6 times faster.
         wide = ll.get_host_cpu_features().get("avx512f", False)
         self.width = _WIDEST if wide else hy.recommended_simd_size()
-        self.batch = 1024
+        self.batch = BATCH
         self.formulation = f"{self.width} lanes, modes as parameters, terminal events, refilled"
         self._lanes: dict[float, _Lanes] = {}
 

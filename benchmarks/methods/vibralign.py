@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.methods.base import Method, Solution, typical_error
+from benchmarks.methods.base import BATCH, Method, Solution, typical_error
 from benchmarks.problems import Problem, answers
 from model import Batch, Parameters, Settings, align
 from model.runs.batch import Engine, run_once
@@ -15,7 +15,7 @@ class Vibralign(Method):
     """``align`` with one engine: two runs of each set, or more, which yields its error estimate."""
 
     package = "vibralign"
-    batch = 1024
+    batch = BATCH
     formulation = "align, two runs each with error estimate"
 
     def __init__(self, engine: Engine) -> None:

@@ -9,13 +9,7 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.solver import lanes
-from model.solver.inside_step import (
-    QUANTITIES,
-    _fall,
-    _values,
-    enter_series,
-    largest_until,
-)
+from model.solver.inside_step import QUANTITIES, _fall, _values, enter_series, largest_until
 from model.solver.lanes import COEFFICIENTS, LANE_ROWS, is_corner, new_lanes, step_all
 from model.solver.record import SIZE
 from model.solver.series import CONSISTENT, FREE, GIVEN, SLIDES, STICKS, recurrences

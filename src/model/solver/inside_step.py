@@ -14,7 +14,6 @@ from model.solver import lanes, locate
 from model.solver.lanes import (
     COEFFICIENTS,
     CONTACTS_AT,
-    TILT,
     TOO_FLAT_TO_TELL,
     Sizes,
     constants_of_lane,
@@ -36,7 +35,7 @@ from model.solver.record import (
     constants_of,
     mode_of,
 )
-from model.solver.series_code import FRACTIONS, NODES, ORDER, ROWS, SINES, WIDTH
+from model.solver.series_code import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
 from model.solver.switching import (
     ALIGNED,
     COMBINED_COUNT,

@@ -31,6 +31,7 @@ from model.solver.series_code import (
     ORDER,
     ROWS,
     SINES,
+    TILT,
     WIDTH,
     fill_series,
     follow_series,
@@ -97,7 +98,7 @@ VALUES = MAY_SWITCH + SWITCH_COUNT  # the tilt and what is watched at each node,
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
 LANE_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS
 
-TILT, OUTLINE_AT, CONTACTS_AT = 2, STATE_SIZE, STATE_SIZE + len(Outline._fields)  # in a row
+OUTLINE_AT, CONTACTS_AT = STATE_SIZE, STATE_SIZE + len(Outline._fields)  # in a row
 ALL_QUARTERS = 15
 LAST_TERMS = 4.0  # of a series, over the tolerance: what follows them is smaller
 _CACHE_LINE = 64  # bytes

@@ -31,7 +31,7 @@ from model.solver.series import (
 WIDTH = 8  # runs in a vector
 ORDER = 16  # of the series
 STATE_ROWS = len(STATES)
-_TILT = 2  # row of the tilt
+TILT = 2  # row of the tilt
 SINES = STATE_ROWS + WATCHED  # sine and cosine of the tilt, and of the excitation
 _OTHERS = SINES + 4
 ROWS = _OTHERS + 16  # as many as any kind of mode needs
@@ -414,9 +414,7 @@ class _SamplesWriter(_Writer):
     def _one_row(self, index: ir.Value) -> tuple[()]:
         """The tilt, or what is watched, at all nodes."""
         is_first = self.code.icmp_signed("==", index, _INDEX(0))
-        row = self.code.select(
-            is_first, _INDEX(_TILT), self.code.add(index, _INDEX(STATE_ROWS - 1))
-        )
+        row = self.code.select(is_first, _INDEX(TILT), self.code.add(index, _INDEX(STATE_ROWS - 1)))
         sums, bend = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
         for order in range(ORDER, -1, -1):
             coefficient = self._coefficient(row, order)

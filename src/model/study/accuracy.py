@@ -119,7 +119,7 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
     at the horizon: it is followed to where it settles, and compared with its end there. Where it
     never settles, a run by the lanes is carried on.
     """
-    runs, once = align(batch, settings, cores=cores), run_once(batch, settings, cores=cores)
+    runs = align(batch, settings, cores=cores)
     long = replace(settings, horizon=longer * settings.horizon, max_evaluations=_UNBOUNDED)
     on_and_on = replace(long, may_settle=False)
     size = len(batch)
@@ -137,7 +137,8 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
             places = np.searchsorted(on.time, ends - 1e-6).clip(0, on.time.size - 1)
             moved[row] = np.abs(on.state[places] - run.state[-1]).max()
         else:
-            began[row], cycle = once["time"][row], runs.period[row] * excitation
+            began[row] = run_once(Batch.stack([p]), settings)["time"][0]
+            cycle = runs.period[row] * excitation
             later[row], repeats[row] = _repeats(p, on_and_on, began[row], cycle)
     return {
         "outcome": runs.outcome,
