@@ -13,15 +13,15 @@ SETTINGS = Settings(horizon=60.0)
 COUNT = 150
 
 
-def cloud(device, spread):
+def cloud(device, spread, count=COUNT):
     """Devices around ``device``, log-uniform; a wide cloud has every kind of contact in it."""
     rng = np.random.default_rng(7)
     names = ("half_height", "inertia", "tilt_stiffness", "press_force", "frequency", "friction")
     swept = {
-        name: getattr(device, name) * np.exp(rng.uniform(-spread, spread, COUNT)) for name in names
+        name: getattr(device, name) * np.exp(rng.uniform(-spread, spread, count)) for name in names
     }
-    swept["initial_tilt"] = rng.uniform(-0.1, 0.3, COUNT) if spread > 1.0 else np.full(COUNT, 0.001)
-    swept["misalignment"] = rng.uniform(0.0, 1.0, COUNT) if spread > 1.0 else np.full(COUNT, 0.2)
+    swept["initial_tilt"] = rng.uniform(-0.1, 0.3, count) if spread > 1.0 else np.full(count, 0.001)
+    swept["misalignment"] = rng.uniform(0.0, 1.0, count) if spread > 1.0 else np.full(count, 0.2)
     return Batch.of(device, **swept)
 
 
@@ -49,11 +49,14 @@ def test_both_engines_agree_to_their_error_estimates(batch):
     assert (difference <= 10.0 * estimates).all()
 
 
-def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(batch):
+@pytest.mark.parametrize("spread", [0.5, 1.5], ids=["near", "wide"])
+def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(device, spread):
+    # Of 150 sets the median ratio is anywhere between 18 and 30 where that of 2,000 is 24.
+    batch = cloud(device, spread, 4 * COUNT)
     exact = align(batch, SETTINGS, engine="scalar", tolerance=1e-13)
     lanes = align(batch, SETTINGS, engine="lanes")
     aligned = ~(exact.sensitive | lanes.sensitive) & (exact.outcome == Outcome.ALIGNED)
-    assert aligned.sum() > COUNT / 4
+    assert aligned.sum() > COUNT
     ratio = (np.abs(exact.tau_align - lanes.tau_align) / lanes.tau_error)[aligned]
     assert (ratio <= 1.0).mean() >= 0.95
     assert ratio.max() <= 10.0

@@ -9,11 +9,27 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.solver import lanes
-from model.solver.inside_step import QUANTITIES, _fall, _values, enter_series, largest_until
+from model.solver.inside_step import (
+    QUANTITIES,
+    TERMS,
+    _fall,
+    _values,
+    enter_series,
+    largest_until,
+)
 from model.solver.lanes import COEFFICIENTS, LANE_ROWS, is_corner, new_lanes, step_all
 from model.solver.record import SIZE
 from model.solver.series import CONSISTENT, FREE, GIVEN, SLIDES, STICKS, recurrences
-from model.solver.series_code import KINDS, ORDER, ROWS, SINES, WIDTH, operations
+from model.solver.series_code import (
+    FRACTIONS,
+    KINDS,
+    ORDER,
+    ORDERS_THERE,
+    ROWS,
+    SINES,
+    WIDTH,
+    operations,
+)
 from model.solver.switching import COMBINED_COUNT, NEVER, Outline, outline
 
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
@@ -147,12 +163,13 @@ def test_a_sliding_part_takes_ten_products() -> None:
 
 
 def sampled(
-    which: int, places: np.ndarray, series: np.ndarray, w: np.ndarray, lane: int
+    which: int, places: np.ndarray, series: np.ndarray, w: np.ndarray, lane: int, last: int = ORDER
 ) -> np.ndarray:
-    """A switching function from the series of its quantities, of either sign."""
+    """A switching function from the series of its quantities, of either sign, to the last order."""
     functions, count = [], QUANTITIES if which < COMBINED_COUNT else 1
     for sign in (1.0, -1.0):
         enter_series(which, sign, series, w, lane)
+        series.reshape(QUANTITIES, TERMS)[:, last + 1 :] = 0.0
         functions.append([max(_values(count, place, series)) for place in places])
     return np.min(functions, axis=0)
 
@@ -160,15 +177,19 @@ def sampled(
 @each_kind
 def test_series_of_switching_functions_are_those_of_the_functions(support: int, side: int) -> None:
     step, compared = Step(support, side, 0.4, tolerance=1e-6), 0
-    series = np.zeros((ORDER + 1, QUANTITIES))
+    series = np.zeros(QUANTITIES * TERMS)
     assert (step.w[lanes.LENGTH] > 0.03).all()
-    nodes = np.linspace(0.0, 1.0, lanes.NODES)
+    nodes, orders = (0.0, *FRACTIONS), (ORDER, *ORDERS_THERE)
     rows = lanes.SAMPLES + lanes.SWITCH_COUNT * np.arange(lanes.NODES)
     for lane in range(WIDTH):
         for which in lanes.WATCHED_SWITCHES:
             expected = step.w[rows + which, lane]
             if expected[0] != NEVER:
-                found = sampled(int(which), nodes, series, step.w.reshape(-1), lane)
+                flat = step.w.reshape(-1)
+                found = np.concatenate([
+                    sampled(int(which), np.array([node]), series, flat, lane, last)
+                    for node, last in zip(nodes, orders, strict=True)
+                ])  # fmt: skip
                 assert found == pytest.approx(expected, rel=1e-10, abs=1e-11)
                 compared += 1
     assert compared >= 5 * WIDTH
@@ -194,7 +215,7 @@ def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> Non
 def test_the_first_fall_is_found_however_short_what_follows() -> None:
     # Against 1,001 samples of every function that applies, on steps ten times as long as usual.
     places, short, fell = np.linspace(0.0, 1.0, 1001), 0, 0
-    series = np.zeros((ORDER + 1, QUANTITIES))
+    series = np.zeros(QUANTITIES * TERMS)
     for support in KINDS:
         for side in KINDS:
             step = Step(support, side, 0.4, tolerance=1e-2)

@@ -69,6 +69,7 @@ from model.solver.switching import (
 from model.solver.transitions import REST_SLIP
 
 QUANTITIES = 4  # of a switching function
+TERMS = ORDER + 1  # of the series of each
 _QUARTER = FRACTIONS[0]
 _FINEST = 2.0**-24  # part of a step that is not divided
 _MOST_PARTS = 64  # of a quarter; then parts of a sixteenth of the step are not divided
@@ -131,7 +132,7 @@ def _enter(which, sign, series, w, lane):
         if order > 0:
             g = (g[0] - constant[0], g[1] - constant[1], g[2] - constant[2], g[3] - constant[3])
         for each in range(count):
-            series[order, each] = g[each]
+            series[each * TERMS + order] = g[each]
         scale *= w[lanes.LENGTH * WIDTH + lane]
 
 
@@ -139,8 +140,8 @@ def _enter(which, sign, series, w, lane):
 def enter_series(which, sign, series, w, lane):
     """Enter the series of a function's quantities in the step's fraction.
 
-    Into ``series``, shape (ORDER + 1, QUANTITIES), of function ``which``, if what it asks the size
-    of has this sign. Each function has a loop of its own, which takes no more than it needs.
+    Into ``series``, shape (QUANTITIES * TERMS,), of function ``which``, if what it asks the size of
+    has this sign. Each function has a loop of its own, which takes no more than it needs.
     """
     if which == ALIGNED:
         _enter(ALIGNED, 1.0, series, w, lane)
@@ -190,21 +191,23 @@ def _value(each, theta, series):
 
     Even and odd orders by themselves: twice as many operations at a time.
     """
-    square, even, odd = theta * theta, series[ORDER, each], 0.0
+    square, even, odd = theta * theta, series[each * TERMS + ORDER], 0.0
     for order in range(ORDER - 2, -2, -2):
-        even = even * square + series[order, each]
-        odd = odd * square + series[order + 1, each]
+        even = even * square + series[each * TERMS + order]
+        odd = odd * square + series[each * TERMS + order + 1]
     return even + theta * odd
 
 
 @inlined_kernel
 def _slope(each, theta, series):
-    """Its derivative."""
-    square, even, odd = theta * theta, 0.0, ORDER * series[ORDER, each]
+    """Its derivative, Σ k c_k θ^(k-1), with ratios of k in place of k: one operation waits less."""
+    square = theta * theta
+    odd, even = series[each * TERMS + ORDER - 1], series[each * TERMS + ORDER]
+    for order in range(ORDER - 3, -1, -2):
+        odd = odd * (square * ((order + 2.0) / order)) + series[each * TERMS + order]
     for order in range(ORDER - 2, 0, -2):
-        odd = odd * square + order * series[order, each]
-        even = even * square + (order + 1.0) * series[order + 1, each]
-    return even * square + series[1, each] + theta * odd
+        even = even * (square * ((order + 2.0) / order)) + series[each * TERMS + order]
+    return odd + 2.0 * theta * even
 
 
 @inlined_kernel
@@ -274,12 +277,15 @@ def _all_go_one_way(before, after, bends):
 @inlined_kernel
 def _bend(each, left, right, series):
     """How far a quantity may be from the line through its values at two places."""
-    square, even, odd = right * right, 0.0, 0.0
-    for order in range(ORDER, 1, -2):
-        even = even * square + 0.125 * order * (order - 1) * abs(series[order, each])
-    for order in range(ORDER - 1, 1, -2):
-        odd = odd * square + 0.125 * order * (order - 1) * abs(series[order, each])
-    return (even + right * odd) * (right - left) ** 2
+    square = right * right
+    even, odd = abs(series[each * TERMS + ORDER]), abs(series[each * TERMS + ORDER - 1])
+    for order in range(ORDER - 2, 0, -2):
+        ratio = (order + 2.0) * (order + 1.0) / (order * (order - 1.0))
+        even = even * (square * ratio) + abs(series[each * TERMS + order])
+    for order in range(ORDER - 3, 1, -2):
+        ratio = (order + 2.0) * (order + 1.0) / (order * (order - 1.0))
+        odd = odd * (square * ratio) + abs(series[each * TERMS + order])
+    return (0.25 * even + 0.75 * right * odd) * (right - left) ** 2
 
 
 @inlined_kernel
@@ -354,14 +360,25 @@ def _asks_size(which, mode):
 
 
 @kernel
-def _fall(which, until, series, w, lane):
-    """``first_fall`` of function ``which`` of a lane."""
+def _fall_of(which, sign, until, series, w, lane):
+    """``first_fall`` of a lane's function ``which``, if what it asks the size of has this sign.
+
+    What begins at zero is divided by the fraction of the step: its other zeros stay.
+    """
     quarters = int(w[(lanes.MAY_SWITCH + which) * WIDTH + lane])
-    enter_series(which, 1.0, series, w, lane)
-    first = first_fall(which, quarters, until, series)
+    enter_series(which, sign, series, w, lane)
+    if which < COMBINED_COUNT or series[0] != 0.0:
+        return first_fall(which, quarters, until, series)
+    series[TERMS] = 0.0
+    return first_fall(which, quarters, until, series[1:])
+
+
+@inlined_kernel
+def _fall(which, until, series, w, lane):
+    """The same of either sign."""
+    first = _fall_of(which, 1.0, until, series, w, lane)
     if _asks_size(which, mode_of_lane(w, lane)):
-        enter_series(which, -1.0, series, w, lane)
-        first = min(first, first_fall(which, quarters, min(until, first), series))
+        first = min(first, _fall_of(which, -1.0, min(until, first), series, w, lane))
     return first
 
 

@@ -12,7 +12,7 @@ Lanes hold the modes in which the part stands on A1 or flies, alone or with A2 o
 other modes, and readings of the printed equations, are left to the reference engine.
 """
 
-from math import sqrt
+from math import floor
 from typing import NamedTuple
 
 import numpy as np
@@ -191,35 +191,43 @@ def _turn(w):
 
 
 @inlined_kernel
-def _sixteenth_root(value):
-    return sqrt(sqrt(sqrt(sqrt(value))))
+def _root(value, order):
+    """The root of this order of a positive number, to half a percent.
+
+    The bits of a number, its exponent before its mantissa, are nearly its logarithm.
+    """
+    logarithm = np.float64(value).view(np.int64) * 2.0**-52 - 1023.0
+    power = logarithm * (1.0 / order)
+    whole = floor(power)
+    part = power - whole
+    octave = np.int64((np.int64(whole) + 1023) << 52).view(np.float64)
+    return octave * (1.0 + part * (0.6565 + 0.3435 * part))
 
 
 @inlined_kernel
-def _last_terms(w, i):
-    """The coefficients of the last two orders over 1 + |value|: the largest of states and outline.
+def _step_of(order, admitted, w, i):
+    """The step at which the terms of an order, over 1 + |value|, come to what is admitted.
 
-    In flight the states' series end sooner than those of the places, which turn with the tilt.
+    Those of states and outline: in flight the states' series end sooner than those of the places,
+    which turn with the tilt. Ratios are compared by products, which take less than divisions.
     """
-    last, before = 1e-200, 1e-200
+    largest_size, its_scale = 1e-200, 1.0
     for n in range(CONTACTS_AT):
-        over = 1.0 / (1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i]))
-        last = max(last, over * abs(w[(COEFFICIENTS + ORDER * ROWS + n) * WIDTH + i]))
-        before = max(before, over * abs(w[(COEFFICIENTS + (ORDER - 1) * ROWS + n) * WIDTH + i]))
-    return last, before
+        size = abs(w[(COEFFICIENTS + order * ROWS + n) * WIDTH + i])
+        scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
+        is_larger = size * its_scale > largest_size * scale
+        largest_size = size if is_larger else largest_size
+        its_scale = scale if is_larger else its_scale
+    return _root(admitted * its_scale / largest_size, order)
 
 
 @kernel
 def _set_lengths(w):
     """The steps at which the larger of the series' last two terms comes to what is admitted."""
     for i in range(WIDTH):
-        longest = w[LONGEST * WIDTH + i]
         admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
-        last, before = _last_terms(w, i)
-        # Its root of one order less: 1/15 = 1/16 + 1/16² + ...
-        root = _sixteenth_root(admitted / before)
-        step = min(_sixteenth_root(admitted / last), root * _sixteenth_root(root))
-        step = min(step, longest)
+        step = min(_step_of(ORDER, admitted, w, i), _step_of(ORDER - 1, admitted, w, i))
+        step = min(step, w[LONGEST * WIDTH + i])
         time, deadline = w[TIME * WIDTH + i], w[DEADLINE * WIDTH + i]
         w[LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
 
@@ -368,23 +376,47 @@ def _note_lowest(which, applies, samples, w, i):
 
 
 @inlined_kernel
-def _screen_single(which, w):
-    """Enter how low a function comes, and where it may fall through zero."""
+def _samples_of(which, w, i):
+    """A function at each node."""
     n = WIDTH
-    first = (SAMPLES + which) * n
+    at = (SAMPLES + which) * n + i
+    return (
+        w[at], w[at + SWITCH_COUNT * n], w[at + 2 * SWITCH_COUNT * n],
+        w[at + 3 * SWITCH_COUNT * n], w[at + 4 * SWITCH_COUNT * n],
+    )  # fmt: skip
+
+
+@inlined_kernel
+def _lowest_of(samples):
+    inner = min(min(samples[1], samples[2]), samples[3])
+    return min(min(samples[0], samples[4]), inner)
+
+
+@inlined_kernel
+def _screen_single(which, w, i):
+    """Enter how low a function comes; its bit if it may come to zero."""
+    g, bend = _samples_of(which, w, i), w[(BENDS + which) * WIDTH + i]
+    above = _lowest_of(g) - bend
+    _note_lowest(which, g[0] != NEVER, g, w, i)
+    return 0.0 if above > 0.0 else float(1 << which)
+
+
+@inlined_kernel
+def _enter_quarters(which, flagged, w, i):
+    w[(MAY_SWITCH + which) * WIDTH + i] = flagged
+    w[SHOWN * WIDTH + i] += float(1 << which) if flagged > 0.0 else 0.0
+
+
+@inlined_kernel
+def _find_single(which, w):
+    """Enter where a function may fall through zero."""
     for i in range(WIDTH):
-        bend = w[(BENDS + which) * n + i]
-        g0, g1 = w[first + i], w[first + SWITCH_COUNT * n + i]
-        g2, g3 = w[first + 2 * SWITCH_COUNT * n + i], w[first + 3 * SWITCH_COUNT * n + i]
-        g4 = w[first + 4 * SWITCH_COUNT * n + i]
+        g, bend = _samples_of(which, w, i), w[(BENDS + which) * WIDTH + i]
         flagged = _quarters(
-            stays_above(g0, g1, bend), stays_above(g1, g2, bend),
-            stays_above(g2, g3, bend), stays_above(g3, g4, bend),
+            stays_above(g[0], g[1], bend), stays_above(g[1], g[2], bend),
+            stays_above(g[2], g[3], bend), stays_above(g[3], g[4], bend),
         )  # fmt: skip
-        flagged = 0.0 if g0 == NEVER else flagged
-        _note_lowest(which, g0 != NEVER, (g0, g1, g2, g3, g4), w, i)
-        w[(MAY_SWITCH + which) * n + i] = flagged
-        w[SHOWN * n + i] += float(1 << which) if flagged > 0.0 else 0.0
+        _enter_quarters(which, 0.0 if g[0] == NEVER else flagged, w, i)
 
 
 @inlined_kernel
@@ -425,9 +457,13 @@ def _bends(which, w, i):
 
 @inlined_kernel
 def _screen_combined(which, w):
-    """The same of the largest of several quantities, which is sampled here."""
+    """The same of the largest of several quantities, which is sampled here.
+
+    It stays clear of zero if one of the quantities does.
+    """
     n = WIDTH
     first = (SAMPLES + which) * n
+    least = TOO_FLAT_TO_TELL if is_corner(which) else 0.0
     for i in range(WIDTH):
         applies = applies_in(mode_of_lane(w, i))[which]
         bends = _bends(which, w, i)
@@ -436,52 +472,136 @@ def _screen_combined(which, w):
         q4 = _quantities(which, w, 4, i)
         g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
         g3, g4 = largest(q3)[0], largest(q4)[0]
-        flagged = _quarters(
-            one_stays_above(q0, q1, bends), one_stays_above(q1, q2, bends),
-            one_stays_above(q2, q3, bends), one_stays_above(q3, q4, bends),
-        )  # fmt: skip
         w[first + i] = g0 if applies else NEVER
         w[first + SWITCH_COUNT * n + i] = g1
         w[first + 2 * SWITCH_COUNT * n + i] = g2
         w[first + 3 * SWITCH_COUNT * n + i] = g3
         w[first + 4 * SWITCH_COUNT * n + i] = g4
         _note_lowest(which, applies, (g0, g1, g2, g3, g4), w, i)
+        is_clear = (
+            (_lowest_of((q0[0], q1[0], q2[0], q3[0], q4[0])) > max(least, bends[0]))
+            | (_lowest_of((q0[1], q1[1], q2[1], q3[1], q4[1])) > max(least, bends[1]))
+            | (_lowest_of((q0[2], q1[2], q2[2], q3[2], q4[2])) > max(least, bends[2]))
+            | (_lowest_of((q0[3], q1[3], q2[3], q3[3], q4[3])) > max(least, bends[3]))
+        )
+        bit = 0.0 if is_clear else float(1 << which)
+        w[SHOWN * n + i] += bit if applies else 0.0
+
+
+@inlined_kernel
+def _find_combined(which, w):
+    """The same of the largest of several quantities."""
+    for i in range(WIDTH):
+        bends = _bends(which, w, i)
+        q0, q1 = _quantities(which, w, 0, i), _quantities(which, w, 1, i)
+        q2, q3 = _quantities(which, w, 2, i), _quantities(which, w, 3, i)
+        q4 = _quantities(which, w, 4, i)
+        flagged = _quarters(
+            one_stays_above(q0, q1, bends), one_stays_above(q1, q2, bends),
+            one_stays_above(q2, q3, bends), one_stays_above(q3, q4, bends),
+        )  # fmt: skip
         # Near flat, what is on its switch to rounding may be beyond it.
-        lowest = min(g0, min(min(g1, g2), min(g3, g4)))
-        flat = is_corner(which) & (lowest < TOO_FLAT_TO_TELL)
+        g = _samples_of(which, w, i)
+        flat = is_corner(which) & (_lowest_of(g) < TOO_FLAT_TO_TELL)
         flagged = float(ALL_QUARTERS) if flat else flagged
-        flagged = flagged if applies else 0.0
-        w[(MAY_SWITCH + which) * n + i] = flagged
-        w[SHOWN * n + i] += float(1 << which) if flagged > 0.0 else 0.0
+        _enter_quarters(which, 0.0 if g[0] == NEVER else flagged, w, i)
 
 
 @kernel
-def _leave_out(which, w):
-    """Enter that a function applies in no lane."""
+def _find(w):
+    """Of functions that may come to zero, find where they may fall through it."""
+    shown = 0
     for i in range(WIDTH):
-        w[(SAMPLES + which) * WIDTH + i] = NEVER
-        for quarter in range(NODES - 1):
-            w[(LOWEST + quarter * SWITCH_COUNT + which) * WIDTH + i] = NEVER
+        shown |= int(w[SHOWN * WIDTH + i])
+    for i in range(WIDTH):
+        w[SHOWN * WIDTH + i] = 0.0
+    if shown & (1 << ALIGNED):
+        _find_combined(ALIGNED, w)
+    if shown & (1 << CORNERS_INSIDE):
+        _find_combined(CORNERS_INSIDE, w)
+    if shown & (1 << RIGHT_EDGE_ENTERS):
+        _find_combined(RIGHT_EDGE_ENTERS, w)
+    if shown & (1 << LEFT_EDGE_ENTERS):
+        _find_combined(LEFT_EDGE_ENTERS, w)
+    if shown & (1 << RIGHT_CORNER_LANDS):
+        _find_combined(RIGHT_CORNER_LANDS, w)
+    if shown & (1 << LEFT_CORNER_LANDS):
+        _find_combined(LEFT_CORNER_LANDS, w)
+    if shown & (1 << RIGHT_WALL):
+        _find_combined(RIGHT_WALL, w)
+    if shown & (1 << LEFT_WALL):
+        _find_combined(LEFT_WALL, w)
+    if shown & (1 << FACE_LOAD):
+        _find_single(FACE_LOAD, w)
+    if shown & (1 << FACE_GAP):
+        _find_single(FACE_GAP, w)
+    if shown & (1 << FACE_RELOAD):
+        _find_single(FACE_RELOAD, w)
+    if shown & (1 << FACE_END):
+        _find_single(FACE_END, w)
+    if shown & (1 << FACE_FAR_END):
+        _find_single(FACE_FAR_END, w)
+    if shown & (1 << SIDE_LOAD):
+        _find_single(SIDE_LOAD, w)
+    if shown & (1 << SIDE_GAP):
+        _find_single(SIDE_GAP, w)
+    if shown & (1 << SIDE_RELOAD):
+        _find_single(SIDE_RELOAD, w)
+    if shown & (1 << SIDE_END):
+        _find_single(SIDE_END, w)
+    if shown & (1 << SUPPORT_SLIP):
+        _find_single(SUPPORT_SLIP, w)
+    if shown & (1 << SIDE_SLIP):
+        _find_single(SIDE_SLIP, w)
+    if shown & (1 << OVERTURNED):
+        _find_single(OVERTURNED, w)
+
+
+@inlined_kernel
+def _leave_out(which, w, i):
+    """Enter that a function does not apply."""
+    w[(SAMPLES + which) * WIDTH + i] = NEVER
+
+
+@kernel
+def _leave_out_side(w):
+    for i in range(WIDTH):
+        _leave_out(SIDE_LOAD, w, i)
+        _leave_out(SIDE_GAP, w, i)
+        _leave_out(SIDE_RELOAD, w, i)
+        _leave_out(SIDE_END, w, i)
+        _leave_out(SIDE_SLIP, w, i)
+
+
+@kernel
+def _leave_out_flight(w):
+    for i in range(WIDTH):
+        _leave_out(ALIGNED, w, i)
+        _leave_out(CORNERS_INSIDE, w, i)
+        _leave_out(RIGHT_EDGE_ENTERS, w, i)
+        _leave_out(RIGHT_WALL, w, i)
 
 
 @kernel
 def _screen_side(w):
-    _screen_single(SIDE_LOAD, w)
-    _screen_single(SIDE_GAP, w)
-    _screen_single(SIDE_RELOAD, w)
-    _screen_single(SIDE_END, w)
-    _screen_single(SIDE_SLIP, w)
+    # In one loop: the compiler unrolls short ones, and does not make vectors of them.
+    for i in range(WIDTH):
+        w[SHOWN * WIDTH + i] += (
+            _screen_single(SIDE_LOAD, w, i) + _screen_single(SIDE_GAP, w, i)
+            + _screen_single(SIDE_RELOAD, w, i) + _screen_single(SIDE_END, w, i)
+            + _screen_single(SIDE_SLIP, w, i)
+        )  # fmt: skip
 
 
 @kernel
 def _screen_face(w):
-    _screen_single(FACE_LOAD, w)
-    _screen_single(FACE_GAP, w)
-    _screen_single(FACE_RELOAD, w)
-    _screen_single(FACE_END, w)
-    _screen_single(FACE_FAR_END, w)
-    _screen_single(SUPPORT_SLIP, w)
-    _screen_single(OVERTURNED, w)
+    for i in range(WIDTH):
+        w[SHOWN * WIDTH + i] += (
+            _screen_single(FACE_LOAD, w, i) + _screen_single(FACE_GAP, w, i)
+            + _screen_single(FACE_RELOAD, w, i) + _screen_single(FACE_END, w, i)
+            + _screen_single(FACE_FAR_END, w, i) + _screen_single(SUPPORT_SLIP, w, i)
+            + _screen_single(OVERTURNED, w, i)
+        )  # fmt: skip
 
 
 @kernel
@@ -492,8 +612,7 @@ def _screen(flies, beside, w):
     if beside:
         _screen_side(w)
     else:
-        for which in (SIDE_LOAD, SIDE_GAP, SIDE_RELOAD, SIDE_END, SIDE_SLIP):
-            _leave_out(which, w)
+        _leave_out_side(w)
     _screen_face(w)
     if flies:
         _screen_combined(ALIGNED, w)
@@ -501,12 +620,12 @@ def _screen(flies, beside, w):
         _screen_combined(RIGHT_EDGE_ENTERS, w)
         _screen_combined(RIGHT_WALL, w)
     else:
-        for which in (ALIGNED, CORNERS_INSIDE, RIGHT_EDGE_ENTERS, RIGHT_WALL):
-            _leave_out(which, w)
+        _leave_out_flight(w)
     _screen_combined(LEFT_EDGE_ENTERS, w)
     _screen_combined(RIGHT_CORNER_LANDS, w)
     _screen_combined(LEFT_CORNER_LANDS, w)
     _screen_combined(LEFT_WALL, w)
+    _find(w)
 
 
 @inlined_kernel

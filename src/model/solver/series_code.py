@@ -37,6 +37,8 @@ _OTHERS = SINES + 4
 ROWS = _OTHERS + 16  # as many as any kind of mode needs
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
+# Of the last terms summed there. Each of the others is less than 1e-4 of what it is at the end.
+ORDERS_THERE = (10, 13, ORDER, ORDER)
 
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _FIRST = _INDEX(0)  # order
@@ -396,6 +398,10 @@ class _SamplesWriter(_Writer):
         self.coefficients, lengths, self.values = self.function.args
         self.length = self.load(lengths, _INDEX(0))
         self.times = [self.code.fmul(self.length, self.vector(each)) for each in FRACTIONS]
+        self.ratios = {  # of k (k - 1) h^k, from an order to the next
+            order: self.code.fmul(self.length, self.vector((order + 1.0) / (order - 1.0)))
+            for order in range(2, ORDER + 1)
+        }
         self.repeat(_INDEX(STATE_ROWS), self._end_of_state)
         self.repeat(_INDEX(1 + WATCHED), self._one_row)
         self.code.ret_void()
@@ -418,12 +424,14 @@ class _SamplesWriter(_Writer):
         sums, bend = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
         for order in range(ORDER, -1, -1):
             coefficient = self._coefficient(row, order)
-            sums = [self.fma(*each, coefficient) for each in zip(sums, self.times, strict=True)]
+            for node, last in enumerate(ORDERS_THERE):
+                if order <= last:
+                    sums[node] = self.fma(sums[node], self.times[node], coefficient)
             if order > 1:
                 size = self.code.call(self.size, [coefficient])
-                bend = self.code.fmul(bend, self.length)
-                bend = self.fma(size, self.vector(order * (order - 1.0)), bend)
-        bend = self.code.fmul(bend, self.code.fmul(self.length, self.length))
+                bend = self.fma(bend, self.ratios[order], size)
+        square = self.code.fmul(self.length, self.length)
+        bend = self.code.fmul(bend, self.code.fmul(self.vector(2.0), square))
         for node, value in enumerate((coefficient, *sums, bend)):
             self.keep(value, self.values, self.code.add(row, _INDEX(node * SINES)))
         return ()

@@ -1,6 +1,6 @@
 """The batch engine: many runs under way, those in the same kind of mode side by side.
 
-In every round each run makes one step, in lanes with others whose equations of motion are the same.
+Runs wait with others whose equations of motion are the same; those of which most wait make a step.
 A step that shows no switch stands. Where one may be in it, the series tell where: it is located on
 them to their full order, and the run is put there, without another step. What else a run does, at
 switches and at the ends of periods, is the reference engine's own code, and so are the modes that
@@ -28,6 +28,7 @@ from model.solver.course import (
 )
 from model.solver.inside_step import (
     QUANTITIES,
+    TERMS,
     first_switch,
     largest_until,
     state_at,
@@ -70,14 +71,13 @@ from model.solver.record import (
 from model.solver.series import CONSISTENT, FREE, SIDE_SIGN, SLIDES, STICKS, SUPPORT_SIGN
 from model.solver.series_code import KINDS, NODES, ORDER, WIDTH
 from model.solver.step import MOST_GROWTH, are_finite, is_too_short, rates_of
-from model.solver.switching import SWITCH_COUNT
+from model.solver.switching import NEVER, SWITCH_COUNT
 from model.solver.tableaux import DOP853
 from model.solver.transitions import CONTINUES, hold_sticking
 
 POOL = 128  # runs that a thread has under way at most
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
-_ENDED = len(KINDS) ** 2  # behind the kinds of modes
 _FIRST_LONGEST = 1.0  # bound of a run's first step
 
 
@@ -125,8 +125,9 @@ def _note_lowest(until, w, lane, runs, i):
     if quarters > 0 and w[lanes.DROPPED * WIDTH + lane] == 0.0:
         first = lanes.LOWEST + (quarters - 1) * SWITCH_COUNT
         for which in WATCHED_SWITCHES:
-            lowest = w[(first + which) * WIDTH + lane]
-            runs[i, CLOSEST + which] = min(runs[i, CLOSEST + which], lowest)
+            if w[(lanes.SAMPLES + which) * WIDTH + lane] != NEVER:
+                lowest = w[(first + which) * WIDTH + lane]
+                runs[i, CLOSEST + which] = min(runs[i, CLOSEST + which], lowest)
 
 
 @inlined_kernel
@@ -214,6 +215,20 @@ def _go_on(declared, control, many, lane, i):
             _switch(which, theta, declared, history, control, w, lane, runs, i)
 
 
+class Waiting(NamedTuple):
+    """The runs that wait for a step, by kinds of modes: those that came first go first.
+
+    Attributes:
+        runs: shape (kinds, POOL); behind the last place of a kind follows its first.
+        firsts: shape (kinds,), place of the run that came first.
+        counts: shape (kinds,), how many wait.
+    """
+
+    runs: np.ndarray
+    firsts: np.ndarray
+    counts: np.ndarray
+
+
 class Many(NamedTuple):
     """Memory for as many runs as are under way, shape of runs (POOL, SIZE)."""
 
@@ -223,78 +238,87 @@ class Many(NamedTuple):
     work: Workspace
     search: Workspace  # with the lanes' order
     quantities: np.ndarray  # series of those of one switching function; see inside_step.py
-    order: np.ndarray  # shape (3, POOL): kinds of the runs, the runs by kind, where a kind begins
+    waiting: Waiting
+    together: np.ndarray  # shape (WIDTH,), the runs of the step
 
 
 def new_many(may_settle: bool = True) -> Many:
     """A ``Many`` without runs, without histories if none of them ``may_settle``."""
     work = new_workspace(DOP853.method)
     search = work._replace(dense=np.zeros((STATE_SIZE, ORDER)))
-    runs, quantities = np.zeros((POOL, SIZE)), np.zeros((ORDER + 1, QUANTITIES))
-    order = np.zeros((3, POOL), np.int64)
+    runs, quantities = np.zeros((POOL, SIZE)), np.zeros(QUANTITIES * TERMS)
+    kinds = len(KINDS) ** 2
+    waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
+    together = np.zeros(WIDTH, np.int64)
     return Many(
-        new_lanes(), runs, new_history(POOL if may_settle else 1), work, search, quantities, order
-    )
+        new_lanes(), runs, new_history(POOL if may_settle else 1), work, search, quantities,
+        waiting, together,
+    )  # fmt: skip
 
 
 @inlined_kernel
-def _place(declared, method, control, many, endings, i):
-    """Say in which kind of mode run ``i`` is, or that it has ended, and how.
+def _still_waits(declared, method, control, many, endings, i):
+    """Let run ``i`` wait for its next step, or enter its ending; whether it waits.
 
     The reference engine advances it until lanes can hold it.
     """
-    runs, kinds = many.runs, many.order[0]
+    runs, waiting = many.runs, many.waiting
     while runs[i, OUTCOME] == CONTINUES and not lanes_hold(mode_of(runs, i)):
         advance(declared, method, control, many.work.nodes[:0], many.history, many.work, runs, i)
-    kinds[i] = _kind(mode_of(runs, i))
     if runs[i, OUTCOME] != CONTINUES:
-        kinds[i] = _ENDED
         keep_ending(ending_of(runs, i), endings, int(runs[i, ROW_OF_BATCH]))
-
-
-@kernel
-def _step_together(kind, members, count, declared, method, control, many, endings):
-    """Make a step of up to WIDTH runs in the same kind of mode."""
-    w, runs = many.w, many.runs
-    beside, flies = False, kind < len(KINDS)
-    for lane in range(WIDTH):  # lanes without a run repeat the last one
-        i = members[min(lane, count - 1)]
-        _board(runs, i, w, lane)
-        beside = beside or runs[i, MODE + 6] != OPEN
-        flies = flies or runs[i, MODE + 1] == OPEN
-    step_all(kind, flies, beside, w)
-    for lane in range(count):
-        _go_on(declared, control, many, lane, members[lane])
-        _place(declared, method, control, many, endings, members[lane])
-
-
-@kernel
-def _fill_pool(rows, tolerances, queue, declared, method, control, many, endings):
-    """Begin runs from the queue until as many as possible are under way; whether some may wait."""
-    runs, kinds = many.runs, many.order[0]
-    for i in range(min(POOL, fair_share(queue))):
-        while kinds[i] == _ENDED:
-            row = next_in(queue)
-            if row >= rows.shape[0]:
-                return False
-            begin(rows[row], tolerances[row], declared, control, runs, i)
-            runs[i, ROW_OF_BATCH], runs[i, NEXT_STEP] = row, _FIRST_LONGEST
-            _place(declared, method, control, many, endings, i)
+        return False
+    kind = _kind(mode_of(runs, i))
+    waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
+    waiting.counts[kind] += 1
     return True
 
 
 @kernel
-def _sort_by_kind(kinds, order, places):
-    """Enter the runs in the order of their kinds, those that have ended last."""
-    for kind in range(_ENDED + 2):
-        places[kind] = 0
-    for i in range(POOL):
-        places[kinds[i] + 1] += 1
-    for kind in range(_ENDED):
-        places[kind + 1] += places[kind]
-    for i in range(POOL):
-        order[places[kinds[i]]] = i
-        places[kinds[i]] += 1
+def _begin_next(rows, tolerances, queue, declared, method, control, many, endings, i):
+    """Begin a run from the queue, if there is one, as number ``i``."""
+    waits = False
+    while not waits:
+        row = next_in(queue)
+        if row >= rows.shape[0]:
+            return
+        begin(rows[row], tolerances[row], declared, control, many.runs, i)
+        many.runs[i, ROW_OF_BATCH], many.runs[i, NEXT_STEP] = row, _FIRST_LONGEST
+        waits = _still_waits(declared, method, control, many, endings, i)
+
+
+@inlined_kernel
+def _fullest(counts):
+    """The kind of mode in which most runs wait."""
+    fullest = 0
+    for kind in range(1, counts.size):
+        if counts[kind] > counts[fullest]:
+            fullest = kind
+    return fullest
+
+
+@inlined_kernel
+def _call(kind, waiting, together):
+    """Take up to WIDTH runs that wait; how many."""
+    count = min(WIDTH, waiting.counts[kind])
+    for lane in range(count):
+        together[lane] = waiting.runs[kind, (waiting.firsts[kind] + lane) % POOL]
+    waiting.firsts[kind] = (waiting.firsts[kind] + count) % POOL
+    waiting.counts[kind] -= count
+    return count
+
+
+@kernel
+def _step_together(kind, count, many):
+    """Make a step of runs in the same kind of mode."""
+    w, runs = many.w, many.runs
+    beside, flies = False, kind < len(KINDS)
+    for lane in range(WIDTH):  # lanes without a run repeat the last one
+        i = many.together[min(lane, count - 1)]
+        _board(runs, i, w, lane)
+        beside = beside or runs[i, MODE + 6] != OPEN
+        flies = flies or runs[i, MODE + 1] == OPEN
+    step_all(kind, flies, beside, w)
 
 
 @kernel
@@ -311,18 +335,17 @@ def integrate_all(rows, tolerances, declared, method, control, queue, endings, m
         endings: shape (n, len(Ending._fields)), filled for the sets taken.
         many: ``Many``, overwritten.
     """
-    kinds, order, places = many.order[0], many.order[1], many.order[2]
-    for i in range(POOL):
-        kinds[i] = _ENDED
-    waiting, first = True, 0
-    while waiting or first > 0:
-        if waiting:
-            waiting = _fill_pool(rows, tolerances, queue, declared, method, control, many, endings)
-        _sort_by_kind(kinds, order, places)
-        first = 0
-        while first < POOL and kinds[order[first]] != _ENDED:
-            kind, count = kinds[order[first]], 1
-            while count < WIDTH and first + count < POOL and kinds[order[first + count]] == kind:
-                count += 1
-            _step_together(kind, order[first:], count, declared, method, control, many, endings)
-            first += count
+    counts = many.waiting.counts
+    counts[:] = 0
+    for i in range(min(POOL, fair_share(queue))):
+        _begin_next(rows, tolerances, queue, declared, method, control, many, endings, i)
+    kind = _fullest(counts)
+    while counts[kind] > 0:
+        count = _call(kind, many.waiting, many.together)
+        _step_together(kind, count, many)
+        for lane in range(count):
+            i = many.together[lane]
+            _go_on(declared, control, many, lane, i)
+            if not _still_waits(declared, method, control, many, endings, i):
+                _begin_next(rows, tolerances, queue, declared, method, control, many, endings, i)
+        kind = _fullest(counts)

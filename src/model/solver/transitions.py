@@ -239,7 +239,7 @@ def hold_sticking(q, p, mode):
     )  # fmt: skip
 
 
-@kernel
+@inlined_kernel
 def without_residual_slip(which, q, p, mode):
     """``q`` with exactly no slip where a sliding contact has come to rest.
 
@@ -253,7 +253,7 @@ def without_residual_slip(which, q, p, mode):
     return q
 
 
-@kernel
+@inlined_kernel
 def _decided(time, q, p, mode, support_at_rest, side_at_rest):
     # Not the literal True or False: for each of them everything below would be compiled again.
     at_rest = bool(support_at_rest), bool(side_at_rest)
@@ -327,7 +327,7 @@ def _is_beside(edge, q, p):
     return edge * corner_x > p.slot_half_width
 
 
-@kernel
+@inlined_kernel
 def _face_ends(time, q, p, mode):
     """The edge has passed the end of the bottom face toward the slot: alignment, or a free fall."""
     opened = with_face(mode, mode.edge, OPEN)
@@ -355,7 +355,7 @@ def _unloaded(depth, p):
     return RELEASED if depth > 0.0 and p.contact_damping > 0.0 else OPEN
 
 
-@kernel
+@inlined_kernel
 def _contact_switch(which, time, q, p, mode):
     """Loads that go and return, gaps that open, faces that end."""
     if which == FACE_LOAD:
@@ -391,7 +391,7 @@ def _contact_switch(which, time, q, p, mode):
     return _decided(time, q, p, opened, False, False)
 
 
-@kernel
+@inlined_kernel
 def _friction_switch(which, time, q, p, mode):
     """Slip that reaches zero reverses or sticks; sticking that reaches its limit slips."""
     at_support = which == SUPPORT_SLIP
@@ -405,7 +405,7 @@ def _friction_switch(which, time, q, p, mode):
     return broken, CONTINUES, _NONE
 
 
-@kernel
+@inlined_kernel
 def switch(which, time, q, p, mode, declared):
     """What follows switching function ``which``: (mode, outcome, reason)."""
     if which == ALIGNED:
