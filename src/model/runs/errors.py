@@ -4,11 +4,12 @@ The result is that of the run at the tolerance asked for. A second run, at ``COA
 tolerance and from a start displaced in x(0) by the tolerance, tells how far the alignment time may
 still move. Where the two end differently, or far apart, or agree less closely than the tolerance
 promises, the set is run again at a smaller tolerance; so is one whose gap between part and slot is
-below the tolerance, where the two may agree and both be wrong. It is sensitive if the displaced
-start, then run as accurately as that, still ends elsewhere: digits of its alignment time would be
-false. A part that starts nearly flat is sensitive, too, if it ends elsewhere when it is tilted by
-``TILTED`` more: no device has a tilt so exact, but one decides whether such a part stands on its
-edge or on its corner, or touches the base at all.
+below the tolerance, where the two may agree and both be wrong. What the first two tell, times the
+ratio of the tolerances, is believed to a quarter: the others may agree by chance. A set is
+sensitive if the displaced start, then run as accurately as that, still ends elsewhere: digits of
+its alignment time would be false. A part that starts nearly flat is sensitive, too, if it ends
+elsewhere when it is tilted by ``TILTED`` more: no device has a tilt so exact, but one decides
+whether such a part stands on its edge or on its corner, or touches the base at all.
 
 A part that hops or sticks its own way in each of the two runs, until both reach the horizon, may
 well align at another tolerance, by chance. Its reason is then ``CHAOTIC``.
@@ -77,10 +78,14 @@ def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
     again = first.sensitive | imprecise
     if not again.any() or tolerance <= FINEST:
         return first
-    reduced = np.full(len(rows), tolerance / SHARPER)
+    reduced, least = np.full(len(rows), tolerance / SHARPER), np.zeros(len(rows))
     few = imprecise & ~first.sensitive
     reduced[few] = tolerance * PROMISED * tolerance / (_SAFETY * first.tau_error[few])
-    second = _compare(run, rows[again], np.maximum(reduced, FINEST)[again], tolerance)
+    reduced = np.maximum(reduced, FINEST)
+    # Of these the first two runs tell what to expect, should the others agree by chance.
+    least[few] = first.tau_error[few] * reduced[few] / tolerance / _SAFETY
+    second = _compare(run, rows[again], reduced[again], tolerance)
+    np.maximum(second.tau_error, least[again], out=second.tau_error)
     evaluations = first.rhs_evaluations[again] + second.rhs_evaluations
     for kept, renewed in zip(first, second, strict=True):
         kept[again] = renewed

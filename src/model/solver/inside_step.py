@@ -7,6 +7,8 @@ function falls. A function of an absolute value is asked twice, once with each s
 
 from math import inf
 
+import numpy as np
+
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import State
 from model.physics.scenes import CLOSED, STICKING
@@ -418,14 +420,20 @@ def _moves_down(which, theta, w, lane):
     return rising < 0.0
 
 
+@inlined_kernel
+def _lowest_bit(bits):
+    """Place of the lowest bit set, which is the exponent of that bit as a number."""
+    return (np.float64(bits & -bits).view(np.int64) >> 52) - 1023
+
+
 @kernel
 def first_switch(w, lane, runs, work, series, i):
     """(which, θ) of the first switch in the step; θ is ``NO_SWITCH`` if there is none."""
     first, which_first, search = NO_SWITCH, -1, False
     shown = int(w[lanes.SHOWN * WIDTH + lane])
-    for which in range(SWITCH_COUNT):
-        if shown & (1 << which) == 0:
-            continue
+    while shown != 0:
+        which = _lowest_bit(shown)
+        shown &= shown - 1
         theta = _fall(which, first, series, w, lane)
         if is_corner(which) and (theta == NO_SWITCH or not _moves_down(which, theta, w, lane)):
             search = search or theta != NO_SWITCH or _is_flat(which, first, series, w, lane)
