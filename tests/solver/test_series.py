@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from model import Settings
 from model.physics.contacts import contact_load, edge_on_face, edge_on_side
 from model.physics.motion import motion
 from model.physics.notation import RIGHT_EDGE, State
@@ -60,7 +61,8 @@ class Step:
         self.w[lanes.SUPPORT_SLIP_STATE] = 0.0 if support == STICKS else signs[0]
         self.w[lanes.SIDE_SLIP_STATE] = 0.0 if side == STICKS else signs[1]
         self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH))
-        step_all(len(KINDS) * support + side, support == FREE, side != FREE, flat)
+        _, _, control = Settings().for_kernels
+        step_all(len(KINDS) * support + side, support == FREE, side != FREE, control, flat)
         self.series = self.w[COEFFICIENTS:].reshape(ORDER + 1, ROWS, WIDTH)
 
     def constants(self, lane: int) -> Constants:

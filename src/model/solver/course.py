@@ -318,32 +318,39 @@ def make_switch(which, length, step, declared, control, runs, i):
 
 
 @kernel
-def end_period(history, may_settle, runs, i):
-    """Enter a completed period; the run ends if its motion repeats itself."""
-    periods = int(runs[i, PERIODS]) + 1
-    runs[i, PERIODS] = periods
-    _note_end_of_period(runs, i)
+def _compare_periods(periods, history, runs, i):
+    """Enter what the period that ends brought; the run ends if its motion repeats itself."""
+    states, lowest = history.states[i], history.lowest[i]
     for which in range(SWITCH_COUNT):  # a switch that was made is no switch to keep clear of
         if runs[i, MADE + which] != 0.0:
             runs[i, CLOSEST + which] = NEVER
             runs[i, MADE + which] = 0.0
-    if may_settle:
-        states, lowest = history.states[i], history.lowest[i]
-        record_period(
-            periods,
-            runs[i, STATE : STATE + STATE_SIZE],
-            runs[i, CLOSEST : CLOSEST + SWITCH_COUNT],
-            states,
-            lowest,
-        )
-        if not mode_of(runs, i).dropped:
-            noise, p = 100.0 * runs[i, TOLERANCE], constants_of(runs, i)
-            period = settled_period(periods, period_length(p), states, lowest, p, noise)
-            if period > 0:
-                runs[i, SETTLED_PERIOD] = period
-                _end(runs, i, _SETTLED, _NONE)
+    record_period(
+        periods,
+        runs[i, STATE : STATE + STATE_SIZE],
+        runs[i, CLOSEST : CLOSEST + SWITCH_COUNT],
+        states,
+        lowest,
+    )
     for which in range(SWITCH_COUNT):
         runs[i, CLOSEST + which] = NEVER
+    if mode_of(runs, i).dropped:
+        return
+    noise, p = 100.0 * runs[i, TOLERANCE], constants_of(runs, i)
+    period = settled_period(periods, period_length(p), states, lowest, p, noise)
+    if period > 0:
+        runs[i, SETTLED_PERIOD] = period
+        _end(runs, i, _SETTLED, _NONE)
+
+
+@kernel
+def end_period(history, may_settle, runs, i):
+    """Enter a completed period; the run ends if it ``may_settle`` and its motion repeats itself."""
+    periods = int(runs[i, PERIODS]) + 1
+    runs[i, PERIODS] = periods
+    _note_end_of_period(runs, i)
+    if may_settle:
+        _compare_periods(periods, history, runs, i)
 
 
 @kernel

@@ -363,19 +363,6 @@ def _quarters(first, second, third, fourth):
 
 
 @inlined_kernel
-def _note_lowest(which, applies, samples, w, i):
-    """Enter how low a function comes; NEVER where it leaves zero, which is no approach to it."""
-    at, quarter = (LOWEST + which) * WIDTH + i, SWITCH_COUNT * WIDTH
-    counts = (samples[0] > ON_A_SWITCH) & applies
-    second = min(samples[1], samples[2])
-    third = min(second, samples[3])
-    w[at] = samples[1] if counts else NEVER
-    w[at + quarter] = second if counts else NEVER
-    w[at + 2 * quarter] = third if counts else NEVER
-    w[at + 3 * quarter] = min(third, samples[4]) if counts else NEVER
-
-
-@inlined_kernel
 def _samples_of(which, w, i):
     """A function at each node."""
     n = WIDTH
@@ -394,10 +381,8 @@ def _lowest_of(samples):
 
 @inlined_kernel
 def _screen_single(which, w, i):
-    """Enter how low a function comes; its bit if it may come to zero."""
-    g, bend = _samples_of(which, w, i), w[(BENDS + which) * WIDTH + i]
-    above = _lowest_of(g) - bend
-    _note_lowest(which, g[0] != NEVER, g, w, i)
+    """The bit of a function if it may come to zero."""
+    above = _lowest_of(_samples_of(which, w, i)) - w[(BENDS + which) * WIDTH + i]
     return 0.0 if above > 0.0 else float(1 << which)
 
 
@@ -408,8 +393,10 @@ def _enter_quarters(which, flagged, w, i):
 
 
 @inlined_kernel
-def _find_single(which, w):
-    """Enter where a function may fall through zero."""
+def _find_single(which, shown, w):
+    """Enter where a function of those ``shown``, as bits, may fall through zero."""
+    if shown & (1 << which) == 0:
+        return
     for i in range(WIDTH):
         g, bend = _samples_of(which, w, i), w[(BENDS + which) * WIDTH + i]
         flagged = _quarters(
@@ -477,7 +464,6 @@ def _screen_combined(which, w):
         w[first + 2 * SWITCH_COUNT * n + i] = g2
         w[first + 3 * SWITCH_COUNT * n + i] = g3
         w[first + 4 * SWITCH_COUNT * n + i] = g4
-        _note_lowest(which, applies, (g0, g1, g2, g3, g4), w, i)
         is_clear = (
             (_lowest_of((q0[0], q1[0], q2[0], q3[0], q4[0])) > max(least, bends[0]))
             | (_lowest_of((q0[1], q1[1], q2[1], q3[1], q4[1])) > max(least, bends[1]))
@@ -489,8 +475,10 @@ def _screen_combined(which, w):
 
 
 @inlined_kernel
-def _find_combined(which, w):
+def _find_combined(which, shown, w):
     """The same of the largest of several quantities."""
+    if shown & (1 << which) == 0:
+        return
     for i in range(WIDTH):
         bends = _bends(which, w, i)
         q0, q1 = _quantities(which, w, 0, i), _quantities(which, w, 1, i)
@@ -515,46 +503,27 @@ def _find(w):
         shown |= int(w[SHOWN * WIDTH + i])
     for i in range(WIDTH):
         w[SHOWN * WIDTH + i] = 0.0
-    if shown & (1 << ALIGNED):
-        _find_combined(ALIGNED, w)
-    if shown & (1 << CORNERS_INSIDE):
-        _find_combined(CORNERS_INSIDE, w)
-    if shown & (1 << RIGHT_EDGE_ENTERS):
-        _find_combined(RIGHT_EDGE_ENTERS, w)
-    if shown & (1 << LEFT_EDGE_ENTERS):
-        _find_combined(LEFT_EDGE_ENTERS, w)
-    if shown & (1 << RIGHT_CORNER_LANDS):
-        _find_combined(RIGHT_CORNER_LANDS, w)
-    if shown & (1 << LEFT_CORNER_LANDS):
-        _find_combined(LEFT_CORNER_LANDS, w)
-    if shown & (1 << RIGHT_WALL):
-        _find_combined(RIGHT_WALL, w)
-    if shown & (1 << LEFT_WALL):
-        _find_combined(LEFT_WALL, w)
-    if shown & (1 << FACE_LOAD):
-        _find_single(FACE_LOAD, w)
-    if shown & (1 << FACE_GAP):
-        _find_single(FACE_GAP, w)
-    if shown & (1 << FACE_RELOAD):
-        _find_single(FACE_RELOAD, w)
-    if shown & (1 << FACE_END):
-        _find_single(FACE_END, w)
-    if shown & (1 << FACE_FAR_END):
-        _find_single(FACE_FAR_END, w)
-    if shown & (1 << SIDE_LOAD):
-        _find_single(SIDE_LOAD, w)
-    if shown & (1 << SIDE_GAP):
-        _find_single(SIDE_GAP, w)
-    if shown & (1 << SIDE_RELOAD):
-        _find_single(SIDE_RELOAD, w)
-    if shown & (1 << SIDE_END):
-        _find_single(SIDE_END, w)
-    if shown & (1 << SUPPORT_SLIP):
-        _find_single(SUPPORT_SLIP, w)
-    if shown & (1 << SIDE_SLIP):
-        _find_single(SIDE_SLIP, w)
-    if shown & (1 << OVERTURNED):
-        _find_single(OVERTURNED, w)
+    # Each by its own constant, as above.
+    _find_combined(ALIGNED, shown, w)
+    _find_combined(CORNERS_INSIDE, shown, w)
+    _find_combined(RIGHT_EDGE_ENTERS, shown, w)
+    _find_combined(LEFT_EDGE_ENTERS, shown, w)
+    _find_combined(RIGHT_CORNER_LANDS, shown, w)
+    _find_combined(LEFT_CORNER_LANDS, shown, w)
+    _find_combined(RIGHT_WALL, shown, w)
+    _find_combined(LEFT_WALL, shown, w)
+    _find_single(FACE_LOAD, shown, w)
+    _find_single(FACE_GAP, shown, w)
+    _find_single(FACE_RELOAD, shown, w)
+    _find_single(FACE_END, shown, w)
+    _find_single(FACE_FAR_END, shown, w)
+    _find_single(SIDE_LOAD, shown, w)
+    _find_single(SIDE_GAP, shown, w)
+    _find_single(SIDE_RELOAD, shown, w)
+    _find_single(SIDE_END, shown, w)
+    _find_single(SUPPORT_SLIP, shown, w)
+    _find_single(SIDE_SLIP, shown, w)
+    _find_single(OVERTURNED, shown, w)
 
 
 @inlined_kernel
@@ -629,6 +598,46 @@ def _screen(flies, beside, w):
 
 
 @inlined_kernel
+def _enter_lowest(which, w, i):
+    """How low a function comes; NEVER where it leaves zero, which is no approach to it."""
+    at, quarter = (LOWEST + which) * WIDTH + i, SWITCH_COUNT * WIDTH
+    g = _samples_of(which, w, i)
+    second = min(g[1], g[2])
+    third = min(second, g[3])
+    counts = (g[0] > ON_A_SWITCH) & (g[0] != NEVER)
+    w[at] = g[1] if counts else NEVER
+    w[at + quarter] = second if counts else NEVER
+    w[at + 2 * quarter] = third if counts else NEVER
+    w[at + 3 * quarter] = min(third, g[4]) if counts else NEVER
+
+
+@kernel
+def _note_lowest(w):
+    """How low every function comes up to the end of each quarter."""
+    for i in range(WIDTH):
+        _enter_lowest(ALIGNED, w, i)
+        _enter_lowest(CORNERS_INSIDE, w, i)
+        _enter_lowest(RIGHT_EDGE_ENTERS, w, i)
+        _enter_lowest(LEFT_EDGE_ENTERS, w, i)
+        _enter_lowest(RIGHT_CORNER_LANDS, w, i)
+        _enter_lowest(LEFT_CORNER_LANDS, w, i)
+        _enter_lowest(RIGHT_WALL, w, i)
+        _enter_lowest(LEFT_WALL, w, i)
+        _enter_lowest(FACE_LOAD, w, i)
+        _enter_lowest(FACE_GAP, w, i)
+        _enter_lowest(FACE_RELOAD, w, i)
+        _enter_lowest(FACE_END, w, i)
+        _enter_lowest(FACE_FAR_END, w, i)
+        _enter_lowest(SIDE_LOAD, w, i)
+        _enter_lowest(SIDE_GAP, w, i)
+        _enter_lowest(SIDE_RELOAD, w, i)
+        _enter_lowest(SIDE_END, w, i)
+        _enter_lowest(SUPPORT_SLIP, w, i)
+        _enter_lowest(SIDE_SLIP, w, i)
+        _enter_lowest(OVERTURNED, w, i)
+
+
+@inlined_kernel
 def _at_most(row, w, i):
     """What |row| stays below in the step, by its samples and its bend."""
     first, node = (VALUES + row) * WIDTH + i, SINES * WIDTH
@@ -660,11 +669,12 @@ def _end_steps(w):
 
 
 @kernel
-def step_all(kind, flies, beside, w):
+def step_all(kind, flies, beside, control, w):
     """Make one step in every lane, and say in SHOWN where a switch may be in it.
 
     ``flies`` and ``beside``: whether in any lane the edge is not under the face, and whether A2 is
-    behind the side.
+    behind the side. How low functions come, and what tilt and forces stay below, is entered where
+    ``control`` asks for it.
     """
     _turn(w)
     fill_series(kind, w, COEFFICIENTS, 0)
@@ -673,5 +683,8 @@ def step_all(kind, flies, beside, w):
     _sample(w)
     _note_bends(w)
     _screen(flies, beside, w)
-    _note_largest(w)
+    if control.may_settle != 0.0:
+        _note_lowest(w)
+    if control.alignment_only == 0.0:
+        _note_largest(w)
     _end_steps(w)

@@ -71,7 +71,7 @@ from model.solver.record import (
 from model.solver.series import CONSISTENT, FREE, SIDE_SIGN, SLIDES, STICKS, SUPPORT_SIGN
 from model.solver.series_code import KINDS, NODES, ORDER, WIDTH
 from model.solver.step import MOST_GROWTH, are_finite, is_too_short, rates_of
-from model.solver.switching import NEVER, SWITCH_COUNT
+from model.solver.switching import SWITCH_COUNT
 from model.solver.tableaux import DOP853
 from model.solver.transitions import CONTINUES, hold_sticking
 
@@ -125,9 +125,8 @@ def _note_lowest(until, w, lane, runs, i):
     if quarters > 0 and w[lanes.DROPPED * WIDTH + lane] == 0.0:
         first = lanes.LOWEST + (quarters - 1) * SWITCH_COUNT
         for which in WATCHED_SWITCHES:
-            if w[(lanes.SAMPLES + which) * WIDTH + lane] != NEVER:
-                lowest = w[(first + which) * WIDTH + lane]
-                runs[i, CLOSEST + which] = min(runs[i, CLOSEST + which], lowest)
+            lowest = w[(first + which) * WIDTH + lane]
+            runs[i, CLOSEST + which] = min(runs[i, CLOSEST + which], lowest)
 
 
 @inlined_kernel
@@ -309,7 +308,7 @@ def _call(kind, waiting, together):
 
 
 @kernel
-def _step_together(kind, count, many):
+def _step_together(kind, count, control, many):
     """Make a step of runs in the same kind of mode."""
     w, runs = many.w, many.runs
     beside, flies = False, kind < len(KINDS)
@@ -318,7 +317,7 @@ def _step_together(kind, count, many):
         _board(runs, i, w, lane)
         beside = beside or runs[i, MODE + 6] != OPEN
         flies = flies or runs[i, MODE + 1] == OPEN
-    step_all(kind, flies, beside, w)
+    step_all(kind, flies, beside, control, w)
 
 
 @kernel
@@ -342,7 +341,7 @@ def integrate_all(rows, tolerances, declared, method, control, queue, endings, m
     kind = _fullest(counts)
     while counts[kind] > 0:
         count = _call(kind, many.waiting, many.together)
-        _step_together(kind, count, many)
+        _step_together(kind, count, control, many)
         for lane in range(count):
             i = many.together[lane]
             _go_on(declared, control, many, lane, i)
