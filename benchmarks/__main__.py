@@ -26,7 +26,7 @@ from benchmarks.machine import (  # noqa: E402 - after the line above
     warm_start,
 )
 from benchmarks.methods import all_methods  # noqa: E402
-from benchmarks.precision import Cost, Setting, find_setting, time_in_turn  # noqa: E402
+from benchmarks.precision import Cost, Setting, cheapest, find_setting, time_in_turn  # noqa: E402
 from benchmarks.problems import Problem, all_problems  # noqa: E402
 from benchmarks.table import rows, text, write  # noqa: E402
 from model.physics.compiled import kernel_fingerprint  # noqa: E402
@@ -62,7 +62,7 @@ def compare(
             missed += [setting for setting in settings if math.isnan(setting.tolerance)]
             costs += time_in_turn(reached, plan.rounds)
             say(f"{problem.name} at {target:g}: {perf_counter() - started:.0f} s")
-    return costs, missed, [method.package for method in methods]
+    return cheapest(costs), missed, [method.package for method in methods]
 
 
 def _report_maps(plan: argparse.Namespace, folder: Path) -> None:

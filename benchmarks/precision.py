@@ -1,4 +1,7 @@
-"""Time at equal true error: the loosest tolerance that keeps a target, then the cost at it."""
+"""Time at equal true error: the loosest tolerance that keeps a target, then the cost at it.
+
+A tighter target is kept with a looser one: where that costs less, it is what the looser one costs.
+"""
 
 import math
 import statistics
@@ -121,6 +124,24 @@ def time_in_turn(settings: Sequence[Setting], rounds: int) -> Iterable[Cost]:
             yield Cost(failed[i], math.nan, math.nan)
         else:
             yield Cost(setting, 1e6 * statistics.median(times[i]), counted[i])
+
+
+def cheapest(costs: Sequence[Cost]) -> list[Cost]:
+    """Each cost, or that of the same method at a tighter target where it is less."""
+
+    def least(cost: Cost) -> Cost:
+        wanted = cost.setting
+        as_exact = [
+            other
+            for other in costs
+            if other.setting.method is wanted.method
+            and other.setting.problem.name == wanted.problem.name
+            and other.setting.target <= wanted.target
+        ]
+        best = min(as_exact, key=lambda each: (math.isnan(each.microseconds), each.microseconds))
+        return replace(best, setting=replace(best.setting, target=wanted.target))
+
+    return [least(cost) for cost in costs]
 
 
 def _spend(setting: Setting, cases: Sequence[Parameters]) -> tuple[float, int | None]:

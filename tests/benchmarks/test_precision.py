@@ -8,6 +8,9 @@ from benchmarks.modes import FACE_END, OPEN, SLIDE_NEGATIVE
 from benchmarks.precision import (
     LOOSEST,
     TIGHTEST,
+    Cost,
+    Setting,
+    cheapest,
     find_setting,
     loosest,
     time_in_turn,
@@ -140,3 +143,22 @@ def test_the_shared_loop_gives_up_on_endless_switching() -> None:
 
     with pytest.raises(NotReachedError, match="endless"):
         drive(segment, Problem("p", (W1,), 10.0), [W1], deadline=np.inf)
+
+
+def test_what_keeps_a_tighter_target_at_less_cost_keeps_the_looser_one() -> None:
+    one, other = Pretended(), Pretended()
+    first, second = Problem("first", (W1,), 10.0), Problem("second", (W2,), 10.0)
+
+    def cost(method: Method, problem: Problem, target: float, microseconds: float) -> Cost:
+        return Cost(Setting(method, problem, target, target, target / 2.0), microseconds, 1.0)
+
+    costs = [
+        cost(one, first, 1e-5, 6.0), cost(one, first, 1e-8, 5.0), cost(one, second, 1e-8, 1.0),
+        cost(other, first, 1e-5, 3.0), cost(other, first, 1e-8, 4.0),
+        cost(other, second, 1e-5, np.nan),
+    ]  # fmt: skip
+    found = cheapest(costs)
+    assert [each.microseconds for each in found[:5]] == [5.0, 5.0, 1.0, 3.0, 4.0]
+    assert np.isnan(found[5].microseconds)
+    assert [each.setting.target for each in found] == [each.setting.target for each in costs]
+    assert found[0].setting.tolerance == 1e-8
