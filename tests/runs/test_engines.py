@@ -49,18 +49,21 @@ def test_both_engines_agree_to_their_error_estimates(batch):
     assert (difference <= 10.0 * estimates).all()
 
 
-@pytest.mark.parametrize("spread", [0.5, 1.5], ids=["near", "wide"])
-def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(device, spread):
-    # Of 150 sets the median ratio is anywhere between 18 and 30 where that of 2,000 is 24.
-    batch = cloud(device, spread, 4 * COUNT)
-    exact = align(batch, SETTINGS, engine="scalar", tolerance=1e-13)
-    lanes = align(batch, SETTINGS, engine="lanes")
-    aligned = ~(exact.sensitive | lanes.sensitive) & (exact.outcome == Outcome.ALIGNED)
-    assert aligned.sum() > COUNT
-    ratio = (np.abs(exact.tau_align - lanes.tau_align) / lanes.tau_error)[aligned]
-    assert (ratio <= 1.0).mean() >= 0.95
-    assert ratio.max() <= 10.0
-    assert 1.0 / np.median(ratio) <= 30.0
+def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(device):
+    ratios = []
+    for spread in (0.5, 1.5):
+        batch = cloud(device, spread, 4 * COUNT)
+        exact = align(batch, SETTINGS, engine="scalar", tolerance=1e-13)
+        lanes = align(batch, SETTINGS, engine="lanes")
+        aligned = ~(exact.sensitive | lanes.sensitive) & (exact.outcome == Outcome.ALIGNED)
+        assert aligned.sum() > COUNT
+        ratio = (np.abs(exact.tau_align - lanes.tau_align) / lanes.tau_error)[aligned]
+        assert (ratio <= 1.0).mean() >= 0.95
+        assert ratio.max() <= 10.0
+        ratios.append(ratio)
+    # Of all together: the median of some hundred is off by a tenth now and then, and that of 1,400
+    # near sets is 25, of 890 wide ones 27 to 30.
+    assert 1.0 / np.median(np.concatenate(ratios)) <= 30.0
 
 
 def test_one_run_meets_the_same_switches_in_both(batch):
