@@ -424,10 +424,20 @@ def one_stays_above(left, right, bends):
 
 
 @inlined_kernel
-def _quantities(which, w, node, i):
+def _quantities_at(node, which, w, i):
     row = VALUES + node * SINES
     tilt = w[(row + TILT) * WIDTH + i]
     return quantities_at(which, outline_in(row, 1.0, w, i), tilt, constants_of_lane(w, i))
+
+
+@inlined_kernel
+def _quantities(which, w, i):
+    """The quantities of a function at each node."""
+    return (
+        _quantities_at(0, which, w, i), _quantities_at(1, which, w, i),
+        _quantities_at(2, which, w, i), _quantities_at(3, which, w, i),
+        _quantities_at(4, which, w, i),
+    )  # fmt: skip
 
 
 @inlined_kernel
@@ -454,9 +464,7 @@ def _screen_combined(which, w):
     for i in range(WIDTH):
         applies = applies_in(mode_of_lane(w, i))[which]
         bends = _bends(which, w, i)
-        q0, q1 = _quantities(which, w, 0, i), _quantities(which, w, 1, i)
-        q2, q3 = _quantities(which, w, 2, i), _quantities(which, w, 3, i)
-        q4 = _quantities(which, w, 4, i)
+        q0, q1, q2, q3, q4 = _quantities(which, w, i)
         g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
         g3, g4 = largest(q3)[0], largest(q4)[0]
         w[first + i] = g0 if applies else NEVER
@@ -481,9 +489,7 @@ def _find_combined(which, shown, w):
         return
     for i in range(WIDTH):
         bends = _bends(which, w, i)
-        q0, q1 = _quantities(which, w, 0, i), _quantities(which, w, 1, i)
-        q2, q3 = _quantities(which, w, 2, i), _quantities(which, w, 3, i)
-        q4 = _quantities(which, w, 4, i)
+        q0, q1, q2, q3, q4 = _quantities(which, w, i)
         flagged = _quarters(
             one_stays_above(q0, q1, bends), one_stays_above(q1, q2, bends),
             one_stays_above(q2, q3, bends), one_stays_above(q3, q4, bends),
