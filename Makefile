@@ -160,7 +160,7 @@ unit: environment
 	$(call check,pytest)
 
 export-test: environment-export
-	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/study/test_export.py
+	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/tracking/test_export.py
 
 STUDY ?= smoke
 same-bytes: environment

@@ -18,10 +18,10 @@ from benchmarks.equations import device
 from benchmarks.modes import SLIDE_NEGATIVE, STATE_SIZE, rates, start
 from benchmarks.problems import W1, neighbours
 from model import Batch, Outcome, Settings, align
+from model.engines.batch.series import FREE, SLIDES, STATES
+from model.engines.batch.series_code import ORDER, operations
 from model.physics.compiled import kernel
-from model.runs.batch import run_once
-from model.solver.series import FREE, SLIDES, STATES
-from model.solver.series_code import ORDER, operations
+from model.runs.align import run_once
 from model.study.config import load_study, study_path
 from model.study.sweeps import sweep_of
 

@@ -12,10 +12,10 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
-from model.runs.batch import run_once
+from model.runs.align import run_once
 from model.runs.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
-from model.solver.outcomes import Outcome
 from model.study.config import MAPS, Study, load_study, study_path
 from model.study.maps import BESIDE, MapPlan, areas, graded, plan_of
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from benchmarks.equations import equations
 from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
-from model.runs.batch import run_once
+from model.runs.align import run_once
 from model.study.config import load_study, study_path
 from model.study.sweeps import sweep_of
 

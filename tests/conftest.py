@@ -11,9 +11,10 @@ import xarray as xr
 
 from model import Batch, Parameters, Readings
 from model.physics.parameters import Constants
+from model.study.config import Curves, Family, Map, Study, load_study, study_path
 from model.study.datasets import write_dataset
-from model.study.provenance import INVOCATION, Job
-from model.study.tracking import Invocation
+from model.tracking.index import Invocation
+from model.tracking.provenance import INVOCATION, Job
 
 CONSISTENT = Readings.consistent()
 
@@ -60,6 +61,26 @@ def random_states() -> Callable[..., list[np.ndarray]]:
         low = np.array([-1.5, 3.0, -0.9, -2.0, -2.0, -1.0])
         high = np.array([1.5, 5.0, 0.9, 2.0, 2.0, 1.0])
         return list(np.random.default_rng(seed).uniform(low, high, size=(count, 6)))
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def small_study() -> Callable[[int, int], Study]:
+    """The study of the project with two curves of ``points`` and maps of ``cells`` squared."""
+
+    def make(points: int, cells: int) -> Study:
+        full = load_study(study_path())
+        small = dict(full.figures)
+        for name, spec in full.figures.items():
+            if isinstance(spec, Curves):
+                swept = spec.swept.model_copy(update={"count": points})
+                few = Family(parameter=spec.family.parameter, values=spec.family.values[:2])
+                small[name] = spec.model_copy(update={"swept": swept, "family": few})
+            elif isinstance(spec, Map):
+                x, y = (axis.model_copy(update={"count": cells}) for axis in (spec.x, spec.y))
+                small[name] = spec.model_copy(update={"x": x, "y": y})
+        return full.model_copy(update={"figures": small})
 
     return make
 

@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.methods.base import BATCH, Method, Solution, typical_error
 from benchmarks.problems import Problem, answers
 from model import Batch, Parameters, Settings, align
-from model.runs.batch import Engine, run_once
+from model.runs.align import Engine, run_once
 
 
 class Vibralign(Method):

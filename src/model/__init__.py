@@ -6,13 +6,13 @@
 <Outcome.ALIGNED: 0>
 """
 
+from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from model.physics.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
-from model.runs.batch import Alignments, align
+from model.runs.align import Alignments, align
 from model.runs.settings import Settings
-from model.runs.trajectory import Trajectory, simulate
-from model.solver.outcomes import Outcome, Reason
+from model.runs.simulate import Trajectory, simulate
 
 __all__ = [
     "ALIGNMENT",

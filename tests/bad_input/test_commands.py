@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from model import simulate
-from model.show import cli
+from model.cli import main as cli
 from model.study.config import ConfigError, baseline, load_study, study_path
 from model.study.datasets import read_dataset, write_dataset
-from model.study.provenance import Job, write_text
+from model.tracking.provenance import Job, write_text
 
-COMMAND = [sys.executable, "-m", "model.show.cli"]
+COMMAND = [sys.executable, "-m", "model.cli.main"]
 
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks.maps import compare, costs, judge, slope
+from model.events.outcomes import Outcome
 from model.runs.refinement import refine
-from model.solver.outcomes import Outcome
 from model.study.config import RunSettings, Span
 from model.study.maps import BESIDE, graded, plan_of
 

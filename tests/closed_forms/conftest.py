@@ -12,17 +12,17 @@ import numpy as np
 import pytest
 
 from model import ALIGNMENT, Batch, Parameters, Readings
+from model.engines.course import Control, begin
+from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
+from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single
+from model.engines.scalar.step import dense_output, interpolate, right_hand_side, take_step
+from model.engines.scalar.tableaux import DOP853
+from model.events.outcomes import Outcome, Reason
+from model.events.transitions import CONTINUES
 from model.physics.motion import motion
 from model.physics.notation import State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, START, Mode
-from model.solver.course import Control, begin
-from model.solver.loop import TRACK_COLUMNS, advance, new_single
-from model.solver.outcomes import Outcome, Reason
-from model.solver.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
-from model.solver.step import dense_output, interpolate, right_hand_side, take_step
-from model.solver.tableaux import DOP853
-from model.solver.transitions import CONTINUES
 
 LOCKED = 1e12
 """An inertia with which no moment of these scenes turns the part."""

@@ -10,11 +10,11 @@ import pytest
 from scipy.optimize import brentq
 
 from model import ALIGNMENT
+from model.events.outcomes import Outcome, Reason
+from model.events.table import CORNER_END, FLAT
+from model.events.transitions import CONTINUES, decide_friction, switch
 from model.physics.notation import LEFT_EDGE, State
 from model.physics.scenes import CLOSED, OPEN, START, STICKING
-from model.solver.outcomes import Outcome, Reason
-from model.solver.switching import CORNER_END, FLAT
-from model.solver.transitions import CONTINUES, decide_friction, switch
 
 FREE = START._replace(face=OPEN)
 TOLERANCES = [1e-4, 1e-7, 1e-10, 1e-13]

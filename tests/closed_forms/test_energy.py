@@ -15,18 +15,11 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Parameters, Readings, Settings
-from model.physics.compiled import kernel
-from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
-from model.physics.motion import motion, side_contact, support_contact
-from model.physics.scenes import CLOSED, RELEASED
-from model.solver.course import begin
-from model.solver.loop import TRACK_COLUMNS, advance, new_single, new_workspace
-from model.solver.outcomes import Reason
-from model.solver.record import (
+from model.engines.course import begin
+from model.engines.record import (
     OUTCOME,
     REASON,
     STATE,
-    STATE_SIZE,
     STEPS,
     TAU_ALIGN,
     TIME,
@@ -34,7 +27,8 @@ from model.solver.record import (
     mode_of,
     state_in,
 )
-from model.solver.step import (
+from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single, new_workspace
+from model.engines.scalar.step import (
     dense_output,
     interpolate,
     keep_in,
@@ -42,8 +36,14 @@ from model.solver.step import (
     state_of,
     take_step,
 )
-from model.solver.stiff import RADAU, advance_stiff, are_stiff, new_memory
-from model.solver.transitions import CONTINUES
+from model.engines.stiff import RADAU, advance_stiff, are_stiff, new_memory
+from model.events.outcomes import Reason
+from model.events.transitions import CONTINUES
+from model.physics.compiled import kernel
+from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
+from model.physics.motion import motion, side_contact, support_contact
+from model.physics.notation import STATE_SIZE
+from model.physics.scenes import CLOSED, RELEASED
 from model.study.fuzz import draw
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)

@@ -9,9 +9,9 @@ from math import cos, sin
 import numpy as np
 import pytest
 
+from model.events.outcomes import Outcome, Reason
 from model.physics.notation import LEFT_EDGE
 from model.physics.scenes import CLOSED, OPEN, START
-from model.solver.outcomes import Outcome, Reason
 
 TILT, DEPTH = -0.07, 0.01
 TOLERANCES = [1e-4, 1e-7, 1e-10, 1e-13]

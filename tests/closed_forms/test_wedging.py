@@ -23,13 +23,13 @@ import pytest
 from scipy.optimize import brentq
 
 from model import Outcome, Parameters, simulate
+from model.events.table import edge_inside, outline
+from model.events.transitions import decide_friction
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
-from model.solver.switching import edge_inside, outline
-from model.solver.transitions import decide_friction
 from model.study.config import load_study, study_path
 from model.study.independent import solve
 from model.study.trials import trial_of

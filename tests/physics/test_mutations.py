@@ -171,12 +171,12 @@ CARRIED = [
         + "".join(f"    error_{number}: float\n" for number in ERRORS.values()),
     ),
     (
-        "solver/record.py",
+        "engines/record.py",
         "runs[i, 26],\n",
         f"runs[i, 26], {', '.join(f'runs[i, {26 + number}]' for number in ERRORS.values())},\n",
     ),
     (
-        "solver/lanes.py",
+        "engines/batch/lanes.py",
         "0.0, 0.0, 0.0, 0.0,\n    )",
         "0.0, 0.0, 0.0, 0.0, "
         + "".join(f"w[{19 + number} * n + i], " for number in ERRORS.values())
@@ -205,8 +205,8 @@ from pathlib import Path
 
 study_path, against, errors, figures = (json.loads(each) for each in sys.argv[1:])
 os.environ["ERROR"] = "0"
-from model.study.comparison import open_dataset
-from model.study.reference import compare_with_reference
+from model.tracking.comparison import open_dataset
+from model.tracking.reference import compare_with_reference
 from model.study.config import load_study
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
 from model.study.sweeps import sweep_of

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Readings, Settings, align
-from model.runs.batch import each_by_itself, side_by_side
-from model.solver.record import Ending
-from model.solver.side_by_side import POOL
-from model.solver.tableaux import DORMAND_PRINCE
+from model.engines.batch.scheduling import POOL
+from model.engines.record import Ending
+from model.engines.scalar.tableaux import DORMAND_PRINCE
+from model.runs.align import each_by_itself, side_by_side
 
 SETTINGS = Settings(horizon=60.0)
 COUNT = 150

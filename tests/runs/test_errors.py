@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Reason, align, simulate
+from model.engines.record import Ending
 from model.physics.parameters import Constants
 from model.runs.errors import TILTED, estimate
-from model.solver.record import Ending
 from model.study.config import load_study, study_path
 from model.study.trials import trial_of
 

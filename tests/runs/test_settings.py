@@ -3,7 +3,7 @@
 import pytest
 
 from model import Readings, Settings, simulate
-from model.solver.tableaux import RK4
+from model.engines.scalar.tableaux import RK4
 
 
 def test_defaults_are_the_consistent_readings_in_the_alignment_scene():

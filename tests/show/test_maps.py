@@ -9,10 +9,10 @@ import xarray as xr
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 
+from model.events.outcomes import Outcome
 from model.show.artists import disagreements
 from model.show.maps import MARK_LABEL, RELIABLE_LABEL, round_levels
 from model.show.plots import NOT_ALIGNED, draw
-from model.solver.outcomes import Outcome
 
 CELLS = 32
 

@@ -10,10 +10,10 @@ from matplotlib.collections import LineCollection, PolyCollection, QuadMesh
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
-from model.runs.trajectory import simulate
+from model.runs.simulate import simulate
 from model.show import plots, style
-from model.solver.outcomes import Outcome
 from model.study.config import Curves, History
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
 from model.study.sweeps import sweep_of

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from markupsafe import escape
 
+from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show import report
@@ -19,7 +20,6 @@ from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
 from model.show.hard_cases import Hardness
 from model.show.precision import CAPTIONS, Comparison, advice
 from model.show.report import READING_WORDS, Findings, render_report
-from model.solver.outcomes import Outcome, Reason
 from model.study.claims import judge, tally
 from model.study.claims.table import lines_of
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.runs.trajectory import simulate
+from model.runs.simulate import simulate
 from model.study.config import Study, load_study, study_path
 from model.study.contact_comparison import (
     OnBase,

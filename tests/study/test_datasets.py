@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES
-from model.runs.batch import align
-from model.solver.outcomes import Outcome
+from model.runs.align import align
 from model.study.config import load_study, study_path
 from model.study.datasets import (
     VARIABLES,

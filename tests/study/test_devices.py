@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from model import align
-from model.solver.outcomes import Outcome
+from model.events.outcomes import Outcome
 from model.study.devices import DeviceError, load_device
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"

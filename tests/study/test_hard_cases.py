@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.solver.outcomes import Outcome
+from model.events.outcomes import Outcome
 from model.study.config import load_study, study_path
 from model.study.csv_tables import TableError
 from model.study.hard_cases import (

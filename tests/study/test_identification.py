@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import Parameters
-from model.solver.outcomes import Outcome
 from model.study.claims import CLAIMS
 from model.study.config import (
     CURVES,

@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.ndimage import distance_transform_edt
 
 from model import Batch, align
-from model.solver.outcomes import Outcome
+from model.events.outcomes import Outcome
 from model.study import largest_misalignment, maps
 from model.study.config import Axis, Ensemble, RunSettings, Span, load_study, study_path
 from model.study.datasets import DatasetError, write_dataset

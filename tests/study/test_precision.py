@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.runs.trajectory import Trajectory
-from model.solver.outcomes import Outcome
+from model.events.outcomes import Outcome
+from model.runs.simulate import Trajectory
 from model.study import precision
 from model.study.config import load_study, study_path
 from model.study.csv_tables import TableError

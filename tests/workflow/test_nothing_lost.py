@@ -179,7 +179,7 @@ def of_another_study(path: Path) -> None:
     import xarray as xr  # noqa: PLC0415
 
     from model.study.datasets import write_dataset  # noqa: PLC0415
-    from model.study.provenance import file_hash, write_json  # noqa: PLC0415
+    from model.tracking.provenance import file_hash, write_json  # noqa: PLC0415
 
     with xr.open_dataset(path) as stored:
         foreign = stored.load().assign_attrs(sweep="0123456789abcdef")

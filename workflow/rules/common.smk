@@ -8,7 +8,7 @@ from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES
 from model.study.precision_plans import HARD_PICTURES, PICTURES
-from model.study.provenance import code_hash
+from model.tracking.provenance import code_hash
 from model.study.sweeps import claim_sweep, sweep_of
 from model.study.trials import trial_of
 

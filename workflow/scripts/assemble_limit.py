@@ -12,7 +12,7 @@ from model.study.largest_misalignment import (
     limit_map,
 )
 from model.study.map_parts import Known, read_parts
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from model.study.datasets import write_dataset
 from model.study.map_datasets import map_counts, map_dataset
 from model.study.map_parts import read_parts
 from model.study.maps import MapPlan, Work, assemble
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

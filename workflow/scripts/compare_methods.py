@@ -12,7 +12,7 @@ from model.study.precision import (
     true_run,
 )
 from model.study.precision_plans import PrecisionPlan
-from model.study.provenance import Job, write_text
+from model.tracking.provenance import Job, write_text
 
 
 def main() -> None:

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from model.runs.batch import align
+from model.runs.align import align
 from model.study.config import baseline
-from model.study.provenance import Job, closure_hash, write_json
+from model.tracking.provenance import Job, closure_hash, write_json
 
 
 def main() -> None:

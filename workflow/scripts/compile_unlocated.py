@@ -5,7 +5,7 @@ from pathlib import Path
 
 from model.runs.unlocated import align_unlocated, unlocated_problem
 from model.study.config import baseline
-from model.study.provenance import Job, closure_hash, write_json
+from model.tracking.provenance import Job, closure_hash, write_json
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from model.study.identification.band_table import bands_text
 from model.study.identification.bands import bands_of
 from model.study.identification.candidate import Space
 from model.study.identification.committed import read_identified
-from model.study.provenance import Job, write_text
+from model.tracking.provenance import Job, write_text
 
 
 def main() -> None:

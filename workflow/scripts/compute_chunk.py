@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from model.study.datasets import compute_chunk, outcome_counts, write_dataset
-from model.study.provenance import Job
 from model.study.sweeps import Sweep
+from model.tracking.provenance import Job
 
 
 def main() -> None:

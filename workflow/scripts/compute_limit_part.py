@@ -6,7 +6,7 @@ from pathlib import Path
 from model.study.datasets import write_dataset
 from model.study.largest_misalignment import LimitPlan, limit_counts, limit_part
 from model.study.map_parts import Part, part_dataset
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -7,7 +7,7 @@ from model.study.datasets import write_dataset
 from model.study.map_datasets import work_counts
 from model.study.map_parts import Part, part_dataset
 from model.study.maps import MapPlan, compute_part
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -7,7 +7,7 @@ from model.show.identification import band_curves
 from model.show.style import save
 from model.study.datasets import read_dataset
 from model.study.identification.band_table import read_bands
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from model.show.style import save
 from model.study.config import HardCases
 from model.study.hard_cases import read_table
 from model.study.precision_plans import HARD_PICTURES
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ from model.show.style import save
 from model.study.config import SearchLaw
 from model.study.identification.candidate import searched_of
 from model.study.identification.committed import read_identified
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

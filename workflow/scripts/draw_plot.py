@@ -6,7 +6,7 @@ from pathlib import Path
 from model.show.plots import draw
 from model.show.style import save
 from model.study.datasets import read_dataset
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

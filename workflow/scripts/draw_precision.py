@@ -9,7 +9,7 @@ from model.show.style import save
 from model.study.datasets import read_dataset
 from model.study.precision import read_timings
 from model.study.precision_plans import PICTURES
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

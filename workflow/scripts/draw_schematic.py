@@ -7,7 +7,7 @@ from pathlib import Path
 from model.physics.parameters import Parameters
 from model.show.schematics import DRAWINGS
 from model.show.style import save
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from model.study.identification.candidate import Space
 from model.study.identification.evaluate import judge_of
 from model.study.identification.results import samples_dataset
 from model.study.identification.search import sample
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -13,7 +13,7 @@ from model.study.identification.candidate import Space
 from model.study.identification.evaluate import judge_of
 from model.study.identification.results import candidates_dataset, samples_of
 from model.study.identification.search import halves, search
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -41,7 +41,7 @@ from model.study.identification.search import (
     judged,
     most_shown,
 )
-from model.study.provenance import Job, write_text
+from model.tracking.provenance import Job, write_text
 
 FINER = 3
 

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from model.study.tracking import write_index
+from model.tracking.index import write_index
 
 
 def main() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from model.study.claims import judge
 from model.study.claims.table import ledger_text, lines_of
 from model.study.datasets import read_dataset
-from model.study.provenance import Job, write_text
+from model.tracking.provenance import Job, write_text
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from model.study.hard_cases import compile_for_stiff, judge, methods_for, table_of, true_run
 from model.study.precision_plans import HardCasesPlan
-from model.study.provenance import Job, write_text
+from model.tracking.provenance import Job, write_text
 
 
 def main() -> None:

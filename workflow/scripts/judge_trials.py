@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from model.study.accuracy import read_tables, summary, write_table
-from model.study.provenance import Job, write_text
+from model.tracking.provenance import Job, write_text
 
 
 def main() -> None:

@@ -13,8 +13,8 @@ from model.study.datasets import (
     read_dataset,
     write_dataset,
 )
-from model.study.provenance import Job
 from model.study.sweeps import Sweep
+from model.tracking.provenance import Job
 
 
 def read_chunks(sweep: Sweep, paths: list[Path]) -> list[xr.Dataset]:

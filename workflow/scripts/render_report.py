@@ -17,7 +17,7 @@ from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import read_identified
 from model.study.precision import read_timings
 from model.study.precision_plans import HARD_PICTURES, PICTURES
-from model.study.provenance import Job, file_hash, versions, write_text
+from model.tracking.provenance import Job, file_hash, versions, write_text
 
 
 def main() -> None:

@@ -8,8 +8,8 @@ from pydantic import RootModel
 
 from model.study.claims.runs import claim_run_dataset
 from model.study.datasets import outcome_counts, write_dataset
-from model.study.provenance import Job
 from model.study.sweeps import Sweep
+from model.tracking.provenance import Job
 
 
 class Runs(RootModel[dict[str, tuple[str, Sweep]]]):

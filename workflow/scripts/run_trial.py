@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from model.study.accuracy import run_trial, write_table
-from model.study.provenance import Job
 from model.study.trials import Trial
+from model.tracking.provenance import Job
 
 
 def main() -> None:

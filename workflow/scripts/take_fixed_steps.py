@@ -6,7 +6,7 @@ from pathlib import Path
 from model.study.datasets import read_dataset, write_dataset
 from model.study.fixed_steps import fixed_step_dataset
 from model.study.precision_plans import FixedStepPlan
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from model.study.contact_stiffness import StiffnessPlan, stiffness_dataset
 from model.study.datasets import outcome_counts, write_dataset
-from model.study.provenance import Job
+from model.tracking.provenance import Job
 
 
 def main() -> None:

@@ -42,3 +42,6 @@ class State(NamedTuple):
     x_rate: float
     y_rate: float
     tilt_rate: float
+
+
+STATE_SIZE = len(State._fields)

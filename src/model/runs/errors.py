@@ -21,10 +21,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from model.engines.record import Ending
+from model.events.outcomes import Outcome, Reason
+from model.events.table import FLAT
 from model.physics.parameters import Constants
-from model.solver.outcomes import Outcome, Reason
-from model.solver.record import Ending
-from model.solver.switching import FLAT
 
 COARSER = 16.0
 SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same

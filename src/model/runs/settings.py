@@ -5,11 +5,11 @@ import numbers
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
+from model.engines.course import Control
+from model.engines.scalar.tableaux import DOP853, Method, Tableau
 from model.physics.parameters import check_name
 from model.physics.readings import Readings
 from model.physics.scenes import ALIGNMENT, Declared, Scene
-from model.solver.course import Control
-from model.solver.tableaux import DOP853, Method, Tableau
 
 
 @dataclass(frozen=True, kw_only=True)

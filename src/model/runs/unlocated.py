@@ -11,12 +11,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from model.physics.compiled import kernel
-from model.physics.parameters import Batch, Parameters
-from model.physics.readings import Readings
-from model.solver.record import STATE_SIZE, constants_in
-from model.solver.tableaux import DORMAND_PRINCE, RK4
-from model.solver.unlocated import (
+from model.engines.record import constants_in
+from model.engines.scalar.tableaux import DORMAND_PRINCE, RK4
+from model.engines.unlocated import (
     ADAPTIVE_STEPS,
     RK4_STEPS,
     SEMI_IMPLICIT_EULER_STEPS,
@@ -25,6 +22,10 @@ from model.solver.unlocated import (
     pass_unlocated,
     unlocated_rates,
 )
+from model.physics.compiled import kernel
+from model.physics.notation import STATE_SIZE
+from model.physics.parameters import Batch, Parameters
+from model.physics.readings import Readings
 
 Floats = NDArray[np.float64]
 UnlocatedScheme = Literal["rk4", "semi_implicit_euler", "dormand_prince"]

@@ -21,14 +21,14 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
+from model.events.outcomes import Outcome
 from model.show import style
 from model.show.maps import add_contours, add_marks, add_reliable
-from model.solver.outcomes import Outcome
 
 if TYPE_CHECKING:  # a trajectory is drawn where xarray is not installed
     import xarray as xr
 
-    from model.runs.trajectory import Trajectory
+    from model.runs.simulate import Trajectory
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -17,6 +17,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
+from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.claims import Ledger, claims_section
@@ -40,7 +41,6 @@ from model.show.precision import (
 )
 from model.show.schematics import CAPTIONS
 from model.show.style import FORMATS
-from model.solver.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.study.config import HardCases, Study
 from model.study.fixed_steps import wrong_counts
 from model.study.hard_cases import DEFAULT, EXPLICIT, Judged, Mark

@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters
-from model.runs.batch import align, run_once
+from model.runs.align import align, run_once
 from model.runs.settings import Settings
-from model.runs.trajectory import simulate_once
-from model.solver.outcomes import Outcome, Reason
+from model.runs.simulate import simulate_once
 from model.study.files import whole_file
 from model.study.independent import solve
 from model.study.trials import Trial

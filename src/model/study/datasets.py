@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import FIELDS
-from model.runs.batch import Alignments, align
+from model.runs.align import Alignments, align
 from model.runs.settings import Settings
-from model.runs.trajectory import simulate
-from model.solver.outcomes import Outcome, Reason
+from model.runs.simulate import simulate
 from model.study.files import whole_file
 from model.study.sweeps import Sweep
 

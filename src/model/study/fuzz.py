@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Batch
-from model.runs.batch import Alignments, align
+from model.runs.align import Alignments, align
 from model.runs.errors import SENSITIVE, end_otherwise
 from model.runs.settings import Settings
-from model.solver.outcomes import Outcome, Reason
 
 Floats = NDArray[np.float64]
 

@@ -19,16 +19,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from model.engines.queue import new_queue
+from model.engines.record import STATE, Ending
+from model.engines.scalar.loop import integrate_each, new_single
+from model.engines.scalar.tableaux import DOP853
+from model.engines.stiff import are_stiff
+from model.events.outcomes import Outcome, Reason
+from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
-from model.runs.batch import NO_TRACK, each_by_itself
+from model.runs.align import NO_TRACK, each_by_itself
 from model.runs.errors import estimate
 from model.runs.settings import Settings
-from model.solver.loop import integrate_each, new_single
-from model.solver.outcomes import Outcome, Reason
-from model.solver.queue import new_queue
-from model.solver.record import STATE, STATE_SIZE, Ending
-from model.solver.stiff import are_stiff
-from model.solver.tableaux import DOP853
 from model.study.csv_tables import csv_text, read_rows
 from model.study.precision import METHODS, Passed, Problem, Verdict, failure_of
 from model.study.precision_plans import HardCasesPlan

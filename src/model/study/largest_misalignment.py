@@ -17,10 +17,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
-from model.runs.batch import run_once
+from model.runs.align import run_once
 from model.runs.refinement import Bools, Floats, Ints, Lattice, Refined, refine
-from model.solver.outcomes import Outcome
 from model.study.config import LARGEST_MISALIGNMENT, Study
 from model.study.map_datasets import plane_attributes, plane_coordinates
 from model.study.map_parts import Columns, Compute, Known, remembered, tiles

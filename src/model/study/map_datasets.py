@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.physics.units import DURATION, QUANTITIES, UNITS, Units
-from model.solver.outcomes import Outcome
 from model.study.config import CURVES, HISTORIES, Curves, Study
 from model.study.datasets import VARIABLES, global_attributes, parameter_attributes
 from model.study.maps import BESIDE, PERIODS, SHARE, MapPlan, StabilityMap, Work

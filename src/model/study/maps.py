@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 from scipy.ndimage import distance_transform_edt
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
-from model.runs.batch import align
+from model.runs.align import align
 from model.runs.refinement import Bools, Evaluate, Floats, Ints, Lattice, Refined, refine
-from model.solver.outcomes import Outcome
 from model.study.config import (
     LARGEST_MISALIGNMENT,
     MAPS,

@@ -19,13 +19,13 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE, Tableau
+from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters
-from model.runs.batch import align
+from model.runs.align import align
 from model.runs.settings import Settings
-from model.runs.trajectory import Trajectory, simulate
+from model.runs.simulate import Trajectory, simulate
 from model.runs.unlocated import UnlocatedScheme, align_unlocated, unlocated_problem
-from model.solver.outcomes import OUTCOME_TEXT, Outcome, Reason
-from model.solver.tableaux import DOP853, DORMAND_PRINCE, Tableau
 from model.study.csv_tables import csv_text, read_rows
 from model.study.datasets import flags, global_attributes, parameter_attributes
 from model.study.precision_plans import PrecisionPlan

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
-from model.runs.batch import run_once
+from model.runs.align import run_once
 from model.runs.settings import Settings
-from model.solver.outcomes import Outcome
 from model.study.config import Ensemble
 
 Starts = Sequence[Mapping[str, float]]

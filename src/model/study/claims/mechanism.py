@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from model.solver.outcomes import Outcome
+from model.events.outcomes import Outcome
 from model.study.claims.ledger import Claim, Part, labelled
 from model.study.claims.limits import FALLS, NEARLY_ALL, RISES, at_least, at_most, unmeasured
 from model.study.claims.reading import (

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from model.solver.outcomes import Outcome
+from model.events.outcomes import Outcome
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
-from model.runs.trajectory import Trajectory, simulate
-from model.solver.outcomes import Outcome
+from model.runs.simulate import Trajectory, simulate
 from model.study.datasets import compute_chunk, merge_chunks
 from model.study.sweeps import Sweep
 

@@ -12,10 +12,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from model.engines.record import Ending
 from model.physics.readings import Readings
-from model.runs.batch import each_by_itself, side_by_side
-from model.runs.trajectory import simulate_once
-from model.solver.record import Ending
+from model.runs.align import each_by_itself, side_by_side
+from model.runs.simulate import simulate_once
 from model.study.claims import CLAIMS, Claim
 from model.study.claims.ledger import judge_claim
 from model.study.claims.reading import Data

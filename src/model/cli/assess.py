@@ -1,0 +1,98 @@
+"""``vibralign assess``: whether a device aligns from every start, and how far it may be off."""
+
+import argparse
+import json
+import os
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from model.cli.arguments import (
+    add_model_options,
+    announce_compilation,
+    device_of,
+    in_columns,
+    settings_of,
+)
+from model.physics.units import DURATION, QUANTITIES, Quantity, Units
+from model.runs.simulate import simulate
+from model.study.config import load_study, study_path
+
+if TYPE_CHECKING:
+    from model.study.assessment import Assessment, Leeway
+
+
+def add_commands(commands: Any) -> None:
+    """Add the command to the parsers of ``vibralign``."""
+    words = "say whether a device aligns reliably, how fast, and how far it may be off"
+    parser = commands.add_parser(
+        "assess",
+        help=words,
+        description=f"{words[0].upper()}{words[1:]}. Reliable is what aligns from every phase of "
+        "the excitation and initial tilt that the study tries. Each parameter is then moved off "
+        "its value, the others held, by up to a factor of four or until that is lost.",
+        epilog="exit code: 0 the device was assessed, whatever was found; 2 bad input",
+        allow_abbrev=False,
+    )
+    add_model_options(parser)
+    parser.add_argument("--json", action="store_true", help="print everything as JSON")
+    parser.set_defaults(run=_assess)
+
+
+def _assess(arguments: argparse.Namespace) -> int:
+    study = load_study(study_path())
+    units, device = device_of(study.baseline, arguments)
+    settings = settings_of(study.settings.settings, arguments)
+    announce_compilation()
+    from model.study.assessment import assess  # noqa: PLC0415  (what no other command needs)
+
+    found = assess(device, settings, study.maps.ensemble, cores=os.cpu_count() or 1)
+    if arguments.json:
+        print(json.dumps(_record(found, units), indent=2))
+        return 0
+    print("\n".join(_report(found, units)))
+    if found.failing_start is not None:
+        run = simulate(device.replace(**found.failing_start), settings)
+        start = ", ".join(f"{name} = {value:.4g}" for name, value in found.failing_start.items())
+        print(f"{'for example':<16}{start}: {run.message}")
+        print(f"{'what to do':<16}{run.remedy}")
+    return 0
+
+
+def _scale(units: Units | None, quantity: Quantity) -> tuple[float, str]:
+    """What one of the model's ``quantity`` is for the reader, and in what."""
+    if units is None:
+        return 1.0, ""
+    return units.of(quantity), "" if quantity.unit == "1" else f" {quantity.unit}"
+
+
+def _report(found: "Assessment", units: Units | None) -> list[str]:
+    time, second = _scale(units, DURATION)
+    words = "reliable" if found.reliable else "not reliable"
+    lines = [f"{words:<16}aligns from {found.aligned} of {found.starts} starts"]
+    if found.aligned:
+        shortest, longest = time * found.tau_best, time * found.tau_worst
+        lines.append(f"{'alignment time':<16}{shortest:.4g} to {longest:.4g}{second}, by the start")
+    if found.leeways:
+        lines.append("stays reliable while, one parameter at a time,")
+        lines += in_columns([_row(each, units) for each in found.leeways])
+    return lines
+
+
+def _row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
+    one, unit = _scale(units, QUANTITIES[leeway.parameter])
+    low = f"{one * leeway.low:.4g}" + ("" if leeway.bounded_below else " or less")
+    high = f"{one * leeway.high:.4g}" + ("" if leeway.bounded_above else " or more")
+    own = f"its value {one * leeway.value:.4g}{unit}"
+    return leeway.parameter, f"from {low}", f"to {high}", own
+
+
+def _record(found: "Assessment", units: Units | None) -> dict[str, Any]:
+    """Everything that was found, in SI units for a device in SI; what is no number is null."""
+    record = asdict(found) | {"reliable": found.reliable}
+    time, _ = _scale(units, DURATION)
+    for name in ("tau_best", "tau_worst"):
+        record[name] = time * record[name] if found.aligned else None
+    for leeway in record["leeways"]:
+        one, _ = _scale(units, QUANTITIES[leeway["parameter"]])
+        leeway |= {name: one * leeway[name] for name in ("value", "low", "high")}
+    return {"units": "1" if units is None else "SI", **record}

@@ -1,0 +1,188 @@
+"""``vibralign map``: a stability map over any two parameters of any device."""
+
+import argparse
+import importlib.util
+import math
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from model.cli.arguments import (
+    add_model_options,
+    announce_compilation,
+    check_file,
+    check_picture,
+    device_of,
+    number,
+    settings_of,
+)
+from model.physics.parameters import PARAMETER_NAMES, check_name
+from model.physics.units import QUANTITIES, Units
+from model.study.config import RunSettings, Span, check_plane, load_study, study_path
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from model.study.maps import MapPlan
+
+_NEEDED = ("netCDF4", "scipy", "xarray")
+_FINEST = 8192
+_DEFAULT = 256
+_ENSEMBLE = 32  # cells along a side on which reliability is tried, at least, where the map has them
+
+
+def add_commands(commands: Any) -> None:
+    """Add the command to the parsers of ``vibralign``."""
+    words = "map where a device aligns, how fast and how safely, over two parameters"
+    parser = commands.add_parser(
+        "map",
+        help=words,
+        description=f"{words[0].upper()}{words[1:]}. Nodes are computed along the border of the "
+        "aligning area and where the duration jumps, and filled in between. Reliable is what "
+        "aligns from every phase of the excitation and initial tilt that the study tries. With "
+        "--device, what --x and --y say and what the map holds is in SI units, else dimensionless.",
+        epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    for side in ("x", "y"):
+        words = f"parameter along {side}, with its least and largest value"
+        add(f"--{side}", nargs=3, required=True, metavar=("NAME", "FROM", "TO"), help=words)
+    words = f"finest cells along a side, a power of two (default: {_DEFAULT})"
+    add("--resolution", default=str(_DEFAULT), metavar="N", help=words)
+    words = "netCDF file to write; one that exists stays as it is until the new one is complete"
+    add("--out", type=Path, required=True, metavar="FILE", help=words)
+    add("--plot", type=Path, metavar="FILE", help="draw it into FILE (.png, .svg, .pdf and others)")
+    add_model_options(parser)
+    parser.set_defaults(run=_map)
+
+
+def _map(arguments: argparse.Namespace) -> int:
+    missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
+    if missing:
+        raise ValueError(
+            f"map needs {', '.join(missing)}, not installed: pip install 'vibralign[study]'"
+        )
+    check_file(arguments.out, "--out", ["nc"])
+    if arguments.plot is not None:
+        check_picture(arguments.plot)
+    plan, units = _plan(arguments)
+    announce_compilation()
+    # Half a second that only a map is worth.
+    from model.study.datasets import write_dataset  # noqa: PLC0415
+    from model.study.map_datasets import in_si, map_dataset  # noqa: PLC0415
+    from model.study.maps import Work, assemble  # noqa: PLC0415
+
+    bar = _Bar()
+    try:
+        found = assemble(Work.nothing(plan), cores=os.cpu_count() or 1, progress=bar)
+    finally:
+        bar.close()
+    title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
+    dataset = map_dataset(found, title, "Made by vibralign map.")
+    if units is not None:
+        dataset = in_si(dataset, units)
+    try:
+        write_dataset(dataset, arguments.out)
+        if arguments.plot is not None:
+            _draw(dataset, arguments.plot)
+    except OSError as error:
+        print(f"vibralign: error: {error}", file=sys.stderr)
+        return 1
+    print("\n".join(_report(dataset)))
+    return 0
+
+
+def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
+    study = load_study(study_path())
+    units, parameters = device_of(study.baseline, arguments)
+    settings = settings_of(study.settings.settings, arguments)
+    resolution = _resolution(arguments.resolution)
+    spans = _span("--x", arguments.x), _span("--y", arguments.y)
+    # The rules hold in any units, so that a refusal names the values given.
+    check_plane(parameters if units is None else units.in_si(parameters), *spans)
+    if units is not None:
+        spans = _dimensionless(spans[0], units), _dimensionless(spans[1], units)
+    from model.study.maps import plan_of  # noqa: PLC0415  (as above)
+
+    run_settings = RunSettings(
+        readings=asdict(settings.readings), horizon=settings.horizon, tolerance=settings.tolerance
+    )
+    every = min(study.maps.ensemble.every, max(resolution // _ENSEMBLE, 1))
+    ensemble = study.maps.ensemble.model_copy(update={"every": every})
+    return plan_of("map", parameters, run_settings, spans, resolution, ensemble), units
+
+
+def _dimensionless(span: Span, units: Units) -> Span:
+    one = units.of(QUANTITIES[span.parameter])
+    return Span(parameter=span.parameter, start=span.start / one, stop=span.stop / one)
+
+
+def _resolution(text: str) -> int:
+    rule = f"must be a power of two, 2 to {_FINEST}"
+    value = number("resolution", text, rule)
+    if not (2 <= value <= _FINEST and value == int(value) and not int(value) & (int(value) - 1)):
+        raise ValueError(f"resolution = {text}: {rule}, since cells are halved")
+    return int(value)
+
+
+def _span(option: str, given: Sequence[str]) -> Span:
+    name, *ends = given
+    check_name(name, PARAMETER_NAMES, "parameter")
+    start, stop = (number(f"{option} {name}", end) for end in ends)
+    if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
+        raise ValueError(
+            f"{option} {name} {ends[0]} {ends[1]}: must be two finite numbers, the smaller first"
+        )
+    return Span(parameter=name, start=start, stop=stop)
+
+
+class _Bar:
+    """What is being computed, on one line that is written anew; silent unless at a terminal."""
+
+    _WIDTH = 24
+
+    def __init__(self) -> None:
+        self._shown = sys.stderr.isatty()
+        self._words, self._largest = "", 0
+
+    def __call__(self, words: str, done: int, left: int) -> None:
+        """``left`` nodes of the present wave are still to come; waves get finer, then end."""
+        if not self._shown:
+            return
+        if words != self._words or left > self._largest:
+            self._words, self._largest = words, left
+        filled = self._WIDTH - round(self._WIDTH * left / self._largest)
+        bar = "#" * filled + "." * (self._WIDTH - filled)
+        line = f"\r{words:<12}[{bar}] {left:>6,} nodes left of this wave, {done:,} starts computed"
+        print(line, end="\033[K", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        """Clear the line."""
+        if self._shown:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def _draw(dataset: "xr.Dataset", path: Path) -> None:
+    from model.show import plots, style  # noqa: PLC0415
+    from model.study.files import whole_file  # noqa: PLC0415
+
+    figure = plots.draw(dataset)
+    with style.context(), whole_file(path) as part:
+        figure.savefig(part, format=path.suffix.lower().lstrip("."))
+
+
+def _report(dataset: "xr.Dataset") -> list[str]:
+    aligned = float((dataset["outcome"] == 0).mean())
+    nodes = dataset["outcome"].size
+    rows = [
+        ("aligns", f"{100.0 * aligned:.3g} % of the map"),
+        ("reliable", f"{100.0 * float(dataset['reliable'].mean()):.3g} % of the map"),
+        ("flagged", f"{100.0 * float(dataset['flagged'].mean()):.3g} %: may end otherwise"),
+        ("computed", f"{100.0 * dataset.attrs['computed_share']:.3g} % of {nodes:,} nodes"),
+        ("trajectories", f"{dataset.attrs['trajectories']:,} starts, the ensemble's included"),
+    ]
+    return [f"{name:<14}{value}" for name, value in rows]

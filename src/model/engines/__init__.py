@@ -1,0 +1,1 @@
+"""Engines: integrate runs from event to event."""

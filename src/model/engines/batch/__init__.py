@@ -1,0 +1,1 @@
+"""The batch engine: many runs in the lanes of vectors."""

@@ -1,0 +1,240 @@
+"""The motion as power series in time, read off the equations of motion themselves.
+
+``motion`` and the places of edges and corners are called once for each kind of mode with symbols in
+place of numbers. What comes back are sums of rows, each with a constant factor; a row is a series
+whose next coefficient follows from those known: a state (by its rate), sine and cosine of an angle,
+a product, a quotient, such a sum, or the rate of another row. Recurrences as in Moore, Interval
+Analysis (1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005) 99-117.
+``series_code`` makes kernels of them.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from model.events.table import Outline, outline
+from model.physics.compiled import Symbol
+from model.physics.contacts import Contact, contact_load, edge_on_face, edge_on_side
+from model.physics.motion import motion
+from model.physics.notation import RIGHT_EDGE, State
+from model.physics.parameters import Constants
+from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
+from model.physics.trigonometry import sine_cosine
+
+# What a run does not change while it steps: a number, a given quantity by its place, or an
+# operation on others.
+Constant = float | tuple[Any, ...]
+
+# The constants that are no switches of readings, as their rows in a record; the signs of the slips
+# stand behind them.
+CONSISTENT = np.array(
+    [row for row, name in enumerate(Constants._fields) if not name.startswith("printed_")]
+)
+SUPPORT_SIGN, SIDE_SIGN = len(CONSISTENT), len(CONSISTENT) + 1
+GIVEN = len(CONSISTENT) + 2
+
+
+def _sum(a: Constant, b: Constant) -> Constant:
+    if isinstance(a, float) and isinstance(b, float):
+        return a + b
+    if a == 0.0 or b == 0.0:
+        return b if a == 0.0 else a
+    return ("+", a, b)
+
+
+def _product(a: Constant, b: Constant) -> Constant:
+    if isinstance(b, float):
+        a, b = b, a
+    if isinstance(a, float):
+        if isinstance(b, float):
+            return a * b
+        if a in (0.0, 1.0):
+            return b if a else 0.0
+        if b[0] == "*" and isinstance(b[1], float):
+            return _product(a * b[1], b[2])
+    return ("*", a, b)
+
+
+def _inverse(a: Constant) -> Constant:
+    return 1.0 / a if isinstance(a, float) else ("/", 1.0, a)
+
+
+class Row(NamedTuple):
+    """One series: what it is, and the rows or the sum that it is made of."""
+
+    kind: str  # "state", "time", "sine", "cosine", "product", "quotient", "sum" or "rate"
+    of: tuple[Any, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Sum(Symbol):
+    """A constant and rows, each with a constant factor.
+
+    ``multiple`` remembers a sum that this one is a multiple of, so that products with the two have
+    one row.
+    """
+
+    constant: Constant
+    terms: dict[Row, Constant]
+    multiple: "tuple[Constant, Sum] | None" = None
+
+    def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Sine and cosine are rows; the polynomials that compute them are not looked into.
+
+        What is by its definition the rate of a place of a contact is taken from the place's series.
+        """
+        if function is sine_cosine.py_func:  # type: ignore[attr-defined]
+            return _sine_cosine
+        if function in (edge_on_face.py_func, edge_on_side.py_func):  # type: ignore[attr-defined]
+            return lambda *arguments: _with_rates(function(*arguments))
+        return function
+
+    def __add__(self, other: "Sum | float") -> "Sum":
+        other = _as_sum(other)
+        terms = dict(self.terms)
+        for row, factor in other.terms.items():
+            terms[row] = _sum(terms.get(row, 0.0), factor)
+        kept = {row: factor for row, factor in terms.items() if factor != 0.0}
+        return Sum(_sum(self.constant, other.constant), kept)
+
+    def times(self, factor: Constant) -> "Sum":
+        """The multiple of this sum by a constant."""
+        if factor == 0.0:
+            return Sum(0.0, {})
+        if factor == 1.0:
+            return self
+        of, origin = self.multiple or (1.0, self)
+        terms = {row: _product(factor, each) for row, each in self.terms.items()}
+        return Sum(_product(factor, self.constant), terms, (_product(factor, of), origin))
+
+    def __mul__(self, other: "Sum | float") -> "Sum":
+        other = _as_sum(other)
+        if not other.terms:
+            return self.times(other.constant)
+        if not self.terms:
+            return other.times(self.constant)
+        (a, f, row), (b, g, other_row) = self._as_row(), other._as_row()
+        both = Row("product", tuple(sorted((row, other_row), key=repr)))
+        found = Sum(_product(a, b), {both: _product(f, g)})
+        return found + Sum(0.0, {other_row: _product(a, g)}) + Sum(0.0, {row: _product(b, f)})
+
+    def _as_row(self) -> tuple[Constant, Constant, Row]:
+        """(constant, factor, row): this sum as a constant and a multiple of one row."""
+        if len(self.terms) == 1:
+            ((row, factor),) = self.terms.items()
+            return self.constant, factor, row
+        factor, origin = self.multiple or (1.0, self)
+        return 0.0, factor, origin.as_row()
+
+    def as_row(self) -> Row:
+        """This sum as a row of its own."""
+        return Row("sum", (self.constant, tuple(self.terms.items())))
+
+    def __truediv__(self, other: "Sum | float") -> "Sum":
+        other = _as_sum(other)
+        if not other.terms:
+            return self.times(_inverse(other.constant))
+        return Sum(0.0, {Row("quotient", (self.as_row(), other.as_row())): 1.0})
+
+    def __neg__(self) -> "Sum":
+        return self.times(-1.0)
+
+    def __sub__(self, other: "Sum | float") -> "Sum":
+        return self + -_as_sum(other)
+
+    def __rsub__(self, other: float) -> "Sum":
+        return _as_sum(other) - self
+
+    def __rtruediv__(self, other: float) -> "Sum":
+        return _as_sum(other) / self
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def _as_sum(value: Sum | float) -> Sum:
+    return value if isinstance(value, Sum) else Sum(float(value), {})
+
+
+def _given(place: int) -> Sum:
+    return Sum(("given", place), {})
+
+
+def _of(row: Row) -> Sum:
+    return Sum(0.0, {row: 1.0})
+
+
+STATES = tuple(Row("state", (n,)) for n in range(len(State._fields)))
+TIME_ROW = Row("time", ())
+
+
+def _with_rates(contact: Contact) -> Contact:
+    """The contact with its closing rate and its slip as rates of depth and place."""
+    depth: Any = contact.depth
+    along: Any = contact.along
+    deep, far = (Row("sum", (0.0, tuple(each.terms.items()))) for each in (depth, along))
+    closing_rate, slip = _of(Row("rate", (deep,))), -_of(Row("rate", (far,)))
+    depth = Sum(depth.constant, {deep: 1.0})
+    return contact._replace(depth=depth, closing_rate=closing_rate, slip=slip)  # type: ignore
+
+
+def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
+    key = (angle.constant, tuple(angle.terms.items()))
+    return _of(Row("sine", key)), _of(Row("cosine", key))
+
+
+class Contacts(NamedTuple):
+    """The loads under the edge A1 and at the side, and what friction does at each of the two.
+
+    That is the slip, or the friction force of a contact that sticks.
+    """
+
+    face_load: Any
+    support_friction: Any
+    side_load: Any
+    side_friction: Any
+
+
+class Recurrences(NamedTuple):
+    """The series of one kind of mode: accelerations, and what switching functions are made of.
+
+    ``watched`` are the fields of ``Outline`` and ``Contacts``.
+    """
+
+    accelerations: tuple[Sum, Sum, Sum]
+    watched: tuple[Sum, ...]
+
+
+WATCHED = len(Outline._fields) + len(Contacts._fields)
+
+FREE, SLIDES, STICKS = range(3)  # what a contact does for the motion
+
+
+def recurrences(support: int, side: int) -> Recurrences:
+    """``Recurrences`` of the modes in which the edge A1 and the side do so: FREE, SLIDES, STICKS.
+
+    ``motion`` is that of the consistent readings; an open contact and one released move alike.
+    """
+    places = {row: place for place, row in enumerate(CONSISTENT)}
+    fields = range(len(Constants._fields))
+    constants: list[Any] = [_given(places[row]) if row in places else 0.0 for row in fields]
+    p = Constants(*constants)
+    states: list[Any] = [_of(row) for row in STATES]
+    q = State(*states)
+    face_state, side_state = (OPEN if each == FREE else CLOSED for each in (support, side))
+    slips: list[Any] = [
+        _given(sign) if does == SLIDES else STICKING
+        for does, sign in ((support, SUPPORT_SIGN), (side, SIDE_SIGN))
+    ]
+    mode = Mode(RIGHT_EDGE, face_state, OPEN, 0.0, False, slips[0], side_state, slips[1], False)
+    at = motion(_of(TIME_ROW), q, p, mode)
+    face, side_face = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(q, p)
+    contacts = Contacts(
+        contact_load(face.depth, face.closing_rate, q, p),
+        at.support_friction if support == STICKS else face.slip,
+        contact_load(side_face.depth, side_face.closing_rate, q, p),
+        at.side_friction if side == STICKS else side_face.slip,
+    )
+    watched = tuple(map(_as_sum, (*outline(q, p), *contacts)))
+    return Recurrences((_as_sum(at.x), _as_sum(at.y), _as_sum(at.tilt)), watched)

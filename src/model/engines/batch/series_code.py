@@ -1,0 +1,510 @@
+"""Machine code of series: what a kind of mode takes from its state to its coefficients.
+
+The code is written for WIDTH runs in the same kind of mode, one in each place of a vector. Memory
+holds for every order the rows that later orders need: ``coefficients[k, row, i]``. All other rows
+stay in registers. Layout: the state, what is watched, the sine and cosine rows, and what products
+and quotients are made of.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.core.cgutils import unpack_tuple
+from numba.extending import intrinsic
+
+from model.engines.batch.series import (
+    FREE,
+    SLIDES,
+    STATES,
+    STICKS,
+    WATCHED,
+    Constant,
+    Recurrences,
+    Row,
+    Sum,
+    recurrences,
+)
+from model.physics.compiled import kernel
+
+WIDTH = 8  # runs in a vector
+ORDER = 16  # of the series
+STATE_ROWS = len(STATES)
+TILT = 2  # row of the tilt
+SINES = STATE_ROWS + WATCHED  # sine and cosine of the tilt, and of the excitation
+_OTHERS = SINES + 4
+ROWS = _OTHERS + 16  # as many as any kind of mode needs
+FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
+NODES = len(FRACTIONS) + 1
+# Of the last terms summed there. Each of the others is less than 1e-4 of what it is at the end.
+ORDERS_THERE = (10, 13, ORDER, ORDER)
+
+_DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
+_FIRST = _INDEX(0)  # order
+_AT_ONCE = 14  # sums in a loop
+_VECTOR = ir.VectorType(_DOUBLE, WIDTH)
+_POINTER = _VECTOR.as_pointer()
+_ALIGNMENT = 64
+
+
+def _made_of(row: Row) -> tuple[Row, ...]:
+    """The rows whose coefficients of the same order a row is made of."""
+    if row.kind in ("product", "quotient", "rate"):
+        return row.of
+    if row.kind == "sum":
+        return tuple(each for each, _ in row.of[1])
+    return ()
+
+
+class _Plan:
+    """In which order the rows of a kind of mode are computed, and which of them are kept where.
+
+    Rows of positions alone are computed an order ahead of the others, since their rates are needed.
+    """
+
+    def __init__(self, series: Recurrences) -> None:
+        self.series = series
+        self.watched = [each.as_row() for each in series.watched]
+        self.sines = self._pairs()
+        self.place = {row: n for n, row in enumerate((*STATES, *self.watched, *self.sines))}
+        self.stage: dict[Row, int] = {}
+        for total in self.series.accelerations:
+            for row in total.terms:
+                self._visit(row)
+        for row in self.watched:
+            self._visit(row)
+        for row in self.stage:
+            if row.kind in ("product", "quotient"):
+                for each in (*row.of, *((row,) if row.kind == "quotient" else ())):
+                    self.place.setdefault(each, len(self.place))
+            if not self.is_ahead(row):
+                for each in filter(self.is_ahead, _made_of(row)):
+                    self.place.setdefault(each, len(self.place))
+        if len(self.place) > ROWS:
+            raise AssertionError(f"ROWS = {ROWS}: must be at least {len(self.place)}")
+        self.factors = self._oriented()
+
+    def _pairs(self) -> list[Row]:
+        tilt = (0.0, ((STATES[2], 1.0),))
+        pair = Row("sine", tilt), Row("cosine", tilt)
+        self.turning = [Row("product", tuple(sorted((STATES[5], each), key=repr))) for each in pair]
+        found = [row for total in self.series.accelerations for row in total.terms]
+        (sine,) = [row for row in found if row.kind == "sine" and row != pair[0]]
+        self.rate = sine.of[1][0][1]  # of the excitation's angle
+        return [*pair, sine, Row("cosine", sine.of)]
+
+    def _oriented(self) -> dict[Row, tuple[Row, Row]]:
+        """Of all products and quotients the factors: the one taken forward, and backward.
+
+        So that products share what they take: sines and cosines are taken forward, and of a
+        quotient itself, backward what it is divided by.
+        """
+        taken: set[tuple[Row, bool | None]] = set()  # None: forward
+        factors = {}
+        for row in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
+            ahead = self.is_ahead(row)
+            choices = [row.of, row.of[::-1]] if row.kind == "product" else [(row, row.of[1])]
+            forward, backward = max(
+                choices,
+                key=lambda each, ahead=ahead: (
+                    each[0].kind in ("sine", "cosine"),
+                    ((each[0], None) in taken) + ((each[1], ahead) in taken),
+                ),
+            )
+            taken |= {(forward, None), (backward, ahead)}
+            factors[row] = forward, backward
+        return factors
+
+    def _visit(self, row: Row) -> int:
+        if row not in self.stage:
+            before = max((self._visit(each) for each in _made_of(row)), default=0)
+            self.stage[row] = before + (row.kind in ("product", "quotient"))
+        return self.stage[row]
+
+    def is_ahead(self, row: Row) -> bool:
+        """Whether a row is made of positions alone."""
+        if row.kind == "state":
+            return bool(row.of[0] < len(STATES) // 2)
+        if row.kind in ("sine", "cosine"):
+            return row in self.sines[:2]
+        made = _made_of(row)
+        return row.kind != "rate" and all(map(self.is_ahead, made))
+
+    def stages(self, ahead: bool) -> Iterator[tuple[list[Row], list[Row]]]:
+        """For each stage its products and quotients, and then the rest, each after its own."""
+        for stage in range(max(self.stage.values()) + 1):
+            rows = [row for row, each in self.stage.items() if each == stage]
+            rows = [row for row in rows if self.is_ahead(row) == ahead]
+            products = [row for row in rows if row.kind in ("product", "quotient")]
+            yield products, [row for row in rows if row.kind in ("sum", "rate")]
+
+    def products(self, ahead: bool) -> list[Row]:
+        """All products and quotients, of positions alone or all others."""
+        return [row for products, _ in self.stages(ahead) for row in products]
+
+
+def operations(support: int, side: int) -> int:
+    """Floating-point operations that the series of one run in a kind of mode take."""
+    plan, count = _Plan(recurrences(support, side)), 0
+    for row in plan.stage:
+        orders = ORDER + 1 if plan.is_ahead(row) else ORDER
+        if row.kind in ("product", "quotient"):
+            count += orders * (orders + 1)  # a product and a sum for each term
+        elif row.kind == "sum":
+            count += 2 * orders * len(row.of[1])
+    return count + 2 * ORDER * sum(len(each.terms) for each in plan.series.accelerations)
+
+
+class _Writer:
+    """Writes a function of pointers to vectors."""
+
+    def __init__(self, module: ir.Module, name: str, pointers: int) -> None:
+        signature = ir.FunctionType(ir.VoidType(), [_POINTER] * pointers)
+        self.function = ir.Function(module, signature, name)
+        self.function.linkage = "internal"
+        for each in self.function.args:
+            each.add_attribute("noalias")
+        self.code = ir.IRBuilder(self.function.append_basic_block("entry"))
+        signature = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
+        self.add = module.declare_intrinsic(f"llvm.fmuladd.v{WIDTH}f64", (), signature)
+        signature = ir.FunctionType(_VECTOR, [_VECTOR])
+        self.size = module.declare_intrinsic(f"llvm.fabs.v{WIDTH}f64", (), signature)
+
+    def vector(self, number: float) -> ir.Constant:
+        """A vector with ``number`` everywhere."""
+        return ir.Constant(_VECTOR, [number] * WIDTH)
+
+    def everywhere(self, number: ir.Value) -> ir.Value:
+        """The same, of a number that the code computes."""
+        undefined = ir.Constant(_VECTOR, ir.Undefined)
+        one = self.code.insert_element(undefined, number, _INDEX(0))
+        first = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
+        return self.code.shuffle_vector(one, undefined, first)
+
+    def load(self, pointer: ir.Value, place: ir.Value) -> ir.Value:
+        """The vector at a place."""
+        return self.code.load(self.code.gep(pointer, [place]), align=_ALIGNMENT)
+
+    def keep(self, value: ir.Value, pointer: ir.Value, place: ir.Value) -> None:
+        """Write the vector at a place."""
+        self.code.store(value, self.code.gep(pointer, [place]), align=_ALIGNMENT)
+
+    def fma(self, a: ir.Value, b: ir.Value, c: ir.Value) -> ir.Value:
+        """A b + c."""
+        return self.code.call(self.add, [a, b, c])
+
+    def repeat(
+        self, count: ir.Value, write: Callable[[ir.Value], Sequence[ir.Value]], *starts: ir.Value
+    ) -> list[ir.Value]:
+        """Write a loop: ``write(index, *carried)`` gives the values carried on; their last ones."""
+        before = self.code.block
+        body = self.function.append_basic_block("loop")
+        self.code.branch(body)
+        self.code.position_at_end(body)
+        index = self.code.phi(_INDEX)
+        carried = [self.code.phi(each.type) for each in starts]
+        values = list(write(index, *carried))
+        following = self.code.add(index, _INDEX(1))
+        for phi, start, value in zip(
+            [index, *carried], [_INDEX(0), *starts], [following, *values], strict=True
+        ):
+            phi.add_incoming(start, before)
+            phi.add_incoming(value, self.code.block)
+        after = self.function.append_basic_block("after")
+        self.code.cbranch(self.code.icmp_signed("<", following, count), body, after)
+        self.code.position_at_end(after)
+        return values
+
+
+class _SeriesWriter(_Writer):
+    """Writes what fills the coefficients of one kind of mode: of (coefficients, given)."""
+
+    def __init__(self, module: ir.Module, name: str, plan: _Plan) -> None:
+        super().__init__(module, name, 2)
+        self.memory, self.given = self.function.args
+        self.plan = plan
+        self.known: dict[Constant, ir.Value] = {}
+        totals = [Sum(row.of[0], dict(row.of[1])) for row in plan.stage if row.kind == "sum"]
+        for total in (*totals, *plan.series.accelerations):
+            for each in (total.constant, *total.terms.values()):
+                self.constant(each)
+        self.constant(plan.rate)
+        self.terms: dict[Row, ir.Value] = {}
+        self._write_stages(_FIRST, ahead=True)
+        self._one_order(_FIRST)
+        self.repeat(_INDEX(ORDER - 1), self._one_more)
+        self.code.ret_void()
+
+    def constant(self, value: Constant) -> ir.Value:
+        """A constant, computed before the first order."""
+        if isinstance(value, float):
+            return self.vector(value)
+        if value not in self.known:
+            kind, *of = value
+            if kind == "given":
+                self.known[value] = self.load(self.given, _INDEX(of[0]))
+            else:
+                do = {"+": self.code.fadd, "*": self.code.fmul, "/": self.code.fdiv}[kind]
+                self.known[value] = do(*map(self.constant, of))
+        return self.known[value]
+
+    def _place(self, row: Row, order: ir.Value) -> ir.Value:
+        return self.code.add(self.code.mul(order, _INDEX(ROWS)), _INDEX(self.plan.place[row]))
+
+    def _at(self, row: Row, order: ir.Value) -> ir.Value:
+        return self.load(self.memory, self._place(row, order))
+
+    def _keep(self, value: ir.Value, row: Row, order: ir.Value) -> None:
+        self.keep(value, self.memory, self._place(row, order))
+
+    def _one_more(self, index: ir.Value) -> tuple[()]:
+        order = self.code.add(index, _INDEX(1))
+        self._sum_known(order)
+        self._one_order(order)
+        return ()
+
+    def _one_order(self, order: ir.Value) -> None:
+        """Every row at ``order``, and from that the states, sines and cosines at the next."""
+        plan, half = self.plan, len(STATES) // 2
+        following = self.code.add(order, _INDEX(1))
+        self.number = self.everywhere(self.code.sitofp(following, _DOUBLE))
+        per_order = self.code.fdiv(self.vector(1.0), self.number)
+        self.value = {row: self._at(row, order) for row in (*STATES[half:], *plan.sines[2:])}
+        for n in range(half):
+            position = self.code.fmul(self.value[STATES[half + n]], per_order)
+            self._keep(position, STATES[n], following)
+        self._complete(plan.turning, order, self.value)
+        sine, cosine, swing, other = plan.sines
+        turns, turned = (self.value[row] for row in plan.turning)
+        self._keep(self.code.fmul(turned, per_order), sine, following)
+        self._keep(self.code.fmul(turns, self.code.fneg(per_order)), cosine, following)
+        rate = self.code.fmul(self.constant(plan.rate), per_order)
+        self._keep(self.code.fmul(rate, self.value[other]), swing, following)
+        self._keep(self.code.fmul(self.code.fneg(rate), self.value[swing]), other, following)
+        self._write_stages(following, ahead=True)
+        self._write_stages(order, ahead=False)
+        for n, total in enumerate(plan.series.accelerations):
+            rate = self._total(total.constant, tuple(total.terms.items()), order, self.value)
+            self._keep(self.code.fmul(rate, per_order), STATES[half + n], following)
+
+    def _write_stages(self, order: ir.Value, ahead: bool) -> None:
+        """All rows that are made of positions alone, or all others, at ``order``."""
+        plan = self.plan
+        if ahead:
+            self.ahead: dict[Row, ir.Value] = {}
+        values = self.ahead if ahead else self.value
+        for products, others in plan.stages(ahead):
+            self._complete(products, order, values)
+            for row in others:
+                if row.kind == "rate":
+                    values[row] = self.code.fmul(self.ahead[row.of[0]], self.number)
+                else:
+                    values[row] = self._total(row.of[0], row.of[1], order, values)
+                if row in plan.place:
+                    self._keep(values[row], row, order)
+
+    def _total(
+        self,
+        constant: Constant,
+        terms: tuple[tuple[Row, Constant], ...],
+        order: ir.Value,
+        values: dict[Row, ir.Value],
+    ) -> ir.Value:
+        """A constant and multiples of rows; those that ``values`` lacks are in memory."""
+        total = self.constant(constant) if order is _FIRST and constant != 0.0 else None
+        for row, factor in terms:
+            term = self.constant(factor), self._newest(row, order, values)
+            total = self.code.fmul(*term) if total is None else self.fma(*term, total)
+        return self.vector(0.0) if total is None else total
+
+    def _newest(self, row: Row, order: ir.Value, values: dict[Row, ir.Value]) -> ir.Value:
+        """The coefficient of a row at ``order``, which ``values`` hold or memory."""
+        if row not in values:
+            values[row] = self._at(row, order)
+        return values[row]
+
+    def _sum_known(self, order: ir.Value) -> None:
+        """Of all products, the terms whose factors are known before ``order``.
+
+        Those are Σ_j a_j b_(k-j) over 0 < j < k, and over 0 < j <= k with k + 1 for k of what is
+        ahead. A loop holds many of them, since none waits for another.
+        """
+        plan, rows = self.plan, list(self.plan.factors)
+        before, body = self.code.block, self.function.append_basic_block("known")
+        after = self.function.append_basic_block("all_known")
+        self.code.cbranch(self.code.icmp_signed(">", order, _INDEX(1)), body, after)
+        self.code.position_at_end(body)
+        sums: list[ir.Value] = []
+        for first in range(0, len(rows), _AT_ONCE):
+            sums += self._sum_some(rows[first : first + _AT_ONCE], order)
+        body = self.code.block
+        self.code.branch(after)
+        self.code.position_at_end(after)
+        for row, value in zip(rows, sums, strict=True):
+            self.terms[row] = self.code.phi(_VECTOR)
+            self.terms[row].add_incoming(self.vector(0.0), before)
+            self.terms[row].add_incoming(value, body)
+        for row in filter(plan.is_ahead, rows):
+            forward, backward = plan.factors[row]
+            last = self._at(forward, order), self._at(backward, _INDEX(1))
+            self.terms[row] = self.fma(*last, self.terms[row])
+
+    def _sum_some(self, rows: list[Row], order: ir.Value) -> list[ir.Value]:
+        """Σ_j a_j b_(k-j) over 0 < j < ``order``."""
+
+        def add_terms(index: ir.Value, *sums: ir.Value) -> list[ir.Value]:
+            j = self.code.add(index, _INDEX(1))
+            opposite = self.code.sub(order, j), self.code.sub(order, index)
+            loaded: dict[tuple[Row, ir.Value], ir.Value] = {}
+            added = []
+            for row, total in zip(rows, sums, strict=True):
+                forward, backward = self.plan.factors[row]
+                factors = (forward, j), (backward, opposite[self.plan.is_ahead(row)])
+                for each in factors:
+                    if each not in loaded:
+                        loaded[each] = self._at(*each)
+                added.append(self.fma(loaded[factors[0]], loaded[factors[1]], total))
+            return added
+
+        count = self.code.sub(order, _INDEX(1))
+        return self.repeat(count, add_terms, *(self.vector(0.0) for _ in rows))
+
+    def _complete(self, products: list[Row], order: ir.Value, values: dict[Row, ir.Value]) -> None:
+        """Enter the products of a stage at ``order``, with the terms of their newest factors."""
+        for row in products:
+            one, other = row.of if row.kind == "product" else (row, row.of[1])
+            total = self.terms.get(row, self.vector(0.0))
+            if row.kind == "product":
+                total = self.fma(self._newest(one, order, values), self._at(other, _FIRST), total)
+            if order is not _FIRST:
+                total = self.fma(self._at(one, _FIRST), self._newest(other, order, values), total)
+            values[row] = self._finished(row, total, order) if row.kind == "quotient" else total
+            if row in self.plan.place:
+                self._keep(values[row], row, order)
+
+    def _finished(self, quotient: Row, others: ir.Value, order: ir.Value) -> ir.Value:
+        """q_k = (a_k - Σ_(j<k) q_j b_(k-j)) / b_0."""
+        top, bottom = quotient.of
+        rest = self.code.fsub(self._at(top, order), others)
+        return self.code.fdiv(rest, self._at(bottom, _FIRST))
+
+
+class _SamplesWriter(_Writer):
+    """Writes what follows series through a step: of (coefficients, lengths, values)."""
+
+    def __init__(self, module: ir.Module, name: str) -> None:
+        super().__init__(module, name, 3)
+        self.coefficients, lengths, self.values = self.function.args
+        self.length = self.load(lengths, _INDEX(0))
+        self.times = [self.code.fmul(self.length, self.vector(each)) for each in FRACTIONS]
+        self.ratios = {  # of k (k - 1) h^k, from an order to the next
+            order: self.code.fmul(self.length, self.vector((order + 1.0) / (order - 1.0)))
+            for order in range(2, ORDER + 1)
+        }
+        self.repeat(_INDEX(STATE_ROWS), self._end_of_state)
+        self.repeat(_INDEX(1 + WATCHED), self._one_row)
+        self.code.ret_void()
+
+    def _coefficient(self, row: ir.Value, order: int) -> ir.Value:
+        return self.load(self.coefficients, self.code.add(row, _INDEX(order * ROWS)))
+
+    def _end_of_state(self, row: ir.Value) -> tuple[()]:
+        """One of the states at the last node: at the others nobody asks for it."""
+        total = self.vector(0.0)
+        for order in range(ORDER, -1, -1):
+            total = self.fma(total, self.times[-1], self._coefficient(row, order))
+        self.keep(total, self.values, self.code.add(row, _INDEX((NODES - 1) * SINES)))
+        return ()
+
+    def _one_row(self, index: ir.Value) -> tuple[()]:
+        """The tilt, or what is watched, at all nodes."""
+        is_first = self.code.icmp_signed("==", index, _INDEX(0))
+        row = self.code.select(is_first, _INDEX(TILT), self.code.add(index, _INDEX(STATE_ROWS - 1)))
+        sums, bend = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
+        for order in range(ORDER, -1, -1):
+            coefficient = self._coefficient(row, order)
+            for node, last in enumerate(ORDERS_THERE):
+                if order <= last:
+                    sums[node] = self.fma(sums[node], self.times[node], coefficient)
+            if order > 1:
+                size = self.code.call(self.size, [coefficient])
+                bend = self.fma(bend, self.ratios[order], size)
+        square = self.code.fmul(self.length, self.length)
+        bend = self.code.fmul(bend, self.code.fmul(self.vector(2.0), square))
+        for node, value in enumerate((coefficient, *sums, bend)):
+            self.keep(value, self.values, self.code.add(row, _INDEX(node * SINES)))
+        return ()
+
+
+def _written(name: str, write: Callable[[ir.Module, str], _Writer]) -> Any:
+    """The kernel (block, places) that calls a written function with pointers into ``block``."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        function = builder.module.globals.get(name)
+        if function is None:
+            function = write(builder.module, name).function
+        block = context.make_array(signature.args[0])(context, builder, arguments[0])
+        first = builder.bitcast(block.data, _POINTER)
+        places = unpack_tuple(builder, arguments[1])
+        builder.call(function, [builder.gep(first, [place]) for place in places])
+        return context.get_dummy_value()
+
+    @intrinsic
+    def call(_context: Any, block: Any, places: Any) -> Any:
+        return types.void(block, places), generate
+
+    return call
+
+
+def _series_of(support: int, side: int) -> Any:
+    def write(module: ir.Module, name: str) -> _Writer:
+        return _SeriesWriter(module, name, _Plan(recurrences(support, side)))
+
+    return _written(f"series_{support}_{side}", write)
+
+
+KINDS = (FREE, SLIDES, STICKS)
+_FF, _FL, _FS = (_series_of(FREE, side) for side in KINDS)
+_LF, _LL, _LS = (_series_of(SLIDES, side) for side in KINDS)
+_SF, _SL, _SS = (_series_of(STICKS, side) for side in KINDS)
+_follow = _written("follow", _SamplesWriter)
+
+
+@kernel
+def fill_series(kind, block, coefficients, given):
+    """Fill the coefficients of WIDTH runs in the same ``kind`` of mode.
+
+    ``block`` holds vectors on cache lines. At the place ``coefficients`` in it stand ROWS of them
+    for each order, of which the first holds the states and sines; at ``given``, GIVEN of them. The
+    ``kind`` is 3 times what the support does plus what the side does.
+    """
+    if kind == 0:
+        _FF(block, (coefficients, given))
+    elif kind == 1:
+        _FL(block, (coefficients, given))
+    elif kind == 2:
+        _FS(block, (coefficients, given))
+    elif kind == 3:
+        _LF(block, (coefficients, given))
+    elif kind == 4:
+        _LL(block, (coefficients, given))
+    elif kind == 5:
+        _LS(block, (coefficients, given))
+    elif kind == 6:
+        _SF(block, (coefficients, given))
+    elif kind == 7:
+        _SL(block, (coefficients, given))
+    else:
+        _SS(block, (coefficients, given))
+
+
+@kernel
+def follow_series(block, coefficients, lengths, values):
+    """Sum the tilt and what is watched at the nodes of steps of the given ``lengths``.
+
+    At ``values`` stand SINES vectors for each node and, behind them, as many bounds: what the
+    second derivative with respect to the fraction of the step stays below. The other states are
+    summed at the last node only.
+    """
+    _follow(block, (coefficients, lengths, values))

@@ -1,0 +1,367 @@
+"""What happens to a run between its steps: its start, its switches, its periods and its end.
+
+Both engines, one run at a time and many side by side, share what stands here.
+"""
+
+from math import isfinite, isnan, nan, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from model.engines.record import (
+    CLOSEST,
+    CONSTANTS,
+    DEADLINE,
+    EVALUATIONS,
+    FORCE_MAX,
+    MADE,
+    NEXT_STEP,
+    OUTCOME,
+    PERIODS,
+    REASON,
+    SEPARATIONS,
+    SETTLED_PERIOD,
+    STATE,
+    STEPS,
+    STICKING_TIME,
+    STOP,
+    SWITCHES,
+    SWITCHES_AT_ONCE,
+    TAU_ALIGN,
+    TAU_CORNERS_INSIDE,
+    TILT_AT_ALIGNMENT,
+    TILT_MAX,
+    TIME,
+    TOLERANCE,
+    constants_of,
+    keep_mode,
+    keep_state,
+    mode_of,
+    state_in,
+)
+from model.engines.scalar.step import short_step
+from model.events.outcomes import Outcome, Reason
+from model.events.steady_state import HISTORY, record_period, settled_period
+from model.events.table import (
+    CORNERS_INSIDE,
+    FACE_END,
+    FACE_FAR_END,
+    FLAT,
+    LEFT_EDGE_ENTERS,
+    LEFT_WALL,
+    NEVER,
+    OVERTURNED,
+    SWITCH_COUNT,
+    switching_sample,
+)
+from model.events.transitions import (
+    CONTINUES,
+    decide_friction,
+    hold_sticking,
+    switch,
+    with_corner,
+    with_face,
+    without_residual_slip,
+)
+from model.physics.compiled import kernel
+from model.physics.geometry import bottom_corner, edge_place, resting_height
+from model.physics.motion import is_supported
+from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
+from model.physics.scenes import CLOSED, OPEN, START, STICKING
+
+_ALIGNED = int(Outcome.ALIGNED)
+_SETTLED = int(Outcome.SETTLED)
+_HORIZON_REACHED = int(Outcome.HORIZON_REACHED)
+_FAILED = int(Outcome.FAILED)
+_NONE = int(Reason.NONE)
+_IMPOSSIBLE_START = int(Reason.IMPOSSIBLE_START)
+_TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
+_CHATTER = int(Reason.CHATTER)
+_NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
+
+_FIRST_STEP = 1e-2
+_SHORTEST_STEP = 1e-12  # after a switch
+_SEVERAL_AT_ONCE = 16  # from which on rounding may be all that switches
+_MOST_SWITCHES_AT_ONCE = 64
+_START_TOLERANCE = 1e-9
+_FALL_TIME = 20.0  # how long to wait for the corners to be inside once the contact is lost
+
+
+class Control(NamedTuple):
+    """What a run is allowed.
+
+    Attributes:
+        horizon: latest time.
+        max_evaluations: most right-hand-side evaluations.
+        may_settle: 1.0 to stop a run whose motion repeats itself, else 0.0.
+        alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
+    """
+
+    horizon: float
+    max_evaluations: int
+    may_settle: float
+    alignment_only: float
+
+
+class History(NamedTuple):
+    """What runs did in their last periods, as rings by period; see settling.py.
+
+    Shapes: states (lanes, HISTORY, 6), lowest (lanes, HISTORY, SWITCH_COUNT).
+    """
+
+    states: np.ndarray
+    lowest: np.ndarray
+
+
+def new_history(lanes: int) -> History:
+    """The ``History`` of ``lanes`` runs."""
+    return History(np.zeros((lanes, HISTORY, STATE_SIZE)), np.zeros((lanes, HISTORY, SWITCH_COUNT)))
+
+
+@kernel
+def start(p, declared):
+    """State and mode at τ = 0: at rest, touching the base without pressing.
+
+    The bottom face stands on the edge A1; a part tilted the other way stands on its corner B1. A
+    contact that is not declared starts open: the run leaves the scene if the part presses there.
+    """
+    x, tilt = p.misalignment, p.initial_tilt
+    y = resting_height(p)
+    corner_x, corner_y = bottom_corner(RIGHT_EDGE, x, y, tilt, p)
+    if tilt < -FLAT and corner_x > p.slot_half_width:
+        standing = CLOSED if declared.corner_on_flat else OPEN
+        mode = with_corner(with_face(START, RIGHT_EDGE, OPEN), RIGHT_EDGE, standing, 0.0)
+        return State(x, y - corner_y, tilt, 0.0, 0.0, 0.0), mode
+    mode = with_face(START, RIGHT_EDGE, CLOSED if declared.edge_on_face else OPEN)
+    return State(x, y, tilt, 0.0, 0.0, 0.0), mode
+
+
+@kernel
+def _start_is_impossible(q, p, mode):
+    functions = switching_sample(0.0, q, p, mode)
+    return (
+        functions[LEFT_EDGE_ENTERS] < -_START_TOLERANCE
+        or functions[LEFT_WALL] < -_START_TOLERANCE
+        or functions[FACE_FAR_END] < -_START_TOLERANCE
+        or functions[OVERTURNED] < 0.0
+    )
+
+
+@kernel
+def period_length(p):
+    """The excitation's period; 2π where the excitation is constant."""
+    return 2.0 * pi / p.frequency if p.frequency > 0.0 else 2.0 * pi
+
+
+@kernel
+def _note_end_of_period(runs, i):
+    """When the present period ends, or the run."""
+    next_period = (runs[i, PERIODS] + 1.0) * period_length(constants_of(runs, i))
+    runs[i, STOP] = min(next_period, runs[i, DEADLINE])
+
+
+@kernel
+def _end(runs, i, outcome, reason):
+    runs[i, OUTCOME], runs[i, REASON] = outcome, reason
+    if isfinite(runs[i, TAU_ALIGN]):  # whatever happened in the fall afterwards, it has aligned
+        runs[i, OUTCOME], runs[i, REASON] = _ALIGNED, _NONE
+
+
+@kernel
+def fail(runs, i, reason):
+    """End run ``i`` as failed."""
+    _end(runs, i, _FAILED, reason)
+
+
+@kernel
+def begin(row, tolerance, declared, control, runs, i):
+    """Put the parameter set ``row``, shape (constants,), at its start into row ``i``.
+
+    ``tolerance`` is the local error admitted in a step, relative to 1 + |state|.
+    """
+    for k in range(runs.shape[1]):
+        runs[i, k] = row[k] if k < CONSTANTS else 0.0
+    p = constants_of(runs, i)
+    runs[i, TOLERANCE], runs[i, DEADLINE] = tolerance, control.horizon
+    runs[i, OUTCOME], runs[i, NEXT_STEP] = CONTINUES, _FIRST_STEP
+    runs[i, TAU_ALIGN], runs[i, TAU_CORNERS_INSIDE], runs[i, TILT_AT_ALIGNMENT] = nan, nan, nan
+    if control.alignment_only != 0.0:
+        runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # and stay so; see note_step
+    else:
+        runs[i, TILT_MAX] = abs(p.initial_tilt)
+    for which in range(SWITCH_COUNT):
+        runs[i, CLOSEST + which] = NEVER
+    q, mode = start(p, declared)
+    if _start_is_impossible(q, p, mode):
+        fail(runs, i, _IMPOSSIBLE_START)
+    else:
+        mode, possible = decide_friction(0.0, q, p, mode, True, True)
+        if not possible:
+            fail(runs, i, _NO_FRICTION_SOLUTION)
+    keep_state(q, runs, i)
+    keep_mode(mode, runs, i)
+    _note_end_of_period(runs, i)
+    if runs[i, OUTCOME] == CONTINUES and _starts_past_the_end(q, p, mode):
+        make_switch(FACE_END, 0.0, _FIRST_STEP, declared, control, runs, i)
+
+
+@kernel
+def _starts_past_the_end(q, p, mode):
+    """Whether A1 already stands beyond the corner B1, which comes before any load."""
+    if mode.face != CLOSED:
+        return False
+    return edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p).along_face > p.half_width
+
+
+@kernel
+def is_counted(mode, p):
+    """Whether the run is still on its way to alignment, and not in the fall that follows."""
+    return not mode.dropped or p.printed_alignment_criterion != 0.0
+
+
+@kernel
+def note_step(length, tilt, force, runs, i):
+    """Enter a step made, with its largest |tilt| and normal force.
+
+    The largest values so far come first in ``max``, which keeps them if they are NaN.
+    """
+    mode = mode_of(runs, i)
+    runs[i, STEPS] += 1.0
+    if is_counted(mode, constants_of(runs, i)):
+        runs[i, TILT_MAX] = max(runs[i, TILT_MAX], tilt)
+        runs[i, FORCE_MAX] = max(runs[i, FORCE_MAX], force)
+        if mode.support_slip == STICKING and is_supported(mode):
+            runs[i, STICKING_TIME] += length
+
+
+@kernel
+def _opened(before, after):
+    """Whether a switch left the part without support: a separation."""
+    return (before.face != OPEN or before.corner != OPEN) and (
+        after.face == OPEN and after.corner == OPEN
+    )
+
+
+@kernel
+def _note_alignment(which, tilt, printed_criterion, alignment_only, runs, i):
+    """Alignment by the criterion in force, and the four corners inside; whether the run ends.
+
+    The first instant counts (R8): a part that is lifted again and falls once more has aligned.
+    """
+    time = runs[i, TIME]
+    if which == CORNERS_INSIDE:
+        runs[i, TAU_CORNERS_INSIDE] = time
+    elif not printed_criterion and isnan(runs[i, TAU_ALIGN]):
+        runs[i, DEADLINE] = min(runs[i, DEADLINE], time + _FALL_TIME)
+        _note_end_of_period(runs, i)
+    if printed_criterion == (which == CORNERS_INSIDE) and isnan(runs[i, TAU_ALIGN]):
+        runs[i, TAU_ALIGN], runs[i, TILT_AT_ALIGNMENT] = time, tilt
+    return which == CORNERS_INSIDE or (alignment_only and not printed_criterion)
+
+
+@kernel
+def _pass_over(before, runs, i):
+    """Move on by a moment without looking for switches, if it makes no difference which mode holds.
+
+    On a hard base a length's rounding is a load: a contact or a slip that is only just there comes
+    and goes with it, and no time passes. The moment is twice as long each time; where the two modes
+    would part in it by more than a step's tolerance, the run stays, and fails in the end.
+    """
+    time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
+    q, tolerance = state_in(runs, STATE, i), runs[i, TOLERANCE]
+    moment = _SHORTEST_STEP * 2.0 ** (runs[i, SWITCHES_AT_ONCE] - _SEVERAL_AT_ONCE)
+    if time + moment >= runs[i, STOP]:
+        return
+    here = short_step(time, moment, q, p, mode)
+    there = short_step(time, moment, q, p, before)
+    half = short_step(time, 0.5 * moment, q, p, mode)
+    halves = short_step(time + 0.5 * moment, 0.5 * moment, half, p, mode)
+    runs[i, EVALUATIONS] += 16.0
+    for n in range(STATE_SIZE):
+        admitted = tolerance * (1.0 + abs(q[n]))
+        if not (abs(there[n] - here[n]) <= admitted and abs(halves[n] - here[n]) <= admitted):
+            return
+    keep_state(hold_sticking(here, p, mode), runs, i)
+    runs[i, TIME] = time + moment
+
+
+@kernel
+def make_switch(which, length, step, declared, control, runs, i):
+    """Let the run, now on its switch ``which``, go on in the mode that follows, or end.
+
+    ``length`` is what the run moved to get there, ``step`` the step it would have made.
+    """
+    time, p, before = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
+    runs[i, SWITCHES] += 1.0
+    runs[i, MADE + which] = 1.0
+    at_once = length <= 1e-13 * max(1.0, time)
+    runs[i, SWITCHES_AT_ONCE] = runs[i, SWITCHES_AT_ONCE] + 1.0 if at_once else 0.0
+    # Where no time passes, the step was too long for what happens in it (friction that only just
+    # reaches its limit, for instance): its dense output is not that exact.
+    runs[i, NEXT_STEP] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
+    q = without_residual_slip(which, state_in(runs, STATE, i), p, before)
+    mode, outcome, reason = switch(which, time, q, p, before, declared)
+    if outcome == CONTINUES and is_counted(before, p) and _opened(before, mode):
+        runs[i, SEPARATIONS] += 1.0
+    keep_state(hold_sticking(q, p, mode), runs, i)
+    keep_mode(mode, runs, i)
+    if outcome == _ALIGNED:
+        printed_criterion = p.printed_alignment_criterion != 0.0
+        alignment_only = control.alignment_only != 0.0
+        if not _note_alignment(which, q.tilt, printed_criterion, alignment_only, runs, i):
+            outcome = CONTINUES
+    if outcome != CONTINUES:
+        _end(runs, i, outcome, reason)
+    elif runs[i, SWITCHES_AT_ONCE] > _SEVERAL_AT_ONCE:
+        _pass_over(before, runs, i)
+
+
+@kernel
+def _compare_periods(periods, history, runs, i):
+    """Enter what the period that ends brought; the run ends if its motion repeats itself."""
+    states, lowest = history.states[i], history.lowest[i]
+    for which in range(SWITCH_COUNT):  # a switch that was made is no switch to keep clear of
+        if runs[i, MADE + which] != 0.0:
+            runs[i, CLOSEST + which] = NEVER
+            runs[i, MADE + which] = 0.0
+    record_period(
+        periods,
+        runs[i, STATE : STATE + STATE_SIZE],
+        runs[i, CLOSEST : CLOSEST + SWITCH_COUNT],
+        states,
+        lowest,
+    )
+    for which in range(SWITCH_COUNT):
+        runs[i, CLOSEST + which] = NEVER
+    if mode_of(runs, i).dropped:
+        return
+    noise, p = 100.0 * runs[i, TOLERANCE], constants_of(runs, i)
+    period = settled_period(periods, period_length(p), states, lowest, p, noise)
+    if period > 0:
+        runs[i, SETTLED_PERIOD] = period
+        _end(runs, i, _SETTLED, _NONE)
+
+
+@kernel
+def end_period(history, may_settle, runs, i):
+    """Enter a completed period; the run ends if it ``may_settle`` and its motion repeats itself."""
+    periods = int(runs[i, PERIODS]) + 1
+    runs[i, PERIODS] = periods
+    _note_end_of_period(runs, i)
+    if may_settle:
+        _compare_periods(periods, history, runs, i)
+
+
+@kernel
+def end_step(reached_stop, history, control, runs, i):
+    """What every step ends with: the limits of the run, and its periods."""
+    if runs[i, OUTCOME] != CONTINUES:
+        return
+    if runs[i, SWITCHES_AT_ONCE] > _MOST_SWITCHES_AT_ONCE:
+        fail(runs, i, _CHATTER)
+    elif runs[i, EVALUATIONS] > control.max_evaluations:
+        fail(runs, i, _TOO_MANY_EVALUATIONS)
+    elif runs[i, TIME] >= runs[i, DEADLINE]:
+        _end(runs, i, _HORIZON_REACHED, _NONE)
+    elif reached_stop:
+        end_period(history, control.may_settle != 0.0, runs, i)

@@ -1,0 +1,1 @@
+"""The readable reference engine: one run at a time."""

@@ -1,0 +1,253 @@
+"""Where, inside a step, a switching function first falls through zero.
+
+The step's dense output is sampled at its quarters, and close to its ends, where the slope is
+wanted. A sign change between two samples brackets a switch; a sampled minimum that could hide a
+double crossing is followed down. The switch is first found on the dense output; the loop then
+repeats the step up to it, so that the switched state has the step's full order.
+"""
+
+import numpy as np
+
+from model.engines.scalar.step import interpolate, keep_in
+from model.events.table import (
+    COMBINED_COUNT,
+    FLAT,
+    NEVER,
+    ON_A_SWITCH,
+    SWITCH_COUNT,
+    edge_of_wall,
+    edge_outside,
+    is_wall,
+    largest,
+    outline,
+    quantities,
+    switching_function,
+    switching_functions,
+)
+from model.physics.compiled import inlined_kernel, kernel
+
+NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
+NODES = len(NODE_PLACES)
+WHOLE = -1  # a switching function, and not one of its quantities
+NO_SWITCH = 2.0  # a fraction of the step beyond its end
+
+_ROOT_ITERATIONS = 60
+_DIP_ITERATIONS = 12
+_UNEVEN = 8.0  # intervals beside a minimum whose ratio is larger
+_HALVINGS = 30
+_STRETCHES = 4  # in which each quantity of a condition is taken to go one way
+
+
+@inlined_kernel
+def sample_step(time, h, y, dense, p, mode, nodes, samples):
+    """Sample the step at ``NODE_PLACES``.
+
+    Fills ``nodes``, shape (NODES, 6), with states and ``samples``, shape (NODES, SAMPLE_SIZE), with
+    switching functions.
+    """
+    for i in range(NODES):
+        q = interpolate(NODE_PLACES[i], h, y, dense)
+        keep_in(q, nodes[i])
+        switching_functions(time + NODE_PLACES[i] * h, q, p, mode, samples[i])
+
+
+@kernel
+def _value(which, part, theta, time, h, y, dense, p, mode):
+    """Function ``which`` at a place of the step; one of its quantities if ``part`` is not WHOLE."""
+    q = interpolate(theta, h, y, dense)
+    if part != WHOLE:
+        return quantities(which, q, p)[part]
+    return switching_function(which, time + theta * h, q, p, mode)
+
+
+@kernel
+def _after_start(which, part, high, f_high, time, h, y, dense, p, mode):
+    """A bracket (low, f, high, f) for a function that starts at zero, to rounding, and ends below.
+
+    A mode often starts on a zero of its own functions. If the function rises first, its fall lies
+    behind the rise; if it never does, the mode ends where it starts: the bracket is empty.
+    """
+    for _ in range(_HALVINGS):
+        theta = 0.5 * high
+        f = _value(which, part, theta, time, h, y, dense, p, mode)
+        if f > 0.0:
+            return theta, f, high, f_high
+        high, f_high = theta, f
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@kernel
+def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
+    """A root in [low, high] with f(low) >= 0 > f(high), by the Illinois variant of false position.
+
+    Where f(low) < 0 < f(high) both signs are turned. The last step is a bisection's worth of
+    safety: the bracket never opens.
+    """
+    if f_low == 0.0:
+        return low
+    sign = 1.0 if f_low > 0.0 else -1.0
+    f_low, f_high = sign * f_low, sign * f_high
+    last = 0
+    for i in range(_ROOT_ITERATIONS):
+        if high - low <= 1e-15 * high:
+            break
+        theta = high - f_high * (high - low) / (f_high - f_low)
+        if i % 3 == 2 or not low < theta < high:
+            theta = 0.5 * (low + high)
+        f = sign * _value(which, part, theta, time, h, y, dense, p, mode)
+        if f == 0.0:
+            return theta
+        if f < 0.0:
+            high, f_high = theta, f
+            if last == -1:
+                f_low *= 0.5
+            last = -1
+        else:
+            low, f_low = theta, f
+            if last == 1:
+                f_high *= 0.5
+            last = 1
+    return high
+
+
+@kernel
+def _dip(which, left, middle, right, f_left, f_middle, f_right, time, h, y, dense, p, mode):
+    """Follow a sampled minimum down: a place where f < 0, or ``NO_SWITCH``.
+
+    Parabolas through the three lowest points; given up when they no longer point below zero. Of
+    points too uneven to tell, the far one is drawn nearer first.
+    """
+    for _ in range(_DIP_ITERATIONS):
+        d1, d2 = middle - left, right - middle
+        even = max(d1, d2) <= _UNEVEN * min(d1, d2)
+        slope = ((f_middle - f_left) / d1 * d2 + (f_right - f_middle) / d2 * d1) / (d1 + d2)
+        curvature = ((f_right - f_middle) / d2 - (f_middle - f_left) / d1) / (0.5 * (d1 + d2))
+        if curvature <= 0.0:
+            return NO_SWITCH
+        move = -slope / curvature
+        lowest = f_middle + 0.5 * slope * move
+        if even and (lowest > 0.5 * f_middle or abs(move) < 1e-9):
+            return NO_SWITCH
+        theta = min(max(middle + move, left + 0.05 * d1), right - 0.05 * d2)
+        if not even:
+            theta = middle + 2.0 * d1 if d1 < d2 else middle - 2.0 * d2
+        f = _value(which, WHOLE, theta, time, h, y, dense, p, mode)
+        if f < 0.0:
+            return theta
+        if theta < middle:
+            if f < f_middle:
+                right, f_right, middle, f_middle = middle, f_middle, theta, f
+            else:
+                left, f_left = theta, f
+        elif f < f_middle:
+            left, f_left, middle, f_middle = middle, f_middle, theta, f
+        else:
+            right, f_right = theta, f
+    return NO_SWITCH
+
+
+@kernel
+def _all_met(which, leaves, low, before, high, after, time, h, y, dense, p, mode):
+    """Where in [low, high] all quantities of ``which`` are first negative, or ``NO_SWITCH``.
+
+    Each goes one way between its values ``before`` and ``after``, so that all are negative from the
+    last root at which one turns so to the first at which another turns positive. The number
+    ``leaves`` is that of the one that is zero as the mode begins, if any, and leaves it.
+    """
+    first, last = low, high
+    for part in range(len(before)):
+        g_low, g_high = before[part], after[part]
+        if g_high > 0.0:
+            if g_low > 0.0 or part == leaves:
+                return NO_SWITCH
+            theta = _root(which, part, low, g_low, high, g_high, time, h, y, dense, p, mode)
+            last = min(last, theta)
+        elif g_low > 0.0 or part == leaves:
+            left, right = low, high
+            if part == leaves:
+                left, g_low, right, g_high = _after_start(
+                    which, part, right, g_high, time, h, y, dense, p, mode
+                )
+            theta = _root(which, part, left, g_low, right, g_high, time, h, y, dense, p, mode)
+            first = max(first, theta)
+    return first if first < last else NO_SWITCH
+
+
+@kernel
+def _instant(which, f_low, low, high, time, h, y, dense, p, mode):
+    """Where between two samples a combined function first falls through zero, or ``NO_SWITCH``.
+
+    It is not negative at either, or starts on zero, and another of its quantities is the largest at
+    each: it may be negative in between.
+    """
+    left, before = low, quantities(which, interpolate(low, h, y, dense), p)
+    for i in range(1, _STRETCHES + 1):
+        right = low + (high - low) * i / _STRETCHES
+        after = quantities(which, interpolate(right, h, y, dense), p)
+        leaves = int(largest(before)[1]) if i == 1 and f_low <= 0.0 else WHOLE
+        theta = _all_met(which, leaves, left, before, right, after, time, h, y, dense, p, mode)
+        if theta != NO_SWITCH:
+            return theta
+        left, before = right, after
+    return NO_SWITCH
+
+
+@inlined_kernel
+def _fall(i, which, time, h, y, dense, p, mode, samples):
+    """Where function ``which`` falls through zero between nodes ``i`` - 1 and ``i``, if it does.
+
+    A sampled minimum at node ``i`` is followed to both sides.
+    """
+    low, high = NODE_PLACES[i - 1], NODE_PLACES[i]
+    f_low, f_high = samples[i - 1, which], samples[i, which]
+    if f_low < -ON_A_SWITCH and (i > 1 or (is_wall(which) and f_high > f_low)):
+        return NO_SWITCH  # behind the wall: in the mode from its start, or passed over
+    if f_high < 0.0:
+        if f_low <= 0.0:
+            low, f_low, high, f_high = _after_start(
+                which, WHOLE, high, f_high, time, h, y, dense, p, mode
+            )
+        return _root(which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode)
+    turning = SWITCH_COUNT + which
+    if which < COMBINED_COUNT and samples[i - 1, turning] != samples[i, turning]:
+        return _instant(which, f_low, low, high, time, h, y, dense, p, mode)
+    if i == NODES - 1 or f_high > f_low or f_high > samples[i + 1, which]:
+        return NO_SWITCH
+    theta = _dip(
+        which, low, high, NODE_PLACES[i + 1], f_low, f_high, samples[i + 1, which],
+        time, h, y, dense, p, mode,
+    )  # fmt: skip
+    if theta == NO_SWITCH or f_low <= 0.0:
+        return theta
+    f = _value(which, WHOLE, theta, time, h, y, dense, p, mode)
+    return _root(which, WHOLE, low, f_low, theta, f, time, h, y, dense, p, mode)
+
+
+@kernel
+def _counts(which, theta, h, y, dense, p):
+    """Whether function ``which`` may end the mode at θ, a zero of it; see ``corner_off_wall``."""
+    if theta == NO_SWITCH or not is_wall(which):
+        return theta != NO_SWITCH
+    q = interpolate(theta, h, y, dense)
+    _, place = largest(quantities(which, q, p))
+    gap, _ = largest(edge_outside(edge_of_wall(which), outline(q, p), p))
+    # A part that is flat to FLAT reaches its edge and its corner together.
+    return place == 0.0 or gap > ON_A_SWITCH + 2.0 * FLAT * p.half_width
+
+
+@inlined_kernel
+def first_switch(time, h, y, dense, p, mode, samples):
+    """(which, θ) of the earliest switch in the step; θ = ``NO_SWITCH`` if there is none."""
+    first, which_first = NO_SWITCH, -1
+    for which in range(SWITCH_COUNT):
+        if samples[0, which] == NEVER:
+            continue
+        for i in range(1, NODES):
+            if NODE_PLACES[i - 1] >= first:
+                break
+            theta = _fall(i, which, time, h, y, dense, p, mode, samples)
+            if _counts(which, theta, h, y, dense, p):
+                if theta < first:
+                    first, which_first = theta, which
+                break
+    return which_first, first

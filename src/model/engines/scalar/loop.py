@@ -1,0 +1,371 @@
+"""The reference engine: one run at a time, step, locate the first switch, switch, go on."""
+
+from math import isfinite, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from model.engines.course import (
+    History,
+    begin,
+    end_step,
+    fail,
+    make_switch,
+    new_history,
+    note_step,
+)
+from model.engines.queue import next_in
+from model.engines.record import (
+    CLOSEST,
+    EVALUATIONS,
+    NEXT_STEP,
+    OUTCOME,
+    REJECTED,
+    SIZE,
+    STATE,
+    STOP,
+    TIME,
+    TOLERANCE,
+    TRACKED,
+    constants_of,
+    ending_of,
+    keep_ending,
+    keep_state,
+    mode_of,
+    state_in,
+)
+from model.engines.scalar.location import NO_SWITCH, NODE_PLACES, NODES, first_switch, sample_step
+from model.engines.scalar.step import (
+    CAUTION,
+    LEAST_GROWTH,
+    LEAST_SHRINKING,
+    MOST_GROWTH,
+    are_finite,
+    dense_output,
+    error_estimate,
+    interpolate,
+    is_too_short,
+    keep_in,
+    moved,
+    right_hand_side,
+    state_of,
+    take_step,
+)
+from model.engines.scalar.tableaux import Method
+from model.events.outcomes import Reason
+from model.events.table import (
+    CORNER_LOAD,
+    FACE_LOAD,
+    NEVER,
+    ON_A_SWITCH,
+    SAMPLE_SIZE,
+    SIDE_LOAD,
+    SWITCH_COUNT,
+    switching_function,
+    switching_functions,
+)
+from model.events.transitions import CONTINUES, hold_sticking
+from model.physics.compiled import inlined_kernel, kernel
+from model.physics.notation import STATE_SIZE
+
+_STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
+_NOT_FINITE = int(Reason.NOT_FINITE)
+
+TRACK_COLUMNS = 9  # time, the state, the support's normal force, the side's
+_MOST_SECANTS = 6
+SWITCH_RESOLUTION = 3e-3  # a switch's last correction over the tolerance's square root
+
+
+class Workspace(NamedTuple):
+    """Arrays of one step.
+
+    Shapes: y, y_end, trial (6,), k (m, 6), dense (6, degree), nodes and samples as in locate,
+    scratch (SAMPLE_SIZE,).
+    """
+
+    y: np.ndarray
+    y_end: np.ndarray
+    trial: np.ndarray
+    k: np.ndarray
+    dense: np.ndarray
+    nodes: np.ndarray
+    samples: np.ndarray
+    scratch: np.ndarray
+
+
+def new_workspace(method: Method) -> Workspace:
+    """The ``Workspace`` that ``method`` needs."""
+    m, degree = method.dense.shape
+    shapes = (STATE_SIZE,), (STATE_SIZE,), (STATE_SIZE,), (m, STATE_SIZE), (STATE_SIZE, degree)
+    samples = (NODES, STATE_SIZE), (NODES, SAMPLE_SIZE), (SAMPLE_SIZE,)
+    return Workspace(*(np.zeros(shape) for shape in (*shapes, *samples)))
+
+
+@inlined_kernel
+def _accepted_step(time, h, y, p, mode, method, tolerance, work):
+    """Shrink ``h`` until a step stands: (h, next h, steps rejected); h = 0 if none does."""
+    rejected = 0
+    while True:
+        take_step(time, h, y, p, mode, method, work.k, work.y_end)
+        error = error_estimate(h, y, work.y_end, method, work.k, tolerance)
+        if error <= 1.0:
+            growth = MOST_GROWTH
+            if error > 0.0:
+                growth = min(growth, CAUTION * error ** (-1.0 / method.order))
+            return h, h * max(growth, LEAST_GROWTH), rejected
+        rejected += 1
+        shrinking = CAUTION * error ** (-1.0 / method.order) if isfinite(error) else 0.0
+        h *= max(LEAST_SHRINKING, shrinking)
+        if is_too_short(h, time):
+            return 0.0, 0.0, rejected
+
+
+@kernel
+def _secant_to_switch(which, f, by, time, length, h, y, p, mode, method, resolution, work):
+    """From the step just made, further by ``by``, as long as that comes nearer to the switch.
+
+    The secant method, for a function so level that the dense output does not tell where it falls.
+    Returns and leaves what ``_step_to_switch`` does.
+    """
+    taken = 0
+    for _ in range(_MOST_SECANTS):
+        if not 0.0 < length + by <= h:
+            break
+        take_step(time, length + by, y, p, mode, method, work.k, work.y_end)
+        taken += 1
+        g = switching_function(which, time + length + by, state_of(work.y_end), p, mode)
+        if not abs(g) < 0.5 * abs(f):
+            break
+        length, by, f = length + by, -g * by / (g - f), g
+        if abs(by) <= resolution:
+            rates = state_of(work.k[method.stages])
+            keep_in(moved(state_of(work.y_end), by, rates), work.y_end)
+            return length + by, taken
+    take_step(time, length, y, p, mode, method, work.k, work.y_end)
+    return length, taken + 1
+
+
+@kernel
+def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work):
+    """Repeat the step up to the switch: (length, steps taken), the state in ``work.y_end``.
+
+    Newton's iteration on whole steps, so that the switch is as accurate as a step, whatever the
+    order of the dense output that gives the slope. A last correction below ``resolution`` moves
+    along the tangent instead.
+    """
+    length = theta * h
+    if length == 0.0:
+        keep_in(state_of(y), work.y_end)
+        return 0.0, 0
+    near = 1e-3
+    low, high = max(theta - near, 0.0), min(theta + near, 1.0)
+    before, after = interpolate(low, h, y, work.dense), interpolate(high, h, y, work.dense)
+    f_low = switching_function(which, time + low * h, before, p, mode)
+    f_high = switching_function(which, time + high * h, after, p, mode)
+    slope = (f_high - f_low) / ((high - low) * h)
+    taken = 0
+    for _ in range(4):
+        take_step(time, length, y, p, mode, method, work.k, work.y_end)
+        taken += 1
+        f = switching_function(which, time + length, state_of(work.y_end), p, mode)
+        correction = -f / slope if slope < 0.0 else 0.0
+        if abs(correction) > near * h:
+            length, more = _secant_to_switch(
+                which, f, correction, time, length, h, y, p, mode, method, resolution, work
+            )
+            return length, taken + more
+        better = min(max(length + correction, 0.0), h)
+        if abs(better - length) <= resolution:
+            rates = state_of(work.k[method.stages])
+            keep_in(moved(state_of(work.y_end), better - length, rates), work.y_end)
+            length = better
+            break
+        if taken < 4:
+            length = better
+    return length, taken
+
+
+@inlined_kernel
+def _peak(i, left, middle, right):
+    """Highest value of the parabola through the samples around a maximum at node ``i``."""
+    d1, d2 = NODE_PLACES[i] - NODE_PLACES[i - 1], NODE_PLACES[i + 1] - NODE_PLACES[i]
+    rise, fall = (middle - left) / d1, (right - middle) / d2
+    if rise < 0.0 or fall > 0.0 or rise == fall:
+        return max(left, max(middle, right))
+    slope = (rise * d2 + fall * d1) / (d1 + d2)
+    return middle + 0.25 * slope * slope * (d1 + d2) / (rise - fall)
+
+
+@inlined_kernel
+def support_force(sample):
+    """Normal force under the part in a sample of the switching functions; may be below zero."""
+    face = sample[FACE_LOAD] if sample[FACE_LOAD] != NEVER else 0.0
+    corner = sample[CORNER_LOAD] if sample[CORNER_LOAD] != NEVER else 0.0
+    return face + corner
+
+
+@inlined_kernel
+def side_force(sample):
+    """Normal force on the side face in a sample of the switching functions; may be below zero."""
+    return sample[SIDE_LOAD] if sample[SIDE_LOAD] != NEVER else 0.0
+
+
+@inlined_kernel
+def _largest(nodes, samples, last):
+    """(largest |tilt|, largest normal force) over samples 0..``last`` of a step."""
+    tilt, force = 0.0, 0.0
+    for i in range(last + 1):
+        tilt = max(tilt, abs(nodes[i, 2]))
+        force = max(force, max(support_force(samples[i]), side_force(samples[i])))
+        if 0 < i < last:
+            tilt = max(tilt, _peak(i, abs(nodes[i - 1, 2]), abs(nodes[i, 2]), abs(nodes[i + 1, 2])))
+            support = _peak(
+                i,
+                support_force(samples[i - 1]),
+                support_force(samples[i]),
+                support_force(samples[i + 1]),
+            )
+            side = _peak(
+                i, side_force(samples[i - 1]), side_force(samples[i]), side_force(samples[i + 1])
+            )
+            force = max(force, max(support, side))
+    return tilt, force
+
+
+@kernel
+def track_sample(track, time, q, sample, runs, i):
+    """Write a row of the track, as far as it has rows, and count it."""
+    row = int(runs[i, TRACKED])
+    if row < track.shape[0]:
+        track[row, 0] = time
+        keep_in(q, track[row, 1 : 1 + STATE_SIZE])
+        track[row, 7] = max(support_force(sample), 0.0)
+        track[row, 8] = max(side_force(sample), 0.0)
+    runs[i, TRACKED] = row + 1
+
+
+@kernel
+def track_run(track, scratch, runs, i):
+    """Write where the run stands, with the forces of its mode."""
+    time, q = runs[i, TIME], state_in(runs, STATE, i)
+    if runs[i, TRACKED] < track.shape[0]:
+        switching_functions(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
+    track_sample(track, time, q, scratch, runs, i)
+
+
+@inlined_kernel
+def note_closest(samples, last, runs, i):
+    """Lower the run's closest approaches to those of a step; functions that leave zero in it apart.
+
+    A mode starts on zeros of its own functions: that it leaves them is no approach to a switch.
+    """
+    for which in range(SWITCH_COUNT):
+        if samples[0, which] != NEVER and samples[0, which] > ON_A_SWITCH:
+            lowest = runs[i, CLOSEST + which]
+            for node in range(1, last + 1):
+                lowest = min(lowest, samples[node, which])
+            runs[i, CLOSEST + which] = lowest
+
+
+@kernel
+def advance(declared, method, control, track, history, work, runs, i):
+    """Advance run ``i`` by one step, or up to the first switch in it."""
+    time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
+    y, tolerance, h = work.y, runs[i, TOLERANCE], runs[i, NEXT_STEP]
+    keep_in(state_in(runs, STATE, i), y)
+    stop = runs[i, STOP]
+    h_try = stop - time if time + 1.0001 * h >= stop else h
+    right_hand_side(time, y, p, mode, work.k[0])
+    h_step, h_next, rejected = _accepted_step(time, h_try, y, p, mode, method, tolerance, work)
+    runs[i, EVALUATIONS] += 1 + (1 + rejected) * method.stages
+    runs[i, REJECTED] += rejected
+    if h_step == 0.0:
+        fail(runs, i, _STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else _NOT_FINITE)
+        return
+    dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
+    runs[i, EVALUATIONS] += method.c.size - method.stages - 1
+    sample_step(time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
+    which, theta = first_switch(time, h_step, y, work.dense, p, mode, work.samples)
+    switches = theta != NO_SWITCH
+    length, last = h_step, NODES - 1
+    if switches:
+        while NODE_PLACES[last] > theta:
+            last -= 1
+        length, taken = _step_to_switch(
+            which,
+            theta,
+            time,
+            h_step,
+            y,
+            p,
+            mode,
+            method,
+            SWITCH_RESOLUTION * sqrt(tolerance),
+            work,
+        )
+        runs[i, EVALUATIONS] += taken * method.stages
+    tilt, force = _largest(work.nodes, work.samples, last)
+    note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
+    note_closest(work.samples, last, runs, i)
+    for node in range(1, last + (0 if switches else 1)):
+        at, q = time + NODE_PLACES[node] * h_step, state_of(work.nodes[node])
+        track_sample(track, at, q, work.samples[node], runs, i)
+
+    keep_state(state_of(work.y_end), runs, i)
+    reached_stop = not switches and h_step == h_try and h_try == stop - time
+    runs[i, TIME] = stop if reached_stop else time + length
+    # A step cut short by a stop says nothing against the length it was cut from.
+    runs[i, NEXT_STEP] = max(h, h_next) if h_step == h_try and h_try != h else h_next
+    if switches:
+        track_run(track, work.scratch, runs, i)
+        make_switch(which, length, h_step, declared, control, runs, i)
+        track_run(track, work.scratch, runs, i)
+    else:
+        keep_state(hold_sticking(state_in(runs, STATE, i), p, mode), runs, i)
+    end_step(reached_stop, history, control, runs, i)
+
+
+class Single(NamedTuple):
+    """Memory for one run at a time: its record, shape (1, SIZE), history and workspace."""
+
+    runs: np.ndarray
+    history: History
+    work: Workspace
+
+
+def new_single(method: Method) -> Single:
+    """The ``Single`` that ``method`` needs."""
+    return Single(np.zeros((1, SIZE)), new_history(1), new_workspace(method))
+
+
+@kernel
+def integrate(row, tolerance, declared, method, control, track, single):
+    """Run one parameter set to its end: ``Ending``.
+
+    Args:
+        row: shape (constants,), the fields of ``Constants``.
+        tolerance: local error admitted in a step, relative to 1 + |state|.
+        declared: ``Declared`` contacts of the scene.
+        method: ``Method``.
+        control: ``Control``.
+        track: shape (rows, 9), filled as far as it goes with time, state and normal forces of the
+            support and of the side; ``Ending.tracked`` is the number of rows a full track has.
+        single: ``Single``, overwritten.
+    """
+    runs, history, work = single.runs, single.history, single.work
+    i = runs.shape[0] - 1  # the only one; as 0, all that takes it would be compiled for 0 alone
+    begin(row, tolerance, declared, control, runs, i)
+    track_run(track, work.scratch, runs, i)
+    while runs[i, OUTCOME] == CONTINUES:
+        advance(declared, method, control, track, history, work, runs, i)
+    return ending_of(runs, i)
+
+
+@kernel
+def integrate_each(rows, tolerances, declared, method, control, track, queue, endings, single):
+    """``integrate`` for the rows of ``rows`` from ``queue``; shapes as in ``integrate_all``."""
+    row = next_in(queue)
+    while row < rows.shape[0]:
+        ending = integrate(rows[row], tolerances[row], declared, method, control, track, single)
+        keep_ending(ending, endings, row)
+        row = next_in(queue)

@@ -1,0 +1,1 @@
+"""Events: where a mode of contact ends, and what follows."""

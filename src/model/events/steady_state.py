@@ -1,0 +1,162 @@
+"""When a run that will never align may stop: its motion repeats itself.
+
+Once an excitation period the state is compared with the state n periods back. If these differences
+are small and contract, by a ratio ρ < 1 over n periods, twice in a row, what is left of the motion
+is at most Δ/(1 - ρ). What of the last difference is not the one before it times ρ may be a creep
+that does not contract: it is taken to last. The run has settled when neither, taken fivefold, can
+reach alignment or any switch that the last n periods did not make.
+"""
+
+from model.events.table import (
+    CORNER_LOAD,
+    CORNER_RELOAD,
+    FACE_LOAD,
+    FACE_RELOAD,
+    NEVER,
+    SIDE_LOAD,
+    SIDE_RELOAD,
+    SIDE_SLIP,
+    SUPPORT_SLIP,
+    SWITCH_COUNT,
+)
+from model.physics.compiled import kernel
+from model.physics.notation import STATE_SIZE, State
+
+LONGEST_PERIOD = 8
+HISTORY = 3 * LONGEST_PERIOD + 1  # periods kept
+_LINEAR = 1e-3  # largest difference at which contraction counts as a property of the cycle
+_NEARLY_LINEAR = 1e-2  # and largest of the two differences before it
+_CONTRACTION = 0.98
+_SAFETY = 5.0
+_LASTING = 3000.0  # time for which a creep is taken to last: ten times the usual horizon
+
+
+@kernel
+def record_period(count, y, closest, states, lowest):
+    """Store the state at the end of period ``count`` and the lowest switching functions in it.
+
+    ``states``, shape (HISTORY, 6), and ``lowest``, shape (HISTORY, SWITCH_COUNT), are rings.
+    """
+    row = count % HISTORY
+    for i in range(STATE_SIZE):
+        states[row, i] = y[i]
+    for which in range(SWITCH_COUNT):
+        lowest[row, which] = closest[which]
+
+
+@kernel
+def _difference(count, n, states):
+    """The state at period ``count`` less that at ``count - n``."""
+    now, then = states[count % HISTORY], states[(count - n) % HISTORY]
+    return State(
+        now[0] - then[0], now[1] - then[1], now[2] - then[2],
+        now[3] - then[3], now[4] - then[4], now[5] - then[5],
+    )  # fmt: skip
+
+
+@kernel
+def _largest(vector):
+    largest = 0.0
+    for each in vector:
+        largest = max(largest, abs(each))
+    return largest
+
+
+@kernel
+def _ratio(later, earlier):
+    """What ``later`` is of ``earlier``, by least squares."""
+    product, square = 0.0, 0.0
+    for i in range(STATE_SIZE):
+        product += later[i] * earlier[i]
+        square += earlier[i] * earlier[i]
+    return product / square
+
+
+@kernel
+def _reach(d0, d1, d2, cycles, noise):
+    """How far each component may still move, as a ``State``; whether the differences contract.
+
+    ``d0``, ``d1``, ``d2`` are the differences over one cycle, the last one first; a creep is taken
+    to last so many ``cycles``.
+    """
+    gap, before, earlier = _largest(d0), _largest(d1), _largest(d2)
+    if max(before, earlier) > _NEARLY_LINEAR:
+        return d0, False
+    contraction, creeps = 0.0, False
+    ratio, ratio_before = 0.0, 0.0
+    if gap > noise:
+        ratio, ratio_before = _ratio(d0, d1), _ratio(d1, d2)
+        contraction = max(gap / before, before / earlier)
+        if max(contraction, ratio) > _CONTRACTION:
+            return d0, False
+        creeps = True
+    elif before > noise:
+        contraction = min(before / earlier, _CONTRACTION)
+    unexplained = 0.0
+    for i in range(STATE_SIZE):
+        without = max(abs(d0[i] - ratio * d1[i]), abs(d0[i] - ratio_before * d1[i]))
+        unexplained = max(unexplained, without)
+    creep = unexplained * cycles if creeps and unexplained > noise else 0.0
+    rest = 1.0 - contraction
+    return State(
+        max(max(abs(d0.x), noise) / rest, creep),
+        max(max(abs(d0.y), noise) / rest, creep),
+        max(max(abs(d0.tilt), noise) / rest, creep),
+        max(max(abs(d0.x_rate), noise) / rest, creep),
+        max(max(abs(d0.y_rate), noise) / rest, creep),
+        max(max(abs(d0.tilt_rate), noise) / rest, creep),
+    ), True
+
+
+@kernel
+def _change(which, r, p):
+    """How much a switching function can change while the state's components change by ``r``.
+
+    Lengths and slips are those of points of the part, at most half its diagonal from the centre;
+    loads are depths and closing rates times the base's stiffness and damping; a friction margin is
+    a load and the friction force that answers to it.
+    """
+    arm = p.half_width + p.half_height
+    length = r[0] + r[1] + arm * r[2]
+    rate = r[3] + r[4] + arm * r[5]
+    load = p.contact_stiffness * length + p.contact_damping * rate
+    if which == SUPPORT_SLIP or which == SIDE_SLIP:
+        return 2.0 * load + length + rate
+    if (
+        which == FACE_LOAD
+        or which == FACE_RELOAD
+        or which == SIDE_LOAD
+        or which == SIDE_RELOAD
+        or which == CORNER_LOAD
+        or which == CORNER_RELOAD
+    ):
+        return load
+    return length + rate
+
+
+@kernel
+def settled_period(count, period, states, lowest, p, noise):
+    """Period (in excitation periods) of the motion the run has settled on, or 0.
+
+    ``count`` excitation periods of length ``period`` are over; ``noise`` is the size of a
+    difference that is the integrator's own.
+    """
+    for n in range(1, LONGEST_PERIOD + 1):
+        if count <= 3 * n:
+            break
+        d0 = _difference(count, n, states)
+        if _largest(d0) > _LINEAR:
+            continue
+        d1, d2 = _difference(count - n, n, states), _difference(count - 2 * n, n, states)
+        reach, contracts = _reach(d0, d1, d2, _LASTING / (n * period), noise)
+        if not contracts:
+            continue
+        clear = True
+        for i in range(n):
+            for which in range(SWITCH_COUNT):
+                distance = lowest[(count - i) % HISTORY, which]
+                if distance != NEVER and _SAFETY * _change(which, reach, p) > distance:
+                    clear = False
+        if clear:
+            return n
+    return 0

@@ -1,0 +1,235 @@
+"""Many parameter sets at once, over the cores."""
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.engines.batch.scheduling import integrate_all, new_many
+from model.engines.queue import Queue, new_queue
+from model.engines.record import Ending
+from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_single
+from model.engines.scalar.tableaux import DOP853
+from model.engines.stiff import RADAU, are_stiff, integrate_stiff, new_memory
+from model.physics.parameters import Batch, Parameters
+from model.physics.readings import Readings
+from model.runs.errors import Array, Run, estimate
+from model.runs.settings import Settings, settings_with
+
+NO_TRACK = np.empty((0, TRACK_COLUMNS))
+
+
+@dataclass(frozen=True)
+class Alignments:
+    """Results of a batch; every array has shape (n,), in the order of the batch, dimensionless.
+
+    See ``Settings.alignment_only`` for what is NaN with it.
+
+    Attributes:
+        outcome: values of ``Outcome``.
+        reason: values of ``Reason``; ``CHAOTIC`` where the horizon is reached on a course that a
+            neighbouring start does not share, so that another tolerance may align.
+        tau_align: alignment time, NaN where not aligned.
+        tau_error: estimated error of ``tau_align``, NaN where it cannot be estimated.
+        tau_corners_inside: when the paper's four corner conditions hold, NaN if they never do.
+        sensitive: whether a start displaced in x(0) by the tolerance ends differently, or aligns or
+            leaves the scene at a time more than 1e-4 off; or, of a part that starts nearly flat,
+            one tilted by 1e-7 more; or the gap between part and slot is below what a run can tell.
+        tilt_at_alignment: tilt at ``tau_align``, radians.
+        tilt_max: largest |tilt| until alignment or the end, radians.
+        separations: how often the part lost the base before alignment.
+        contact_force_max: largest normal force at one place, in units of F1.
+        sticking_share: share of the time in which the supporting contact sticks.
+        rhs_evaluations: right-hand sides evaluated, all runs of the set together.
+        period: excitation periods after which a settled motion repeats itself, else 0.
+    """
+
+    outcome: NDArray[np.int8]
+    reason: NDArray[np.int8]
+    tau_align: NDArray[np.float64]
+    tau_error: NDArray[np.float64]
+    tau_corners_inside: NDArray[np.float64]
+    sensitive: NDArray[np.bool_]
+    tilt_at_alignment: NDArray[np.float64]
+    tilt_max: NDArray[np.float64]
+    separations: NDArray[np.int64]
+    contact_force_max: NDArray[np.float64]
+    sticking_share: NDArray[np.float64]
+    rhs_evaluations: NDArray[np.int64]
+    period: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return int(self.outcome.size)
+
+
+_DTYPES = {
+    "outcome": np.int8,
+    "reason": np.int8,
+    "sensitive": np.bool_,
+    "separations": np.int64,
+    "rhs_evaluations": np.int64,
+    "period": np.int64,
+}
+_ESTIMATED = ("tau_error", "sensitive", "rhs_evaluations")
+
+Engine = Literal["lanes", "scalar", "stiff"]
+
+
+def _filling(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:
+    """The engine whose kernel writes a row of endings, the last argument, for every row it takes.
+
+    It takes them from the queue, the argument before, which the kernels of all ``cores`` share:
+    they hold no lock of the interpreter.
+    """
+
+    def run(rows: Array, tolerances: Array) -> Array:
+        endings = np.empty((len(rows), len(Ending._fields)))
+        threads = max(1, min(cores, len(rows)))
+        queue = new_queue(len(rows), threads)
+        if threads == 1:
+            fill(rows, tolerances, queue, endings)
+            return endings
+        with ThreadPoolExecutor(threads) as pool:
+            shares = [pool.submit(fill, rows, tolerances, queue, endings) for _ in range(threads)]
+        for share in shares:
+            share.result()
+        return endings
+
+    return run
+
+
+def each_by_itself(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
+    """The reference engine: one run at a time. ``track`` as in ``integrate_each``: one core."""
+
+    def fill(rows: Array, tolerances: Array, queue: Queue, endings: Array) -> None:
+        single = new_single(settings.method.method)
+        integrate_each(rows, tolerances, *settings.for_kernels, track, queue, endings, single)
+
+    return _filling(fill, cores)
+
+
+def implicitly(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
+    """The engine for stiff sets: one run at a time, with implicit steps where they pay."""
+    declared, method, control = settings.for_kernels
+
+    def fill(rows: Array, tolerances: Array, queue: Queue, endings: Array) -> None:
+        single, memory = new_single(method), new_memory()
+        integrate_stiff(
+            rows, tolerances, declared, method, RADAU, control, track, queue, endings, single,
+            memory,
+        )  # fmt: skip
+
+    return _filling(fill, cores)
+
+
+def where_stiff(settings: Settings, stiff: Run, others: Run) -> Run:
+    """``stiff`` for rows that are, ``others`` for the rest, and for settings without the choice."""
+
+    def run(rows: Array, tolerances: Array) -> Array:
+        chosen = are_stiff(rows)
+        if not (chosen.any() and _is_usual(settings)):
+            return others(rows, tolerances)
+        endings = np.empty((len(rows), len(Ending._fields)))
+        for engine, which in ((stiff, chosen), (others, ~chosen)):
+            if which.any():
+                endings[which] = engine(rows[which], tolerances[which])
+        return endings
+
+    return run
+
+
+def _is_usual(settings: Settings) -> bool:
+    """Whether the readings and the method are those that lanes and implicit steps are made for."""
+    return settings.readings == Readings.consistent() and settings.method is DOP853
+
+
+def side_by_side(settings: Settings, cores: int = 1) -> Run:
+    """The batch engine: many runs at a time."""
+    declared, method, control = settings.for_kernels
+
+    def fill(rows: Array, tolerances: Array, queue: Queue, endings: Array) -> None:
+        many = new_many(settings.may_settle)
+        integrate_all(rows, tolerances, declared, method, control, queue, endings, many)
+
+    return _filling(fill, cores)
+
+
+def _engine(name: Engine | None, settings: Settings, cores: int) -> Run:
+    if name not in (None, *get_args(Engine)):
+        raise ValueError(
+            f"engine = {name!r}: must be 'lanes', 'scalar', 'stiff', or None for the fastest"
+        )
+    if name == "scalar" or (name is None and not _is_usual(settings)):
+        return each_by_itself(settings, cores=cores)
+    if not _is_usual(settings):
+        raise ValueError(
+            f"engine = {name!r}: needs the consistent readings and the method DOP853; "
+            "choose 'scalar', or None for the fastest one that fits"
+        )
+    lanes, stiff = side_by_side(settings, cores), implicitly(settings, cores=cores)
+    if name is None:
+        return where_stiff(settings, stiff, lanes)
+    return lanes if name == "lanes" else stiff
+
+
+def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, Array]:
+    """One run of every parameter set, without an estimate of its error.
+
+    Half the cost of ``align``, for statistics over many sets. Returns the fields of ``Ending``,
+    each of shape (n,).
+    """
+    rows = batch.constants(settings.readings)
+    run = _engine(None, settings, cores)
+    endings = run(rows, np.full(len(rows), settings.tolerance))
+    return dict(zip(Ending._fields, endings.T, strict=True))
+
+
+def align(
+    batch: Batch | Sequence[Parameters],
+    settings: Settings | None = None,
+    *,
+    cores: int | None = None,
+    engine: Engine | None = None,
+    **changes: Any,
+) -> Alignments:
+    """Run every parameter set of ``batch`` to its end.
+
+    Each result depends on its own parameter set only: ``align(batch)`` at row i is to the bit
+    ``align([batch[i]])``, whatever the order and the number of cores.
+
+    Args:
+        batch: a ``Batch``, or a sequence of ``Parameters``.
+        settings: how to run.
+        cores: threads to use, all by default.
+        engine: "scalar" is the reference, one set at a time by explicit steps. For the consistent
+            readings and DOP853 there are "lanes", many sets side by side, and "stiff", implicit
+            steps wherever they pay. By default lanes, and implicit steps for stiff sets, where
+            they fit; all agree to their error estimates.
+        **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
+
+    Raises:
+        ValueError: an empty batch, fewer than one core, an engine that does not fit, or a setting
+            outside its range.
+    """
+    settings = settings_with(settings, changes)
+    rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)
+    if len(rows_of) == 0:
+        raise ValueError("the batch is empty: give at least one parameter set")
+    cores = os.cpu_count() or 1 if cores is None else cores
+    if cores < 1:
+        raise ValueError(f"cores = {cores!r}: must be >= 1")
+    run = _engine(engine, settings, cores)
+    found = estimate(run, rows_of.constants(settings.readings), settings.tolerance)
+    columns = {
+        field.name: getattr(found, field.name)
+        if field.name in _ESTIMATED
+        else found.column(field.name)
+        for field in fields(Alignments)
+    }
+    return Alignments(
+        **{name: values.astype(_DTYPES.get(name, float)) for name, values in columns.items()}
+    )

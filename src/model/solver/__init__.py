@@ -1,1 +1,0 @@
-"""First floor: how the equations are integrated. Methods, steps, switches, the loop, outcomes."""

@@ -1,0 +1,415 @@
+"""What differs between two states of the study: parameters, metrics, data and claims.
+
+A state is a results folder as it stands, or what the history keeps of an earlier run, invocation or
+commit. Everything is compared by name, and data point by point where both have the point.
+"""
+
+import csv
+import subprocess
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.tracking.index import (
+    KEPT,
+    PARTS,
+    Record,
+    TrackingError,
+    find_invocation,
+    find_run,
+    kept_result,
+    load_history,
+    load_runs,
+    sidecars,
+)
+
+if TYPE_CHECKING:  # the command line works without xarray until data are compared
+    import xarray as xr
+
+CLAIMS = "claims.csv"
+_TIME = "time"
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The study at one moment.
+
+    Attributes:
+        label: what the user called it.
+        runs: the latest run of each name.
+        files: where the datasets ("fig06.nc") and the claims' verdicts are kept.
+        lost: files that were made then, and of which no copy is kept.
+    """
+
+    label: str
+    runs: Mapping[str, Record]
+    files: Mapping[str, Path]
+    lost: tuple[str, ...] = ()
+
+
+def snapshot(name: str, root: Path) -> Snapshot:
+    """The state that ``name`` stands for.
+
+    Args:
+        name: a folder of results; or, of the history below ``root``, a run ("merge/fig06" or
+            "merge/fig06@INVOCATION"), an invocation ("last", or the beginning of its name), or a
+            commit that the study was built at (any name that git knows).
+        root: the results root whose history is meant.
+
+    Raises:
+        TrackingError: a name that stands for nothing recorded.
+    """
+    if Path(name).is_dir():
+        return _of_folder(Path(name))
+    history, runs = load_history(root), load_runs(root)
+    if name.partition("@")[0] in {run["run"] for run in runs}:
+        run = find_run([run for run in runs if run["status"] == "done"], name)
+        return _of_runs(name, [run], root)
+    named = [each for each in history if each["invocation"].startswith(name)]
+    if name == "last" or named:
+        last = find_invocation(history, name)
+    else:
+        last = _invocation_of_commit(history, name, root)
+    until = [each for each in history if each["started"] <= last["started"]]
+    return _of_runs(name, [run for each in until for run in each["runs"]], root)
+
+
+def _of_folder(folder: Path) -> Snapshot:
+    data = folder / "data" if (folder / "data").is_dir() else folder
+    files = {path.name: path for path in sorted(data.glob("fig*.nc"))}
+    if (folder / CLAIMS).is_file():
+        files[CLAIMS] = folder / CLAIMS
+    runs = {record["run"]: record for record in sidecars(folder).values()}
+    if not files and not runs:
+        raise TrackingError(f"{folder}: holds neither datasets nor sidecars of the study")
+    return Snapshot(str(folder), runs, files)
+
+
+def _of_runs(label: str, runs: Iterable[Record], root: Path) -> Snapshot:
+    latest = {run["run"]: run for run in runs}
+    files, lost = {}, []
+    for run in latest.values():
+        if run["rule"] not in KEPT:
+            continue
+        for name, sha256 in run["outputs"].items():
+            kept = kept_result(root, name, sha256)
+            if kept.is_file():
+                files[name] = kept
+            elif kept.suffix in (".nc", ".csv"):
+                lost.append(name)
+    return Snapshot(label, latest, files, tuple(lost))
+
+
+def _invocation_of_commit(history: Sequence[Record], name: str, root: Path) -> Record:
+    git = subprocess.run(
+        ["git", "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    commit = git.stdout.strip() or name
+    built = [
+        each
+        for each in history
+        if each["git"].get("commit", "").startswith(commit)
+        and (each["runs"] or each["outcome"] == "done")  # not what was refused
+    ]
+    if built:
+        return built[-1]
+    raise TrackingError(
+        f"{name!r} is no results folder, and neither a run, an invocation nor a commit in "
+        f"{root / 'history'}; to compare with another commit, build it in a checkout of its own "
+        "(git worktree add) and name its results folder"
+    )
+
+
+# --- The comparison -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One value that differs; ``where`` is the figure, or the run if it belongs to none."""
+
+    where: str
+    name: str
+    before: Any
+    after: Any
+
+
+@dataclass(frozen=True)
+class Change:
+    """How a variable of a figure's dataset differs, over the points that both have.
+
+    Attributes:
+        figure: such as "fig06".
+        variable: its name in the dataset.
+        points: how many points are compared.
+        differing: how many of them differ at all.
+        largest: largest absolute difference where both are numbers.
+        at: where that is, by coordinate.
+        before: the value there, first state.
+        after: the value there, second state.
+        appeared: points that have a number in the second state only.
+        vanished: points that have a number in the first state only.
+    """
+
+    figure: str
+    variable: str
+    points: int
+    differing: int
+    largest: float
+    at: dict[str, float]
+    before: float
+    after: float
+    appeared: int
+    vanished: int
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Everything that differs between two states, and what could not be compared.
+
+    ``claims`` is None where one of the two has no verdicts. ``other_data`` names datasets that are
+    no figure's and differ in bytes: no copies are kept to say by how much.
+    """
+
+    first: str
+    second: str
+    parameters: list[Difference] = field(default_factory=list)
+    metrics: list[Difference] = field(default_factory=list)
+    code: list[Difference] = field(default_factory=list)
+    data: list[Change] = field(default_factory=list)
+    claims: list[Difference] | None = None
+    other_data: list[str] = field(default_factory=list)
+    not_compared: list[str] = field(default_factory=list)
+
+    @property
+    def differs(self) -> bool:
+        """Whether anything does."""
+        stated = (self.parameters, self.metrics, self.code)
+        return any((*stated, self.data, self.other_data, self.claims))
+
+    @property
+    def as_json(self) -> dict[str, Any]:
+        """The same as nested dictionaries; what is not a number is None."""
+        return _without_nan(asdict(self))
+
+
+def _without_nan(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_nan(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(each) for each in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def compare(first: Snapshot, second: Snapshot) -> Comparison:
+    """Everything that differs between two states.
+
+    Raises:
+        TrackingError: a dataset that cannot be read, or xarray missing.
+    """
+    judged = CLAIMS in first.files and CLAIMS in second.files
+    comparison = Comparison(first.label, second.label, claims=[] if judged else None)
+    for before, after in _pairs(first, second, comparison.not_compared):
+        where = after["figure"] or after["run"]
+        _differ(comparison.parameters, where, _stated(before), _stated(after))
+        _differ(comparison.metrics, where, _measured(before), _measured(after))
+        _differ(comparison.code, after["run"], _made_by(before), _made_by(after))
+        if after["rule"] not in KEPT:
+            comparison.other_data.extend(_other_bytes(before, after))
+    for name in sorted(set(first.files) | set(second.files)):
+        if name not in first.files or name not in second.files:
+            holder = first if name in first.files else second
+            comparison.not_compared.append(f"{name}: only in {holder.label}")
+        elif comparison.claims is not None and name == CLAIMS:
+            judged_as = [verdicts(each.files[name]) for each in (first, second)]
+            _differ(comparison.claims, CLAIMS, *judged_as)
+        else:
+            comparison.data.extend(_data_changes(first.files[name], second.files[name], comparison))
+    for each in (first, second):
+        comparison.not_compared.extend(
+            f"{name}: no copy is kept of what {each.label} made" for name in each.lost
+        )
+    return comparison
+
+
+def _pairs(
+    first: Snapshot, second: Snapshot, not_compared: list[str]
+) -> Iterator[tuple[Record, Record]]:
+    """Runs to compare: those of one name, or the only two there are."""
+    if len(first.runs) == len(second.runs) == 1:
+        yield next(iter(first.runs.values())), next(iter(second.runs.values()))
+        return
+    wholes = [
+        {name: run for name, run in each.runs.items() if run["rule"] not in PARTS}
+        for each in (first, second)
+    ]
+    if not all(wholes):
+        return
+    for name in sorted(set(wholes[0]) ^ set(wholes[1])):
+        holder = first if name in wholes[0] else second
+        not_compared.append(f"{name}: only in {holder.label}")
+    for name in sorted(set(wholes[0]) & set(wholes[1])):
+        yield wholes[0][name], wholes[1][name]
+
+
+def _differ(
+    found: list[Difference], where: str, before: Mapping[str, Any], after: Mapping[str, Any]
+) -> None:
+    found.extend(
+        Difference(where, name, before.get(name), after.get(name))
+        for name in sorted(set(before) | set(after))
+        if before.get(name) != after.get(name)
+    )
+
+
+def _stated(run: Record) -> dict[str, Any]:
+    """Parameters, settings and what is varied, one level deep."""
+    stated = dict(run.get("parameters", {}))
+    for name, value in run.get("settings", {}).items():
+        stated |= {f"settings.{name}": value}
+    for axis in run.get("dimensions", []):
+        stated |= {
+            f"{axis['parameter']}.{name}": value
+            for name, value in axis.items()
+            if name != "parameter"
+        }
+    return stated
+
+
+def _measured(run: Record) -> dict[str, Any]:
+    return dict(run.get("counts", {}))
+
+
+def _made_by(run: Record) -> dict[str, Any]:
+    return {"code": run["code"], **run["versions"]}
+
+
+def _other_bytes(before: Record, after: Record) -> list[str]:
+    """Datasets that both runs made, with other content; CPU times, in another folder, are none."""
+    return [
+        f"{after['run']}: {name}"
+        for name, sha256 in after["outputs"].items()
+        if name.endswith((".nc", ".csv"))
+        and not name.startswith("../")
+        and before["outputs"].get(name, sha256) != sha256
+    ]
+
+
+def verdicts(path: Path) -> dict[str, str]:
+    """Verdict by claim; the first column names the claim."""
+    with path.open(encoding="utf-8", newline="") as stream:
+        rows = csv.DictReader(stream)
+        names = rows.fieldnames or []
+        if "verdict" not in names:
+            raise TrackingError(f"{path}: has no column 'verdict', but {', '.join(names)}")
+        return {row[names[0]]: row["verdict"] for row in rows}
+
+
+# --- Data ---------------------------------------------------------------------------------------
+
+
+def open_dataset(path: Path) -> "xr.Dataset":
+    """A dataset of the study.
+
+    Raises:
+        TrackingError: a file that is none, or xarray missing.
+    """
+    try:
+        from model.study.datasets import DatasetError, read_dataset  # noqa: PLC0415  (slow)
+    except ImportError:
+        raise TrackingError(
+            "comparing data needs xarray, which is not installed: pip install 'vibralign[study]'"
+        ) from None
+    try:
+        return read_dataset(path)
+    except DatasetError as error:
+        raise TrackingError(str(error)) from None
+
+
+def _data_changes(first: Path, second: Path, comparison: Comparison) -> list[Change]:
+    if first.read_bytes() == second.read_bytes():
+        return []
+    before, after = open_dataset(first), open_dataset(second)
+    figure = str(after.attrs["figure"])
+    if before["tau_align"].dims != after["tau_align"].dims:
+        comparison.not_compared.append(f"{figure}: the two vary different parameters")
+        return []
+    before, after = common_points(before, after)
+    if 0 in after.sizes.values():
+        comparison.not_compared.append(f"{figure}: the two have no point in common")
+        return []
+    changes = [
+        change_of(before[name], after[name], figure)
+        for name in map(str, after.data_vars)
+        if name in before
+    ]
+    return sorted((each for each in changes if each.differing), key=lambda each: each.variable)
+
+
+def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Dataset, xr.Dataset]":
+    """Both datasets over the points that both have.
+
+    A trajectory has no points but its integrator's: the second is interpolated to the times of the
+    first, away from the moments at which a force jumps.
+    """
+    import xarray as xr  # noqa: PLC0415
+
+    if _TIME not in before.dims:
+        return xr.align(before, after, join="inner")
+    times, other = before[_TIME].values, after[_TIME].values
+    smooth = (times <= other[-1]) & ~_near_jump(times, times) & ~_near_jump(times, other)
+    kept = np.flatnonzero(smooth)
+    moved = {
+        name: (_TIME, np.interp(times[kept], other, variable.values), variable.attrs)
+        if variable.dims == (_TIME,)
+        else variable
+        for name, variable in after.data_vars.items()
+    }
+    return before.isel({_TIME: kept}), xr.Dataset(moved, {_TIME: times[kept]}, attrs=after.attrs)
+
+
+def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which ``times`` lie within a step of a moment that stands twice in ``grid``."""
+    twice: list[int] = np.flatnonzero(np.diff(grid) == 0.0).tolist()
+    near = np.zeros(times.shape, dtype=bool)
+    for i in twice:
+        low, high = grid[max(i - 1, 0)], grid[min(i + 2, grid.size - 1)]
+        near |= (times >= low) & (times <= high)
+    return near
+
+
+def change_of(before: "xr.DataArray", after: "xr.DataArray", figure: str) -> Change:
+    """How one variable differs; both have the same points."""
+    old, new = (np.asarray(each.values, dtype=np.float64) for each in (before, after))
+    distance = np.abs(new - old)
+    known = np.isfinite(distance)
+    place: tuple[int, ...] = ()
+    largest = 0.0
+    if known.any():
+        place = tuple(
+            int(i)
+            for i in np.unravel_index(np.argmax(np.where(known, distance, -1.0)), distance.shape)
+        )
+        largest = float(distance[place])
+    gone, come = np.isnan(new) & ~np.isnan(old), np.isnan(old) & ~np.isnan(new)
+    at = {
+        str(name): float(after[name].values[i]) for name, i in zip(after.dims, place, strict=False)
+    }
+    return Change(
+        figure=figure,
+        variable=str(after.name),
+        points=int(old.size),
+        differing=int((known & (distance > 0.0)).sum() + gone.sum() + come.sum()),
+        largest=largest,
+        at=at,
+        before=float(old[place]) if known.any() else float("nan"),
+        after=float(new[place]) if known.any() else float("nan"),
+        appeared=int(come.sum()),
+        vanished=int(gone.sum()),
+    )

@@ -1,0 +1,306 @@
+"""The reference: small datasets that are kept with the code, and what a build may differ from them.
+
+A build is compared with its reference variable by variable, each with a tolerance that follows from
+the estimated error of its own points. How a run ends may differ only where the reference says that
+the point is sensitive, or its run chaotic: that goes another way with every rounding. What is meant
+to differ is accepted, with a reason and the numbers that changed, in ``accepted.csv``.
+"""
+
+import shutil
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.events.outcomes import Outcome, Reason
+from model.study.config import FIGURES, SCHEMATICS
+from model.study.csv_tables import csv_text
+from model.study.files import whole_file
+from model.tracking.comparison import (
+    CLAIMS,
+    Change,
+    change_of,
+    common_points,
+    open_dataset,
+    verdicts,
+)
+from model.tracking.provenance import git_state, write_text
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COMPUTED = tuple(name for name in FIGURES if name not in SCHEMATICS)
+LOG = "accepted.csv"
+LOG_COLUMNS = (
+    "date", "what", "reason", "commit", "variable", "points", "differing", "largest", "at",
+    "before", "after", "appeared", "vanished",
+)  # fmt: skip
+
+# The estimated error is below the true one for about one point in a hundred (decision 3), there by
+# a factor of a few. An error of 1 % in a force changes a duration by a thousand times this.
+MARGIN = 10.0
+UNKNOWN_ERROR = 1e-4  # where the estimate says nothing: the difference that makes a point sensitive
+# The reference engine takes largest tilts and forces from samples.
+TILT_SAMPLED = 1e-4
+FORCE_SAMPLED = 2e-2
+# A run that does not align ends when its motion is seen to repeat itself, a period sooner or later.
+SHARE_SETTLED = 1e-2
+# One that lasts to the horizon ends there: at tighter tolerances its share moves by less than 1e-9.
+SHARE_AT_HORIZON = 1e-6
+NEW_SENSITIVE_SHARE = 0.02
+# A course between the ends of steps, linear where the reference's is: relative to its range.
+COURSE = 2e-3
+
+_NUMBERS = (
+    "tau_align", "tau_corners_inside", "tilt_at_alignment", "tilt_max", "contact_force_max",
+    "sticking_share",
+)  # fmt: skip
+_COURSES = ("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate", "contact_force", "side_force")
+
+
+class NotAcceptedError(ValueError):
+    """Something that cannot be accepted as the reference."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One way in which a build is not what its reference says; ``words`` are for a terminal."""
+
+    figure: str
+    variable: str
+    points: int
+    words: str
+
+
+# --- The comparison -----------------------------------------------------------------------------
+
+
+def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list[Finding]:
+    """What a dataset has that its reference does not allow; empty where they agree.
+
+    Args:
+        reference: the accepted dataset of a figure.
+        built: the dataset of the same figure as the code now computes it.
+    """
+    figure = str(reference.attrs["figure"])
+    differing = [
+        str(name)
+        for name, coordinate in reference.coords.items()
+        if name != "time"
+        and (name not in built.coords or not coordinate.variable.equals(built[name].variable))
+    ]
+    if differing:
+        words = f"is not computed with the reference's parameters: {', '.join(differing)}"
+        return [Finding(figure, "parameters", 0, words)]
+    findings = [*_outcomes(reference, built), *_numbers(reference, built)]
+    if "time" in reference.dims:
+        findings += _courses(reference, built)
+    return [Finding(figure, *each) for each in findings]
+
+
+_Found = tuple[str, int, str]
+
+
+def _values(dataset: "xr.Dataset", name: str) -> NDArray[Any]:
+    return np.atleast_1d(dataset[name].values).ravel()
+
+
+def _regular(reference: "xr.Dataset") -> NDArray[np.bool_]:
+    """Points on which the reference is to be relied: no neighbour ends elsewhere, and no chance."""
+    chance = _values(reference, "reason") == Reason.CHAOTIC
+    return (_values(reference, "sensitive") == 0) & ~chance
+
+
+def _outcomes(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
+    regular = _regular(reference)
+    for name in ("outcome", "reason"):
+        flipped = regular & (_values(reference, name) != _values(built, name))
+        if flipped.any():
+            where = _place(reference, flipped)
+            yield name, int(flipped.sum()), f"differs at points that are not sensitive, as {where}"
+    fresh = regular & (_values(built, "sensitive") != 0)
+    allowed = max(2, int(NEW_SENSITIVE_SHARE * regular.size))
+    if fresh.sum() > allowed:
+        words = f"is set at {fresh.sum()} more points than in the reference, {allowed} are allowed"
+        yield "sensitive", int(fresh.sum()), words
+
+
+def _tolerance(name: str, reference: "xr.Dataset") -> NDArray[np.float64]:
+    """Largest difference allowed at every point."""
+    error = _values(reference, "tau_error").astype(np.float64)
+    outcome = _values(reference, "outcome")
+    own = MARGIN * np.where(np.isfinite(error), error, UNKNOWN_ERROR)
+    if name == "tilt_max":
+        return np.fmax(MARGIN * error, TILT_SAMPLED)
+    if name == "contact_force_max":
+        return FORCE_SAMPLED * np.maximum(1.0, np.abs(_values(reference, name)))
+    if name == "sticking_share":
+        ends = [outcome == Outcome.ALIGNED, outcome == Outcome.HORIZON_REACHED]
+        return np.select(ends, [own + 1e-8, SHARE_AT_HORIZON], SHARE_SETTLED)
+    return own
+
+
+def _numbers(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
+    same_end = _regular(reference) & (_values(reference, "outcome") == _values(built, "outcome"))
+    for name in _NUMBERS:
+        old, new = (_values(each, name).astype(np.float64) for each in (reference, built))
+        distance, allowed = np.abs(new - old), _tolerance(name, reference)
+        one_sided = np.isnan(old) != np.isnan(new)
+        wrong = same_end & (one_sided | (distance > allowed))
+        if wrong.any():
+            excess = np.where(wrong, np.where(one_sided, np.inf, distance / allowed), -1.0)
+            worst = int(np.argmax(excess))
+            where = _place(reference, np.arange(wrong.size) == worst)
+            became = f"{old[worst]:.9g} became {new[worst]:.9g} ({allowed[worst]:.1e} allowed)"
+            yield name, int(wrong.sum()), f"{became} at {where}"
+    aligned = same_end & (_values(reference, "outcome") == 0)
+    counted = aligned & (_values(reference, "separations") != _values(built, "separations"))
+    if counted.any():
+        yield "separations", int(counted.sum()), f"differ at {_place(reference, counted)}"
+
+
+def _courses(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
+    old, new = common_points(reference, built)
+    for name in _COURSES:
+        extent = float(np.ptp(reference[name].values)) or 1.0
+        change = change_of(old[name], new[name], "")
+        if change.largest > COURSE * extent:
+            moment = change.at.get("time", float("nan"))
+            yield name, change.differing, f"differs by {change.largest:.2e} at τ = {moment:.4g}"
+
+
+def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
+    """The first True point of ``mask`` by its coordinates."""
+    variable = dataset["outcome"]
+    place = np.unravel_index(int(np.argmax(mask)), variable.shape) if variable.shape else ()
+    named = zip(variable.dims, place, strict=True)
+    return ", ".join(f"{name} = {dataset[name].values[i]:g}" for name, i in named) or "the run"
+
+
+def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Finding]:
+    """What the results in ``root`` have that the reference does not allow: data, then claims.
+
+    Raises:
+        TrackingError: a dataset that cannot be read.
+    """
+    findings = []
+    for figure in figures:
+        accepted, built = reference / f"{figure}.nc", root / "data" / f"{figure}.nc"
+        if not accepted.is_file():
+            words = f"has no reference: vibralign accept --figure {figure} --reason ..."
+            findings.append(Finding(figure, "dataset", 0, words))
+        elif not built.is_file():
+            findings.append(Finding(figure, "dataset", 0, f"{built} is missing: build it"))
+        else:
+            findings += compare_with_reference(open_dataset(accepted), open_dataset(built))
+    if (reference / CLAIMS).is_file():
+        findings += _claims(reference / CLAIMS, root / CLAIMS)
+    return findings
+
+
+def _claims(accepted: Path, built: Path) -> list[Finding]:
+    if not built.is_file():
+        return [Finding(CLAIMS, "verdict", 0, f"{built} is missing: build it")]
+    before, after = verdicts(accepted), verdicts(built)
+    return [
+        Finding(CLAIMS, claim, 1, f"{before.get(claim)} became {after.get(claim)}")
+        for claim in sorted(set(before) | set(after))
+        if before.get(claim) != after.get(claim)
+    ]
+
+
+# --- Accepting ----------------------------------------------------------------------------------
+
+
+def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> list[str]:
+    """Take what stands in ``root`` as the reference from now on; what was accepted, in words.
+
+    Args:
+        root: the results root of the build, the small study's.
+        reference: the folder of the reference.
+        what: figures, and "claims" for the verdicts.
+        reason: why it is right that they changed; kept in the log beside the numbers.
+
+    Raises:
+        NotAcceptedError: no reason, or nothing built that could be accepted.
+        TrackingError: a dataset that cannot be read.
+    """
+    if len(reason.split()) < 2:
+        raise NotAcceptedError(f"--reason {reason!r}: say in a few words why it is right")
+    sources = [_sources(root, name) for name in what]
+    rows, words = [], []
+    for name, files in zip(what, sources, strict=True):
+        changes = _changes(files[0], reference / files[0].name, name)
+        stated = {
+            "date": datetime.now(UTC).date().isoformat(),
+            "what": name,
+            "reason": reason,
+            "commit": git_state().get("commit"),
+        }
+        rows += [{**stated, **change} for change in changes]
+        words.append(f"{name}: {len(changes)} lines in {LOG}")
+        for file in files:
+            with whole_file(reference / file.name) as part:
+                shutil.copyfile(file, part)
+    _append(reference / LOG, rows)
+    return words
+
+
+def _sources(root: Path, name: str) -> list[Path]:
+    """The files to keep: a figure's dataset first, if it has one, and its picture."""
+    if name == "claims":
+        files = [root / CLAIMS]
+    else:
+        files = [root / "figures" / f"{name}.png"]
+        if name in COMPUTED:
+            files.insert(0, root / "data" / f"{name}.nc")
+    for file in files:
+        if not file.is_file():
+            raise NotAcceptedError(f"{file} is missing: build the study that is to be accepted")
+    return files
+
+
+def _changes(built: Path, accepted: Path, name: str) -> list[dict[str, Any]]:
+    """One line of the log for everything that changed; one line that says so for the first time."""
+    if not accepted.is_file():
+        return [{"variable": "(first)"}]
+    if name == "claims":
+        before, after = verdicts(accepted), verdicts(built)
+        return [
+            {"variable": claim, "before": before.get(claim), "after": after.get(claim)}
+            for claim in sorted(set(before) | set(after))
+            if before.get(claim) != after.get(claim)
+        ]
+    if name in SCHEMATICS:
+        same = accepted.read_bytes() == built.read_bytes()
+        return [] if same else [{"variable": "picture"}]
+    old, new = open_dataset(accepted), open_dataset(built)
+    if old["outcome"].dims != new["outcome"].dims:
+        return [{"variable": "(another grid)"}]
+    old, new = common_points(old, new)
+    changes = [change_of(old[each], new[each], name) for each in map(str, new) if each in old]
+    return [_log_line(change) for change in changes if change.differing]
+
+
+def _log_line(change: Change) -> dict[str, Any]:
+    return {
+        "variable": change.variable,
+        "points": change.points,
+        "differing": change.differing,
+        "largest": f"{change.largest:.3g}",
+        "at": " ".join(f"{name}={value:g}" for name, value in change.at.items()),
+        "before": f"{change.before:.9g}",
+        "after": f"{change.after:.9g}",
+        "appeared": change.appeared,
+        "vanished": change.vanished,
+    }
+
+
+def _append(log: Path, rows: Sequence[dict[str, Any]]) -> None:
+    header, *lines = csv_text(LOG_COLUMNS, rows).splitlines(keepends=True)
+    before = log.read_text(encoding="utf-8") if log.is_file() else header
+    write_text(before + "".join(lines), log)

@@ -1,0 +1,59 @@
+"""``vibralign claims``: the ledger of what is on disk."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from model.cli import main as cli
+from model.study.claims import CLAIMS
+from model.study.datasets import write_dataset
+from tests.study.claims_data import Course, curves, falling
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results with two figures, and one of the ledger's own runs."""
+    folder = tmp_path_factory.mktemp("results")
+    for name, dataset in {**curves("fig06", falling), **Course().datasets}.items():
+        write_dataset(dataset.assign_attrs(sweep="0"), folder / f"data/{name}.nc")
+    own = curves("rubbing")["rubbing"].assign_attrs(sweep="0")
+    write_dataset(own, folder / "data/claims/rubbing.nc")
+    return folder
+
+
+def test_every_claim_has_a_line_and_the_last_counts(root: Path, capsys) -> None:
+    assert cli.main(["claims", "--root", str(root)]) == cli.DONE
+    head, *lines, last = capsys.readouterr().out.splitlines()
+    assert head.split()[:3] == ["claim", "verdict", "number"]
+    assert [line.split()[0] for line in lines] == [claim.id for claim in CLAIMS]
+    verdicts = {line.split()[0]: line.split()[1] for line in lines}
+    assert verdicts["F6d"] == verdicts["F5a"] == "reproduced"
+    assert verdicts["F8f"] == "contradicted"
+    assert verdicts["F13"] == "not"
+    numbers = dict(each.rsplit(" ", 1) for each in last.split(", "))
+    assert list(numbers) == ["reproduced", "mixed", "contradicted", "not checkable"]
+    assert sum(map(int, numbers.values())) == len(CLAIMS)
+
+
+def test_the_ledger_as_json_holds_everything(root: Path, capsys) -> None:
+    assert cli.main(["claims", "--root", str(root), "--json"]) == cli.DONE
+    found = json.loads(capsys.readouterr().out)
+    assert [each["claim"] for each in found] == [claim.id for claim in CLAIMS]
+    (line,) = [each for each in found if each["claim"] == "F6d"]
+    assert line["seen"] == "k_φ = 5: -1; k_φ = 7: -1"
+    assert line["reason"]
+
+
+def test_a_folder_without_data_is_refused(tmp_path: Path, capsys) -> None:
+    assert cli.main(["claims", "--root", str(tmp_path)]) == cli.REFUSED
+    message = capsys.readouterr().err
+    assert str(tmp_path) in message
+    assert message.count("\n") == 1
+
+
+def test_a_damaged_dataset_is_named(tmp_path: Path, capsys) -> None:
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data/fig06.nc").write_bytes(b"CDF")
+    assert cli.main(["claims", "--root", str(tmp_path)]) == cli.REFUSED
+    assert "fig06.nc: cannot be read as netCDF" in capsys.readouterr().err

@@ -1,0 +1,387 @@
+"""``vibralign``: what it prints, what it refuses, and how it ends."""
+
+import builtins
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from dataclasses import asdict
+
+import pytest
+from matplotlib.figure import Figure
+
+from model.cli import main as cli
+from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
+from model.physics.parameters import FIELDS, PARAMETER_NAMES
+from model.physics.readings import READING_NAMES, Readings
+from model.runs.simulate import simulate
+from model.study.config import baseline, load_study, study_path
+
+ALIGNING = ["simulate", "--set", "press_force=2", "--set", "tilt_stiffness=10"]
+OVERTURNING = ["simulate", "--set", "press_force=9", "--set", "tilt_stiffness=2"]
+
+
+@pytest.fixture(scope="module")
+def settings():
+    return load_study(study_path()).settings.settings
+
+
+@pytest.fixture(scope="module")
+def aligning(settings):
+    return simulate(baseline().replace(press_force=2.0, tilt_stiffness=10.0), settings)
+
+
+def refused(capsys, *arguments: str) -> str:
+    """The one line that a refusal prints."""
+    assert cli.main(["simulate", *arguments]) == cli.REFUSED
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith("vibralign")
+    return err
+
+
+def printed(text: str) -> dict[str, str]:
+    """The lines of the report, by their first word or words."""
+    lines = [line for line in text.splitlines() if not line.startswith("note")]
+    return {line[:20].strip(): line[20:].strip() for line in lines}
+
+
+# --- What a run prints --------------------------------------------------------------------------
+
+
+def test_an_aligned_run_prints_its_moment_error_state_and_cost(capsys, aligning):
+    assert cli.main(ALIGNING) == cli.DONE
+    lines = printed(capsys.readouterr().out)
+    assert lines["outcome"] == f"aligned: {OUTCOME_TEXT[Outcome.ALIGNED]}"
+    value, error = (float(each) for each in lines["tau_align"].split(" ± "))
+    assert value == pytest.approx(aligning.tau_align, abs=error)
+    assert float(lines["tau_error"]) == pytest.approx(aligning.tau_error, rel=0.01)
+    assert float(lines["tau_corners_inside"]) == pytest.approx(aligning.tau_corners_inside)
+    for name, value in zip(
+        ("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate"), aligning.state[-1], strict=True
+    ):
+        assert float(lines[name]) == pytest.approx(value, rel=1e-8)
+    assert lines["rhs_evaluations"].startswith(f"{aligning.rhs_evaluations} ")
+    assert lines["separations"].startswith(f"{aligning.separations} ")
+    assert float(lines["sticking_share"].split()[0]) == pytest.approx(
+        100 * aligning.sticking_share, rel=0.01
+    )
+
+
+def test_a_run_that_does_not_align_says_why_and_what_to_do(capsys):
+    assert cli.main(OVERTURNING) == cli.DONE
+    lines = printed(capsys.readouterr().out)
+    assert lines["outcome"].startswith("left_scene: ")
+    assert "90 degrees" in lines["outcome"]
+    assert lines["what to do"] == remedy(Outcome.LEFT_SCENE, Reason.OVERTURNED)
+    assert lines["tau_align"] == "none: it does not align"
+
+
+def test_json_holds_all_of_it(capsys, aligning, settings):
+    assert cli.main([*ALIGNING, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["outcome"] == "aligned"
+    assert record["tau_align"] == aligning.tau_align
+    assert record["tau_error"] == aligning.tau_error
+    assert list(record["final_state"].values()) == aligning.state[-1].tolist()
+    assert record["parameters"] == asdict(aligning.parameters)
+    assert record["readings"] == asdict(settings.readings)
+    assert record["horizon"] == settings.horizon
+    assert record["tolerance"] == settings.tolerance
+    assert record["rhs_evaluations"] == aligning.rhs_evaluations
+    assert record["sensitive"] is False
+
+
+def test_json_has_null_for_what_there_is_not(capsys):
+    def no_constants(text):
+        raise AssertionError(f"{text} is not JSON")
+
+    assert cli.main([*OVERTURNING, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out, parse_constant=no_constants)
+    assert record["tau_align"] is None
+    assert record["tau_error"] is None
+    assert record["reason"] == "overturned"
+    assert record["remedy"] == remedy(Outcome.LEFT_SCENE, Reason.OVERTURNED)
+
+
+@pytest.mark.parametrize("name", PARAMETER_NAMES)
+def test_every_parameter_can_be_set_by_its_name(capsys, name):
+    value = {"misalignment": 0.3, "rest_x": 0.25, "rest_y": 4.0}.get(name)
+    value = 1.01 * getattr(baseline(), name) + 0.001 if value is None else value
+    assert cli.main(["simulate", "--set", f"{name}={value!r}", "--horizon=0.1", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["parameters"] == asdict(baseline().replace(**{name: value}))
+
+
+def test_a_spring_can_be_relaxed_where_the_part_starts(capsys):
+    assert cli.main(["simulate", "--set", "rest_x=None", "--horizon", "0.1", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["parameters"]["rest_x"] is None
+
+
+def test_horizon_and_tolerance_are_used(capsys):
+    given = ["simulate", "--horizon", "0.5", "--tolerance", "1e-7", "--json"]
+    assert cli.main(given) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["outcome"] == "horizon_reached"
+    assert (record["horizon"], record["tolerance"]) == (0.5, 1e-7)
+    assert record["final_time"] == pytest.approx(0.5)
+
+
+def test_a_switch_overrides_the_preset(capsys):
+    given = ["--readings", "printed", "--reading", "preload=consistent", "--horizon", "0.1"]
+    cli.main(["simulate", *given, "--json"])
+    readings = json.loads(capsys.readouterr().out)["readings"]
+    assert readings.pop("preload") == "consistent"
+    assert set(readings.values()) == {"printed"}
+
+
+def test_a_failed_run_has_its_own_exit_code(capsys, monkeypatch, aligning):
+    broken = type(aligning)(**{**vars(aligning), "outcome": Outcome.FAILED, "tau_align": math.nan})
+    monkeypatch.setattr(cli, "simulate", lambda *_: broken)
+    assert cli.main(["simulate"]) == cli.FAILED
+    lines = printed(capsys.readouterr().out)
+    assert lines["outcome"].startswith("failed: ")
+    assert lines["what to do"] == remedy(Outcome.FAILED, aligning.reason)
+
+
+def test_a_sensitive_run_says_so(capsys, monkeypatch, aligning):
+    shaky = type(aligning)(**{**vars(aligning), "sensitive": True})
+    monkeypatch.setattr(cli, "simulate", lambda *_: shaky)
+    cli.main(["simulate"])
+    assert "note: sensitive" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (5.7506138661, 4.71e-9, "5.750613866 ± 5e-09"),
+        (5.7506138661, 0.02, "5.75 ± 0.02"),
+        (5.75, 3.0, "6 ± 3"),
+        (5.75, 0.0, "5.7500000000000 ± 0"),
+        (5.75, math.nan, "5.75 (error unknown)"),
+    ],
+)
+def test_digits_end_where_the_error_begins(value, error, text):
+    assert cli._within(value, error) == text
+
+
+# --- What is refused ----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def nothing_runs(monkeypatch):
+    def forbidden(*_arguments):
+        raise AssertionError("computed before everything was checked")
+
+    monkeypatch.setattr(cli, "simulate", forbidden)
+
+
+@pytest.mark.usefixtures("nothing_runs")
+class TestRefusals:
+    def test_an_unknown_parameter_with_the_nearest_and_all_valid_ones(self, capsys):
+        line = refused(capsys, "--set", "pres_force=2")
+        assert "unknown parameter 'pres_force'. Did you mean 'press_force'?" in line
+        assert all(name in line for name in PARAMETER_NAMES)
+
+    @pytest.mark.parametrize(
+        ("given", "named"),
+        [
+            ("press_force=strong", ["press_force", "'strong'", "finite number"]),
+            ("press_force=nan", ["press_force", "nan", "finite number"]),
+            ("press_force=1e999", ["press_force", "inf", "finite number"]),
+            ("press_force=2,5", ["press_force", "'2,5'", "finite number"]),
+            ("press_force=", ["press_force", "''", "finite number"]),
+            ("press_force=None", ["press_force", "'None'", "finite number"]),
+            ("inertia=-1", ["inertia", "-1.0", "> 0"]),
+            ("friction=-0.1", ["friction", "-0.1", ">= 0"]),
+            ("misalignment=9", ["misalignment", "9.0", "beside the slot"]),
+            ("press_force", ["press_force", "NAME=VALUE"]),
+        ],
+    )
+    def test_an_impossible_value_with_its_rule(self, capsys, given, named):
+        line = refused(capsys, "--set", given)
+        assert all(part in line for part in named)
+
+    def test_a_parameter_given_twice(self, capsys):
+        line = refused(capsys, "--set", "friction=0.1", "--set", "friction=0.2")
+        assert "friction" in line
+        assert "twice" in line
+
+    def test_an_unknown_reading_with_the_valid_ones(self, capsys):
+        line = refused(capsys, "--reading", "friction=printed")
+        assert all(name in line for name in ("'friction'", *READING_NAMES))
+
+    def test_an_unknown_value_of_a_reading_with_the_valid_ones(self, capsys):
+        line = refused(capsys, "--reading", "friction_law=tanh")
+        assert all(part in line for part in ("friction_law", "'tanh'", "consistent", "printed"))
+
+    def test_an_unknown_preset_with_the_valid_ones(self, capsys):
+        line = refused(capsys, "--readings", "mended")
+        assert all(part in line for part in ("mended", "consistent", "printed"))
+
+    @pytest.mark.parametrize(
+        ("option", "value", "rule"),
+        [
+            ("--horizon", "0", "> 0"),
+            ("--horizon", "soon", "must be a number"),
+            ("--horizon", "inf", "> 0"),
+            ("--tolerance", "1", "between 1e-14 and 1e-2"),
+            ("--tolerance", "nan", "between 1e-14 and 1e-2"),
+        ],
+    )
+    def test_an_impossible_setting_with_its_rule(self, capsys, option, value, rule):
+        line = refused(capsys, option, value)
+        assert option.lstrip("-") in line
+        assert value in line
+        assert rule in line
+
+    def test_a_picture_of_an_unknown_kind_with_the_valid_ones(self, capsys, tmp_path):
+        line = refused(capsys, "--plot", str(tmp_path / "run.docx"))
+        assert "run.docx" in line
+        assert ".png" in line
+        assert ".svg" in line
+
+    def test_a_picture_in_a_folder_that_is_not_there(self, capsys, tmp_path):
+        line = refused(capsys, "--plot", str(tmp_path / "nowhere" / "run.png"))
+        assert "nowhere does not exist" in line
+
+    def test_a_picture_that_is_a_folder(self, capsys, tmp_path):
+        (tmp_path / "run.png").mkdir()
+        assert "is a folder" in refused(capsys, "--plot", str(tmp_path / "run.png"))
+
+    def test_a_picture_in_a_folder_that_cannot_be_written(self, capsys, tmp_path, monkeypatch):
+        # Not by chmod: root, whom containers run as, may write everywhere.
+        monkeypatch.setattr(os, "access", lambda *_: False)
+        assert "permission denied" in refused(capsys, "--plot", str(tmp_path / "run.png"))
+
+    def test_a_plot_without_matplotlib_names_the_extra(self, capsys, tmp_path, monkeypatch):
+        really = builtins.__import__
+
+        def without(name, *rest):
+            if name.partition(".")[0] == "matplotlib":
+                raise ImportError(name)
+            return really(name, *rest)
+
+        monkeypatch.setattr(builtins, "__import__", without)
+        assert "vibralign[plot]" in refused(capsys, "--plot", str(tmp_path / "run.png"))
+
+    def test_an_unknown_option(self, capsys):
+        assert "--press-force" in refused(capsys, "--press-force", "2")
+
+    def test_no_command(self, capsys):
+        assert cli.main([]) == cli.REFUSED
+        assert "command" in capsys.readouterr().err
+
+
+def test_an_interruption_ends_without_a_traceback(capsys, monkeypatch):
+    def interrupted(*_arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "simulate", interrupted)
+    assert cli.main(["simulate"]) == cli.INTERRUPTED
+    assert capsys.readouterr().err == "vibralign: interrupted\n"
+
+
+# --- Pictures, help, version --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("suffix", "head"), [("png", b"\x89PNG"), ("svg", b"<?xml")])
+def test_plot_writes_a_picture(capsys, tmp_path, suffix, head):
+    path = tmp_path / f"run.{suffix}"
+    assert cli.main([*ALIGNING, "--plot", str(path)]) == cli.DONE
+    assert path.read_bytes().startswith(head)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_picture_that_cannot_be_written_after_all_is_one_line(capsys, tmp_path, monkeypatch):
+    def full(*_arguments, **_options):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(Figure, "savefig", full)
+    assert cli.main([*ALIGNING, "--plot", str(tmp_path / "run.png")]) == cli.FAILED
+    out, err = capsys.readouterr()
+    assert out.startswith("outcome")  # the run is not lost
+    assert "no space left" in err
+    assert err.count("\n") == 1
+
+
+def test_help_lists_every_parameter_with_symbol_baseline_and_meaning(capsys):
+    assert cli.main(["simulate", "--help"]) == cli.DONE
+    rows = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if line.strip()}
+    for name, field in FIELDS.items():
+        value = getattr(baseline(), name)
+        shown = f"as {field.derived}" if value is None else f"{value:g}"
+        assert field.symbol in rows[name]
+        assert field.description in rows[name]
+        assert re.search(rf" {re.escape(shown)} ", rows[name]), name
+
+
+def test_version(capsys):
+    assert cli.main(["--version"]) == cli.DONE
+    assert capsys.readouterr().out.startswith("vibralign ")
+
+
+def test_the_study_and_the_command_line_start_from_the_same(capsys, settings):
+    cli.main(["simulate", "--horizon", "0.1", "--json"])
+    record = json.loads(capsys.readouterr().out)
+    assert record["parameters"] == asdict(baseline())
+    assert record["readings"] == asdict(settings.readings) == asdict(Readings())
+
+
+def test_as_a_command():
+    command = [sys.executable, "-m", "model.cli.main"]
+    done = subprocess.run([*command, *ALIGNING], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("outcome             aligned")
+    bad = subprocess.run(
+        [*command, "simulate", "--set", "mass=-1"], capture_output=True, text=True, check=False
+    )
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert "unknown parameter 'mass'" in bad.stderr
+    assert "Traceback" not in bad.stderr
+    # Plotting and datasets are slow to import, and need not be installed for this.
+    code = (
+        "import sys; from model.cli import main as cli; cli.main(['simulate', '--horizon', '0.1']);"
+        "sys.exit(any(name in sys.modules for name in ('matplotlib', 'xarray', 'jinja2')))"
+    )
+    lean = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert lean.returncode == 0
+
+
+# --- A device in SI units -----------------------------------------------------------------------
+
+PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
+
+
+def test_a_device_file_gives_results_in_si_units(capsys):
+    assert cli.main(["simulate", "--device", PEG, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    si = record["si"]
+    assert si["time_unit_s"] == pytest.approx(math.sqrt(0.3 / 3000.0))
+    assert si["alignment_time_s"] == pytest.approx(record["tau_align"] * si["time_unit_s"])
+    assert si["contact_force_max_N"] == pytest.approx(record["contact_force_max"] * 3.0)
+    assert cli.main(["simulate", "--device", PEG]) == cli.DONE
+    said = capsys.readouterr().out
+    time = re.search(r"alignment time +(\S+) ± \S+ s\n", said)
+    assert float(time[1]) == pytest.approx(si["alignment_time_s"], abs=1e-9)
+    assert "contact force     20 N at most" in said
+
+
+def test_with_a_device_what_is_set_is_in_si_units(capsys):
+    changes = ["--set", "press_force=40", "--horizon", "1"]
+    assert cli.main(["simulate", "--device", PEG, *changes, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["parameters"]["press_force"] == pytest.approx(40.0 / 3.0)
+    assert record["outcome"] == "horizon_reached"
+    assert record["si"]["alignment_time_s"] is None
+
+
+def test_a_device_that_breaks_a_rule_is_refused_in_its_own_units(capsys):
+    assert "half_width = -0.005: must be" in refused(
+        capsys, "--device", PEG, "--set", "half_width=-0.005"
+    )
+    assert "unknown quantity of a device 'nu'" in refused(capsys, "--device", PEG, "--set", "nu=1")
+    assert "cannot be read" in refused(capsys, "--device", "nowhere.yaml")

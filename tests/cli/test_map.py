@@ -1,0 +1,147 @@
+"""``vibralign map``: what it writes, what it refuses before it computes, and its bar."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from model.cli import main as cli
+from model.cli import map as map_commands
+from model.events.outcomes import Outcome
+from model.runs.settings import Settings
+from model.runs.simulate import simulate
+from model.study import maps, starts
+from model.study.config import baseline
+from model.study.devices import load_device
+from model.study.map_datasets import MAP_VARIABLES
+
+PLANE = ["--x", "tilt_stiffness", "6", "20", "--y", "press_force", "1", "5"]
+SMALL = ["--resolution", "4", "--horizon", "30", "--tolerance", "1e-7"]
+
+
+def run(folder, *arguments: str) -> int:
+    return cli.main(["map", *PLANE, *SMALL, "--out", str(folder / "map.nc"), *arguments])
+
+
+def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
+    picture = tmp_path / "map.png"
+    assert run(tmp_path, "--plot", str(picture), "--set", "friction=0.05") == cli.DONE
+    out, err = capsys.readouterr()
+    assert err == ""  # no bar where nobody looks
+    assert {line.split()[0] for line in out.splitlines()} == {
+        "aligns", "reliable", "flagged", "computed", "trajectories",
+    }  # fmt: skip
+    with xr.open_dataset(tmp_path / "map.nc") as stored:
+        assert set(stored) == set(MAP_VARIABLES)
+        assert stored["friction"] == 0.05
+        assert stored["inertia"] == baseline().inertia
+        assert stored["tilt_stiffness"].values.tolist() == [6.0, 9.5, 13.0, 16.5, 20.0]
+        assert stored.attrs["horizon"] == 30.0
+        assert len(stored.attrs["ensemble_phases"]) >= 16
+        assert stored.attrs["ensemble_resolution"] == 4  # a coarse map tries them at every node
+        assert np.isin(stored["outcome"], range(5)).all()
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+SI_PLANE = ["--device", PEG, "--x", "tilt_stiffness", "0.4", "0.8", "--y", "frequency", "10", "60"]
+
+
+def test_a_device_in_si_units_gets_a_map_in_si_units(tmp_path):
+    picture = tmp_path / "map.svg"
+    assert run(tmp_path, *SI_PLANE, "--plot", str(picture)) == cli.DONE
+    with xr.open_dataset(tmp_path / "map.nc") as stored:
+        np.testing.assert_allclose(stored["tilt_stiffness"], [0.4, 0.5, 0.6, 0.7, 0.8])
+        np.testing.assert_allclose(stored["frequency"], [10.0, 22.5, 35.0, 47.5, 60.0])
+        assert stored["frequency"].attrs["units"] == "Hz"
+        assert stored["tau_align"].attrs["units"] == "s"
+        assert (float(stored["mass"]), stored["mass"].attrs["units"]) == (0.3, "kg")
+        np.testing.assert_allclose(stored["half_width"], 0.005)
+        aligned = stored["outcome"].values == Outcome.ALIGNED
+        assert aligned.any()
+        node = tuple(np.argwhere(aligned)[0])
+        at = {
+            name: float(stored[name][i])
+            for name, i in zip(stored["outcome"].dims, node, strict=True)
+        }
+        units, device = load_device(Path(PEG), at)
+        expected = simulate(device, Settings(horizon=30.0, tolerance=1e-7)).tau_align * units.time
+        np.testing.assert_allclose(stored["tau_align"].values[node], expected, rtol=1e-5)
+    assert "in N m/rad" in picture.read_text()
+
+
+REFUSED = [
+    (
+        ["--device", PEG, "--x", "tilt_stiffness", "-0.1", "1"],
+        "tilt_stiffness = -0.1: must be a finite number >",
+    ),
+    (["--device", "no.yaml"], "no.yaml: cannot be read as YAML"),
+    (["--resolution", "12"], "resolution = 12: must be a power of two, 2 to 8192"),
+    (["--resolution", "1e9"], "resolution = 1e9: must be a power of two"),
+    (["--resolution", "fine"], "resolution = 'fine': must be a power of two"),
+    (["--x", "tilt_stifness", "1", "2"], "Did you mean 'tilt_stiffness'?"),
+    (["--x", "tilt_stiffness", "5", "1"], "--x tilt_stiffness 5 1: must be two finite numbers"),
+    (["--x", "tilt_stiffness", "0", "inf"], "must be two finite numbers, the smaller first"),
+    (["--x", "tilt_stiffness", "a", "1"], "--x tilt_stiffness = 'a': must be a number"),
+    (["--x", "press_force", "1", "2"], "'press_force' is varied twice"),
+    (["--x", "friction", "-1", "2"], "friction = -1.0: must be a finite number >= 0"),
+    (["--y", "misalignment", "0.2", "50"], "misalignment = 50.0: must be smaller than half_width"),
+    (["--set", "inertia=0"], "inertia = 0.0: must be a finite number > 0"),
+    (["--horizon", "0"], "horizon = 0.0: must be a finite number > 0"),
+    (["--out", "map.csv"], "--out map.csv: must end in .nc"),
+    (["--out", "nowhere/map.nc"], "the folder nowhere does not exist"),
+    (["--plot", "map.xyz"], "--plot map.xyz: must end in one of"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), REFUSED)
+def test_bad_input_is_refused_in_one_line_before_anything_is_computed(
+    tmp_path, capsys, monkeypatch, arguments, words
+):
+    def no_runs(*_, **__):
+        raise AssertionError("computed")
+
+    monkeypatch.setattr(maps, "align", no_runs)
+    monkeypatch.setattr(starts, "run_once", no_runs)
+    assert run(tmp_path, *arguments) == cli.REFUSED
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert words in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_map_that_is_interrupted_leaves_the_old_one(tmp_path, capsys, monkeypatch):
+    old = tmp_path / "map.nc"
+    old.write_text("old")
+
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(starts, "run_once", interrupted)
+    assert run(tmp_path) == cli.INTERRUPTED
+    assert "interrupted" in capsys.readouterr().err
+    assert old.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["map.nc"]
+
+
+def test_a_missing_package_is_named(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(map_commands, "_NEEDED", ("xarray", "no_such_package"))
+    assert run(tmp_path) == cli.REFUSED
+    assert "map needs no_such_package, not installed" in capsys.readouterr().err
+
+
+def test_the_bar_shows_at_a_terminal_how_much_of_a_wave_is_left(capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    bar = map_commands._Bar()
+    bar("outcomes", 0, 400)
+    bar("outcomes", 200, 100)
+    bar.close()
+    err = capsys.readouterr().err
+    first, second = (part for part in err.split("\r")[1:3])
+    assert "[........................]" in first
+    assert "[##################......]" in second
+    assert "200 starts computed" in second
+    assert err.endswith("\r\033[K")

@@ -1,0 +1,157 @@
+"""``vibralign runs``, ``show`` and ``diff``: readable in a terminal, complete in JSON."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from model.cli import main as cli
+from model.tracking.index import Invocation
+
+
+@pytest.fixture
+def root(recorded) -> str:
+    """Two invocations: one of them left a failure and another result."""
+    first = recorded.invocation()
+    recorded.merge()
+    first.end("done")
+    second = recorded.invocation()
+    recorded.merge(0.5, parameters={"press_force": 4.0})
+    recorded.fail("plot/fig06", "Traceback …\nValueError: no such colour\n")
+    second.end("failed")
+    return str(recorded.root)
+
+
+def output(capsys, *arguments: str, code: int = cli.DONE) -> str:
+    assert cli.main(list(arguments)) == code
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    return printed.out
+
+
+def refused(capsys, *arguments: str) -> str:
+    assert cli.main(list(arguments)) == cli.REFUSED
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    return printed.err
+
+
+def test_runs_are_listed_with_what_became_of_them(capsys, root) -> None:
+    lines = output(capsys, "runs", "--root", root).splitlines()
+    assert lines[0].split()[:3] == ["started", "run", "status"]
+    assert lines[-1] == "3 runs"
+    assert [line.split()[1:3] for line in lines[1:-1]] == [
+        ["merge/fig06", "done"],
+        ["merge/fig06", "done"],
+        ["plot/fig06", "failed"],
+    ]
+    assert lines[1].endswith("replaced since")
+    assert lines[3].endswith("ValueError: no such colour")
+
+
+def test_runs_are_filtered(capsys, root) -> None:
+    def found(*conditions: str) -> list[str]:
+        printed = output(capsys, "runs", "--root", root, "--json", *conditions)
+        return [run["run"] for run in json.loads(printed)]
+
+    assert found("--figure", "6", "--outcome", "failed") == ["plot/fig06"]
+    assert found("--current") == ["merge/fig06", "plot/fig06"]
+    assert found("--parameter", "press_force=1.5") == ["merge/fig06"] * 2
+    assert found("--figure", "fig07") == found("--until", "2001-01-01T00:00") == []
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--figure", "fig77", "unknown figure 'fig77'"),
+        ("--figure", "15", "unknown figure 'fig15'"),
+        ("--parameter", "pressforce=1", "Did you mean 'press_force'?"),
+        ("--outcome", "don", "Did you mean 'done'?"),
+        ("--since", "yesterday", "must be a date such as 2026-11"),
+    ],
+)
+def test_conditions_that_fit_nothing_are_refused(capsys, root, option, value, message) -> None:
+    assert message in refused(capsys, "runs", "--root", root, option, value)
+
+
+def test_invocations_are_listed(capsys, root) -> None:
+    lines = output(capsys, "runs", "--root", root, "--invocations").splitlines()
+    assert [line.split()[1] for line in lines[1:]] == ["done", "failed"]
+    printed = output(capsys, "runs", "--root", root, "--invocations", "--json")
+    assert [each["outcome"] for each in json.loads(printed)] == ["done", "failed"]
+
+
+def test_invocations_are_filtered_by_outcome_and_date(capsys, root) -> None:
+    def found(*conditions: str) -> list[str]:
+        printed = output(capsys, "runs", "--root", root, "--invocations", "--json", *conditions)
+        return [each["outcome"] for each in json.loads(printed)]
+
+    assert found("--outcome", "failed") == ["failed"]
+    assert found("--since", "2001") == ["done", "failed"]
+    assert found("--until", "2001-01") == []
+    told = refused(capsys, "runs", "--root", root, "--invocations", "--figure", "6")
+    assert "--figure: is a condition on runs" in told
+
+
+def test_an_invocation_that_was_refused_is_listed_and_shown_with_the_reason(
+    capsys, recorded
+) -> None:
+    reason = "the configuration breaks a rule: config: friction = -0.1: must be >= 0"
+    Invocation(recorded.root).pass_by("failed", None, reason)
+    root = str(recorded.root)
+    assert reason in output(capsys, "runs", "--root", root, "--invocations").splitlines()[1]
+    shown = output(capsys, "show", "--root", root, "last")
+    assert f"reason        {reason}" in shown
+    assert "0 runs done" in shown
+    assert json.loads(output(capsys, "show", "--root", root, "last", "--json"))["reason"] == reason
+
+
+def test_a_run_is_shown(capsys, root) -> None:
+    printed = output(capsys, "show", "--root", root, "merge/fig06")
+    assert "press_force  4" in printed
+    assert "varied:\n  tilt_stiffness  5, 7\n  press_force     1 to 2, 2 values" in printed
+    record = json.loads(output(capsys, "show", "--root", root, "merge/fig06", "--json"))
+    assert record["parameters"] == {"press_force": 4.0}
+    failed = output(capsys, "show", "--root", root, "plot/fig06")
+    assert "reason      ValueError: no such colour" in failed
+
+
+def test_an_invocation_is_shown_with_its_failures(capsys, root) -> None:
+    printed = output(capsys, "show", "--root", root, "last")
+    assert "plot/fig06 failed: ValueError: no such colour" in printed
+    assert "logs/plot/fig06.log" in printed
+    assert "1 runs done" in printed
+    assert json.loads(output(capsys, "show", "--root", root, "last", "--json"))["failures"]
+
+
+def test_a_difference_is_shown_and_is_the_exit_code(capsys, root, tmp_path: Path) -> None:
+    runs = json.loads(output(capsys, "runs", "--root", root, "--json"))
+    first, second = (f"merge/fig06@{run['invocation']}" for run in runs[:2])
+    printed = output(capsys, "diff", "--root", root, first, second, code=cli.FAILED)
+    assert "parameters: 3 differ" in printed
+    assert "metrics: the same" in printed
+    row = next(line for line in printed.splitlines() if "tau_align" in line)
+    assert row.split() == ["fig06", "tau_align", "4", "1", "0.5", "tilt_stiffness", "=", "7,",
+                           "press_force", "=", "1", "3", "3.5"]  # fmt: skip
+    found = json.loads(output(capsys, "diff", "--root", root, first, second, "--json", code=1))
+    assert found["data"][0]["at"] == {"tilt_stiffness": 7.0, "press_force": 1.0}
+    assert found["claims"] is None
+    copy = shutil.copytree(root, tmp_path / "copy")
+    assert "data: the same" in output(capsys, "diff", root, str(copy))
+
+
+def test_a_long_section_is_cut_unless_asked_for(capsys, root, recorded, tmp_path: Path) -> None:
+    old = shutil.copytree(root, tmp_path / "old")
+    recorded.merge(0.5, parameters={f"name_{i:02}": float(i) for i in range(30)})
+    short = output(capsys, "diff", str(old), root, code=1)
+    assert "… and 19 more: --all shows them" in short
+    assert "name_29" in output(capsys, "diff", str(old), root, "--all", code=1)
+
+
+def test_what_is_not_recorded_is_refused(capsys, root, tmp_path: Path) -> None:
+    assert "neither a run nor an invocation" in refused(capsys, "show", "--root", root, "merge/x")
+    assert "holds no history" in refused(capsys, "runs", "--root", str(tmp_path))
+    assert "git worktree add" in refused(capsys, "diff", "--root", root, "last", "cccc3333")
+    assert "neither datasets nor sidecars" in refused(capsys, "diff", str(tmp_path), root)

@@ -1,0 +1,137 @@
+"""Switches located inside one step whose dense output is written by hand.
+
+The part hangs high above the base and only the switch OVERTURNED, a limit near π/2 less |φ|, can
+come near zero; φ is chosen so that this function is any polynomial g < 1.5 we like, with roots
+known beforehand.
+"""
+
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from model.engines.scalar.location import NO_SWITCH, NODE_PLACES, first_switch, sample_step
+from model.events.table import OVERTURNED, SAMPLE_SIZE, switching_functions
+from model.physics.notation import State
+from model.physics.scenes import OPEN, START
+
+FREE = START._replace(face=OPEN)
+DEGREE = 7
+# The root of a polynomial with coefficients of order one is known to 1e-15 over its slope there.
+ROUNDING = 1e-14
+
+
+@pytest.fixture(scope="module")
+def locate(device, constants):
+    """(which, θ) for limit - φ = g(θ), g given as a ``numpy.poly1d``."""
+    p = constants(device)
+    upright = np.empty(SAMPLE_SIZE)
+    switching_functions(0.0, State(0.0, 100.0, 0.0, 0.0, 0.0, 0.0), p, FREE, upright)
+    limit = upright[OVERTURNED]
+    assert limit == pytest.approx(0.5 * pi, abs=0.01)
+
+    def make(g, time=0.0, h=1.0):
+        coefficients = g.coeffs[::-1]
+        y = np.array([0.0, 100.0, limit - coefficients[0], 0.0, 0.0, 0.0])
+        dense = np.zeros((6, DEGREE))
+        dense[2, : coefficients.size - 1] = -coefficients[1:] / h
+        count = len(NODE_PLACES)
+        nodes, samples = np.empty((count, 6)), np.empty((count, SAMPLE_SIZE))
+        sample_step(time, h, y, dense, p, FREE, nodes, samples)
+        assert samples[:, OVERTURNED] == pytest.approx(g(NODE_PLACES), abs=1e-15)
+        return first_switch(time, h, y, dense, p, FREE, samples)
+
+    return make
+
+
+def with_roots(*roots, scale=1.0):
+    """scale * Π (θ - root)."""
+    return np.poly1d(roots, r=True) * scale
+
+
+@pytest.mark.parametrize("root", [1e-6, 0.1, 0.25, 0.4999, 0.5, 0.7, 1.0 - 1e-9])
+@pytest.mark.parametrize("other", [1.7, 3.0 + 0j])
+def test_a_single_crossing_is_found(locate, root, other):
+    which, theta = locate(with_roots(root, other.real, scale=0.5))
+    assert which == OVERTURNED
+    assert theta == pytest.approx(root, abs=ROUNDING)
+
+
+def test_no_crossing_is_no_switch(locate):
+    assert locate(with_roots(1.0 + 1e-9, 1.5)) == (-1, NO_SWITCH)
+
+
+@pytest.mark.parametrize("h", [1e-3, 0.2])
+def test_the_fraction_does_not_depend_on_time_and_length(locate, h):
+    _, theta = locate(with_roots(0.3, 1.5), time=7.0, h=h)
+    assert theta == pytest.approx(0.3, abs=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [(0.2, 0.7), (0.55, 0.6), (0.3, 0.31), (0.6, 0.6 + 1e-5), (0.26, 0.49)]
+)
+def test_a_double_crossing_between_two_samples_is_found(locate, first, second):
+    which, theta = locate(with_roots(first, second))
+    assert which == OVERTURNED
+    # The slope at the root is second - first: as much less well determined is it.
+    assert theta == pytest.approx(first, abs=1e-15 / (second - first) + ROUNDING)
+
+
+@pytest.mark.parametrize(("first", "second"), [(0.05, 0.1), (0.9, 0.95)])
+def test_a_double_crossing_beside_an_end_of_the_step_is_found(locate, first, second):
+    which, theta = locate(with_roots(first, second))
+    assert which == OVERTURNED
+    assert theta == pytest.approx(first, abs=1e-12)
+
+
+@pytest.mark.parametrize("lowest", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("where", [0.3, 0.5, 0.62])
+def test_a_graze_that_stays_above_zero_is_no_switch(locate, lowest, where):
+    graze = with_roots(where, where) + lowest
+    assert locate(graze) == (-1, NO_SWITCH)
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("where", [0.3, 0.5, 0.62])
+def test_a_graze_that_goes_below_zero_is_a_switch(locate, depth, where):
+    which, theta = locate(with_roots(where, where) - depth)
+    assert which == OVERTURNED
+    # (θ - w)² = depth at θ = w - √depth, determined to 1e-15 / (2 √depth).
+    assert theta == pytest.approx(where - np.sqrt(depth), abs=1e-14 / np.sqrt(depth) + ROUNDING)
+
+
+def test_a_function_that_starts_on_its_zero_and_rises_does_not_switch_there(locate):
+    assert locate(with_roots(0.0, -1.0, scale=0.5)) == (-1, NO_SWITCH)
+    which, theta = locate(with_roots(0.0, 0.4, scale=-1.0))  # up, and down again at 0.4
+    assert (which, theta) == (OVERTURNED, pytest.approx(0.4, abs=ROUNDING))
+    which, theta = locate(with_roots(0.0, 0.1, scale=-1.0))  # the same within the first sample
+    assert (which, theta) == (OVERTURNED, pytest.approx(0.1, abs=ROUNDING))
+
+
+def test_a_function_that_starts_on_its_zero_and_falls_switches_at_once(locate):
+    which, theta = locate(with_roots(0.0, 2.0))
+    assert (which, theta) == (OVERTURNED, 0.0)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(
+    roots=st.lists(st.floats(0.02, 3.0), min_size=1, max_size=4, unique=True),
+    pair=st.tuples(st.floats(-2.0, 2.0), st.floats(0.5, 2.0)),
+)
+def test_the_first_of_well_separated_roots_is_found(locate, roots, pair):
+    # Roots at least half a sampled interval apart, so that the minimum between two is sampled or
+    # dips toward a sample, times a positive quadratic.
+    apart = sorted(roots)
+    apart = [r for i, r in enumerate(apart) if i == 0 or r - apart[i - 1] > 0.26]
+    real, imaginary = pair
+    g = with_roots(*apart) * np.poly1d([1.0, -2.0 * real, real**2 + imaginary**2])
+    g = g * (np.sign(g(0.0)) / np.abs(g(np.linspace(0.0, 1.0, 201))).max())  # within ±1
+    which, theta = locate(g)
+    if apart[0] < 1.0 - 1e-9:
+        assert which == OVERTURNED
+        slope = abs(g.deriv()(apart[0]))
+        assert theta == pytest.approx(apart[0], abs=1e-14 * (1 + np.abs(g.coeffs).sum()) / slope)
+    elif apart[0] > 1.0:
+        assert which == -1

@@ -1,0 +1,57 @@
+"""Switches that rounding alone makes, at one instant, are passed over; others end the run."""
+
+import numpy as np
+import pytest
+
+from model import Batch, Readings, Reason, Settings, align
+from model.engines.course import _pass_over, begin
+from model.engines.record import EVALUATIONS, STATE, SWITCHES_AT_ONCE, TIME
+from model.engines.scalar.loop import new_single
+from model.physics.notation import STATE_SIZE
+from model.physics.scenes import OPEN, START
+from model.study.fuzz import SETTINGS, draw
+
+
+@pytest.mark.parametrize("number", [1844, 4419, 5677, 7856, 9260])
+@pytest.mark.parametrize("engine", ["scalar", None])
+def test_sets_that_once_chattered_come_on(number, engine):
+    # Hard bases on which rounding of a length is a load, on parts of hardly any inertia; and a part
+    # that is pressed only later, with no load and no force along the face at the start.
+    run = align(draw(2007, number, 1), SETTINGS, engine=engine, cores=1)
+    assert run.reason[0] in (Reason.NONE, Reason.TOO_MANY_EVALUATIONS)
+
+
+@pytest.fixture
+def standing(device):
+    """A run at its start, with a number of switches at once behind it."""
+
+    def make(at_once):
+        settings = Settings(horizon=1.0)
+        declared, method, control = settings.for_kernels
+        runs = new_single(method).runs
+        row = Batch.stack([device]).constants(Readings())[0]
+        begin(row, settings.tolerance, declared, control, runs, 0)
+        runs[0, SWITCHES_AT_ONCE] = at_once
+        return runs
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("at_once", "before", "moment"),
+    [
+        (17, START, 2e-12),
+        (30, START._replace(face=OPEN), 1e-12 * 2.0**14),  # the base does nothing yet
+        (50, START._replace(face=OPEN), 0.0),  # but would by then
+        (62, START, 0.0),  # beyond the horizon
+    ],
+)
+def test_a_moment_passes_if_it_makes_no_difference_which_mode_holds(
+    standing, at_once, before, moment
+):
+    runs = standing(at_once)
+    state = runs[0, STATE : STATE + STATE_SIZE].copy()
+    _pass_over(before, runs, 0)
+    assert runs[0, TIME] == pytest.approx(moment, rel=1e-12)
+    assert np.array_equal(runs[0, STATE : STATE + STATE_SIZE], state) is (moment == 0.0)
+    assert runs[0, EVALUATIONS] < 20

@@ -1,0 +1,240 @@
+"""Fixed steps: the order of each method on smooth stretches and across every kind of switch.
+
+The driver takes equal steps with the solver's own pieces and does at a switch what the integration
+loop does: it repeats the step up to the switch and goes on from there in the next mode.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from model import ALIGNMENT
+from model.engines.scalar.location import NO_SWITCH, NODES, first_switch, sample_step
+from model.engines.scalar.step import (
+    dense_output,
+    error_estimate,
+    interpolate,
+    right_hand_side,
+    state_of,
+    take_step,
+)
+from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE, RK4
+from model.events import table as switching
+from model.events.table import SAMPLE_SIZE, switching_function
+from model.events.transitions import (
+    CONTINUES,
+    decide_friction,
+    hold_sticking,
+    switch,
+    without_residual_slip,
+)
+from model.physics.geometry import resting_height
+from model.physics.scenes import START, Mode
+
+NAMES = {
+    value: name
+    for name, value in vars(switching).items()
+    if name.isupper() and isinstance(value, int) and not name.endswith("_COUNT")
+}
+
+
+class Met(NamedTuple):
+    """A switch: when, which one, the modes before and after it."""
+
+    time: float
+    which: str
+    before: Mode
+    after: Mode
+
+
+class FixedSteps:
+    """A method with everything that its steps need, for one parameter set."""
+
+    def __init__(self, tableau, p):
+        self.method, self.p = tableau.method, p
+        m, degree = tableau.dense.shape
+        self.k, self.end, self.trial = np.empty((m, 6)), np.empty(6), np.empty(6)
+        self.dense = np.empty((6, degree))
+        self.nodes, self.samples = np.empty((NODES, 6)), np.empty((NODES, SAMPLE_SIZE))
+
+    def step(self, time, h, y, mode):
+        take_step(time, h, y, self.p, mode, self.method, self.k, self.end)
+        return self.end.copy()
+
+    def value(self, which, time, y, mode):
+        return switching_function(which, time, state_of(y), self.p, mode)
+
+    def to_switch(self, which, theta, time, h, y, mode):
+        """(length, state): Newton's iteration on whole steps, slope from the dense output."""
+        low, high = max(theta - 1e-3, 0.0), min(theta + 1e-3, 1.0)
+        ends = [np.array(interpolate(at, h, y, self.dense)) for at in (low, high)]
+        values = [
+            self.value(which, time + at * h, end, mode)
+            for at, end in zip((low, high), ends, strict=True)
+        ]
+        slope, length = (values[1] - values[0]) / ((high - low) * h), theta * h
+        for _ in range(4):
+            end = self.step(time, length, y, mode)
+            value = self.value(which, time + length, end, mode)
+            length = min(max(length - value / slope, 0.0), h)
+        return length, self.step(time, length, y, mode)
+
+    def run(self, time, y, mode, until, count):
+        """(state at ``until``, mode, switches met) after ``count`` equal steps."""
+        met, begin, h = [], time, (until - time) / count
+        for i in range(count):
+            stop = begin + (i + 1) * h
+            while time < stop:
+                right_hand_side(time, y, self.p, mode, self.k[0])
+                length, whole = stop - time, self.step(time, stop - time, y, mode)
+                dense_output(
+                    time, length, y, self.p, mode, self.method, self.k, self.trial, self.dense
+                )
+                sample_step(time, length, y, self.dense, self.p, mode, self.nodes, self.samples)
+                which, theta = first_switch(time, length, y, self.dense, self.p, mode, self.samples)
+                if theta == NO_SWITCH:
+                    time, y = stop, whole
+                else:
+                    if theta > 0.0:
+                        length, y = self.to_switch(which, theta, time, length, y, mode)
+                        time += length
+                    q = without_residual_slip(which, state_of(y), self.p, mode)
+                    after, outcome, _ = switch(which, time, q, self.p, mode, ALIGNMENT.declared)
+                    assert len(met) < 1000, met[-3:]
+                    met.append(Met(time, NAMES[which], mode, after))
+                    y, mode = np.array(q), after
+                    if outcome != CONTINUES and NAMES[which] not in ("ALIGNED", "FACE_END"):
+                        return y, mode, met
+                y = np.array(hold_sticking(state_of(y), self.p, mode))
+        return y, mode, met
+
+    def start(self):
+        """State and mode at rest, touching the edge."""
+        y = np.zeros(6)
+        y[0], y[1], y[2] = self.p.misalignment, resting_height(self.p), self.p.initial_tilt
+        return y, decide_friction(0.0, state_of(y), self.p, START, True, True)[0]
+
+
+HOPS = {"frequency": 10.0}
+SLOW = {"frequency": 0.5}
+LANDS = {"press_force": 0.5, "frequency": 1.7, "tilt_stiffness": 46.0, "friction": 0.05}
+
+# What differs from the device, from when to when (the second plus up to 4 % of the length), and the
+# switches in between, each with the support's friction state before and after it.
+STRETCHES = {
+    "sticking": (SLOW, 2.0, 3.0, ()),
+    "lift-off": (HOPS, 0.36, 0.74, (("FACE_LOAD", 1, 1), ("FACE_GAP", 1, 1))),
+    "touch-down": (HOPS, 0.64, 1.13, (("RIGHT_EDGE_ENTERS", 1, 1),)),
+    "slip reversal": (LANDS, 1.3, 2.1, (("SUPPORT_SLIP", 1, -1),)),
+    "slip to stick": (SLOW, 1.3, 2.0, (("SUPPORT_SLIP", 1, 0),)),
+    "stick to slip": (SLOW, 3.9, 4.6, (("SUPPORT_SLIP", 0, -1),)),
+    "side contact begins": (SLOW, 4.5, 5.08, (("LEFT_EDGE_ENTERS", -1, -1),)),
+    "released contact loads again": (
+        SLOW, 5.24, 5.44, (("SIDE_LOAD", 1, 1), ("SIDE_RELOAD", 1, 1)),
+    ),
+    "face ends": (SLOW, 8.0, 8.94, (("FACE_END", -1, -1),)),
+    "aligned in flight": (LANDS, 6.2, 8.46, (("ALIGNED", 1, 1), ("CORNERS_INSIDE", 1, 1))),
+    "corner lands": (
+        LANDS, 4.4, 4.74, (("RIGHT_CORNER_LANDS", 1, 1), ("RIGHT_EDGE_ENTERS", 1, 1)),
+    ),
+    "corner and edge lift off": (
+        LANDS, 4.66, 4.96,
+        (("CORNER_LOAD", 1, 1), ("FACE_LOAD", 1, 1), ("CORNER_GAP", 1, 1), ("FACE_GAP", 1, 1)),
+    ),
+}  # fmt: skip
+each_stretch = pytest.mark.parametrize("stretch", STRETCHES)
+
+
+def kinds(met):
+    return tuple((one.which, one.before.support_slip, one.after.support_slip) for one in met)
+
+
+@pytest.fixture(scope="module")
+def begun(device, constants):
+    """(constants, τ, state, mode) where a stretch begins, from a run at rest."""
+
+    def make(stretch):
+        changes, begin, *_ = STRETCHES[stretch]
+        p = constants(device.replace(**changes))
+        steps = FixedSteps(DOP853, p)
+        y, mode, _ = steps.run(0.0, *steps.start(), begin, math.ceil(begin / 0.01))
+        return p, begin, y, mode
+
+    return make
+
+
+def mean_errors(tableau, stretch, begun, counts, repeats):
+    """Errors of the state and of the switches' times at the end, one for each of ``counts``.
+
+    The geometric mean over ends that differ a little, so that switches fall elsewhere in a step:
+    where one falls in its step changes the error by a factor, but never its order.
+    """
+    p, begin, y, mode = begun
+    _, _, until, expected = STRETCHES[stretch]
+    exact, steps, logs = FixedSteps(DOP853, p), FixedSteps(tableau, p), []
+    for end in until + (until - begin) * np.linspace(0.0, 0.03, repeats):
+        best, _, met = exact.run(begin, y, mode, end, 64)
+        assert kinds(met) == expected
+        row = []
+        for count in counts:
+            state, _, found = steps.run(begin, y, mode, end, count)
+            assert kinds(found) == expected
+            times = [abs(one.time - other.time) for one, other in zip(found, met, strict=True)]
+            row.append(max(np.abs(state - best).max(), *times, 1e-16))
+        logs.append(np.log(row))
+    return np.exp(np.mean(logs, axis=0))
+
+
+def slope(counts, errors):
+    """Exponent of errors ~ counts^-slope, by least squares in logarithms."""
+    return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+
+
+@each_stretch
+@pytest.mark.parametrize(
+    ("tableau", "fewest"), [(RK4, 16), (DORMAND_PRINCE, 8)], ids=["RK4", "Dormand-Prince 5(4)"]
+)
+def test_order_over_five_halvings(begun, stretch, tableau, fewest):
+    counts = fewest * 2 ** np.arange(6)
+    errors = mean_errors(tableau, stretch, begun(stretch), counts, repeats=2)
+    assert errors.min() > 1e-14  # else rounding would be measured
+    assert slope(counts, errors) > 0.95 * tableau.order
+
+
+@each_stretch
+def test_order_of_dop853_down_to_rounding(begun, stretch):
+    # Its errors are proportional to h^8 below about 1e-10, and rounding leaves about 3e-13 of them
+    # where a switch is met at a small slope: two decades, in which h changes by a factor of two.
+    # Five halvings would take twelve. Many sizes and ends make up for it.
+    counts = np.array([6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 18, 20, 22, 24, 26, 28, 32, 36])
+    errors = mean_errors(DOP853, stretch, begun(stretch), counts, repeats=10)
+    asymptotic = (errors < 1e-10) & (errors > 5e-13)
+    assert asymptotic.sum() >= 5
+    assert slope(counts[asymptotic], errors[asymptotic]) > 0.95 * DOP853.order
+
+
+@each_stretch
+@pytest.mark.parametrize(
+    ("tableau", "longest", "halvings"),
+    [(DORMAND_PRINCE, 0.08, 5), (DOP853, 0.045, 2)],  # between pre-asymptotic steps and rounding
+    ids=["Dormand-Prince 5(4)", "DOP853"],
+)
+def test_order_of_the_error_estimate(begun, stretch, tableau, longest, halvings):
+    p, begin, y, mode = begun(stretch)
+    steps, sizes = FixedSteps(tableau, p), longest / 2 ** np.linspace(0.0, halvings, 6)
+    logs, ahead = [], 0.02 * (STRETCHES[stretch][2] - begin)
+    for i in range(8):  # a coefficient of the error may vanish at one state, not at all of them
+        time = begin + i * ahead
+        right_hand_side(time, y, p, mode, steps.k[0])
+        row = []
+        for h in sizes:
+            steps.step(time, h, y, mode)
+            row.append(error_estimate(h, y, steps.end, tableau.method, steps.k, 1.0))
+        logs.append(np.log(row))
+        y, _, met = FixedSteps(DOP853, p).run(time, y, mode, time + ahead, 2)
+        assert not met
+    # A local error of a method of order p is O(h^(p+1)).
+    observed = slope(1.0 / sizes, np.exp(np.mean(logs, axis=0)))
+    assert observed > 0.95 * (tableau.error_order + 1)

@@ -1,0 +1,302 @@
+"""Each switching function: where it is positive, where it is zero, where it does not apply.
+
+States are placed by hand: the part upright unless said otherwise, with the device's a = 1.0476, b =
+4.1057 and slot half-width l = 1.09 a.
+"""
+
+from math import cos, sin
+
+import numpy as np
+import pytest
+
+from model.events import table as switching
+from model.events.table import (
+    NEVER,
+    SAMPLE_SIZE,
+    SWITCH_COUNT,
+    switching_function,
+    switching_functions,
+)
+from model.physics.contacts import contact_load, edge_on_face
+from model.physics.motion import motion
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from model.physics.scenes import (
+    CLOSED,
+    OPEN,
+    RELEASED,
+    SLIP_NEGATIVE,
+    SLIP_POSITIVE,
+    START,
+)
+
+ROUNDING = 1e-13
+FREE = START._replace(face=OPEN)
+ON_CORNER = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
+INDEX = {
+    name: getattr(switching, name)
+    for name in (
+        "ALIGNED", "CORNERS_INSIDE", "RIGHT_EDGE_ENTERS", "LEFT_EDGE_ENTERS", "RIGHT_CORNER_LANDS",
+        "LEFT_CORNER_LANDS", "RIGHT_WALL", "LEFT_WALL", "FACE_LOAD", "FACE_GAP", "FACE_RELOAD",
+        "FACE_END", "FACE_FAR_END", "SIDE_LOAD", "SIDE_GAP", "SIDE_RELOAD", "SIDE_END",
+        "CORNER_LOAD", "CORNER_GAP", "CORNER_RELOAD", "CORNER_END", "SUPPORT_SLIP", "SIDE_SLIP",
+        "OVERTURNED",
+    )
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def p(device, constants):
+    return constants(device)
+
+
+@pytest.fixture(scope="module")
+def sample(p):
+    """{name: value} of all switching functions; ``changes`` alter the upright part at rest."""
+
+    def make(mode, time=0.0, **changes):
+        q = State(0.0, p.half_height + 1.0, 0.0, 0.0, 0.0, 0.0)._replace(**changes)
+        out = np.empty(SAMPLE_SIZE)
+        switching_functions(time, q, p, mode, out)
+        return {name: out[index] for name, index in INDEX.items()}
+
+    return make
+
+
+def applying(sample):
+    return {name for name, value in sample.items() if value != NEVER}
+
+
+def test_every_function_has_its_own_index():
+    assert sorted(INDEX.values()) == list(range(SWITCH_COUNT))
+
+
+# ---------------------------------------------------------------------------- which apply in a mode
+
+FLIGHT = {
+    "ALIGNED", "RIGHT_EDGE_ENTERS", "LEFT_EDGE_ENTERS", "RIGHT_CORNER_LANDS", "LEFT_CORNER_LANDS",
+    "RIGHT_WALL", "LEFT_WALL", "OVERTURNED",
+}  # fmt: skip
+FACE = {"FACE_END", "FACE_FAR_END"}
+
+
+@pytest.mark.parametrize(
+    ("mode", "expected"),
+    [
+        (FREE, FLIGHT),
+        (
+            START,
+            FLIGHT - {"ALIGNED", "RIGHT_EDGE_ENTERS", "RIGHT_WALL"}
+            | FACE | {"FACE_LOAD", "SUPPORT_SLIP"},
+        ),
+        (
+            START._replace(face=RELEASED),
+            FLIGHT - {"ALIGNED", "RIGHT_EDGE_ENTERS", "RIGHT_WALL"}
+            | FACE | {"FACE_GAP", "FACE_RELOAD"},
+        ),
+        (
+            START._replace(edge=LEFT_EDGE),
+            FLIGHT - {"LEFT_EDGE_ENTERS", "LEFT_WALL"} | FACE | {"FACE_LOAD", "SUPPORT_SLIP"},
+        ),
+        (
+            FREE._replace(side=CLOSED),
+            FLIGHT - {"LEFT_EDGE_ENTERS", "LEFT_CORNER_LANDS"}
+            | {"SIDE_LOAD", "SIDE_END", "SIDE_SLIP"},
+        ),
+        (
+            FREE._replace(side=RELEASED),
+            FLIGHT - {"LEFT_EDGE_ENTERS", "LEFT_CORNER_LANDS"}
+            | {"SIDE_GAP", "SIDE_RELOAD", "SIDE_END"},
+        ),
+        (
+            ON_CORNER,
+            FLIGHT - {"RIGHT_CORNER_LANDS", "RIGHT_WALL"}
+            | {"CORNER_LOAD", "CORNER_END", "SUPPORT_SLIP"},
+        ),
+        (FREE._replace(dropped=True), FLIGHT - {"ALIGNED", "RIGHT_WALL"} | {"CORNERS_INSIDE"}),
+    ],
+    ids=["flight", "face", "released", "left face", "side", "side released", "corner", "dropped"],
+)  # fmt: skip
+def test_only_functions_of_the_mode_apply(sample, mode, expected):
+    assert applying(sample(mode)) == expected
+
+
+def test_one_function_alone_is_as_in_the_sample(device, constants, random_states):
+    p, out, compared = constants(device), np.empty(SAMPLE_SIZE), set()
+    released = START._replace(face=RELEASED, side=RELEASED, corner=RELEASED)
+    for mode in (FREE, START, ON_CORNER._replace(side=CLOSED), released):
+        for q in (State(*y) for y in random_states(20)):
+            switching_functions(0.3, q, p, mode, out)
+            for which in np.flatnonzero(out[:SWITCH_COUNT] != NEVER).tolist():
+                alone = switching_function(which, 0.3, q, p, mode)
+                assert alone == pytest.approx(out[which], rel=1e-13, abs=1e-13), which
+                compared.add(which)
+    assert compared == set(range(SWITCH_COUNT)) - {INDEX["CORNERS_INSIDE"]}  # once it has dropped
+
+
+def test_printed_friction_never_switches(device, constants):
+    from model import Readings  # noqa: PLC0415
+
+    out = np.empty(SAMPLE_SIZE)
+    q = State(0.2, device.half_height - 0.01, 0.0, 0.1, 0.0, 0.0)
+    p = constants(device, Readings(friction_law="printed"))
+    switching_functions(0.0, q, p, START._replace(support_slip=SLIP_NEGATIVE), out)
+    assert out[INDEX["SUPPORT_SLIP"]] == NEVER
+
+
+# ---------------------------------------------------------------------------------------- alignment
+
+
+def test_aligned_needs_the_edge_past_the_corner_and_the_other_corner_in_the_slot(p, sample):
+    # Upright over the slot, 0.01 below the plane: slot gap (l - a) on both sides.
+    gap, low = p.slot_half_width - p.half_width, p.half_height - 0.01
+    assert sample(FREE, y=low)["ALIGNED"] == pytest.approx(-0.01, abs=ROUNDING)  # all three hold
+    assert sample(FREE, y=low, x=gap + 0.02)["ALIGNED"] == pytest.approx(0.02, abs=ROUNDING)
+    assert sample(FREE, y=low, x=-gap - 0.03)["ALIGNED"] == pytest.approx(0.03, abs=ROUNDING)
+    assert sample(FREE, y=p.half_height + 0.4)["ALIGNED"] == pytest.approx(0.4, abs=ROUNDING)
+
+
+def test_corners_inside_are_the_papers_four_conditions(p, sample):
+    mode = FREE._replace(dropped=True)
+    gap = p.slot_half_width - p.half_width
+    tilt = 0.02
+    for x, y in [(0.0, p.half_height - 0.1), (gap, p.half_height - 0.1), (0.0, p.half_height)]:
+        corners = [
+            (
+                x + side * p.half_width * cos(tilt) + p.half_height * sin(tilt),
+                y + side * p.half_width * sin(tilt) - p.half_height * cos(tilt),
+            )
+            for side in (1, -1)
+        ]
+        (x1, y1), (x2, y2) = corners
+        expected = max(x1 - p.slot_half_width, -p.slot_half_width - x2, y1, y2)
+        value = sample(mode, x=x, y=y, tilt=tilt)["CORNERS_INSIDE"]
+        assert value == pytest.approx(expected, abs=ROUNDING)
+
+
+# ------------------------------------------------------------------------------ contacts that begin
+
+
+def test_an_edge_enters_through_the_bottom_as_the_face_comes_down(p, sample):
+    for height in (0.3, 0.0, -0.2):
+        s = sample(FREE, x=0.5, y=p.half_height + height)
+        assert s["RIGHT_EDGE_ENTERS"] == pytest.approx(height, abs=ROUNDING)
+
+
+def test_an_edge_beside_the_part_is_outside(p, sample):
+    # Over the slot and 0.3 below the plane A1 stands beyond the right side, by l - a - x.
+    gap = p.slot_half_width - p.half_width
+    s = sample(FREE, x=0.04, y=p.half_height - 0.3)
+    assert s["RIGHT_EDGE_ENTERS"] == pytest.approx(gap - 0.04, abs=ROUNDING)
+    assert s["LEFT_EDGE_ENTERS"] == pytest.approx(gap + 0.04, abs=ROUNDING)
+    # Pushed to the left, A2 enters through the left side.
+    s = sample(FREE, x=-gap - 0.02, y=p.half_height - 0.3)
+    assert s["LEFT_EDGE_ENTERS"] == pytest.approx(-0.02, abs=ROUNDING)
+
+
+@pytest.mark.parametrize(("side", "name"), [(1, "RIGHT"), (-1, "LEFT")])
+def test_a_corner_lands_beside_the_slot_tilted_down_and_coming_down(p, sample, side, name):
+    tilt = -0.05 * side
+    # Where the corner stands 0.02 below the plane, 0.3 beside the slot.
+    x = side * (p.slot_half_width + 0.3) - (
+        side * p.half_width * cos(tilt) + p.half_height * sin(tilt)
+    )
+    y = -0.02 - (side * p.half_width * sin(tilt) - p.half_height * cos(tilt))
+
+    def lands(**changes):
+        pose = {"x": x, "y": y, "tilt": tilt, "y_rate": -1.0}
+        return sample(FREE, **{**pose, **changes})[f"{name}_CORNER_LANDS"]
+
+    assert lands() < 0.0
+    assert lands(y_rate=1.0) > 0.0  # on its way up
+    assert lands(x=x - 0.5 * side) > 0.0  # over the slot
+    assert lands(y=y + 0.03) > 0.0  # above the plane
+    # Tilted the other way about the same corner it is the upper corner of the face.
+    assert lands(tilt=-tilt, x=x + 2 * p.half_height * sin(tilt)) > 0.0
+
+
+@pytest.mark.parametrize(("side", "name"), [(1, "RIGHT"), (-1, "LEFT")])
+def test_a_corner_meets_the_wall_from_inside_when_the_other_is_higher(p, sample, side, name):
+    tilt = 0.05 * side  # its own corner up: it came from inside the slot, not from above
+    x = side * (p.slot_half_width + 0.01) - (
+        side * p.half_width * cos(tilt) + p.half_height * sin(tilt)
+    )
+    y = -0.3 - (side * p.half_width * sin(tilt) - p.half_height * cos(tilt))
+    s = sample(FREE, x=x, y=y, tilt=tilt)
+    assert s[f"{name}_WALL"] == pytest.approx(-0.01, abs=ROUNDING)
+    s = sample(FREE, x=x - 0.03 * side, y=y, tilt=tilt)
+    assert s[f"{name}_WALL"] == pytest.approx(0.02, abs=ROUNDING)
+
+
+# -------------------------------------------------------------------------------- contacts that end
+
+
+def test_load_gap_and_reload_of_the_face(p, sample, random_states):
+    for x, y, tilt, dx, dy, dtilt in random_states(10):
+        q = State(x, y, tilt, dx, dy, dtilt)
+        face = edge_on_face(RIGHT_EDGE, q, p)
+        load = contact_load(face.depth, face.closing_rate, q, p)
+        closed = sample(START, **q._asdict())
+        released = sample(START._replace(face=RELEASED), **q._asdict())
+        assert closed["FACE_LOAD"] == load
+        assert (released["FACE_GAP"], released["FACE_RELOAD"]) == (face.depth, -load)
+
+
+@pytest.mark.parametrize("edge", [RIGHT_EDGE, LEFT_EDGE])
+def test_the_face_ends_toward_the_slot_and_away_from_it(p, sample, edge):
+    # Upright, the edge stands at ±l - x along the face.
+    s = sample(START._replace(edge=edge), x=0.1 * edge, y=p.half_height)
+    assert s["FACE_END"] == pytest.approx(p.half_width - p.slot_half_width + 0.1, abs=ROUNDING)
+    assert s["FACE_FAR_END"] == pytest.approx(p.half_width + p.slot_half_width - 0.1, abs=ROUNDING)
+
+
+def test_the_side_ends_at_the_corners(p, sample):
+    mode = FREE._replace(side=CLOSED)
+    # Upright, A2 stands y below C along the axis: |y| = b at both ends.
+    assert sample(mode, y=p.half_height - 0.2)["SIDE_END"] == pytest.approx(0.2, abs=ROUNDING)
+    assert sample(mode, y=-p.half_height + 0.3)["SIDE_END"] == pytest.approx(0.3, abs=ROUNDING)
+
+
+def test_the_corner_s_contact_ends_over_the_slot(p, sample):
+    x = 0.3 + p.slot_half_width - p.half_width
+    assert sample(ON_CORNER, x=x)["CORNER_END"] == pytest.approx(0.3, abs=ROUNDING)
+
+
+def test_the_corner_s_load_counts_from_where_it_began(p, sample):
+    mode = ON_CORNER._replace(corner_offset=0.01)
+    s = sample(mode, x=1.0, y=p.half_height - 0.03)
+    assert s["CORNER_LOAD"] == pytest.approx(p.contact_stiffness * 0.02, abs=1e-11)
+
+
+# ----------------------------------------------------------------------------------------- friction
+
+
+@pytest.mark.parametrize("sign", [SLIP_NEGATIVE, SLIP_POSITIVE])
+def test_sliding_lasts_while_the_slip_keeps_its_sign(p, sample, sign):
+    mode = START._replace(support_slip=sign)
+    for x_rate in (0.3, -0.3):
+        s = sample(mode, y=p.half_height - 0.01, x_rate=x_rate)
+        assert s["SUPPORT_SLIP"] == pytest.approx(sign * x_rate, abs=ROUNDING)
+
+
+def test_sticking_lasts_while_friction_stays_below_its_limit(p, sample):
+    q = {"x": 0.3, "y": p.half_height - 0.01, "tilt": 0.02}
+    at = motion(0.0, State(**q, x_rate=0.0, y_rate=0.0, tilt_rate=0.0), p, START)
+    margin = sample(START, **q)["SUPPORT_SLIP"]
+    assert margin == pytest.approx(
+        p.friction * at.support_load - abs(at.support_friction), abs=1e-12
+    )
+    assert margin != 0.0
+
+
+def test_overturned_just_below_ninety_degrees_on_both_sides(sample):
+    right, left = (sample(FREE, y=100.0, tilt=tilt)["OVERTURNED"] for tilt in (1.5, -1.5))
+    assert right == left
+    assert 0.0 < right < 0.08
+    assert sample(FREE, y=100.0, tilt=1.58)["OVERTURNED"] < 0.0
+
+
+def test_side_friction_uses_the_side_s_own_slip(p, sample):
+    for y_rate in (0.2, -0.2):
+        mode = FREE._replace(side=CLOSED, side_slip=SLIP_POSITIVE)
+        s = sample(mode, x=-0.1, y=p.half_height - 0.3, y_rate=y_rate)
+        assert s["SIDE_SLIP"] == pytest.approx(y_rate, abs=ROUNDING)

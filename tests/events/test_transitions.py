@@ -1,0 +1,215 @@
+"""What follows a switch: friction states, contacts made and lost, ends of the run."""
+
+from math import atan, cos, sin
+
+import pytest
+
+from model import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Outcome, Reason
+from model.events.table import (
+    FACE_FAR_END,
+    FACE_GAP,
+    FACE_LOAD,
+    FACE_RELOAD,
+    LEFT_EDGE_ENTERS,
+    LEFT_WALL,
+    OVERTURNED,
+    RIGHT_CORNER_LANDS,
+    RIGHT_EDGE_ENTERS,
+    RIGHT_WALL,
+    SUPPORT_SLIP,
+)
+from model.events.transitions import CONTINUES, decide_friction, hold_sticking, switch
+from model.physics.contacts import edge_on_face, edge_on_side
+from model.physics.motion import motion
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from model.physics.scenes import (
+    CLOSED,
+    OPEN,
+    RELEASED,
+    SLIP_NEGATIVE,
+    SLIP_POSITIVE,
+    START,
+    STICKING,
+)
+
+FREE = START._replace(face=OPEN)
+ANY = State(0.3, 5.0, 0.1, 0.0, -0.5, 0.0)
+
+
+@pytest.fixture(scope="module")
+def p(device, constants):
+    return constants(device)
+
+
+def follows(which, q, p, mode, scene=ALIGNMENT):
+    """(mode, outcome, reason) after a switch at τ = 0."""
+    return switch(which, 0.0, q, p, mode, scene.declared)
+
+
+def pressed(p, tilt=0.0, x=0.3, depth=0.02, **rates):
+    """A1 ``depth`` behind the bottom face."""
+    r_x = p.slot_half_width - x
+    y = (p.half_height - depth - r_x * sin(tilt)) / cos(tilt)
+    rest = {"x_rate": 0.0, "y_rate": 0.0, "tilt_rate": 0.0}
+    return State(x, y, tilt, **{**rest, **rates})
+
+
+# ----------------------------------------------------------------------------------------- friction
+
+
+@pytest.mark.parametrize("factor", [0.98, 1.02])
+def test_friction_coefficient_decides_between_sticking_and_sliding(p, factor):
+    # At rest: the ratio |T| / n that sticking needs is a number; μ just above it sticks, just below
+    # it slides.
+    q = pressed(p, tilt=0.05)
+    at = motion(0.0, q, p, START)
+    needed = abs(at.support_friction) / at.support_load
+    rougher = p._replace(friction=needed / factor)
+    mode, possible = decide_friction(0.0, q, rougher, START, True, True)
+    assert possible
+    assert (mode.support_slip == STICKING) == (factor < 1.0)
+    if factor > 1.0:  # against what friction would have to be: the way the part is driven
+        assert mode.support_slip == (SLIP_POSITIVE if at.support_friction < 0.0 else SLIP_NEGATIVE)
+        assert motion(0.0, q, rougher, mode).support_drive * mode.support_slip > 0.0
+
+
+def test_on_a_slope_steeper_than_the_friction_angle_it_slides_down_to_the_slot(p):
+    # Locked tilt, relaxed springs, pushed in as deep as f0 cos φ does: f0 on a slope of φ. Where
+    # tan φ > μ it slides in -e_t.
+    for tilt, expected in [(atan(0.12) + 0.02, SLIP_NEGATIVE), (atan(0.12) - 0.02, STICKING)]:
+        locked = p._replace(inertia=1e12, rest_tilt=tilt, frequency=0.0, rest_x=0.3)
+        q = pressed(locked, tilt=tilt, depth=p.press_force * cos(tilt) / p.contact_stiffness)
+        locked = locked._replace(rest_y=q.y)
+        mode, possible = decide_friction(0.0, q, locked, START, True, True)
+        assert possible
+        assert mode.support_slip == expected
+
+
+@pytest.mark.parametrize("x_rate", [0.2, -0.2])
+def test_a_slipping_contact_keeps_the_sign_of_its_slip(p, x_rate):
+    mode, possible = decide_friction(0.0, pressed(p, x_rate=x_rate), p, START, False, False)
+    assert possible
+    assert mode.support_slip == (SLIP_POSITIVE if x_rate > 0 else SLIP_NEGATIVE)
+
+
+def test_broken_sticking_slips_against_the_friction_that_was_needed(p):
+    q = pressed(p, tilt=0.3)
+    needed = motion(0.0, q, p, START).support_friction
+    mode, outcome, _ = follows(SUPPORT_SLIP, q, p, START)
+    assert outcome == CONTINUES
+    assert mode.support_slip == (SLIP_NEGATIVE if needed > 0.0 else SLIP_POSITIVE)
+
+
+def test_slip_that_comes_to_rest_sticks_where_friction_suffices(p):
+    rough = p._replace(friction=5.0)
+    mode, outcome, _ = follows(
+        SUPPORT_SLIP, pressed(p, tilt=0.05), rough, START._replace(support_slip=SLIP_NEGATIVE)
+    )
+    assert (mode.support_slip, outcome) == (STICKING, CONTINUES)
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_held_sticking_removes_the_slip_by_friction_impulses(p, random_states, both):
+    mode = START._replace(side=CLOSED if both else OPEN)
+    for state in random_states(10):
+        q = State(*state)
+        held = hold_sticking(q, p, mode)
+        assert held[:3] == q[:3]
+        assert edge_on_face(RIGHT_EDGE, held, p).slip == pytest.approx(0.0, abs=1e-13)
+        if both:
+            assert edge_on_side(held, p).slip == pytest.approx(0.0, abs=1e-12)
+        else:  # the change of momentum is along the tangent row of the contact
+            row = edge_on_face(RIGHT_EDGE, q, p).tangent
+            impulse = (held.x_rate - q.x_rate) / row[0]
+            assert held.y_rate - q.y_rate == pytest.approx(impulse * row[1], abs=1e-12)
+            turned = p.inertia * (held.tilt_rate - q.tilt_rate)
+            assert turned == pytest.approx(impulse * row[2], abs=1e-11)
+
+
+def test_nothing_is_held_that_does_not_stick(p):
+    assert hold_sticking(ANY, p, START._replace(support_slip=SLIP_POSITIVE)) == ANY
+    assert hold_sticking(ANY, p, FREE) == ANY
+
+
+# -------------------------------------------------------------------------- contacts made and lost
+
+
+def test_an_edge_that_enters_through_the_bottom_presses(p):
+    mode, outcome, _ = follows(RIGHT_EDGE_ENTERS, pressed(p, depth=0.0, y_rate=-1.0), p, FREE)
+    assert (mode.edge, mode.face, outcome) == (RIGHT_EDGE, CLOSED, CONTINUES)
+
+
+def test_an_edge_that_enters_through_the_left_side_presses_there(p):
+    gap = p.slot_half_width - p.half_width
+    q = State(-gap, p.half_height - 0.3, 0.0, -1.0, 0.0, 0.0)
+    mode, outcome, _ = follows(LEFT_EDGE_ENTERS, q, p, FREE)
+    assert (mode.face, mode.side, outcome) == (OPEN, CLOSED, CONTINUES)
+
+
+def test_an_edge_that_enters_through_another_face_leaves_the_scene(p):
+    gap = p.slot_half_width - p.half_width
+    q = State(gap, p.half_height - 0.3, 0.0, 1.0, 0.0, 0.0)  # A1 through the right side
+    _, outcome, reason = follows(RIGHT_EDGE_ENTERS, q, p, FREE)
+    assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.EDGE_ON_OTHER_FACE)
+
+
+@pytest.mark.parametrize(
+    ("which", "scene"),
+    [
+        (RIGHT_EDGE_ENTERS, SUSPENDED),
+        (LEFT_EDGE_ENTERS, SUSPENDED),
+        (RIGHT_CORNER_LANDS, PRINTED_CONTACTS),
+    ],
+)
+def test_a_contact_that_is_not_declared_leaves_the_scene(p, which, scene):
+    gap = p.slot_half_width - p.half_width
+    q = {
+        RIGHT_EDGE_ENTERS: pressed(p, depth=0.0, y_rate=-1.0),
+        LEFT_EDGE_ENTERS: State(-gap, p.half_height - 0.3, 0.0, -1.0, 0.0, 0.0),
+        RIGHT_CORNER_LANDS: State(1.0, p.half_height, -0.05, 0.0, -1.0, 0.0),
+    }[which]
+    _, outcome, reason = follows(which, q, p, FREE, scene)
+    assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
+    _, outcome, _ = follows(which, q, p, FREE)  # where it is declared the run goes on
+    assert outcome == CONTINUES
+
+
+def test_both_sides_of_the_slot_at_once_leave_the_scene(p):
+    q = State(0.0, p.half_height, 0.0, 0.0, -1.0, 0.0)
+    wide = p._replace(slot_half_width=0.5)  # a part that spans the slot
+    _, outcome, reason = follows(LEFT_EDGE_ENTERS, q, wide, START)
+    assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.BOTH_SIDES)
+
+
+def test_a_lost_load_releases_the_contact_until_the_gap_opens(p):
+    # Leaving at speed: k_a d + h_a ḋ = 100 * 0.02 - 2 = 0 with the base still pushed in.
+    q = pressed(p, y_rate=2.0)
+    mode, outcome, _ = follows(FACE_LOAD, q, p, START)
+    assert (mode.face, outcome) == (RELEASED, CONTINUES)
+    reloaded, _, _ = follows(FACE_RELOAD, q, p, mode)
+    assert reloaded.face == CLOSED
+    opened, _, _ = follows(FACE_GAP, q, p, mode)
+    assert opened.face == OPEN
+
+
+def test_without_damping_the_load_and_the_gap_end_together(p):
+    mode, _, _ = follows(FACE_LOAD, pressed(p, depth=1e-17), p._replace(contact_damping=0.0), START)
+    assert mode.face == OPEN
+
+
+# ----------------------------------------------------------------------------------------- the ends
+
+
+@pytest.mark.parametrize(
+    ("which", "mode", "reason"),
+    [
+        (FACE_FAR_END, START, Reason.MOVED_AWAY),
+        (FACE_FAR_END, START._replace(edge=LEFT_EDGE), Reason.OVERSHOT),
+        (RIGHT_WALL, FREE, Reason.CORNER_ON_WALL),
+        (LEFT_WALL, FREE, Reason.CORNER_ON_WALL),
+        (OVERTURNED, FREE, Reason.OVERTURNED),
+    ],
+)
+def test_ends_outside_the_scene_say_how(p, which, mode, reason):
+    _, outcome, said = follows(which, ANY, p, mode)
+    assert (outcome, said) == (Outcome.LEFT_SCENE, reason)

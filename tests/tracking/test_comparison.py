@@ -1,0 +1,200 @@
+"""What differs between two states: all of it, and nothing that does not."""
+
+import builtins
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from model.study.datasets import write_dataset
+from model.tracking import comparison
+from model.tracking import index as tracking
+from model.tracking.comparison import change_of, common_points, compare, snapshot
+from model.tracking.index import TrackingError
+
+
+def built(recorded, shift: float = 0.0, **facts) -> str:
+    invocation = recorded.invocation()
+    recorded.merge(shift, **facts)
+    invocation.end("done")
+    return invocation.name
+
+
+def test_a_folder_is_the_same_as_itself(recorded) -> None:
+    built(recorded)
+    here = snapshot(str(recorded.root), recorded.root)
+    found = compare(here, here)
+    assert not any([found.parameters, found.metrics, found.code, found.data, found.not_compared])
+    assert found.claims is None, "there are no claims to compare"
+
+
+def test_the_largest_change_is_named_with_its_place(recorded, tmp_path: Path) -> None:
+    built(recorded)
+    shutil.copytree(recorded.root, tmp_path / "old")
+    built(recorded, 0.5)
+    found = compare(
+        snapshot(str(tmp_path / "old"), recorded.root), snapshot(str(recorded.root), recorded.root)
+    )
+    (change,) = found.data
+    assert (change.figure, change.variable, change.points) == ("fig06", "tau_align", 4)
+    assert change.differing == 1
+    assert change.largest == pytest.approx(0.5, abs=1e-15)
+    assert change.at == {"tilt_stiffness": 7.0, "press_force": 1.0}
+    assert (change.before, change.after) == (3.0, 3.5)
+    assert found.as_json["data"][0]["largest"] == pytest.approx(0.5)
+
+
+def test_earlier_invocations_and_runs_are_compared_by_what_is_kept(recorded) -> None:
+    first, second = built(recorded), built(recorded, 0.5, parameters={"press_force": 4.0})
+    for names in ((first, second), (f"merge/fig06@{first}", f"merge/fig06@{second}")):
+        found = compare(*(snapshot(name, recorded.root) for name in names))
+        assert [each.largest for each in found.data] == [0.5]
+        values = {each.name: (each.before, each.after) for each in found.parameters}
+        assert values["press_force"] == (3.0, 4.0)
+        assert values["friction"] == (0.12, None)
+
+
+def test_fixed_steps_do_not_stand_for_the_figure_of_their_name(recorded) -> None:
+    names = []
+    for shift in (0.0, 0.5):
+        invocation = recorded.invocation()
+        recorded.merge(shift)
+        recorded.fixed_steps()
+        invocation.end("done")
+        names.append(invocation.name)
+    found = compare(*(snapshot(name, recorded.root) for name in names))
+    assert [each.largest for each in found.data] == [0.5]
+    assert not found.not_compared
+
+
+def test_data_that_are_no_figures_differ_by_their_bytes(recorded) -> None:
+    names = []
+    for shift in (0.0, 0.0, 0.5):
+        invocation = recorded.invocation()
+        recorded.fixed_steps(shift)
+        invocation.end("done")
+        names.append(f"fixed_steps/fig06@{invocation.name}")
+    first, second, third = (snapshot(name, recorded.root) for name in names)
+    assert not compare(first, second).differs
+    found = compare(first, third)
+    assert found.other_data == ["fixed_steps/fig06: fig06.nc"]
+    assert found.differs
+
+
+def test_cpu_times_are_no_results(recorded) -> None:
+    names = []
+    for times in ("0.1", "0.2"):
+        invocation = recorded.invocation()
+        recorded.compare(times)
+        invocation.end("done")
+        names.append(invocation.name)
+    found = compare(*(snapshot(name, recorded.root) for name in names))
+    assert not found.differs
+    assert not found.not_compared
+    assert not (recorded.root / "history/data").exists(), "no copies are kept of them"
+
+
+def test_an_invocation_stands_for_all_that_stood_when_it_ended(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.merge()
+    recorded.merge(figure="fig07")
+    invocation.end("done")
+    second = built(recorded, 0.5)
+    assert set(snapshot(second, recorded.root).runs) == {"merge/fig06", "merge/fig07"}
+    assert set(snapshot(second, recorded.root).files) == {"fig06.nc", "fig07.nc"}
+
+
+def test_a_commit_stands_for_the_last_invocation_at_it(recorded, monkeypatch) -> None:
+    for commit, shift in (("aaaa1111", 0.0), ("bbbb2222", 0.5)):
+        state = {"commit": commit, "dirty": False}
+        monkeypatch.setattr(tracking, "git_state", lambda state=state: state)
+        built(recorded, shift)
+    found = compare(snapshot("aaaa", recorded.root), snapshot("bbbb2222", recorded.root))
+    assert [each.largest for each in found.data] == [0.5]
+    with pytest.raises(TrackingError, match="git worktree add"):
+        snapshot("cccc3333", recorded.root)
+    monkeypatch.setattr(tracking, "git_state", lambda: {"commit": "dddd4444", "dirty": False})
+    tracking.Invocation(recorded.root).pass_by("failed", None, "the configuration breaks a rule")
+    with pytest.raises(TrackingError, match="'dddd' is no results folder"):
+        snapshot("dddd", recorded.root)
+
+
+def test_the_beginning_of_many_names_stands_for_none(recorded) -> None:
+    built(recorded)
+    built(recorded, 0.5)
+    with pytest.raises(TrackingError, match="'2' is the beginning of 2"):
+        snapshot("2", recorded.root)
+
+
+def test_claims_that_changed_are_listed(recorded, tmp_path: Path) -> None:
+    built(recorded)
+    other = tmp_path / "other"
+    shutil.copytree(recorded.root, other)
+    (recorded.root / "claims.csv").write_text("id,verdict\nF5a,reproduced\nF6a,mixed\n")
+    (other / "claims.csv").write_text("id,verdict\nF5a,contradicted\nF6a,mixed\n")
+    states = [snapshot(str(folder), recorded.root) for folder in (recorded.root, other)]
+    (claim,) = compare(*states).claims
+    assert (claim.name, claim.before, claim.after) == ("F5a", "reproduced", "contradicted")
+    (other / "claims.csv").write_text("id,result\nF5a,contradicted\n")
+    with pytest.raises(TrackingError, match="no column 'verdict', but id, result"):
+        compare(*states)
+
+
+def test_what_cannot_be_compared_is_said(recorded, tmp_path: Path, make_dataset) -> None:
+    built(recorded)
+    other = tmp_path / "other" / "data"
+    write_dataset(make_dataset().isel(press_force=[0]).assign_coords(press_force=[9.0]),
+                  other / "fig06.nc")  # fmt: skip
+    write_dataset(make_dataset(figure="fig07"), other / "fig07.nc")
+    found = compare(*(snapshot(str(each), recorded.root) for each in (recorded.root, other.parent)))
+    assert any("fig06: the two have no point in common" in each for each in found.not_compared)
+    assert any(each.startswith("fig07.nc: only in ") for each in found.not_compared)
+    kept = tracking.kept_result(recorded.root, "fig06.nc", "")
+    shutil.rmtree(kept.parent)
+    lost = compare(*[snapshot("last", recorded.root)] * 2).not_compared
+    assert any("no copy is kept" in each for each in lost)
+
+
+def test_gaps_are_counted_and_grids_are_cut_to_common_points(make_dataset) -> None:
+    before, after = make_dataset(), make_dataset()
+    after["tau_align"].values[:] = [[np.nan, 2.0], [3.0, 4.0]]
+    change = change_of(before["tau_align"], after["tau_align"], "fig06")
+    assert (change.vanished, change.appeared, change.differing) == (1, 1, 2)
+    assert change.largest == 0.0
+    wider = xr.concat([before, before.assign_coords(press_force=[8.0, 9.0])], "press_force")
+    cut = common_points(wider, before)
+    assert cut[0].sizes == cut[1].sizes == before.sizes
+
+
+def test_a_trajectory_is_compared_away_from_its_jumps() -> None:
+    """A jump that comes 1e-9 later is no change of 1; a course that is 1e-3 higher is one."""
+
+    def course(jump: float, offset: float, steps: int) -> xr.Dataset:
+        before, after = np.linspace(0.0, jump, steps), np.linspace(jump, 2.0, steps)
+        time = np.concatenate([before, after])
+        force = np.concatenate([np.ones(steps), np.zeros(steps)]) + offset
+        return xr.Dataset({"force": ("time", force)}, {"time": time})
+
+    def largest(after: xr.Dataset) -> float:
+        pair = common_points(course(1.0, 0.0, 11), after)
+        return change_of(*(each["force"] for each in pair), figure="fig05").largest
+
+    assert largest(course(1.0 + 1e-9, 0.0, 14)) == 0.0
+    assert largest(course(1.0 + 1e-9, 1e-3, 14)) == pytest.approx(1e-3)
+
+
+def test_without_xarray_the_extra_is_named(monkeypatch) -> None:
+    monkeypatch.delitem(sys.modules, "model.study.datasets")
+    real = builtins.__import__
+
+    def without(name: str, *arguments: object, **options: object) -> object:
+        if name == "model.study.datasets":
+            raise ImportError(name)
+        return real(name, *arguments, **options)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(TrackingError, match=r"vibralign\[study\]"):
+        comparison.open_dataset(Path("fig06.nc"))
