@@ -158,9 +158,11 @@ def test_the_garbage_collector_is_as_it_was(monkeypatch, collects):
 
 
 def test_a_changed_source_opens_another_folder(tmp_path, monkeypatch):
-    for floor in ("physics", "solver", "runs"):
+    for floor in compiled._KERNEL_FLOORS:
+        assert (compiled._PACKAGE / floor).is_dir()
         (tmp_path / floor).mkdir()
-    source = tmp_path / "solver" / "step.py"
+    source = tmp_path / "engines" / "scalar" / "step.py"
+    source.parent.mkdir()
     source.write_text("x = 1\n")
     monkeypatch.setattr(compiled, "_PACKAGE", tmp_path)
     first = compiled.kernel_fingerprint()

@@ -30,15 +30,15 @@ from numba.core.registry import CPUDispatcher
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-_KERNEL_FLOORS = ("physics", "solver", "runs")
+_KERNEL_FLOORS = ("physics", "events", "engines", "runs")
 
 
 def kernel_fingerprint() -> str:
     """Hash of every source file that can hold a kernel (16 hexadecimal digits)."""
     digest = hashlib.sha256(numba.__version__.encode())
     for floor in _KERNEL_FLOORS:
-        for source in sorted((_PACKAGE / floor).glob("*.py")):
-            digest.update(source.name.encode())
+        for source in sorted((_PACKAGE / floor).rglob("*.py")):
+            digest.update(source.relative_to(_PACKAGE).as_posix().encode())
             digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
 
