@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import threading
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -15,6 +16,8 @@ import pytest
 from numba.core.errors import TypingError
 
 from model.physics import compiled
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 
 def halved(x):
@@ -192,3 +195,18 @@ def test_a_folder_that_cannot_be_made_gives_way_to_a_temporary_one(tmp_path, mon
     folder = compiled.cache_folder()
     assert folder.is_dir()
     assert Path(tmp_path / "temp") in folder.parents
+
+
+def test_a_numba_beyond_the_bound_is_refused_with_version_bound_and_remedy():
+    compiled.check_numba(numba.__version__)
+    compiled.check_numba("0.68.1")
+    message = r"numba 0\.69\.0rc1 is installed.*numba < 0\.69.*pip install 'numba<0\.69'"
+    for version in ("0.69.0rc1", "0.100.0", "1.0.0"):
+        with pytest.raises(ImportError, match=message.replace(r"0\.69\.0rc1", version)):
+            compiled.check_numba(version)
+
+
+def test_the_bound_on_numba_is_that_of_the_package():
+    project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    (declared,) = (each for each in project["dependencies"] if each.startswith("numba"))
+    assert declared.endswith(f",<{'.'.join(map(str, compiled.NUMBA_BELOW))}")

@@ -1,13 +1,15 @@
-"""How kernels are compiled, and where their machine code is kept.
+"""Compile kernels with numba and keep their machine code on disk.
 
-numba's on-disk cache does not notice an edit in another file that a kernel calls. The cache folder
-is therefore keyed by the content of every file that can hold a kernel: an edit anywhere among them
-opens a fresh folder, and a stale kernel can never come back.
+numba compiles every function to machine code of its own, optimised together with all that it calls,
+and adds wrappers for calls from Python and C. Here a kernel is compiled to intermediate code once,
+and becomes machine code only as a part of a kernel that Python calls: a quarter of the compile time
+(docs/decisions/0025-compiling.md).
 
-numba gives every function machine code of its own, with that of all it calls, and wrappers for
-calls from Python, which for some two hundred kernels took most of the time of compiling. Here a
-kernel is compiled once as a part of others, and becomes machine code only with one that Python
-calls (docs/decisions/0025-compiling.md).
+numba's cache does not notice an edit in another file that a kernel calls. The cache folder is
+therefore named by a hash of every file that can hold a kernel.
+
+Subclasses of numba's dispatcher, compiler, code library and cache do this. numba does not promise
+to keep what they override: hence the upper bound ``NUMBA_BELOW``, which is pyproject.toml's too.
 """
 
 import contextlib
@@ -22,19 +24,43 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
-from numba.core.codegen import JITCodeLibrary, ll  # type: ignore[attr-defined]
-from numba.core.compiler import Compiler
-from numba.core.registry import CPUDispatcher
+
+NUMBA_BELOW = (0, 69)
+"""First release of numba (major, minor) that these kernels have not been tried with."""
+
+
+def check_numba(version: str) -> None:
+    """Refuse a numba whose internals may differ from those overridden here.
+
+    Raises:
+        ImportError: ``version`` is not below ``NUMBA_BELOW``.
+    """
+    release = tuple(int(part) for part in version.split(".")[:2])
+    if release >= NUMBA_BELOW:
+        bound = ".".join(map(str, NUMBA_BELOW))
+        raise ImportError(
+            f"numba {version} is installed, and vibralign needs numba < {bound}, because it "
+            f"overrides internals of numba: pip install 'numba<{bound}'"
+        )
+
+
+check_numba(numba.__version__)
+
+from numba.core.caching import CompileResultCacheImpl, FunctionCache  # noqa: E402
+from numba.core.codegen import JITCodeLibrary, ll  # type: ignore[attr-defined]  # noqa: E402
+from numba.core.compiler import Compiler  # noqa: E402
+from numba.core.registry import CPUDispatcher  # noqa: E402
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _KERNEL_FLOORS = ("physics", "events", "engines", "runs")
 
+# --- Cache folder -------------------------------------------------------------------------------
+
 
 def kernel_fingerprint() -> str:
-    """Hash of every source file that can hold a kernel (16 hexadecimal digits)."""
+    """Hash of numba's version and every source file that can hold a kernel (16 hex digits)."""
     digest = hashlib.sha256(numba.__version__.encode())
     for floor in _KERNEL_FLOORS:
         for source in sorted((_PACKAGE / floor).rglob("*.py")):
@@ -52,7 +78,7 @@ def cache_folder() -> Path:
     folder = Path(base) / kernel_fingerprint()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError:  # a read-only home: compile into a folder of this user's own instead
+    except OSError:  # a read-only home: use a temporary folder of this user's own
         folder = Path(tempfile.gettempdir()) / f"vibralign-{os.getuid()}" / folder.name
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     return folder
@@ -60,14 +86,16 @@ def cache_folder() -> Path:
 
 _CACHE_FOLDER = str(cache_folder())
 config: Any = numba.config  # its settings are set at import, unseen by type checkers
-_ONE_AT_A_TIME = threading.Lock()
+_CACHE_SETTING = threading.Lock()
 
 
 @contextlib.contextmanager
 def _numba_cache_in(folder: str) -> Iterator[None]:
-    # numba reads the setting while it decorates, so other users of numba never see ours.
-    # Kernels are first called from several threads: one after the other, or the setting would stay.
-    with _ONE_AT_A_TIME:
+    """Set numba's cache folder while a function is decorated; other users of numba keep theirs.
+
+    The lock serialises threads that call kernels first at the same time.
+    """
+    with _CACHE_SETTING:
         previous = config.CACHE_DIR
         config.CACHE_DIR = folder
         try:
@@ -76,8 +104,11 @@ def _numba_cache_in(folder: str) -> Iterator[None]:
             config.CACHE_DIR = previous
 
 
-class _LinkedOnly(JITCodeLibrary):
-    """Intermediate code that others link; what they make of it is optimised as a whole."""
+# --- A kernel as a part of others ---------------------------------------------------------------
+
+
+class _PartLibrary(JITCodeLibrary):
+    """Intermediate code for linking; it is optimised with the kernel that links it."""
 
     def _optimize_final_module(self) -> None:
         pass
@@ -91,118 +122,29 @@ class _PartCompiler(Compiler):
     """numba's compiler, up to the intermediate code."""
 
     def __init__(
-        self, typingctx: Any, targetctx: Any, _library: Any, args: Any, return_type: Any,
-        flags: Any, locals: Any,  # noqa: A002 - numba's name
-    ) -> None:  # fmt: skip
+        self,
+        typing: Any,
+        target: Any,
+        _library: Any,
+        args: Any,
+        result: Any,
+        flags: Any,
+        *rest: Any,
+    ) -> None:
         flags.no_compile = True
-        library = _LinkedOnly(targetctx.codegen(), "part")
-        super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
-
-
-class _WideLibrary(JITCodeLibrary):
-    """Machine code that uses the widest vectors there are.
-
-    LLVM keeps to 256 bits on processors with 512, which may then run at a higher clock. In loops
-    over lanes, which are arithmetic throughout, twice the width is worth more.
-    """
-
-    def _optimize_final_module(self) -> None:
-        codegen = self._codegen
-        usual = codegen._tm
-        codegen._tm = _wide_machine(codegen)
-        try:
-            super()._optimize_final_module()
-        finally:
-            codegen._tm = usual
-
-    def serialize_using_object_code(self) -> Any:
-        """What the cache keeps: the machine code, and of the intermediate code no more than names.
-
-        numba keeps all of it, for others to link, and from it learns what the machine code defines.
-        """
-        self._ensure_finalized()
-        defined = [each.name for each in self._final_module.functions if not each.is_declaration]
-        names = "\n".join(f'define void @"{name}"() {{ ret void }}' for name in defined)
-        kept = self._get_compiled_object(), ll.parse_assembly(names).as_bitcode()
-        return self.name, "object", kept
-
-
-@functools.cache
-def _wide_machine(codegen: Any) -> Any:
-    """The target machine of numba's code generator without its preference for 256 bits."""
-    options: dict[str, Any] = {}
-    codegen._customize_tm_options(options)
-    if "+avx512f" not in options["features"]:  # another processor may not know the preference
-        return codegen._tm
-    options["features"] += ",-prefer-256-bit"
-    target = ll.Target.from_triple(ll.get_process_triple())
-    return target.create_target_machine(opt=config.OPT, **options)
-
-
-class _WholeCompiler(Compiler):
-    """numba's compiler, into a ``_WideLibrary``."""
-
-    def __init__(
-        self, typingctx: Any, targetctx: Any, _library: Any, args: Any, return_type: Any,
-        flags: Any, locals: Any,  # noqa: A002 - numba's name
-    ) -> None:  # fmt: skip
-        library = _WideLibrary(targetctx.codegen(), "whole")
-        library.enable_object_caching()
-        super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
-
-
-class _KeptCode(CompileResultCacheImpl):
-    """What the cache writes of a kernel."""
-
-    def reduce(self, cres: Any) -> Any:
-        """The kernel without the environments of its parts, which hold no constants to be read.
-
-        To restore an environment, numba imports the module that it comes from.
-        """
-        *most, environments = super().reduce(cres)
-        return *most, tuple(each for each in environments if each.consts)
-
-
-class _Kept(FunctionCache):
-    """numba's cache, from which a kernel comes without all that compiling needs.
-
-    Before it looks into its cache, numba sets up everything that it can compile, scipy's linear
-    algebra included. What it finds there is machine code, which asks for nothing; what it does not
-    find is compiled, and then numba's compiler sets up everything.
-    """
-
-    _impl_class = _KeptCode
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        with self._guard_against_spurious_io_errors():
-            return self._load_overload(sig, target_context)
-
-
-class _Whole(CPUDispatcher):
-    """A kernel as Python calls it: machine code with all that it calls, cached."""
-
-    def enable_caching(self) -> None:
-        self._cache = _Kept(self.py_func)
-
-    def _compile_for_args(self, *args: Any, **named: Any) -> Any:
-        collects = gc.isenabled()
-        gc.disable()  # a third of the time goes to looking for garbage that is hardly there
-        try:
-            return super()._compile_for_args(*args, **named)  # type: ignore[misc]
-        finally:
-            if collects:
-                gc.enable()
+        library = _PartLibrary(target.codegen(), "part")
+        super().__init__(typing, target, library, args, result, flags, *rest)
 
 
 class Symbol:
-    """What stands for a number where a kernel is to be read and not computed.
+    """Operand that stands for a number where a kernel is traced instead of computed.
 
-    A kernel called with one, also inside of tuples, runs as Python, so that the symbols see every
-    operation of it.
+    A kernel called with a symbol among its arguments, also inside tuples, runs as Python code, so
+    that the symbols record every operation.
     """
 
     def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """What is called in place of a kernel: ``function``, that of the kernel, or another."""
+        """Return the function to trace in place of a kernel: by default the kernel's own."""
         return function
 
 
@@ -213,7 +155,7 @@ def _first_symbol(value: Any) -> Symbol | None:
 
 
 class _Part(CPUDispatcher):
-    """A kernel as other kernels call it; Python's calls go to its ``_Whole``."""
+    """A kernel as other kernels call it; calls from Python go to its ``_Whole``."""
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         without_wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -243,24 +185,116 @@ class _Part(CPUDispatcher):
         self.targetctx.insert_user_function(key, cres.fndesc, [cres.library])
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        # A constant argument is a number like others: not compiled anew, and folded all the same.
+        # One version for all constants; the optimiser folds them once the code is linked.
         plain = {name: numba.types.unliteral(each) for name, each in kws.items()}
         return super().get_call_template([numba.types.unliteral(each) for each in args], plain)
 
 
+# --- A kernel as Python calls it ----------------------------------------------------------------
+
+
+class _WholeLibrary(JITCodeLibrary):
+    """Machine code for the widest vectors of the processor.
+
+    LLVM prefers 256 bits on processors with 512, which may then run at a higher clock. The loops of
+    the batch engine are arithmetic throughout, and gain more from the width.
+    """
+
+    def _optimize_final_module(self) -> None:
+        codegen = self._codegen
+        usual = codegen._tm
+        codegen._tm = _wide_machine(codegen)
+        try:
+            super()._optimize_final_module()
+        finally:
+            codegen._tm = usual
+
+    def serialize_using_object_code(self) -> Any:
+        """Return what the cache stores: machine code, and the names of the functions in it.
+
+        numba stores the whole intermediate code, from which it reads these names.
+        """
+        self._ensure_finalized()
+        defined = [each.name for each in self._final_module.functions if not each.is_declaration]
+        names = "\n".join(f'define void @"{name}"() {{ ret void }}' for name in defined)
+        kept = self._get_compiled_object(), ll.parse_assembly(names).as_bitcode()
+        return self.name, "object", kept
+
+
+@functools.cache
+def _wide_machine(codegen: Any) -> Any:
+    """LLVM target machine of numba without its preference for vectors of 256 bits."""
+    options: dict[str, Any] = {}
+    codegen._customize_tm_options(options)
+    if "+avx512f" not in options["features"]:  # another processor may not know the preference
+        return codegen._tm
+    options["features"] += ",-prefer-256-bit"
+    target = ll.Target.from_triple(ll.get_process_triple())
+    return target.create_target_machine(opt=config.OPT, **options)
+
+
+class _WholeCompiler(Compiler):
+    """numba's compiler, into a ``_WholeLibrary``."""
+
+    def __init__(self, typing: Any, target: Any, _library: Any, *rest: Any) -> None:
+        library = _WholeLibrary(target.codegen(), "whole")
+        library.enable_object_caching()
+        super().__init__(typing, target, library, *rest)
+
+
+class _StoredResult(CompileResultCacheImpl):
+    """A compiled kernel as the cache stores it."""
+
+    def reduce(self, cres: Any) -> Any:
+        """Drop the environments that hold no constants: loading one imports its module."""
+        *most, environments = super().reduce(cres)
+        return *most, tuple(each for each in environments if each.consts)
+
+
+class _Cache(FunctionCache):
+    """numba's cache, read without setting up the compiler.
+
+    Before a look-up numba sets up everything it can compile, scipy's linear algebra included.
+    Stored machine code needs none of it; after a miss, numba's compiler sets it up by itself.
+    """
+
+    _impl_class = _StoredResult
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+
+
+class _Whole(CPUDispatcher):
+    """A kernel as Python calls it: cached machine code with everything that it calls."""
+
+    def enable_caching(self) -> None:
+        self._cache = _Cache(self.py_func)
+
+    def _compile_for_args(self, *args: Any, **named: Any) -> Any:
+        collects = gc.isenabled()
+        gc.disable()  # compiling creates little garbage, and the collector takes a third of it
+        try:
+            return super()._compile_for_args(*args, **named)  # type: ignore[misc]
+        finally:
+            if collects:
+                gc.enable()
+
+
+# --- Decorators ---------------------------------------------------------------------------------
+
+
 def kernel(function: Function) -> Function:
-    """Compile ``function`` on first call: no Python objects, no GIL, cached.
+    """Compile ``function`` at its first call: without Python objects or the GIL, cached on disk.
 
-    Kernels count no references to arrays, which would cost more than a few arithmetic operations:
-    whoever calls one keeps its arrays alive, and a kernel makes none of its own.
-
-    IEEE arithmetic, in which a product and a sum may be one operation (fused multiply-add).
+    A kernel counts no references to arrays: its caller keeps them alive, and it creates none.
+    Arithmetic is IEEE, but a product and a sum may become one operation (fused multiply-add).
     """
     return _compiled(function, forceinline=False)
 
 
 def inlined_kernel(function: Function) -> Function:
-    """A kernel that becomes part of its callers: a call would copy some forty numbers."""
+    """Compile ``function`` into its callers: a call would copy some forty numbers."""
     return _compiled(function, forceinline=True)
 
 
