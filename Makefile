@@ -145,6 +145,7 @@ test: lint types floors workflow unit
 lint: environment
 	$(call check,ruff check .)
 	$(call check,ruff format --check .)
+	$(call check,codespell)
 
 types: environment
 	$(call check,mypy)
@@ -252,6 +253,7 @@ lock: python
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
 	$(call pin,requirements.lock,--extra plot --extra study --extra dev)
 	$(call pin,requirements-export.lock,--extra export --extra study --extra dev)
+	$(call pin,requirements-docs.lock,--extra docs --extra study --extra dev --constraints requirements.lock)
 	$(call pin,requirements-bench.lock,--extra bench --constraints requirements.lock)
 	$(call pin,requirements-bench-source.lock,--extra bench-source --no-deps \
 		--constraints requirements.lock)
