@@ -27,7 +27,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def hashes(package: Path) -> dict[str, str]:
     provenance._parsed.cache_clear()
-    files = {"runs": "runs/batch.py", "datasets": "study/datasets.py", "style": "show/style.py"}
+    files = {"runs": "runs/align.py", "datasets": "study/datasets.py", "style": "show/style.py"}
     return {name: closure_hash(package / path) for name, path in files.items()}
 
 
