@@ -148,8 +148,7 @@ _RUN_EVERYTHING = f"""
 from model import Parameters, align, simulate
 from model.runs.unlocated import align_unlocated
 case = {W1!r}
-for engine in ("lanes", "stiff"):
-    align([case], engine=engine, horizon=1.0, cores=1)
+align([case], horizon=1.0, cores=1)
 simulate(case, horizon=1.0)
 align_unlocated([case], "rk4", 0.01, horizon=1.0)
 """
@@ -211,7 +210,7 @@ def compilation() -> dict[str, float]:
     """Compiling from an empty cache against a plain RK4 of the same equations.
 
     ``compile_s`` for ``align``, ``compile_everything_s`` for all that the study runs: single
-    trajectories, stiff sets, and the integrators without located switches as well.
+    trajectories, and the integrators without located switches as well.
     """
     one, everything = map(_compiling, (_RUN_ONE, _RUN_EVERYTHING))
     rk4 = float(_python(_PLAIN_RK4)[1])

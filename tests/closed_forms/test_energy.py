@@ -4,7 +4,7 @@ Work is done by excitation and press force. Stored is the energy of motion, spri
 ½ k_a d² for a depth d behind a contact. Dissipated is what suspension, base and friction take: the
 base h_a ḋ² while it presses, and while it is released, n = 0, what its spring gives up, -k_a d ḋ. A
 contact that ends with the base still pushed in, as the edge leaves the face, loses that. Integrals
-over a step of the engine are Gauss's, on its dense output; over an implicit one Radau's.
+over a step of the engine are Gauss's, on its dense output.
 """
 
 from dataclasses import replace
@@ -20,7 +20,6 @@ from model.engines.record import (
     OUTCOME,
     REASON,
     STATE,
-    STEPS,
     TAU_ALIGN,
     TIME,
     constants_in,
@@ -33,22 +32,18 @@ from model.engines.scalar.step import (
     interpolate,
     keep_in,
     right_hand_side,
-    state_of,
     take_step,
 )
-from model.engines.stiff import RADAU, advance_stiff, are_stiff, new_memory
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
 from model.physics.compiled import kernel
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.motion import motion, side_contact, support_contact
-from model.physics.notation import STATE_SIZE
 from model.physics.scenes import CLOSED, RELEASED
 from model.study.fuzz import draw
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 NODES, WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
-RADAU_NODES, RADAU_WEIGHTS = RADAU.places[1:].copy(), RADAU.once[-1].copy()
 
 
 class Balance(NamedTuple):
@@ -63,7 +58,6 @@ class Balance(NamedTuple):
     least: float
     outcome: float
     reason: float
-    steps: float
 
 
 @kernel
@@ -111,22 +105,12 @@ def powers(time, q, p, mode):
 
 
 @kernel
-def are_same(one, other):
-    same = True
-    for n in range(STATE_SIZE):
-        same = same and one[n] == other[n]
-    return same
-
-
-@kernel
 def balance_of(
-    row, judged, stiff, tolerance, declared, method, control, track, single, memory, apart, nodes,
-    weights,
+    row, judged, tolerance, declared, method, control, track, single, apart, nodes, weights,
 ):  # fmt: skip
     """Run ``row`` and account for every step as a part with the constants ``judged`` would."""
     runs, history, work = single.runs, single.history, single.work
     i = runs.shape[0] - 1
-    memory.length[0], memory.pause[0], memory.pause[1] = 0.0, 0.0, 8.0
     begin(row, tolerance, declared, control, runs, i)
     p = constants_in(judged)
     start = stored(state_in(runs, STATE, i), p, mode_of(runs, i))
@@ -136,22 +120,15 @@ def balance_of(
     while runs[i, OUTCOME] == CONTINUES and np.isnan(runs[i, TAU_ALIGN]):
         time, mode = runs[i, TIME], mode_of(runs, i)
         keep_in(state_in(runs, STATE, i), y)
-        if stiff:
-            advance_stiff(declared, method, RADAU, control, track, history, work, memory, runs, i)
-        else:
-            advance(declared, method, control, track, history, work, runs, i)
+        advance(declared, method, control, track, history, work, runs, i)
         length = runs[i, TIME] - time
-        implicit = stiff and memory.pause[0] == 0.0 and are_same(memory.states[0], y)
-        if length > 0.0 and not implicit:
+        if length > 0.0:
             right_hand_side(time, y, p, mode, k[0])
             take_step(time, length, y, p, mode, method, k, end)
             dense_output(time, length, y, p, mode, method, k, trial, dense)
-        places, shares = (RADAU_NODES, RADAU_WEIGHTS) if implicit else (nodes, weights)
-        for node in range(len(places) if length > 0.0 else 0):
-            theta, weight = places[node], shares[node]
-            q = state_of(memory.states[node + 1])
-            if not implicit:
-                q = interpolate(theta, length, y, dense)
+        for node in range(len(nodes) if length > 0.0 else 0):
+            theta, weight = nodes[node], weights[node]
+            q = interpolate(theta, length, y, dense)
             working, losing = powers(time + theta * length, q, p, mode)
             least = min(least, losing)
             done += weight * length * working
@@ -162,7 +139,7 @@ def balance_of(
     gained = stored(state_in(runs, STATE, i), p, mode_of(runs, i)) - start
     return (
         done - gained - taken - lost, 1.0 + exchanged + start + gained, taken, least,
-        runs[i, OUTCOME], runs[i, REASON], runs[i, STEPS],
+        runs[i, OUTCOME], runs[i, REASON],
     )  # fmt: skip
 
 
@@ -171,11 +148,11 @@ def balance(
 ) -> Balance:
     rows = Batch.stack([parameters, judged or parameters]).constants(Readings.consistent())
     declared, method, control = settings.for_kernels
-    track, single, memory = np.empty((0, TRACK_COLUMNS)), new_single(method), new_memory()
+    track, single = np.empty((0, TRACK_COLUMNS)), new_single(method)
     return Balance(
         *balance_of(
-            *rows, bool(are_stiff(rows)[0]), settings.tolerance, declared, method, control, track,
-            single, memory, new_workspace(method), NODES, WEIGHTS,
+            *rows, settings.tolerance, declared, method, control, track, single,
+            new_workspace(method), NODES, WEIGHTS,
         )
     )  # fmt: skip
 
@@ -237,7 +214,7 @@ def test_random_runs_of_every_outcome_balance(device):
 
 
 def test_stiff_runs_balance(device):
-    rng, steps = np.random.default_rng(2), 0.0
+    rng = np.random.default_rng(2)
     for _ in range(10):
         p = device.replace(
             press_force=rng.uniform(1.0, 5.0), frequency=10.0 ** rng.uniform(-0.3, 1.0),
@@ -246,5 +223,3 @@ def test_stiff_runs_balance(device):
         )  # fmt: skip
         found = balance(p, Settings(tolerance=1e-12, horizon=4.0))
         assert abs(found.missing) < 1e-11 * found.exchanged
-        steps += found.steps
-    assert steps < 0.5 * 10 * 4.0 * 1e4 / 6.0  # explicit ones alone must be shorter than 6/h_a

@@ -6,7 +6,7 @@ import xarray as xr
 
 from model.study import fixed_steps
 from model.study.fixed_steps import FIXED_SCHEMES, Wrong
-from model.study.hard_cases import EXPLICIT, Judged, Mark
+from model.study.hard_cases import BATCH, Judged, Mark
 from model.study.precision import METHODS, TimedRung, Verdict
 
 NAN = np.nan
@@ -99,5 +99,5 @@ def judged() -> list[Judged]:
             known = error if verdict == RIGHT else NAN
             outcome = "left_scene" if case == "overturning" else "horizon_reached"
             made.append(Judged(case, method, outcome, verdict, mark, known, 1e-9, 1000, 50.0))
-    alone = ("base_100_0", EXPLICIT, "horizon_reached", RIGHT, Mark.STABLE, 2e-3, 1e-9, 17_000)
+    alone = ("base_100_0", BATCH, "horizon_reached", RIGHT, Mark.STABLE, 2e-3, 1e-9, 17_000)
     return [*made, Judged(*alone, microseconds=900.0)]

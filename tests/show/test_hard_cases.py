@@ -14,7 +14,7 @@ def test_every_run_has_a_cell_in_the_colour_of_its_mark(judged):
     figure = stability(judged, {"base_100_0": "a hard base", "overturning": "tilt through 90°"})
     (axes,) = figure.axes
     of_methods = [each for each in judged if each.method in METHODS]
-    assert len(judged) > len(of_methods)  # explicit steps alone are no method of their own
+    assert len(judged) > len(of_methods)  # the batch engine has no column
     for patch, each in zip(axes.patches, of_methods, strict=True):
         expected = tuple(int(_FILLS[each.mark][i : i + 2], 16) / 255 for i in (1, 3, 5))
         assert patch.get_facecolor()[:3] == pytest.approx(expected)

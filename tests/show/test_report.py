@@ -294,11 +294,9 @@ def test_hard_cases_are_told_in_pictures_and_a_table_of_every_run(rendered, stud
     assert "RK4, fixed steps: 0 stable, 2 inaccurate, 0 broken." in text
     assert "inaccurate: wrong outcome" in text
     assert "broken: too many evaluations" in text
-    gained = part[part.index("Stiff bases") : part.index("<details>")]
-    cells = re.findall(r'<td class="n">(.*?)</td>', gained)
-    assert [plain(cell) for cell in cells] == [
-        "0.002", "17,000", "0.9", "0.001", "1,000", "0.1", "17 ×",
-    ]  # fmt: skip
+    bases = part[part.index("Hard bases") : part.index("<details>")]
+    cells = re.findall(r'<td class="n">(.*?)</td>', bases)
+    assert [plain(cell) for cell in cells] == ["0.001", "1,000", "0.1", "0.002", "17,000", "0.9"]
 
 
 def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, ledger):

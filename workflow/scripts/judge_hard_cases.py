@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from model.study.hard_cases import compile_for_stiff, judge, methods_for, table_of, true_run
+from model.study.hard_cases import compile_batch, judge, methods_for, table_of, true_run
 from model.study.precision_plans import HardCasesPlan
 from model.tracking.provenance import Job, write_text
 
@@ -19,7 +19,7 @@ def main() -> None:
     plan: HardCasesPlan = arguments.plan
     job = Job("hard_cases")
     judged = []
-    compile_for_stiff(plan)
+    compile_batch(plan)
     for case in plan.spec.all_cases:
         truth = true_run(plan, case)
         judged += [judge(plan, case, method, truth) for method in methods_for(plan, case)]

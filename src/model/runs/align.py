@@ -14,7 +14,6 @@ from model.engines.queue import Queue, new_queue
 from model.engines.record import Ending
 from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_single
 from model.engines.scalar.tableaux import DOP853
-from model.engines.stiff import RADAU, are_stiff, integrate_stiff, new_memory
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from model.runs.errors import Array, Run, estimate
@@ -76,7 +75,7 @@ _DTYPES = {
 }
 _ESTIMATED = ("tau_error", "sensitive", "rhs_evaluations")
 
-Engine = Literal["lanes", "scalar", "stiff"]
+Engine = Literal["lanes", "scalar"]
 
 
 def _filling(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:
@@ -112,38 +111,8 @@ def each_by_itself(settings: Settings, track: Array = NO_TRACK, cores: int = 1) 
     return _filling(fill, cores)
 
 
-def implicitly(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
-    """The engine for stiff sets: one run at a time, with implicit steps where they pay."""
-    declared, method, control = settings.for_kernels
-
-    def fill(rows: Array, tolerances: Array, queue: Queue, endings: Array) -> None:
-        single, memory = new_single(method), new_memory()
-        integrate_stiff(
-            rows, tolerances, declared, method, RADAU, control, track, queue, endings, single,
-            memory,
-        )  # fmt: skip
-
-    return _filling(fill, cores)
-
-
-def where_stiff(settings: Settings, stiff: Run, others: Run) -> Run:
-    """``stiff`` for rows that are, ``others`` for the rest, and for settings without the choice."""
-
-    def run(rows: Array, tolerances: Array) -> Array:
-        chosen = are_stiff(rows)
-        if not (chosen.any() and _is_usual(settings)):
-            return others(rows, tolerances)
-        endings = np.empty((len(rows), len(Ending._fields)))
-        for engine, which in ((stiff, chosen), (others, ~chosen)):
-            if which.any():
-                endings[which] = engine(rows[which], tolerances[which])
-        return endings
-
-    return run
-
-
 def _is_usual(settings: Settings) -> bool:
-    """Whether the readings and the method are those that lanes and implicit steps are made for."""
+    """Return whether the batch engine holds: consistent readings and the method DOP853."""
     return settings.readings == Readings.consistent() and settings.method is DOP853
 
 
@@ -161,7 +130,7 @@ def side_by_side(settings: Settings, cores: int = 1) -> Run:
 def _engine(name: Engine | None, settings: Settings, cores: int) -> Run:
     if name not in (None, *get_args(Engine)):
         raise ValueError(
-            f"engine = {name!r}: must be 'lanes', 'scalar', 'stiff', or None for the fastest"
+            f"engine = {name!r}: must be 'lanes', 'scalar', or None for the fastest that fits"
         )
     if name == "scalar" or (name is None and not _is_usual(settings)):
         return each_by_itself(settings, cores=cores)
@@ -170,10 +139,7 @@ def _engine(name: Engine | None, settings: Settings, cores: int) -> Run:
             f"engine = {name!r}: needs the consistent readings and the method DOP853; "
             "choose 'scalar', or None for the fastest one that fits"
         )
-    lanes, stiff = side_by_side(settings, cores), implicitly(settings, cores=cores)
-    if name is None:
-        return where_stiff(settings, stiff, lanes)
-    return lanes if name == "lanes" else stiff
+    return side_by_side(settings, cores)
 
 
 def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, Array]:
@@ -205,10 +171,10 @@ def align(
         batch: a ``Batch``, or a sequence of ``Parameters``.
         settings: how to run.
         cores: threads to use, all by default.
-        engine: "scalar" is the reference, one set at a time by explicit steps. For the consistent
-            readings and DOP853 there are "lanes", many sets side by side, and "stiff", implicit
-            steps wherever they pay. By default lanes, and implicit steps for stiff sets, where
-            they fit; all agree to their error estimates.
+        engine: "scalar" is the reference engine, one set at a time by Runge-Kutta steps. "lanes" is
+            the batch engine, many sets at a time by Taylor series, for the consistent readings and
+            the method DOP853 only. By default "lanes" where it fits, else "scalar". The two agree
+            to their error estimates.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:

@@ -1,7 +1,6 @@
 """One trajectory, with its whole course."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +11,7 @@ from model.engines.record import Ending
 from model.engines.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import Batch, Parameters
-from model.runs.align import NO_TRACK, each_by_itself, implicitly, where_stiff
+from model.runs.align import each_by_itself
 from model.runs.errors import Array, estimate
 from model.runs.settings import Settings, settings_with
 
@@ -78,12 +77,8 @@ def simulate(
     settings = settings_with(settings, changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
 
-    def run(rows: Array, tolerances: Array, track: Array = NO_TRACK) -> Array:
-        engines = implicitly(settings, track), each_by_itself(settings, track)
-        return where_stiff(settings, *engines)(rows, tolerances)
-
-    found = estimate(run, rows, settings.tolerance)
-    followed = _followed(parameters, settings, run, found.tolerance)
+    found = estimate(each_by_itself(settings), rows, settings.tolerance)
+    followed = _followed(parameters, settings, found.tolerance)
     return replace(
         followed,
         reason=Reason(int(found.column("reason")[0])),
@@ -94,30 +89,25 @@ def simulate(
 
 
 def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
-    """As ``simulate``, without an estimate of the error, and in explicit steps.
+    """Run as ``simulate`` does, without an estimate of the error.
 
     A third of the cost, for statistics over many sets; ``tau_error`` is NaN.
     """
-
-    def run(rows: Array, tolerances: Array, track: Array) -> Array:
-        return each_by_itself(settings, track)(rows, tolerances)
-
-    return _followed(parameters, settings, run, np.array([settings.tolerance]))
+    return _followed(parameters, settings, np.array([settings.tolerance]))
 
 
-def _followed(
-    parameters: Parameters,
-    settings: Settings,
-    run: Callable[[Array, Array, Array], Array],
-    tolerances: Array,
-) -> Trajectory:
+def _followed(parameters: Parameters, settings: Settings, tolerances: Array) -> Trajectory:
     """One run at a tolerance, shape (1,), with its course."""
     rows = Batch.stack([parameters]).constants(settings.readings)
+
+    def run(track: Array) -> Ending:
+        return Ending(*each_by_itself(settings, track)(rows, tolerances)[0].tolist())
+
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
-    ending = Ending(*run(rows, tolerances, track)[0].tolist())
+    ending = run(track)
     if ending.tracked > len(track):
         track = np.empty((int(ending.tracked), TRACK_COLUMNS))
-        ending = Ending(*run(rows, tolerances, track)[0].tolist())
+        ending = run(track)
     track = track[: int(ending.tracked)].copy()
     return Trajectory(
         parameters=parameters,

@@ -43,7 +43,7 @@ from model.show.schematics import CAPTIONS
 from model.show.style import FORMATS
 from model.study.config import HardCases, Study
 from model.study.fixed_steps import wrong_counts
-from model.study.hard_cases import DEFAULT, EXPLICIT, Judged, Mark
+from model.study.hard_cases import BATCH, DEFAULT, Judged, Mark
 from model.study.identification.candidate import searched_of
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.precision import METHODS
@@ -152,11 +152,11 @@ class _HardRow:
 
 @dataclass(frozen=True)
 class _Gain:
-    """A stiff case run with explicit steps alone, and as implicit steps make it."""
+    """A base on which the default method and the batch engine are compared."""
 
     title: Markup
-    explicit: Judged
-    chosen: Judged
+    default: Judged
+    batch: Judged
 
 
 @dataclass(frozen=True)
@@ -370,9 +370,9 @@ def _hard(spec: HardCases, hardness: Hardness) -> _Hard:
     )
     found = {(each.case, each.method): each for each in hardness.judged}
     gains = tuple(
-        _Gain(_with_subscripts(cases[case].title), explicit, found[case, DEFAULT])
-        for (case, method), explicit in found.items()
-        if method == EXPLICIT
+        _Gain(_with_subscripts(cases[case].title), found[case, DEFAULT], batch)
+        for (case, method), batch in found.items()
+        if method == BATCH
     )
     sentences = []
     for method, how in METHODS.items():
@@ -391,7 +391,7 @@ def _hard(spec: HardCases, hardness: Hardness) -> _Hard:
             if case.max_evaluations
         ),
         labels={name: how.label for name, how in METHODS.items()}
-        | {EXPLICIT: "DOP853, explicit steps alone"},
+        | {BATCH: "batch engine (Taylor series), switches located"},
     )
 
 

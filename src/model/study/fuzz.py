@@ -20,7 +20,7 @@ from model.runs.settings import Settings
 Floats = NDArray[np.float64]
 
 SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=2_500)
-_PATIENCE = 4  # limits of evaluations that the reference engine may take: it has no implicit steps
+_PATIENCE = 4  # limits of evaluations that the reference engine may take: its steps are shorter
 _MOST_RUNS = 7  # of a set: two, and three more where they part; each time one of what is flat
 _LAST_STEP = 600  # evaluations that a step and its switch may take beyond the limit
 

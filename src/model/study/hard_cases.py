@@ -5,8 +5,8 @@ inaccurate where it answers, but wrongly or less accurately, and broken where it
 The true solution is the default method's at a far smaller tolerance; where two such tolerances
 disagree, errors of a state mean nothing and only the outcome is judged.
 
-On stiff bases the default method takes implicit steps where they pay; what explicit steps alone
-need there is judged beside it, as ``EXPLICIT``.
+The batch engine, which steps by Taylor series, is judged on the bases beside the methods of the
+speed-against-error comparison, as ``BATCH``.
 """
 
 import math
@@ -19,22 +19,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from model.engines.batch.scheduling import integrate_all, new_many
 from model.engines.queue import new_queue
 from model.engines.record import STATE, Ending
 from model.engines.scalar.loop import integrate_each, new_single
 from model.engines.scalar.tableaux import DOP853
-from model.engines.stiff import are_stiff
 from model.events.outcomes import Outcome, Reason
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
-from model.runs.align import NO_TRACK, each_by_itself
+from model.runs.align import NO_TRACK, side_by_side
 from model.runs.errors import estimate
 from model.runs.settings import Settings
 from model.study.csv_tables import csv_text, read_rows
 from model.study.precision import METHODS, Passed, Problem, Verdict, failure_of
 from model.study.precision_plans import HardCasesPlan
 
-DEFAULT, EXPLICIT = "dop853_located", "dop853_explicit"
+DEFAULT, BATCH = "dop853_located", "batch"
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
 _TRUE_EVALUATIONS = 2_000_000_000  # the limit is for the others
@@ -97,41 +97,44 @@ def problem_of(plan: HardCasesPlan, name: str) -> Problem:
     return Problem(parameters, settings, plan.spec.max_evaluations_scipy)
 
 
-def run_once(parameters: Parameters, settings: Settings) -> Run:
-    """One run by the reference engine, without an estimate of its error or a track."""
+def run_once(parameters: Parameters, settings: Settings, *, batch: bool = False) -> Run:
+    """One run by the reference or the batch engine, without an estimate of its error or a track."""
     rows = Batch.stack([parameters]).constants(settings.readings)
-    endings, single = np.empty((1, len(Ending._fields))), new_single(settings.method.method)
     tolerances, queue = np.array([settings.tolerance]), new_queue(waiting=1, threads=1)
-    integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, queue, endings, single)
+    endings = np.empty((1, len(Ending._fields)))
+    if batch:
+        many = new_many(settings.may_settle)
+        integrate_all(rows, tolerances, *settings.for_kernels, queue, endings, many)
+        runs = many.runs
+    else:
+        single = new_single(settings.method.method)
+        integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, queue, endings, single)
+        runs = single.runs
     ending = Ending(*endings[0].tolist())
-    state = single.runs[0, STATE : STATE + STATE_SIZE].copy()
+    state = runs[0, STATE : STATE + STATE_SIZE].copy()
     return Run(Outcome(int(ending.outcome)), ending.tau_align, state)
 
 
-def explicit_run(problem: Problem, tolerance: float) -> Passed:
-    """The default method without implicit steps; the run that estimates its error counts."""
+def batch_run(problem: Problem, tolerance: float) -> Passed:
+    """The batch engine; the runs that estimate its error count."""
     settings = replace(problem.settings, tolerance=tolerance)
     rows = Batch.stack([problem.parameters]).constants(settings.readings)
-    found = estimate(each_by_itself(settings), rows, tolerance)
-    run = run_once(problem.parameters, replace(settings, tolerance=float(found.tolerance[0])))
+    found = estimate(side_by_side(settings), rows, tolerance)
+    finer = replace(settings, tolerance=float(found.tolerance[0]))
+    run = run_once(problem.parameters, finer, batch=True)
     reason = Reason(int(found.column("reason")[0]))
     failure = failure_of(run.outcome, reason)
     return Passed(run.tau_align, run.state, int(found.rhs_evaluations[0]), failure)
 
 
 def methods_for(plan: HardCasesPlan, name: str) -> list[str]:
-    """The methods judged on the case ``name``: all, and EXPLICIT where it is stiff."""
-    problem = problem_of(plan, name)
-    rows = Batch.stack([problem.parameters]).constants(problem.settings.readings)
-    return [*METHODS, *([EXPLICIT] if are_stiff(rows)[0] else [])]
+    """Names of the methods judged on the case ``name``: all, and BATCH on the bases."""
+    return [*METHODS, *([BATCH] if name not in plan.spec.cases else [])]
 
 
-def compile_for_stiff(plan: HardCasesPlan) -> None:
-    """Run a stiff case, if there is one, so that no case's time holds the compilation."""
-    for name in plan.spec.all_cases:
-        if EXPLICIT in methods_for(plan, name):
-            METHODS[DEFAULT].run(problem_of(plan, name), plan.spec.tolerance)
-            return
+def compile_batch(plan: HardCasesPlan) -> None:
+    """Run the batch engine on the first case, so that no case's time holds the compilation."""
+    batch_run(problem_of(plan, next(iter(plan.spec.all_cases))), plan.spec.tolerance)
 
 
 def true_run(plan: HardCasesPlan, name: str) -> Truth:
@@ -153,8 +156,8 @@ def judge(plan: HardCasesPlan, name: str, method: str, truth: Truth) -> Judged:
     """Run ``method``, of ``methods_for`` the case ``name``, on it and mark it."""
     problem, spec = problem_of(plan, name), plan.spec
     started = time.thread_time()
-    if method == EXPLICIT:
-        passed = explicit_run(problem, spec.tolerance)
+    if method == BATCH:
+        passed = batch_run(problem, spec.tolerance)
     else:
         how = METHODS[method]
         passed = how.run(problem, spec.step if how.fixed else spec.tolerance)
