@@ -5,7 +5,8 @@ import pytest
 import xarray as xr
 
 from model.show.contact_plots import draw_bases
-from model.show.contact_stiffness import contact_section
+from model.show.report.contact_stiffness import numbers, sentences, verdicts
+from model.study.contact_comparison import claims_on_bases
 from model.study.contact_stiffness import RATIO, VARIATION
 from tests.study.claims_data import NAN, curves, falling, plane
 
@@ -34,25 +35,28 @@ def datasets() -> dict[str, xr.Dataset]:
 
 
 def test_sentences_say_what_is_the_parts_and_what_the_bases(datasets) -> None:
-    section = contact_section(datasets)
-    changing, same, *damping, claims = section.sentences
+    changing, same, *damping, claims = sentences(datasets, claims_on_bases(datasets))
     assert "Fig. 6: at the device's k_a = 100, 0 % of the runs end otherwise" in changing
-    assert "in part the penalty’s" in changing
+    assert "depends in part on the base" in changing
     assert "Some runs still change between the two stiffest bases" in changing
     assert "Fig. 13" in same
-    assert "is the part’s. From k_a = 30 on no change can be seen" in same
+    assert "does not depend on the base. From k_a = 30 on no change can be seen" in same
     assert len(damping) == 2
     assert "F6d (reproduced, then contradicted)" in claims
     assert "F13 " not in claims
 
 
 def test_every_base_has_a_row_and_every_claim_a_sign_on_it(datasets) -> None:
-    section = contact_section(datasets)
-    assert len(section.heads) == len(BASES)
-    for name, rows in section.numbers:
-        assert name in datasets
-        assert [row[:2] for row in rows] == list(section.heads)
-    signs = {claim: row for claim, _, row in section.claims}
+    judged = claims_on_bases(datasets)
+    for name, dataset in datasets.items():
+        rows = numbers(name, dataset).rows
+        assert [row[:2] for row in rows] == [
+            ("100", "0.05"), ("30", "0.05"), ("10\N{NARROW NO-BREAK SPACE}000", "0.05"),
+            ("100", "0"), ("100", "1"),
+        ]  # fmt: skip
+    table = verdicts(judged, datasets["fig06"])
+    assert len(table.columns) == 1 + len(BASES)
+    signs = {each.claim.id: row[1:] for each, row in zip(judged, table.rows, strict=True)}
     assert signs["F6d"] == ("✓", "✓", "✗", "✓", "✗")
     assert signs["F13"] == ("✓",) * 5
 
@@ -72,4 +76,4 @@ def test_bases_are_drawn_by_stiffness_and_by_damping(datasets) -> None:
 
 def test_without_other_dampings_there_is_no_word_of_them(datasets) -> None:
     plain = {name: each.isel({VARIATION: [0, 1, 2]}) for name, each in datasets.items()}
-    assert not any("damping" in each for each in contact_section(plain).sentences)
+    assert not any("damping" in each for each in sentences(plain, claims_on_bases(plain)))

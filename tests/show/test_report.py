@@ -2,7 +2,7 @@
 
 import base64
 import re
-from dataclasses import replace
+import shutil
 from html.parser import HTMLParser
 
 import numpy as np
@@ -13,16 +13,21 @@ from markupsafe import escape
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
-from model.show import report
-from model.show.claims import Ledger
-from model.show.contact_stiffness import Bases, contact_section
 from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
-from model.show.hard_cases import Hardness
-from model.show.precision import CAPTIONS, Comparison, advice
-from model.show.report import READING_WORDS, Findings, render_report
+from model.show.precision import CAPTIONS, advice
+from model.show.report import background
+from model.show.report.background import READING_WORDS
+from model.show.report.contact_stiffness import sentences
+from model.show.report.figures import counts_of
+from model.show.report.page import render_report
+from model.show.report.section import Results, subscripts, symbol
+from model.show.words import power
 from model.study.claims import judge, tally
-from model.study.claims.table import lines_of
-from model.study.datasets import compute_chunk, history_dataset, merge_chunks
+from model.study.claims.table import ledger_text, lines_of
+from model.study.contact_comparison import claims_on_bases
+from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
+from model.study.hard_cases import table_of
+from model.study.precision import timings_table
 from model.study.precision_plans import HARD_PICTURES, PICTURES
 from model.study.sweeps import sweep_of
 
@@ -74,72 +79,46 @@ def datasets(study):
 
 
 @pytest.fixture(scope="module")
-def pictures(study, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("figures")
-    paths = {name: folder / f"{name}.png" for name in study.figures}
-    for path in paths.values():
-        path.write_bytes(PIXEL)
-    return paths
+def lines(datasets):
+    return lines_of(judge(datasets))
 
 
 @pytest.fixture(scope="module")
-def comparison(timed_rungs, wrong_datasets, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("comparison")
-    paths = {name: folder / f"{name}.png" for name in PICTURES}
-    for path in paths.values():
-        path.write_bytes(PIXEL)
-    return Comparison(timed_rungs, wrong_datasets, paths)
-
-
-@pytest.fixture(scope="module")
-def hardness(judged, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("hardness")
-    paths = {name: folder / f"{name}.png" for name in HARD_PICTURES}
-    for path in paths.values():
-        path.write_bytes(PIXEL)
-    return Hardness(judged, paths)
-
-
-@pytest.fixture(scope="module")
-def ledger(datasets, tmp_path_factory):
-    picture = tmp_path_factory.mktemp("ledger") / "claims.png"
-    picture.write_bytes(PIXEL)
-    return Ledger(lines_of(judge(datasets)), picture)
-
-
-@pytest.fixture(scope="module")
-def bases(datasets, tmp_path_factory):
-    picture = tmp_path_factory.mktemp("bases") / "contact_stiffness.png"
-    picture.write_bytes(PIXEL)
+def bases(study, datasets):
     varied = ["contact_stiffness", "damping_ratio"]
     found = {}
-    for name in ("fig06", "fig13"):
+    for name in study.contact_stiffness.figures:
         parts = [
             datasets[name].assign_coords(contact_stiffness=k, damping_ratio=0.05)
             for k in (100.0, 1e6)
         ]
         found[name] = xr.concat(parts, "variation", coords=varied, combine_attrs="override")
-    return Bases(found, picture)
+    return found
 
 
 @pytest.fixture(scope="module")
-def findings(datasets, pictures, comparison, ledger, bases, hardness):
-    return Findings(
-        datasets=datasets,
-        figures=pictures,
-        comparison=comparison,
-        ledger=ledger,
-        bases=bases,
-        hardness=hardness,
-    )
-
-
-PROVENANCE = {"commit": "0123abc", "versions": {"numpy": "2.1.0", "<numba>": "0.61"}}
+def root(study, datasets, lines, bases, timed_rungs, wrong_datasets, judged, tmp_path_factory):
+    root = tmp_path_factory.mktemp("results")
+    for name, dataset in datasets.items():
+        write_dataset(dataset, root / f"data/{name}.nc")
+    for name, dataset in bases.items():
+        write_dataset(dataset, root / f"data/contact_stiffness/{name}.nc")
+    for name, dataset in wrong_datasets.items():
+        write_dataset(dataset.assign_attrs(sweep=""), root / f"data/fixed_steps/{name}.nc")
+    (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
+    for folder in ("benchmarks", "figures"):
+        (root / folder).mkdir()
+    (root / "benchmarks/precision.csv").write_text(timings_table(timed_rungs), encoding="utf-8")
+    (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
+    places = [f"figures/{name}" for name in (*study.figures, "claims", "contact_stiffness")]
+    for place in (*places, *PICTURES.values(), *HARD_PICTURES.values()):
+        (root / f"{place}.png").write_bytes(PIXEL)
+    return root
 
 
 @pytest.fixture(scope="module")
-def rendered(study, findings):
-    return render_report(study, findings, PROVENANCE)
+def rendered(study, root):
+    return render_report(Results(root, study))
 
 
 def article(text: str, name: str) -> str:
@@ -222,7 +201,7 @@ def test_errors_are_summed_up_without_the_sensitive_points(datasets):
     dataset["tau_error"][:] = errors
     dataset["sensitive"][:] = 0
     dataset["sensitive"][0, 4] = 1
-    counts = report._counts(dataset)
+    counts = counts_of(dataset)
     assert counts.error_median == pytest.approx(2.5e-9)
     assert counts.error_largest == 4e-9
     assert counts.error_largest_sensitive == 2.0
@@ -230,9 +209,9 @@ def test_errors_are_summed_up_without_the_sensitive_points(datasets):
 
 def test_chaotic_runs_are_counted_apart(datasets):
     dataset = datasets["fig08"].copy(deep=True)
-    assert report._counts(dataset).chaotic == 0
+    assert counts_of(dataset).chaotic == 0
     dataset["reason"][0, :3] = Reason.CHAOTIC
-    assert report._counts(dataset).chaotic == 3
+    assert counts_of(dataset).chaotic == 3
 
 
 def test_a_figure_says_what_is_varied_and_what_is_held(rendered, study):
@@ -261,11 +240,13 @@ def test_the_moment_of_alignment_of_a_trajectory_is_told(rendered, datasets):
     assert f"aligns at τ = {moment:.6g}" in article(rendered, "fig05")
 
 
-def test_speed_against_error_is_told_in_sentences_pictures_and_tables(rendered, study, comparison):
+def test_speed_against_error_is_told_in_sentences_pictures_and_tables(
+    rendered, study, timed_rungs, wrong_datasets
+):
     part = rendered[rendered.index('id="speed"') : rendered.index('id="hard"')]
     text = plain(part)
     titles = {name: case.title for name, case in study.precision.cases.items()}
-    for sentence in advice(comparison.rungs, comparison.wrong, titles):
+    for sentence in advice(timed_rungs, wrong_datasets, titles):
         assert plain(str(escape(sentence))) in text
     for name, place in PICTURES.items():
         assert CAPTIONS[name] in text
@@ -299,16 +280,16 @@ def test_hard_cases_are_told_in_pictures_and_a_table_of_every_run(rendered, stud
     assert [plain(cell) for cell in cells] == ["0.001", "1,000", "0.1", "0.002", "17,000", "0.9"]
 
 
-def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, ledger):
+def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, lines):
     part = rendered[rendered.index('id="claims"') : rendered.index('id="contact"')]
     text = plain(part)
-    assert tally([line.verdict for line in ledger.lines]).capitalize() in text
+    assert tally([line.verdict for line in lines]).capitalize() in text
     rows = dict(re.findall(r'id="claim-(\w+)">(.*?)</tr>', part, re.DOTALL))
-    assert list(rows) == [line.claim for line in ledger.lines]
-    for line in ledger.lines:
+    assert list(rows) == [line.claim for line in lines]
+    for line in lines:
         row = rows[line.claim]
         for words in (line.place, line.statement, line.reason, line.verdict):
-            assert plain(str(report._with_subscripts(words))) in plain(row)
+            assert plain(str(subscripts(words))) in plain(row)
         links = re.findall(r'href="#([\w-]+)"', row)
         own = ["claims-runs" if not each.startswith("fig") else each for each in line.sources]
         assert links == own
@@ -317,19 +298,29 @@ def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, led
 
 def test_what_the_base_changes_is_told_in_sentences_and_tables(rendered, bases):
     part = rendered[rendered.index('id="contact"') : rendered.index('id="speed"')]
-    section = contact_section(bases.datasets)
-    for sentence in section.sentences:
-        assert plain(str(report._with_subscripts(sentence))) in plain(part)
-    assert part.count("<tr>") == 2 * (1 + 2) + 1 + len(section.claims)
-    for name in bases.datasets:
+    judged = claims_on_bases(bases)
+    for sentence in sentences(bases, judged):
+        assert plain(str(subscripts(sentence))) in plain(part)
+    assert part.count("<tr>") == 3 * (1 + 2) + 1 + len(judged)
+    for name in bases:
         assert f'href="data/contact_stiffness/{name}.nc"' in part
 
 
-def test_provenance_is_printed_and_escaped(rendered):
-    text = rendered[rendered.index('id="provenance"') :]
-    assert "<code>0123abc</code>" in text
+def test_provenance_is_printed_and_escaped(study, root, monkeypatch):
+    monkeypatch.setattr(background, "versions", lambda: {"numpy": "2.1.0", "<numba>": "0.61"})
+    results = Results(root, study)
+    page = render_report(results)
+    text = page[page.index('id="provenance"') :]
     assert "numpy <code>2.1.0</code>" in text
     assert "&lt;numba&gt; <code>0.61</code>" in text
+    for place in results.data:
+        assert place in text
+
+
+def test_every_file_that_the_page_shows_is_an_input(study, root):
+    results = Results(root, study)
+    render_report(results)
+    assert set(results.inputs) == {path for path in root.rglob("*") if path.is_file()}
 
 
 def test_every_switch_of_the_readings_is_explained(rendered):
@@ -337,62 +328,46 @@ def test_every_switch_of_the_readings_is_explained(rendered):
     assert all(f"<code>{name}</code>" in rendered for name in READING_NAMES)
 
 
-def test_words_from_the_configuration_are_escaped(study, findings):
+def test_words_from_the_configuration_are_escaped(study, root):
     spec = study.figures["fig06"].model_copy(update={"title": "<b>τ</b> & f0", "sees": '"<i>"'})
     hostile = study.model_copy(update={"figures": {**study.figures, "fig06": spec}})
-    text = render_report(hostile, findings, {})
+    text = render_report(Results(root, hostile))
     assert "<b>τ</b>" not in text
     assert "&lt;b&gt;τ&lt;/b&gt; &amp; f0" in text
     assert Page(text).open == []
 
 
-def test_the_same_inputs_give_the_same_page(rendered, study, findings):
-    assert render_report(study, findings, PROVENANCE) == rendered
+def test_the_same_inputs_give_the_same_page(rendered, study, root):
+    assert render_report(Results(root, study)) == rendered
 
 
-def with_figure(findings, path):
-    return replace(findings, figures={**findings.figures, "fig06": path})
-
-
-def test_a_vector_picture_is_embedded_too(study, findings, tmp_path):
-    path = tmp_path / "fig06.svg"
-    path.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
-    text = render_report(study, with_figure(findings, path), {})
-    assert "data:image/svg+xml;base64," in text
-
-
-def test_a_picture_of_another_kind_is_refused(study, findings, tmp_path):
-    path = tmp_path / "fig06.pdf"
-    with pytest.raises(ValueError, match=r"fig06\.pdf: must be one of \.png, \.svg"):
-        render_report(study, with_figure(findings, path), {})
-
-
-def test_what_is_missing_is_named(study, findings):
-    some = replace(
-        findings,
-        datasets={name: each for name, each in findings.datasets.items() if name != "fig07"},
-        figures={name: each for name, each in findings.figures.items() if name != "fig01"},
-        comparison=replace(findings.comparison, pictures={}),
-    )
-    with pytest.raises(ValueError, match=r"dataset of fig07, the picture of fig01, .* of times"):
-        render_report(study, some, {})
+@pytest.mark.parametrize(
+    "place", ["data/fig07.nc", "figures/fig01.png", "benchmarks/precision.png"]
+)
+def test_what_is_missing_is_named(study, root, tmp_path, place):
+    some = shutil.copytree(root, tmp_path / "some")
+    (some / place).unlink()
+    with pytest.raises(ValueError, match=f"needs .*{re.escape(place)}: build it"):
+        render_report(Results(some, study))
 
 
 @pytest.mark.parametrize(
     ("value", "text"),
     [
-        (3.2e-9, "3 × 10<sup>\N{MINUS SIGN}9</sup>"),
+        (3.2e-9, "3 × 10⁻⁹"),
+        (1e-8, "10⁻⁸"),
+        (44.0, "40"),
         (0.02, "0.02"),
         (0.0, "0"),
         (float("nan"), "–"),
     ],
 )
 def test_errors_are_written_with_one_digit(value, text):
-    assert str(report._power(value)) == text
+    assert str(power(value)) == text
 
 
 @pytest.mark.parametrize(
-    ("symbol", "text"),
+    ("text", "shown"),
     [
         ("f0", "<i>f</i><sub>0</sub>"),
         ("k_φ", "<i>k</i><sub>φ</sub>"),
@@ -400,5 +375,5 @@ def test_errors_are_written_with_one_digit(value, text):
         ("x(0)", "<i>x(0)</i>"),
     ],
 )
-def test_symbols_are_set_as_in_the_paper(symbol, text):
-    assert str(report.symbol(symbol)) == text
+def test_symbols_are_set_as_in_the_paper(text, shown):
+    assert str(symbol(text)) == shown

@@ -44,7 +44,7 @@ MUTATIONS = [
      {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, *TABLED}),
     ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
-    ("src/model/show/report.html.j2", "All runs at a glance", "Every run at a glance", LAST),
+    ("src/model/show/report/page.html.j2", "What this is", "What it is", LAST),
     ("src/model/tracking/index.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
     ("src/model/runs/unlocated.py", "import ", "import math as _unused\nimport ",
      {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
@@ -60,7 +60,7 @@ MUTATIONS = [
      {*JUDGED, *BANDED}),
     ("src/model/study/claims/runs.py", "_STATIC = 1.0", "_STATIC = 2.0",
      {*OWN_RUNS, *JUDGED, *BANDED}),
-    ("src/model/show/claims.html.j2", "judged", "on trial", LAST),
+    ("src/model/show/report/claims.html.j2", "Thresholds", "on trial", LAST),
     ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
 ]  # fmt: skip
 

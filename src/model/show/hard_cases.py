@@ -3,8 +3,6 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
 
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -41,14 +39,6 @@ _WORDS: Mapping[Verdict, str] = {
     Verdict.TOO_MANY_EVALUATIONS: "N",
     Verdict.NOT_TRIED: "",
 }
-
-
-@dataclass(frozen=True)
-class Hardness:
-    """What the report says of hard cases; ``pictures`` holds a file for each of HARD_PICTURES."""
-
-    judged: Sequence[Judged]
-    pictures: Mapping[str, Path]
 
 
 def cell_text(judged: Judged) -> str:

@@ -1,8 +1,6 @@
 """What the identification found, in pictures: how unique the device is, and what it shows."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +15,6 @@ from model.show import style
 from model.show.plots import axis_label, symbol_of
 from model.study.config import Range
 from model.study.identification.band_table import Band
-from model.study.identification.committed import Identified, Split
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -262,105 +259,3 @@ def readings_by_claims(
 
 def _rgb(colour: str) -> NDArray[np.float64]:
     return np.array([int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)])
-
-
-# --- In words -----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Pictured:
-    """What was found, and a picture for each of ``committed.PICTURES``."""
-
-    found: Identified
-    pictures: Mapping[str, Path]
-
-
-@dataclass(frozen=True)
-class Section:
-    """What the report says of the identification.
-
-    Attributes:
-        sets: how many admissible sets.
-        reproduced: claims that the best set reproduces on the study's own grids.
-        counted: claims that counted.
-        unknowns: of the structure: symbol, words, the study's value, 5 %, median, 95 %, and the
-            width of the middle nine tenths over the prior's.
-        held_out: the splits.
-        rate: mean share of the claims held out that is reproduced.
-        rate_of_possible: the same of those that some admissible set shows.
-        prior_rate: share of the claims that a draw from the prior reproduces.
-        readings: label, claims reproduced of those that counted, and names of the others.
-        mended: of the claims that the consistent reading shows and the print does not, the label of
-            each correction that shows some by itself, and their names.
-        together: those of them that no correction shows by itself.
-        printed_only: claims that the print shows and the consistent reading does not.
-        nowhere: claims that no reading shows.
-        never_together: claims that some draw from the prior shows, and no admissible set.
-    """
-
-    sets: int
-    reproduced: int
-    counted: int
-    unknowns: tuple[tuple[str, str, float, float, float, float, float], ...]
-    held_out: tuple[Split, ...]
-    rate: float
-    rate_of_possible: float
-    prior_rate: float
-    readings: tuple[tuple[str, int, str], ...]
-    mended: tuple[tuple[str, str], ...]
-    together: str
-    printed_only: str
-    nowhere: str
-    never_together: str
-
-
-def identification_section(
-    found: Identified, chosen: Mapping[str, float], ranges: Mapping[str, Range]
-) -> Section:
-    """What the report says of the identification.
-
-    Args:
-        found: the committed result.
-        chosen: the study's own values of what was searched.
-        ranges: the priors.
-    """
-    unknowns = []
-    for name, law in ranges.items():
-        low, median, high = np.quantile(found.ensemble[name], (0.05, 0.5, 0.95)).tolist()
-        width = float(np.log(high / low) / (0.9 * np.log(law.high / law.low)))
-        unknowns.append((SYMBOLS[name], WORDS[name], chosen[name], low, median, high, width))
-    names = np.array(found.claims)
-    readings = tuple(
-        (
-            READING_LABELS.get(name, name),
-            int((found.counted & (margins > 0.0)).sum()),
-            ", ".join(names[found.counted & (margins <= 0.0)]),
-        )
-        for name, margins in found.readings.items()
-    )
-    shown = {name: found.counted & (margins > 0.0) for name, margins in found.readings.items()}
-    consistent, printed = shown.pop("consistent"), shown.pop("printed")
-    any_alone = np.logical_or.reduce([np.zeros_like(consistent), *shown.values()])
-    gained = consistent & ~printed
-    return Section(
-        sets=len(next(iter(found.ensemble.values()))),
-        reproduced=int((found.counted & (found.margins > 0.0)).sum()),
-        counted=int(found.counted.sum()),
-        unknowns=tuple(unknowns),
-        held_out=found.splits,
-        rate=float(np.mean([split.rate for split in found.splits])),
-        rate_of_possible=float(np.mean([split.rate_of_possible for split in found.splits])),
-        prior_rate=float(np.nanmean(found.prior_shares[found.counted])),
-        readings=readings,
-        mended=tuple(
-            (READING_LABELS.get(name, name), ", ".join(names[gained & alone]))
-            for name, alone in shown.items()
-            if (gained & alone).any()
-        ),
-        together=", ".join(names[gained & ~any_alone]),
-        printed_only=", ".join(names[printed & ~consistent]),
-        nowhere=", ".join(names[found.counted & ~(consistent | printed | any_alone)]),
-        never_together=", ".join(
-            names[found.counted & (found.prior_shares > 0.0) & (found.ensemble_shares == 0.0)]
-        ),
-    )

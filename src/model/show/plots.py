@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from model.events.outcomes import Outcome
 from model.show import style
 from model.show.maps import add_contours, add_marks, add_reliable
+from model.show.words import math
 
 if TYPE_CHECKING:  # a trajectory is drawn where xarray is not installed
     import xarray as xr
@@ -50,16 +51,6 @@ def draw(dataset: "xr.Dataset") -> Figure:
 
 
 # --- Words and numbers --------------------------------------------------------------------------
-
-
-def math(symbol: str) -> str:
-    """A symbol as it stands in FIELDS, as mathematical text: f0 and k_φ get a subscript."""
-    head, rest = symbol[0], symbol[1:]
-    if rest.startswith("_") or rest.isdigit():
-        index = rest.lstrip("_")
-        roman = rf"\mathrm{{{index}}}" if len(index) > 1 else index
-        return f"${head}_{{{roman}}}$"
-    return f"${symbol}$"
 
 
 def symbol_of(coordinate: "xr.DataArray") -> str:

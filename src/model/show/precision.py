@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import compress
-from pathlib import Path
 from string import ascii_lowercase
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from matplotlib.patches import Patch
 
 from model.show import style
 from model.show.plots import axis_label, cell_edges
+from model.show.words import percent, power, short
 from model.study.fixed_steps import Wrong, wrong_counts
 from model.study.precision import METHODS, Rung, Scipy, TimedRung, Verdict, names_of
 
@@ -39,18 +39,6 @@ LOOKS: Mapping[str, Mapping[str, Any]] = {
     "scipy_lsoda": {"color": style.GREY, "marker": "<", "linestyle": ":"},
     "scipy_radau": {"color": style.BLACK, "marker": "*", "linestyle": ":"},
 }
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """What the report says of speed against error: timed rungs, and by figure its wrong points.
-
-    ``pictures`` holds a file for each of ``plans.PICTURES``.
-    """
-
-    rungs: Sequence[TimedRung]
-    wrong: Mapping[str, "xr.Dataset"]
-    pictures: Mapping[str, Path]
 
 
 CAPTIONS: Mapping[str, str] = {
@@ -159,7 +147,7 @@ def wrong_points(datasets: Sequence["xr.Dataset"]) -> Figure:
                 part = dataset.isel(scheme=row_of, step=row)
                 draw(axes, part)
                 share = float(np.mean(part["wrong"].values != Wrong.NOT_WRONG))
-                axes.set_title(f"Fig. {number}, $h$ = {step:g}: {_percent(share)} wrong")
+                axes.set_title(f"Fig. {number}, $h$ = {step:g}: {percent(share)} wrong")
             panels[-1, column].set_xlabel(axis_label(dataset[_dims(dataset)[1]]))
         figure.legend(
             handles=_wrong_handles(datasets[0].attrs["tau_tolerance"]),
@@ -229,10 +217,6 @@ def _wrong_handles(tau_tolerance: float) -> list[Line2D | Patch]:
     ]
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
-
-
 # --- What it needs to reach an error ------------------------------------------------------------
 
 
@@ -294,11 +278,11 @@ def advice(
     without = [name for name, method in METHODS.items() if not method.located]
     reached = [titles[case] for case in cases if any((name, case) in fine for name in without)]
     if best_fine is None:
-        numbers = f"No method keeps the true error below {_power(FINE)} in every case"
+        numbers = f"No method keeps the true error below {power(FINE)} in every case"
     else:
         numbers = (
             f"For numbers that are compared, fitted or differentiated, choose "
-            f"{METHODS[best_fine].label}: it keeps the true error below {_power(FINE)} in every "
+            f"{METHODS[best_fine].label}: it keeps the true error below {power(FINE)} in every "
             f"case, at {_range(fine, best_fine, cases)} µs a trajectory, "
         )
         if reached:
@@ -309,11 +293,11 @@ def advice(
         else:
             numbers += "where no method without located switches gets there in any case"
     if best_coarse is None:
-        scans = f"No method keeps the true error below {_power(COARSE)} in every case"
+        scans = f"No method keeps the true error below {power(COARSE)} in every case"
     else:
         same = "the same" if best_coarse == best_fine else METHODS[best_coarse].label
         scans = (
-            f"For scans and maps, where {_power(COARSE)} will do, choose {same} at a looser "
+            f"For scans and maps, where {power(COARSE)} will do, choose {same} at a looser "
             f"tolerance, {_range(coarse, best_coarse, cases)} µs a trajectory; "
             f"{_against_scipy(coarse, best_coarse, cases)}; "
             f"{_faster_without(coarse, best_coarse, titles)}"
@@ -345,7 +329,7 @@ def _against_scipy(need: Mapping[tuple[str, str], Need], best: str, cases: Seque
             ratios.append(min(costs) / need[best, case].microseconds)
     if not ratios:
         return "scipy's solvers get there in no case"
-    times = " to ".join(dict.fromkeys(f"{ratio:.2g}" for ratio in (min(ratios), max(ratios))))
+    times = " to ".join(dict.fromkeys(short(ratio) for ratio in (min(ratios), max(ratios))))
     return (
         f"the fastest of scipy's solvers takes {times} times as long, and gets there in "
         f"{len(ratios)} of {len(cases)} cases"
@@ -375,17 +359,9 @@ def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:
         for figure, each in counts.items():
             count = each[TYPICAL_SCHEME, step]
             share = (count["wrong_outcome"] + count["wrong_time"]) / count["points"]
-            shares.append(f"{_percent(share)} of Fig. {int(figure.removeprefix('fig'))}")
+            shares.append(f"{percent(share)} of Fig. {int(figure.removeprefix('fig'))}")
         parts.append(f"{' and '.join(shares)} with h = {step:g}")
     return (
         "Choose fixed steps without located switches for a first look only: of the points, RK4 "
         f"gets wrong {', '.join(parts)}"
     )
-
-
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def _power(value: float) -> str:
-    """A power of ten as text: 10⁻⁸."""
-    return f"10{str(round(math.log10(value))).translate(_SUPERSCRIPTS)}"

@@ -1,0 +1,81 @@
+"""The section on hard cases: the outcome and error of every method on every case."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from markupsafe import Markup
+
+from model.show.hard_cases import CAPTIONS
+from model.show.report.section import Results, Section, settings_of, subscripts
+from model.study.config import HardCase
+from model.study.hard_cases import BATCH, DEFAULT, Judged, Mark, read_table
+from model.study.precision import METHODS
+from model.study.precision_plans import HARD_PICTURES
+
+
+@dataclass(frozen=True)
+class CaseRow:
+    """One case with the result of every method on it."""
+
+    title: Markup
+    values: Markup
+    until: float
+    judged: tuple[Judged, ...]
+
+
+@dataclass(frozen=True)
+class Gain:
+    """A base on which the default method and the batch engine are compared."""
+
+    title: Markup
+    default: Judged
+    batch: Judged
+
+
+def section(results: Results) -> Section:
+    """Return the section on hard cases."""
+    spec = results.study.hard_cases
+    cases = spec.all_cases
+    judged = read_table(results.file("benchmarks/hard_cases.csv"))
+    content = {
+        "spec": spec,
+        "sentences": [_counted(name, judged) for name in METHODS],
+        "pictures": [
+            results.picture(place, CAPTIONS[name]) for name, place in HARD_PICTURES.items()
+        ],
+        "rows": [_row(name, case, judged) for name, case in cases.items()],
+        "gains": _gains(cases, judged),
+        "longer": [
+            f"{case.title}, {case.max_evaluations:,}"
+            for case in cases.values()
+            if case.max_evaluations
+        ],
+        "labels": {name: method.label for name, method in METHODS.items()}
+        | {BATCH: "batch engine (Taylor series), switches located"},
+    }
+    return Section("hard", "Hard cases", Path(__file__).with_suffix(".html.j2"), content)
+
+
+def _counted(method: str, judged: Sequence[Judged]) -> str:
+    marks = [each.mark for each in judged if each.method == method]
+    counts = ", ".join(f"{marks.count(mark)} {mark.value}" for mark in Mark)
+    return f"{METHODS[method].label}: {counts}."
+
+
+def _row(name: str, case: HardCase, judged: Sequence[Judged]) -> CaseRow:
+    return CaseRow(
+        title=subscripts(case.title),
+        values=settings_of(case.at),
+        until=case.until,
+        judged=tuple(each for each in judged if each.case == name),
+    )
+
+
+def _gains(cases: Mapping[str, HardCase], judged: Sequence[Judged]) -> list[Gain]:
+    found = {(each.case, each.method): each for each in judged}
+    return [
+        Gain(subscripts(cases[case].title), found[case, DEFAULT], batch)
+        for (case, method), batch in found.items()
+        if method == BATCH
+    ]

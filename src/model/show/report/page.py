@@ -1,0 +1,68 @@
+"""The page: its sections in order, under one heading with a table of contents."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from model.show.report import (
+    background,
+    claims,
+    contact_stiffness,
+    figures,
+    hard_cases,
+    identification,
+    speed,
+)
+from model.show.report.section import Results, Section, subscripts
+from model.show.style import FORMATS
+from model.show.words import figure_title, number, percent, power
+
+# In the order of the page. Each returns None where the study has nothing to show; the provenance
+# comes last, since it names the files that the others took.
+SECTIONS: tuple[Callable[[Results], Section | None], ...] = (
+    figures.glance,
+    background.reading,
+    figures.figures,
+    claims.section,
+    contact_stiffness.section,
+    identification.section,
+    speed.section,
+    hard_cases.section,
+    background.device,
+    background.equations,
+    background.provenance,
+)
+_FOLDER = Path(__file__).parent
+
+
+def render_report(
+    results: Results, sections: Sequence[Callable[[Results], Section | None]] = SECTIONS
+) -> str:
+    """Return the page as HTML; the same inputs give the same text.
+
+    Links to datasets (``data/fig06.nc``) and figures (``figures/fig06.svg``) are relative to the
+    results root, where the page belongs.
+
+    Raises:
+        ValueError: a file is missing.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(_FOLDER),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(
+        number=number, power=power, percent=percent, subscripts=subscripts, figure=figure_title
+    )
+    environment.globals["formats"] = FORMATS
+    made = [section for make in sections if (section := make(results)) is not None]
+    bodies = []
+    for section in made:
+        template = environment.from_string(section.template.read_text(encoding="utf-8"))
+        bodies.append(Markup(template.render(**section.content)))  # noqa: S704  (it is escaped)
+    page = environment.get_template("page.html.j2")
+    return page.render(sections=list(zip(made, bodies, strict=True)))

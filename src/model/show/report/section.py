@@ -1,0 +1,171 @@
+"""The interface of a section: what it reads, what it returns, and how it sets text and tables.
+
+A section function takes ``Results``, from which it reads its data and pictures, and returns a
+``Section``. Its template prints the ``content`` below a heading that the page writes; macros for
+pictures and tables are in ``section.html.j2``::
+
+    {% from "section.html.j2" import picture, table %}
+"""
+
+import base64
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup, escape
+
+from model.physics.parameters import FIELDS
+from model.show.words import number, symbol_parts
+from model.study.config import Study
+from model.study.datasets import read_dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An embedded picture.
+
+    Attributes:
+        place: its path below the results root, without extension.
+        caption: plain text below it.
+        alternative: plain text for who cannot see it.
+        data: its content as a data address.
+        size: width and height in pixels.
+    """
+
+    place: str
+    caption: str
+    alternative: str
+    data: Markup
+    size: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of the page; the name of a numeric column, set to the right, begins with ">"."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[object]]
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section of the page.
+
+    Attributes:
+        anchor: the address of its heading on the page, also its id.
+        title: its heading.
+        template: the file that prints ``content``, the only names it may use.
+        content: what the template prints.
+        entries: (number, anchor, title) of each part that the table of contents lists; where there
+            are none, it lists the section.
+    """
+
+    anchor: str
+    title: str
+    template: Path
+    content: Mapping[str, object]
+    entries: tuple[tuple[int, str, str], ...] = ()
+
+
+class Results:
+    """The results root that a page is made of; it notes every file that a section takes from it.
+
+    Args:
+        root: the results root.
+        study: the configuration that the results were computed with.
+        tables: committed tables of the identification; none where it is not part of the study.
+
+    Attributes:
+        data: the files of numbers taken so far, by their paths below the root.
+        inputs: every file taken so far.
+    """
+
+    def __init__(self, root: Path, study: Study, tables: Sequence[Path] = ()) -> None:
+        self.root, self.study, self.tables = root, study, tables
+        self.data: dict[str, Path] = {}
+        self.inputs: list[Path] = list(tables)
+        self._datasets: dict[str, xr.Dataset] = {}
+
+    def file(self, place: str) -> Path:
+        """Take a file of numbers, named by its path below the root.
+
+        Raises:
+            ValueError: it is missing.
+        """
+        path = self.data[place] = self._taken(place)
+        return path
+
+    def dataset(self, place: str) -> "xr.Dataset":
+        """Take a netCDF file, as ``file``."""
+        if place not in self._datasets:
+            self._datasets[place] = read_dataset(self.file(place))
+        return self._datasets[place]
+
+    def picture(self, place: str, caption: str, alternative: str | None = None) -> Picture:
+        """Take a PNG picture, named by its path below the root without extension.
+
+        Args:
+            place: the path.
+            caption: plain text below it.
+            alternative: for who cannot see it; the caption where it says enough.
+
+        Raises:
+            ValueError: it is missing.
+        """
+        content = self._taken(f"{place}.png").read_bytes()
+        # The header of every PNG has its size from byte 16 on.
+        size = int.from_bytes(content[16:20], "big"), int.from_bytes(content[20:24], "big")
+        data = base64.b64encode(content).decode("ascii")
+        address = Markup(f"data:image/png;base64,{data}")  # noqa: S704  (base64 needs no escape)
+        return Picture(place, caption, alternative or caption, address, size)
+
+    def _taken(self, place: str) -> Path:
+        path = self.root / place
+        if not path.is_file():
+            raise ValueError(f"the report needs {path}: build it")
+        if path not in self.inputs:
+            self.inputs.append(path)
+        return path
+
+
+# --- Text ---------------------------------------------------------------------------------------
+
+
+def symbol(text: str) -> Markup:
+    """Return a symbol of ``parameters.FIELDS`` as HTML."""
+    head, index = symbol_parts(text)
+    letter = Markup("<i>{}</i>").format(head)
+    return letter + Markup("<sub>{}</sub>").format(index) if index else letter
+
+
+def subscripts(text: str) -> Markup:
+    """Return plain text as HTML in which K_X1 has a subscript."""
+    return Markup(re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", str(escape(text))))  # noqa: S704
+
+
+def link(words: str, address: str) -> Markup:
+    """Return a link that stays on one line."""
+    return Markup('<a class="nobreak" href="{}">{}</a>').format(address, words)
+
+
+def warned(words: object, *, serious: bool) -> object:
+    """Return ``words``, marked as a warning where they are ``serious``."""
+    return Markup('<span class="warn">{}</span>').format(words) if serious else words
+
+
+def assignments(values: Iterable[tuple[str, str]]) -> Markup:
+    """Return (parameter, value) pairs as "f0 = 3, μ = 0.1", each kept on one line."""
+    return Markup(", ").join(
+        Markup("<span class=nobreak>{} = {}</span>").format(symbol(FIELDS[name].symbol), value)
+        for name, value in values
+    )
+
+
+def settings_of(values: Mapping[str, float]) -> Markup:
+    """Return parameter values as ``assignments`` prints them."""
+    return assignments((name, number(value)) for name, value in values.items())

@@ -1,0 +1,90 @@
+"""The section on speed against error: what each method needs, and what fixed steps get wrong."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup
+
+from model.show.precision import CAPTIONS, COARSE, FINE, Need, advice, needs
+from model.show.report.section import Results, Section, Table, link, settings_of
+from model.show.words import figure_title, number
+from model.study.config import Study
+from model.study.fixed_steps import wrong_counts
+from model.study.precision import METHODS, TimedRung, read_timings
+from model.study.precision_plans import PICTURES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_SCHEME_WORDS = {"rk4": "RK4", "semi_implicit_euler": "semi-implicit Euler"}
+
+
+def section(results: Results) -> Section:
+    """Return the section on speed against error."""
+    study = results.study
+    rungs = read_timings(results.file("benchmarks/precision.csv"))
+    wrong = {
+        name: results.dataset(f"data/fixed_steps/{name}.nc")
+        for name in study.precision.fixed_steps.figures
+    }
+    titles = {name: case.title for name, case in study.precision.cases.items()}
+    content = {
+        "sentences": advice(rungs, wrong, titles),
+        "cases": _cases(study),
+        "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
+        "tables": [(target, _needed(rungs, target, titles)) for target in (COARSE, FINE)],
+        "wrong": _wrong(wrong),
+        "tau_tolerance": study.precision.fixed_steps.tau_tolerance,
+    }
+    return Section("speed", "Speed against error", Path(__file__).with_suffix(".html.j2"), content)
+
+
+def _cases(study: Study) -> Table:
+    return Table(
+        ("case", "as in", "but with", "why"),
+        [
+            (
+                case.title,
+                link(figure_title(case.figure), f"#{case.figure}"),
+                settings_of(case.at),
+                case.reason,
+            )
+            for case in study.precision.cases.values()
+        ],
+    )
+
+
+def _needed(rungs: Sequence[TimedRung], target: float, titles: Mapping[str, str]) -> Table:
+    need = needs(rungs, target)
+    return Table(
+        ("method", *(f">{title}" for title in titles.values())),
+        [
+            (method.label, *(_cell(need.get((name, case))) for case in titles))
+            for name, method in METHODS.items()
+        ],
+    )
+
+
+def _cell(need: Need | None) -> str:
+    if need is None:
+        return "–"
+    return Markup("{:,}<br>{:,.0f} µs").format(need.rhs_evaluations, need.microseconds)
+
+
+def _wrong(datasets: "Mapping[str, xr.Dataset]") -> Table:
+    columns = ("figure", "method", ">step", ">points", ">wrong outcome", ">wrong duration",
+               ">of these sensitive")  # fmt: skip
+    return Table(
+        columns,
+        [
+            (
+                figure_title(figure),
+                _SCHEME_WORDS[scheme],
+                number(step),
+                *(counts[each] for each in ("points", "wrong_outcome", "wrong_time", "sensitive")),
+            )
+            for figure, dataset in datasets.items()
+            for (scheme, step), counts in wrong_counts(dataset).items()
+        ],
+    )
