@@ -14,7 +14,7 @@ from typing import Any
 from model.physics.compiled import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
-from model.physics.units import QUANTITIES, UNITS, Units
+from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from model.study.config import load_study, study_path
 from model.study.devices import load_device
@@ -150,7 +150,7 @@ def parameter_table(baseline: Parameters) -> str:
         shown = f"as {field.derived}" if value is None else f"{value:g}"
         rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
         words = field.description + (f"; {rule}" if rule else "")
-        rows.append((name, field.symbol, shown, QUANTITIES[name].unit, words))
+        rows.append((name, field.symbol, shown, field.quantity.unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
     units = [(name, unit, words) for name, (words, unit) in UNITS.items()]
     lines += ["what a file for --device states besides:", *in_columns(units)]

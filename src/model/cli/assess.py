@@ -13,7 +13,9 @@ from model.cli.arguments import (
     in_columns,
     settings_of,
 )
-from model.physics.units import DURATION, QUANTITIES, Quantity, Units
+from model.physics.parameters import FIELDS
+from model.physics.quantities import TIME, Quantity
+from model.physics.units import Units
 from model.runs.simulate import simulate
 from model.study.config import load_study, study_path
 
@@ -66,7 +68,7 @@ def _scale(units: Units | None, quantity: Quantity) -> tuple[float, str]:
 
 
 def _report(found: "Assessment", units: Units | None) -> list[str]:
-    time, second = _scale(units, DURATION)
+    time, second = _scale(units, TIME)
     words = "reliable" if found.reliable else "not reliable"
     lines = [f"{words:<16}aligns from {found.aligned} of {found.starts} starts"]
     if found.aligned:
@@ -79,7 +81,7 @@ def _report(found: "Assessment", units: Units | None) -> list[str]:
 
 
 def _row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
-    one, unit = _scale(units, QUANTITIES[leeway.parameter])
+    one, unit = _scale(units, FIELDS[leeway.parameter].quantity)
     low = f"{one * leeway.low:.4g}" + ("" if leeway.bounded_below else " or less")
     high = f"{one * leeway.high:.4g}" + ("" if leeway.bounded_above else " or more")
     own = f"its value {one * leeway.value:.4g}{unit}"
@@ -89,10 +91,10 @@ def _row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
 def _record(found: "Assessment", units: Units | None) -> dict[str, Any]:
     """Everything that was found, in SI units for a device in SI; what is no number is null."""
     record = asdict(found) | {"reliable": found.reliable}
-    time, _ = _scale(units, DURATION)
+    time, _ = _scale(units, TIME)
     for name in ("tau_best", "tau_worst"):
         record[name] = time * record[name] if found.aligned else None
     for leeway in record["leeways"]:
-        one, _ = _scale(units, QUANTITIES[leeway["parameter"]])
+        one, _ = _scale(units, FIELDS[leeway["parameter"]].quantity)
         leeway |= {name: one * leeway[name] for name in ("value", "low", "high")}
     return {"units": "1" if units is None else "SI", **record}

@@ -19,8 +19,8 @@ from model.cli.arguments import (
     number,
     settings_of,
 )
-from model.physics.parameters import PARAMETER_NAMES, check_name
-from model.physics.units import QUANTITIES, Units
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
+from model.physics.units import Units
 from model.study.config import RunSettings, Span, check_plane, load_study, study_path
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
 
 
 def _dimensionless(span: Span, units: Units) -> Span:
-    one = units.of(QUANTITIES[span.parameter])
+    one = units.of(FIELDS[span.parameter].quantity)
     return Span(parameter=span.parameter, start=span.start / one, stop=span.stop / one)
 
 

@@ -12,6 +12,7 @@ from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import Mode
+from model.physics.views import reader, writer
 
 CONSTANTS = len(Constants._fields)  # the first numbers
 
@@ -72,73 +73,26 @@ class Ending(NamedTuple):
     tracked: float
 
 
-@inlined_kernel
-def constants_of(runs, i):
-    """``Constants`` of run ``i``."""
-    return Constants(
-        runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3], runs[i, 4], runs[i, 5], runs[i, 6],
-        runs[i, 7], runs[i, 8], runs[i, 9], runs[i, 10], runs[i, 11], runs[i, 12], runs[i, 13],
-        runs[i, 14], runs[i, 15], runs[i, 16], runs[i, 17], runs[i, 18], runs[i, 19], runs[i, 20],
-        runs[i, 21], runs[i, 22], runs[i, 23], runs[i, 24], runs[i, 25], runs[i, 26],
-    )  # fmt: skip
+# (runs, i): the ``Constants`` of run ``i``.
+constants_of = reader(Constants, "runs, i", "runs[i, {}]".format)
+# (runs, row, i): the ``State`` of run ``i`` from column ``row`` on; and (q, runs, row, i) to keep.
+state_in = reader(State, "runs, row, i", "runs[i, row + {}]".format)
+keep_state_in = writer(State, "runs, row, i", "runs[i, row + {}]".format)
+# (runs, i): the ``Mode`` of run ``i``; and (mode, runs, i) to keep.
+mode_of = reader(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
+keep_mode = writer(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
 
 
 @inlined_kernel
 def constants_in(row):
-    """``Constants`` from ``row``, shape (constants,)."""
+    """Return the ``Constants`` in ``row``, shape (constants,)."""
     return constants_of(row.reshape((1, CONSTANTS)), 0)
-
-
-@inlined_kernel
-def state_in(runs, row, i):
-    """The ``State`` of run ``i`` kept from ``row`` on."""
-    return State(
-        runs[i, row], runs[i, row + 1], runs[i, row + 2],
-        runs[i, row + 3], runs[i, row + 4], runs[i, row + 5],
-    )  # fmt: skip
-
-
-@inlined_kernel
-def keep_state_in(q, runs, row, i):
-    """Write ``q`` from ``row`` on."""
-    runs[i, row], runs[i, row + 1], runs[i, row + 2] = q.x, q.y, q.tilt
-    runs[i, row + 3], runs[i, row + 4], runs[i, row + 5] = q.x_rate, q.y_rate, q.tilt_rate
 
 
 @inlined_kernel
 def keep_state(q, runs, i):
     """Make ``q`` the state of run ``i``."""
     keep_state_in(q, runs, STATE, i)
-
-
-@inlined_kernel
-def mode_of(runs, i):
-    """The ``Mode`` of run ``i``."""
-    return Mode(
-        runs[i, MODE],
-        int(runs[i, MODE + 1]),
-        int(runs[i, MODE + 2]),
-        runs[i, MODE + 3],
-        runs[i, MODE + 4] != 0.0,
-        int(runs[i, MODE + 5]),
-        int(runs[i, MODE + 6]),
-        int(runs[i, MODE + 7]),
-        runs[i, MODE + 8] != 0.0,
-    )
-
-
-@inlined_kernel
-def keep_mode(mode, runs, i):
-    """Make ``mode`` the mode of run ``i``."""
-    runs[i, MODE] = mode.edge
-    runs[i, MODE + 1] = mode.face
-    runs[i, MODE + 2] = mode.corner
-    runs[i, MODE + 3] = mode.corner_offset
-    runs[i, MODE + 4] = mode.slip_at_corner
-    runs[i, MODE + 5] = mode.support_slip
-    runs[i, MODE + 6] = mode.side
-    runs[i, MODE + 7] = mode.side_slip
-    runs[i, MODE + 8] = mode.dropped
 
 
 @kernel

@@ -1,76 +1,82 @@
-"""Parameters of the device and its excitation: named, validated, frozen. All dimensionless.
+"""Parameters of the device and its excitation: named, validated, frozen; all dimensionless.
 
-``FIELDS`` is the one table of what can be set: symbol, meaning and rule of every parameter. Command
-line, study configuration and datasets read it. Kernels take the flat ``Constants`` made from it.
+The fields of ``Parameters`` are the one table of what can be set: name, symbol, meaning, quantity,
+rule and default. Batches, the kernels' ``Constants``, SI units, the command line, the study's
+configuration and the datasets are made from it through ``FIELDS``.
 """
 
 import dataclasses
 import difflib
+import inspect
 import math
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from model.physics.quantities import (
+    ANGLE,
+    DAMPING,
+    FORCE,
+    FREQUENCY,
+    INERTIA,
+    LENGTH,
+    PLAIN,
+    STIFFNESS,
+    TILT_DAMPING,
+    TILT_STIFFNESS,
+    Quantity,
+)
 from model.physics.readings import READING_NAMES, Readings
+from model.physics.views import numbers
 
 
 @dataclass(frozen=True)
 class Field:
-    """One settable parameter: its symbol in the paper, meaning, and admissible range.
+    """One parameter: symbol in the paper, meaning, quantity and admissible range.
 
-    ``derived`` says in words what ``None`` stands for, where ``None`` is admissible.
+    Attributes:
+        symbol: symbol in the paper.
+        description: meaning in a few words.
+        quantity: SI unit, for devices that are measured.
+        bound: admissible range; any finite number where empty.
+        derived: parameter that ``None`` stands for, where ``None`` is admissible.
+        measured: a device in SI units must state the parameter although it has a default.
     """
 
     symbol: str
     description: str
-    lower: float = -math.inf
-    strict: bool = False
+    quantity: Quantity
+    bound: Literal["", "> 0", ">= 0"] = ""
     derived: str | None = None
+    measured: bool = False
 
     @property
     def rule(self) -> str:
         """The admissible range in words."""
-        if self.lower == -math.inf:
-            rule = "must be a finite number"
-        else:
-            rule = f"must be a finite number {'>' if self.strict else '>='} {self.lower:g}"
+        rule = f"must be a finite number {self.bound}".strip()
         return f"{rule}, or None for {self.derived}" if self.derived else rule
 
+    @property
+    def explanation(self) -> str:
+        """Meaning and symbol, in a line."""
+        return f"{self.description}, {self.symbol}"
+
     def admits(self, values: Any) -> Any:
-        """Which of ``values``, a float or an array, keep the rule; NaN stands for None."""
-        inside = values > self.lower if self.strict else values >= self.lower
-        inside = inside & (abs(values) < math.inf)
+        """Return whether ``values``, a float or an array, keep the rule; NaN stands for None."""
+        inside = abs(values) < math.inf
+        if self.bound:
+            inside = inside & (values > 0.0 if self.bound == "> 0" else values >= 0.0)
         return inside | (values != values) if self.derived else inside  # noqa: PLR0124 - NaN
 
 
-FIELDS: Mapping[str, Field] = {
-    "half_width": Field("a", "half-width of the part", 0.0, strict=True),
-    "half_height": Field("b", "half-height of the part", 0.0, strict=True),
-    "clearance": Field("δ", "joining clearance (l - a)/a", 0.0, strict=True),
-    "misalignment": Field("x(0)", "axial misalignment at the start", 0.0),
-    "initial_tilt": Field("φ(0)", "tilt at the start"),
-    "inertia": Field("I_φ", "moment of inertia about the mass centre", 0.0, strict=True),
-    "lateral_stiffness": Field("k_x", "lateral stiffness of the suspension", 0.0),
-    "tilt_stiffness": Field("k_φ", "tilt stiffness of the suspension", 0.0),
-    "lateral_damping": Field("h_x", "lateral damping of the suspension", 0.0),
-    "axial_damping": Field("h_y", "axial damping of the suspension", 0.0),
-    "tilt_damping": Field("h_φ", "tilt damping of the suspension", 0.0),
-    "contact_stiffness": Field("k_a", "stiffness of the base at a contact", 0.0, strict=True),
-    "contact_damping": Field("h_a", "damping of the base at a contact", 0.0),
-    "friction": Field("μ", "coefficient of dry friction", 0.0),
-    "press_force": Field("f0", "initial pressing force"),
-    "frequency": Field("ν", "excitation frequency; 0 holds the excitation at sin(phase)", 0.0),
-    "phase": Field("phase", "phase of the excitation at the start"),
-    "rest_x": Field("x_st", "x at which the lateral spring is relaxed", derived="misalignment"),
-    "rest_y": Field("y_st", "y at which the axial spring is relaxed", derived="half_height"),
-    "rest_tilt": Field("φ_st", "tilt at which the tilt spring is relaxed"),
-}
-PARAMETER_NAMES: tuple[str, ...] = tuple(FIELDS)
-_ROW = struct.Struct(f"{len(FIELDS)}d")
+def described(docstring: str | None, table: Mapping[str, Any]) -> str:
+    """Return ``docstring`` with a section that explains the attributes in ``table``."""
+    attributes = "".join(f"    {name}: {each.explanation}.\n" for name, each in table.items())
+    return f"{inspect.cleandoc(docstring or '')}\n\nAttributes:\n{attributes}"
 
 
 def check_name(name: str, valid: Sequence[str], what: str) -> None:
@@ -96,34 +102,65 @@ _MISPLACED_RULE = (
 class Parameters:
     """One device, its excitation and its start; every value dimensionless (paper, sect. 2).
 
-    The names, symbols and rules stand in ``FIELDS``. ``None`` for ``rest_x`` and ``rest_y`` means
-    the suspension is relaxed where the part starts: ``misalignment`` and ``half_height``.
+    ``None`` for ``rest_x`` and ``rest_y`` means that the suspension is relaxed where the part
+    starts: at ``misalignment`` and ``half_height``.
 
     Raises:
         TypeError: a value is not a real number.
         ValueError: a value outside its rule, named with the rule.
     """
 
-    half_width: float
-    half_height: float
-    inertia: float
-    lateral_stiffness: float
-    tilt_stiffness: float
-    lateral_damping: float
-    axial_damping: float
-    tilt_damping: float
-    friction: float
-    press_force: float
-    frequency: float
-    clearance: float = 0.09
-    misalignment: float = 0.2
-    initial_tilt: float = 0.001
-    contact_stiffness: float = 100.0
-    contact_damping: float = 1.0
-    phase: float = 0.0
-    rest_x: float | None = None
-    rest_y: float | None = None
-    rest_tilt: float = 0.0
+    half_width: Annotated[float, Field("a", "half-width of the part", LENGTH, "> 0")]
+    half_height: Annotated[float, Field("b", "half-height of the part", LENGTH, "> 0")]
+    clearance: Annotated[
+        float, Field("δ", "joining clearance (l - a)/a", PLAIN, "> 0", measured=True)
+    ] = 0.09
+    misalignment: Annotated[
+        float, Field("x(0)", "axial misalignment at the start", LENGTH, ">= 0", measured=True)
+    ] = 0.2
+    initial_tilt: Annotated[float, Field("φ(0)", "tilt at the start", ANGLE)] = 0.001
+    inertia: Annotated[
+        float, Field("I_φ", "moment of inertia about the mass centre", INERTIA, "> 0")
+    ]
+    lateral_stiffness: Annotated[
+        float, Field("k_x", "lateral stiffness of the suspension", STIFFNESS, ">= 0")
+    ]
+    tilt_stiffness: Annotated[
+        float, Field("k_φ", "tilt stiffness of the suspension", TILT_STIFFNESS, ">= 0")
+    ]
+    lateral_damping: Annotated[
+        float, Field("h_x", "lateral damping of the suspension", DAMPING, ">= 0")
+    ]
+    axial_damping: Annotated[
+        float, Field("h_y", "axial damping of the suspension", DAMPING, ">= 0")
+    ]
+    tilt_damping: Annotated[
+        float, Field("h_φ", "tilt damping of the suspension", TILT_DAMPING, ">= 0")
+    ]
+    contact_stiffness: Annotated[
+        float, Field("k_a", "stiffness of the base at a contact", STIFFNESS, "> 0")
+    ] = 100.0
+    contact_damping: Annotated[
+        float, Field("h_a", "damping of the base at a contact", DAMPING, ">= 0")
+    ] = 1.0
+    friction: Annotated[float, Field("μ", "coefficient of dry friction", PLAIN, ">= 0")]
+    press_force: Annotated[float, Field("f0", "initial pressing force", FORCE)]
+    frequency: Annotated[
+        float,
+        Field("ν", "excitation frequency; 0 holds the excitation at sin(phase)", FREQUENCY, ">= 0"),
+    ]
+    phase: Annotated[float, Field("phase", "phase of the excitation at the start", ANGLE)] = 0.0
+    rest_x: Annotated[
+        float | None,
+        Field("x_st", "x at which the lateral spring is relaxed", LENGTH, derived="misalignment"),
+    ] = None
+    rest_y: Annotated[
+        float | None,
+        Field("y_st", "y at which the axial spring is relaxed", LENGTH, derived="half_height"),
+    ] = None
+    rest_tilt: Annotated[
+        float, Field("φ_st", "tilt at which the tilt spring is relaxed", ANGLE)
+    ] = 0.0
 
     def __post_init__(self) -> None:
         row = []
@@ -158,6 +195,36 @@ class Parameters:
         for name in changes:
             check_name(name, PARAMETER_NAMES, "parameter")
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+
+
+FIELDS: Mapping[str, Field] = {
+    each.name: get_args(each.type)[1] for each in dataclasses.fields(Parameters)
+}
+PARAMETER_NAMES: tuple[str, ...] = tuple(FIELDS)
+# The parameters that no default stands for.
+REQUIRED_NAMES: tuple[str, ...] = tuple(
+    each.name for each in dataclasses.fields(Parameters) if each.default is dataclasses.MISSING
+)
+Parameters.__doc__ = described(Parameters.__doc__, FIELDS)
+_ROW = struct.Struct(f"{len(FIELDS)}d")
+
+# Kernels need the slot's half-width in place of the clearance. The axial spring of the printed
+# equations is relaxed at 0, which ``rest_y`` says.
+_RESOLVED = {"clearance": "slot_half_width"}
+_CONSTANTS = (
+    *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
+    *(f"printed_{name}" for name in READING_NAMES if name != "preload"),
+)
+
+
+class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
+    """Numbers that kernels compute with: defaults resolved, readings as 0.0 or 1.0.
+
+    Parameters keep their names, but ``slot_half_width`` stands for the clearance; ``printed_*`` are
+    the switches of ``Readings``.
+    """
+
+    __slots__ = ()
 
 
 @dataclass(frozen=True)
@@ -243,15 +310,16 @@ class Batch:
         """Shape (n, len(Constants._fields)): a row of ``Constants`` for each parameter set."""
         columns: dict[str, Any] = dict(self.values)
         columns["slot_half_width"] = columns["half_width"] * (1.0 + columns["clearance"])
-        columns["rest_x"] = _filled(columns["rest_x"], columns["misalignment"])
-        columns["rest_y"] = _filled(columns["rest_y"], columns["half_height"])
+        for name, field in FIELDS.items():
+            if field.derived:
+                unset = np.isnan(columns[name])
+                columns[name] = np.where(unset, columns[field.derived], columns[name])
         if readings.preload == "printed":
-            columns["rest_y"] = np.zeros(len(self))
-        columns |= {f"printed_{name}": 1.0 for name in READING_NAMES if readings.is_printed(name)}
-        rows = np.zeros((len(self), len(Constants._fields)))
-        for place, name in enumerate(Constants._fields):
-            if name in columns:
-                rows[:, place] = columns[name]
+            columns["rest_y"] = 0.0
+        columns |= {f"printed_{name}": readings.is_printed(name) for name in READING_NAMES}
+        rows = np.empty((len(self), len(_CONSTANTS)))
+        for place, name in enumerate(_CONSTANTS):
+            rows[:, place] = columns[name]
         return rows
 
 
@@ -264,39 +332,3 @@ def _as_float(value: Any) -> float:
 
 def _or_nan(value: float | None) -> float:
     return math.nan if value is None else value
-
-
-def _filled(values: NDArray[np.float64], default: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.where(np.isnan(values), default, values)
-
-
-class Constants(NamedTuple):
-    """What kernels compute with: floats only, defaults resolved, switches as 0.0 or 1.0."""
-
-    half_width: float
-    half_height: float
-    slot_half_width: float
-    misalignment: float
-    initial_tilt: float
-    inertia: float
-    lateral_stiffness: float
-    tilt_stiffness: float
-    lateral_damping: float
-    axial_damping: float
-    tilt_damping: float
-    contact_stiffness: float
-    contact_damping: float
-    friction: float
-    press_force: float
-    frequency: float
-    phase: float
-    rest_x: float
-    rest_y: float
-    rest_tilt: float
-    printed_normal_sign: float
-    printed_friction_law: float
-    printed_contact_damping_law: float
-    printed_side_gap: float
-    printed_side_force: float
-    printed_alignment_criterion: float
-    printed_moment_arms: float

@@ -9,7 +9,8 @@ import xarray as xr
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
-from model.physics.units import DURATION, QUANTITIES, UNITS, Units
+from model.physics.quantities import TIME
+from model.physics.units import UNITS, Units
 from model.study.config import CURVES, HISTORIES, Curves, Study
 from model.study.datasets import VARIABLES, global_attributes, parameter_attributes
 from model.study.maps import BESIDE, PERIODS, SHARE, MapPlan, StabilityMap, Work
@@ -84,8 +85,8 @@ def map_dataset(
 
 def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
     """A map with its parameters and durations in SI units, which ``units`` and "units" name."""
-    quantities = {name: QUANTITIES[str(name)] for name in dataset.coords}
-    quantities |= {name: DURATION for name in dataset.data_vars if str(name).startswith("tau_")}
+    quantities = {name: FIELDS[str(name)].quantity for name in dataset.coords}
+    quantities |= {name: TIME for name in dataset.data_vars if str(name).startswith("tau_")}
     found = dataset.copy()
     for name, quantity in quantities.items():
         attributes = {**dataset[name].attrs, "units": quantity.unit}

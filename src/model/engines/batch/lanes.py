@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.engines.batch.series import GIVEN, Contacts
+from model.engines.batch.series import CONSISTENT, GIVEN, Contacts
 from model.engines.batch.series_code import (
     FRACTIONS,
     NODES,
@@ -71,6 +71,7 @@ from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.physics.trigonometry import sine_cosine
+from model.physics.views import reader
 
 # Rows: the constants and signs of the slips, numbers of the lanes, and what a step shows.
 (
@@ -116,16 +117,14 @@ def new_lanes() -> Array:
     return numbers[first : first + count]
 
 
-@inlined_kernel
-def constants_of_lane(w, i):
-    """``Constants`` of lane ``i``, consistent readings."""
-    n = WIDTH
-    return Constants(
-        w[i], w[n + i], w[2 * n + i], w[3 * n + i], w[4 * n + i], w[5 * n + i], w[6 * n + i],
-        w[7 * n + i], w[8 * n + i], w[9 * n + i], w[10 * n + i], w[11 * n + i], w[12 * n + i],
-        w[13 * n + i], w[14 * n + i], w[15 * n + i], w[16 * n + i], w[17 * n + i], w[18 * n + i],
-        w[19 * n + i], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-    )  # fmt: skip
+# (w, i): ``Constants`` of lane ``i``, consistent readings.
+_PLACES = {row: place for place, row in enumerate(CONSISTENT)}
+constants_of_lane = reader(
+    Constants,
+    "w, i",
+    lambda n: f"w[{_PLACES[n]} * WIDTH + i]" if n in _PLACES else "0.0",
+    WIDTH=WIDTH,
+)
 
 
 @inlined_kernel
@@ -150,31 +149,12 @@ def lanes_hold(mode):
     return mode.edge == RIGHT_EDGE and mode.corner == OPEN
 
 
-@inlined_kernel
-def _state(w, row, i):
-    n = WIDTH
-    return State(
-        w[row * n + i], w[(row + 1) * n + i], w[(row + 2) * n + i],
-        w[(row + 3) * n + i], w[(row + 4) * n + i], w[(row + 5) * n + i],
-    )  # fmt: skip
-
-
-@inlined_kernel
-def outline_in(row, scale, w, i):
-    """``Outline`` of lane ``i`` that stands from ``row`` on, times ``scale``."""
-    at, n = (row + OUTLINE_AT) * WIDTH + i, WIDTH
-    return Outline(
-        scale * w[at], scale * w[at + n], scale * w[at + 2 * n], scale * w[at + 3 * n],
-        scale * w[at + 4 * n], scale * w[at + 5 * n], scale * w[at + 6 * n],
-        scale * w[at + 7 * n], scale * w[at + 8 * n],
-    )  # fmt: skip
-
-
-@inlined_kernel
-def contacts_in(row, scale, w, i):
-    """``Contacts`` of lane ``i`` that stand from ``row`` on, times ``scale``."""
-    at, n = (row + CONTACTS_AT) * WIDTH + i, WIDTH
-    return Contacts(scale * w[at], scale * w[at + n], scale * w[at + 2 * n], scale * w[at + 3 * n])
+# (w, row, i): the ``State`` of lane ``i`` that stands from ``row`` on.
+_state = reader(State, "w, row, i", "w[(row + {}) * WIDTH + i]".format, WIDTH=WIDTH)
+# (row, scale, w, i): ``Outline`` and ``Contacts`` of lane ``i`` from ``row`` on, times ``scale``.
+_scaled = "scale * w[(row + FIRST + {}) * WIDTH + i]".format
+outline_in = reader(Outline, "row, scale, w, i", _scaled, FIRST=OUTLINE_AT, WIDTH=WIDTH)
+contacts_in = reader(Contacts, "row, scale, w, i", _scaled, FIRST=CONTACTS_AT, WIDTH=WIDTH)
 
 
 @kernel
