@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
 from model.runs.align import run_once
-from model.runs.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
 from model.study.config import MAPS, Study, load_study, study_path
 from model.study.maps import BESIDE, MapPlan, areas, graded, plan_of
+from model.study.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
 
 _AT_ONCE = 8192
 

@@ -5,9 +5,9 @@ import pytest
 
 from benchmarks.maps import compare, costs, judge, slope
 from model.events.outcomes import Outcome
-from model.runs.refinement import refine
 from model.study.config import RunSettings, Span
 from model.study.maps import BESIDE, graded, plan_of
+from model.study.refinement import refine
 
 CELLS = 256
 ALIGNED, SETTLED = int(Outcome.ALIGNED), int(Outcome.SETTLED)

@@ -136,12 +136,12 @@ def test_a_missing_package_is_named(tmp_path, capsys, monkeypatch):
 def test_the_bar_shows_at_a_terminal_how_much_of_a_wave_is_left(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     bar = map_commands._Bar()
-    bar("outcomes", 0, 400)
-    bar("outcomes", 200, 100)
+    bar("paper", 0, 400)
+    bar("paper", 200, 100)
     bar.close()
     err = capsys.readouterr().err
     first, second = (part for part in err.split("\r")[1:3])
-    assert "[........................]" in first
+    assert first.startswith("outcomes    [........................]")
     assert "[##################......]" in second
     assert "200 starts computed" in second
     assert err.endswith("\r\033[K")

@@ -1,7 +1,7 @@
 """Stability maps: what is computed where, how sure they are, and that parts make the whole."""
 
 import math
-from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,17 +15,14 @@ from model.study.config import Axis, Ensemble, RunSettings, Span, load_study, st
 from model.study.datasets import DatasetError, write_dataset
 from model.study.largest_misalignment import (
     BISECTIONS,
-    LIMIT,
     LimitPlan,
     limit_dataset,
-    limit_map,
-    limit_part,
     limit_plan,
     limits,
 )
-from model.study.map_datasets import map_dataset, marks_of
-from model.study.map_parts import Known, Part, part_dataset, read_part, read_parts
-from model.study.maps import MapPlan, Work, areas, assemble, compute_part, map_plan, plan_of
+from model.study.map_datasets import MAP_VARIABLES, map_dataset, marks_of
+from model.study.map_parts import compute_part, nothing_known, part_dataset, read_parts
+from model.study.maps import MapPlan, areas, assemble, map_plan, plan_of
 
 SETTINGS = RunSettings(readings="consistent", horizon=40.0, tolerance=1e-8)
 X = Span(parameter="tilt_stiffness", start=2.0, stop=16.0)
@@ -51,8 +48,14 @@ def _coarse_cells():
 
 
 @pytest.fixture(scope="module")
-def found(plan):
-    return assemble(Work.nothing(plan))
+def known(plan):
+    """Of every layer, what the whole map computes."""
+    return compute_part(plan)
+
+
+@pytest.fixture(scope="module")
+def found(plan, known):
+    return SimpleNamespace(**assemble(plan, known), computed=known["paper"].computed)
 
 
 @pytest.fixture(scope="module")
@@ -138,31 +141,32 @@ def test_between_nodes_of_the_ensemble_the_worst_counts():
 
 
 @pytest.mark.parametrize("parts", [1, 2, 3])
-def test_parts_and_cores_do_not_change_the_map(plan, found, parts, tmp_path):
+def test_parts_and_cores_do_not_change_the_map(plan, known, parts, tmp_path):
     paths = [tmp_path / f"{part}.nc" for part in range(parts)]
     for part, path in enumerate(paths):
-        work = compute_part(plan, part, parts, cores=1 + part % 2)
-        write_dataset(part_dataset(Part(plan.name, plan.identity, part, parts), work.known), path)
-    joined = Work.nothing(plan)
-    read_parts(paths, plan.name, plan.identity, joined.known)
-    again = map_dataset(assemble(joined), "title", "summary")
-    xr.testing.assert_identical(again, map_dataset(found, "title", "summary"))
+        done = compute_part(plan, part, parts, cores=1 + part % 2)
+        write_dataset(part_dataset(plan, part, parts, done), path)
+    again = map_dataset(plan, read_parts(plan, paths), "title", "summary")
+    xr.testing.assert_identical(again, map_dataset(plan, known, "title", "summary"))
 
 
 def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
-    work = Work.nothing(plan)
-    written = Part(plan.name, plan.identity, 0, 2)
-    write_dataset(part_dataset(written, work.known), tmp_path / "0.nc")
+    nothing = nothing_known(plan)
+    path, first = tmp_path / "0.nc", part_dataset(plan, 0, 1, nothing)
     other = plan_of("trial", device.replace(friction=0.2), SETTINGS, (X, Y), CELLS, ENSEMBLE)
     for change in ({"sweep": other.identity}, {"part": 1}, {"parts": 3}, {"figure": "fig14"}):
-        with pytest.raises(DatasetError, match="is not part"):
-            read_part(tmp_path / "0.nc", replace(written, **change), work.known)
+        write_dataset(first.assign_attrs(change), path)
+        with pytest.raises(DatasetError, match=r"0\.nc: is not part 0 of this map; deleted"):
+            read_parts(plan, [path])
+        assert not path.exists()
+    write_dataset(first, path)
+    assert not read_parts(plan, [path])["paper"].computed.any()
     with pytest.raises(ValueError, match="part = 2: must be 0 to 1"):
         compute_part(plan, 2, 2)
 
 
-def test_the_dataset_is_an_ordinary_grid_in_pieces_and_compressed(found, tmp_path):
-    dataset = map_dataset(found, "title", "summary", [("fig06", [3.0], [1.0, 2.0])])
+def test_the_dataset_is_an_ordinary_grid_in_pieces_and_compressed(plan, known, tmp_path):
+    dataset = map_dataset(plan, known, "title", "summary", [("fig06", [3.0], [1.0, 2.0])])
     path = tmp_path / "map.nc"
     write_dataset(dataset, path)
     with xr.open_dataset(path) as stored:
@@ -197,9 +201,10 @@ def test_without_an_ensemble_reliability_is_not_known(device):
     phases = Span(parameter="phase", start=0.0, stop=6.0)
     plan = plan_of("trial", device, SETTINGS, (X, phases), 4, ENSEMBLE)
     assert plan.ensemble is None
-    found = assemble(Work.nothing(plan))
-    assert np.isnan(found.reliable_share).all()
-    assert np.array_equal(found.reliable == 1, found.outcome == Outcome.ALIGNED)
+    found = assemble(plan, nothing_known(plan))
+    assert set(found) == set(MAP_VARIABLES)
+    assert np.isnan(found["reliable_share"]).all()
+    assert np.array_equal(found["reliable"] == 1, found["outcome"] == Outcome.ALIGNED)
 
 
 def test_the_maps_of_the_study_stand_on_the_ranges_of_its_figures():
@@ -260,29 +265,28 @@ def test_parts_do_not_change_the_map_of_limits(device, tmp_path, monkeypatch):
     spans = Span(parameter="press_force", start=1.0, stop=4.0), X
     plane = plan_of("largest_misalignment", device, SETTINGS, spans, 8, None)
     plan = LimitPlan(plane=plane, trials=4)
-    whole, joined = (Known.nothing(plan.lattice, LIMIT) for _ in range(2))
-    found = limit_map(plan, whole)
-    assert 25 < whole.computed.sum() < 81
+    whole = nothing_known(plan)
+    found = limit_dataset(plan, whole, "title", "summary")
+    assert 25 < whole["limit"].computed.sum() < 81
     paths = [tmp_path / f"{part}.nc" for part in range(3)]
     for part, path in enumerate(paths):
-        known = limit_part(plan, part, 3)
-        assert known.computed.sum() < whole.computed.sum()
-        stored = Part(plan.name, plan.identity, part, 3)
-        write_dataset(part_dataset(stored, {"limit": known}), path)
-    read_parts(paths, plan.name, plan.identity, {"limit": joined})
-    again = limit_dataset(limit_map(plan, joined), "title", "summary")
-    xr.testing.assert_identical(again, limit_dataset(found, "title", "summary"))
+        done = compute_part(plan, part, 3)
+        assert done["limit"].computed.sum() < whole["limit"].computed.sum()
+        write_dataset(part_dataset(plan, part, 3, done), path)
+    again = limit_dataset(plan, read_parts(plan, paths), "title", "summary")
+    xr.testing.assert_identical(again, found)
 
 
 def test_every_misalignment_tried_below_the_limit_aligns(device):
     spans = Span(parameter="press_force", start=1.0, stop=4.0), X
     plane = plan_of("largest_misalignment", device, SETTINGS, spans, 2, None)
     plan = LimitPlan(plane=plane, trials=4)
-    found = limit_map(plan, Known.nothing(plan.lattice, LIMIT))
+    dataset = limit_dataset(plan, nothing_known(plan), "title", "summary")
+    found = dataset["misalignment_max"].values
     inner, outer = plan.bounds
     assert inner == device.half_width * device.clearance
-    assert (found.misalignment >= inner).all()
-    assert (found.misalignment < outer).all()
+    assert (found >= inner).all()
+    assert (found < outer).all()
     for row, column in ((0, 0), (2, 2)):
         point = {name: float(value[0]) for name, value in
                  plane.swept(np.array([row]), np.array([column])).items()}  # fmt: skip
@@ -290,9 +294,8 @@ def test_every_misalignment_tried_below_the_limit_aligns(device):
             [device.replace(misalignment=each, **point) for each in plan.tried], horizon=40.0
         )
         aligned = runs.outcome == Outcome.ALIGNED
-        below = plan.tried <= found.misalignment[row, column]
+        below = plan.tried <= found[row, column]
         assert aligned[below].all()
         assert below.all() or not aligned[below.sum()]
-    dataset = limit_dataset(found, "title", "summary")
     assert "misalignment" not in dataset.coords
     assert dataset["misalignment_max"].dims == ("tilt_stiffness", "press_force")

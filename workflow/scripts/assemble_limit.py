@@ -4,14 +4,8 @@ import argparse
 from pathlib import Path
 
 from model.study.datasets import write_dataset
-from model.study.largest_misalignment import (
-    LIMIT,
-    LimitPlan,
-    limit_counts,
-    limit_dataset,
-    limit_map,
-)
-from model.study.map_parts import Known, read_parts
+from model.study.largest_misalignment import LimitPlan, limit_counts, limit_dataset
+from model.study.map_parts import read_parts
 from model.tracking.provenance import Job
 
 
@@ -27,12 +21,10 @@ def main() -> None:
     arguments = parser.parse_args()
     plan = arguments.plan
     job = Job("limit", plan.name)
-    known = Known.nothing(plan.lattice, LIMIT)
-    read_parts(arguments.parts, plan.name, plan.identity, {"limit": known})
-    found = limit_map(plan, known)
-    dataset = limit_dataset(found, arguments.title, arguments.summary)
+    known = read_parts(plan, arguments.parts)
+    dataset = limit_dataset(plan, known, arguments.title, arguments.summary)
     write_dataset(dataset, arguments.output)
-    made, counts = [arguments.output], limit_counts(found.trajectories)
+    made, counts = [arguments.output], limit_counts(known)
     job.finish(arguments.record, made, arguments.parts, **plan.facts, counts=counts)
 
 

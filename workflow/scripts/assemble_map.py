@@ -7,7 +7,7 @@ from pathlib import Path
 from model.study.datasets import write_dataset
 from model.study.map_datasets import map_counts, map_dataset
 from model.study.map_parts import read_parts
-from model.study.maps import MapPlan, Work, assemble
+from model.study.maps import MapPlan
 from model.tracking.provenance import Job
 
 
@@ -24,12 +24,10 @@ def main() -> None:
     arguments = parser.parse_args()
     plan = arguments.plan
     job = Job("map", plan.name)
-    work = Work.nothing(plan)
-    read_parts(arguments.parts, plan.name, plan.identity, work.known)
-    found = assemble(work)
-    dataset = map_dataset(found, arguments.title, arguments.summary, arguments.marks)
+    known = read_parts(plan, arguments.parts)
+    dataset = map_dataset(plan, known, arguments.title, arguments.summary, arguments.marks)
     write_dataset(dataset, arguments.output)
-    made, counts = [arguments.output], map_counts(found)
+    made, counts = [arguments.output], map_counts(dataset)
     job.finish(arguments.record, made, arguments.parts, **plan.facts, counts=counts)
 
 

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from model.study.datasets import write_dataset
-from model.study.largest_misalignment import LimitPlan, limit_counts, limit_part
-from model.study.map_parts import Part, part_dataset
+from model.study.largest_misalignment import LimitPlan, limit_counts
+from model.study.map_parts import compute_part, part_dataset
 from model.tracking.provenance import Job
 
 
@@ -20,10 +20,10 @@ def main() -> None:
     arguments = parser.parse_args()
     plan = arguments.plan
     job = Job("limit_part", plan.name, arguments.part)
-    known = limit_part(plan, arguments.part, arguments.parts)
-    part = Part(plan.name, plan.identity, arguments.part, arguments.parts)
-    write_dataset(part_dataset(part, {"limit": known}), arguments.output)
-    counts = limit_counts(known.columns["trajectories"])
+    known = compute_part(plan, arguments.part, arguments.parts)
+    dataset = part_dataset(plan, arguments.part, arguments.parts, known)
+    write_dataset(dataset, arguments.output)
+    counts = limit_counts(known)
     job.finish(arguments.record, [arguments.output], **plan.facts, counts=counts)
 
 

@@ -4,9 +4,8 @@ import argparse
 from pathlib import Path
 
 from model.study.datasets import write_dataset
-from model.study.map_datasets import work_counts
-from model.study.map_parts import Part, part_dataset
-from model.study.maps import MapPlan, compute_part
+from model.study.map_parts import compute_part, part_dataset
+from model.study.maps import MapPlan, part_counts
 from model.tracking.provenance import Job
 
 
@@ -21,10 +20,11 @@ def main() -> None:
     arguments = parser.parse_args()
     plan = arguments.plan
     job = Job("map_part", plan.name, arguments.part)
-    work = compute_part(plan, arguments.part, arguments.parts)
-    part = Part(plan.name, plan.identity, arguments.part, arguments.parts)
-    write_dataset(part_dataset(part, work.known), arguments.output)
-    job.finish(arguments.record, [arguments.output], **plan.facts, counts=work_counts(work))
+    known = compute_part(plan, arguments.part, arguments.parts)
+    dataset = part_dataset(plan, arguments.part, arguments.parts, known)
+    write_dataset(dataset, arguments.output)
+    counts = part_counts(plan, known)
+    job.finish(arguments.record, [arguments.output], **plan.facts, counts=counts)
 
 
 if __name__ == "__main__":

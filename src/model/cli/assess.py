@@ -1,4 +1,4 @@
-"""``vibralign assess``: whether a device aligns from every start, and how far it may be off."""
+"""``vibralign assess``: say how reliably a device aligns, and the leeway of its parameters."""
 
 import argparse
 import json
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 
 def add_commands(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
-    words = "say whether a device aligns reliably, how fast, and how far it may be off"
+    words = "say whether a device aligns reliably, how fast, and with which leeways"
     parser = commands.add_parser(
         "assess",
         help=words,
-        description=f"{words[0].upper()}{words[1:]}. Reliable is what aligns from every phase of "
-        "the excitation and initial tilt that the study tries. Each parameter is then moved off "
-        "its value, the others held, by up to a factor of four or until that is lost.",
+        description=f"{words[0].upper()}{words[1:]}. A reliable device aligns from every phase of "
+        "the excitation and initial tilt that the study tries. Each parameter is then varied, the "
+        "others held, by up to a factor of four or until the device is not reliable.",
         epilog="exit code: 0 the device was assessed, whatever was found; 2 bad input",
         allow_abbrev=False,
     )
@@ -45,7 +45,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     units, device = device_of(study.baseline, arguments)
     settings = settings_of(study.settings.settings, arguments)
     announce_compilation()
-    from model.study.assessment import assess  # noqa: PLC0415  (what no other command needs)
+    from model.study.assessment import assess  # noqa: PLC0415  (only this command)
 
     found = assess(device, settings, study.maps.ensemble, cores=os.cpu_count() or 1)
     if arguments.json:
@@ -61,7 +61,7 @@ def _assess(arguments: argparse.Namespace) -> int:
 
 
 def _scale(units: Units | None, quantity: Quantity) -> tuple[float, str]:
-    """What one of the model's ``quantity`` is for the reader, and in what."""
+    """The reader's value of one dimensionless ``quantity``, and its unit."""
     if units is None:
         return 1.0, ""
     return units.of(quantity), "" if quantity.unit == "1" else f" {quantity.unit}"
@@ -89,7 +89,7 @@ def _row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
 
 
 def _record(found: "Assessment", units: Units | None) -> dict[str, Any]:
-    """Everything that was found, in SI units for a device in SI; what is no number is null."""
+    """The assessment as JSON, in SI units for a device in SI; NaN becomes null."""
     record = asdict(found) | {"reliable": found.reliable}
     time, _ = _scale(units, TIME)
     for name in ("tau_best", "tau_worst"):

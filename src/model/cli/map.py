@@ -1,6 +1,7 @@
-"""``vibralign map``: a stability map over any two parameters of any device."""
+"""``vibralign map``: compute a stability map over any two parameters of any device."""
 
 import argparse
+import contextlib
 import importlib.util
 import math
 import os
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 _NEEDED = ("netCDF4", "scipy", "xarray")
 _FINEST = 8192
 _DEFAULT = 256
-_ENSEMBLE = 32  # cells along a side on which reliability is tried, at least, where the map has them
+_ENSEMBLE = 32  # least cells along a side of the ensemble's lattice, if the map has as many
 
 
 def add_commands(commands: Any) -> None:
@@ -41,9 +42,9 @@ def add_commands(commands: Any) -> None:
         "map",
         help=words,
         description=f"{words[0].upper()}{words[1:]}. Nodes are computed along the border of the "
-        "aligning area and where the duration jumps, and filled in between. Reliable is what "
+        "aligning area and where the duration jumps, and filled in between. A reliable device "
         "aligns from every phase of the excitation and initial tilt that the study tries. With "
-        "--device, what --x and --y say and what the map holds is in SI units, else dimensionless.",
+        "--device, the ranges of --x and --y and the map are in SI units, else dimensionless.",
         epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
         allow_abbrev=False,
     )
@@ -53,9 +54,14 @@ def add_commands(commands: Any) -> None:
         add(f"--{side}", nargs=3, required=True, metavar=("NAME", "FROM", "TO"), help=words)
     words = f"finest cells along a side, a power of two (default: {_DEFAULT})"
     add("--resolution", default=str(_DEFAULT), metavar="N", help=words)
-    words = "netCDF file to write; one that exists stays as it is until the new one is complete"
+    words = "netCDF file to write; an old one is replaced when the new one is complete"
     add("--out", type=Path, required=True, metavar="FILE", help=words)
-    add("--plot", type=Path, metavar="FILE", help="draw it into FILE (.png, .svg, .pdf and others)")
+    add(
+        "--plot",
+        type=Path,
+        metavar="FILE",
+        help="draw the map into FILE (.png, .svg, .pdf and others)",
+    )
     add_model_options(parser)
     parser.set_defaults(run=_map)
 
@@ -71,18 +77,16 @@ def _map(arguments: argparse.Namespace) -> int:
         check_picture(arguments.plot)
     plan, units = _plan(arguments)
     announce_compilation()
-    # Half a second that only a map is worth.
+    # Imported here: half a second that only this command needs.
     from model.study.datasets import write_dataset  # noqa: PLC0415
     from model.study.map_datasets import in_si, map_dataset  # noqa: PLC0415
-    from model.study.maps import Work, assemble  # noqa: PLC0415
+    from model.study.map_parts import nothing_known  # noqa: PLC0415
 
-    bar = _Bar()
-    try:
-        found = assemble(Work.nothing(plan), cores=os.cpu_count() or 1, progress=bar)
-    finally:
-        bar.close()
     title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
-    dataset = map_dataset(found, title, "Made by vibralign map.")
+    summary, cores = "Made by vibralign map.", os.cpu_count() or 1
+    with contextlib.closing(_Bar()) as bar:
+        known = nothing_known(plan)
+        dataset = map_dataset(plan, known, title, summary, cores=cores, progress=bar)
     if units is not None:
         dataset = in_si(dataset, units)
     try:
@@ -102,11 +106,11 @@ def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
     settings = settings_of(study.settings.settings, arguments)
     resolution = _resolution(arguments.resolution)
     spans = _span("--x", arguments.x), _span("--y", arguments.y)
-    # The rules hold in any units, so that a refusal names the values given.
+    # Checked in the units of the command line, so that a refusal names the values given.
     check_plane(parameters if units is None else units.in_si(parameters), *spans)
     if units is not None:
         spans = _dimensionless(spans[0], units), _dimensionless(spans[1], units)
-    from model.study.maps import plan_of  # noqa: PLC0415  (as above)
+    from model.study.maps import plan_of  # noqa: PLC0415
 
     run_settings = RunSettings(
         readings=asdict(settings.readings), horizon=settings.horizon, tolerance=settings.tolerance
@@ -141,23 +145,25 @@ def _span(option: str, given: Sequence[str]) -> Span:
 
 
 class _Bar:
-    """What is being computed, on one line that is written anew; silent unless at a terminal."""
+    """Progress bar on one line of a terminal; silent elsewhere."""
 
     _WIDTH = 24
+    _LAYERS = {"paper": "outcomes", "ensemble": "reliability"}  # noqa: RUF012 - never changed
 
     def __init__(self) -> None:
         self._shown = sys.stderr.isatty()
-        self._words, self._largest = "", 0
+        self._layer, self._largest = "", 0
 
-    def __call__(self, words: str, done: int, left: int) -> None:
-        """``left`` nodes of the present wave are still to come; waves get finer, then end."""
+    def __call__(self, layer: str, done: int, left: int) -> None:
+        """Show that ``left`` nodes of the present wave are still to come."""
         if not self._shown:
             return
-        if words != self._words or left > self._largest:
-            self._words, self._largest = words, left
+        if layer != self._layer or left > self._largest:
+            self._layer, self._largest = layer, left
         filled = self._WIDTH - round(self._WIDTH * left / self._largest)
         bar = "#" * filled + "." * (self._WIDTH - filled)
-        line = f"\r{words:<12}[{bar}] {left:>6,} nodes left of this wave, {done:,} starts computed"
+        counts = f"{left:>6,} nodes left of this wave, {done:,} starts computed"
+        line = f"\r{self._LAYERS[layer]:<12}[{bar}] {counts}"
         print(line, end="\033[K", file=sys.stderr, flush=True)
 
     def close(self) -> None:
@@ -181,7 +187,7 @@ def _report(dataset: "xr.Dataset") -> list[str]:
     rows = [
         ("aligns", f"{100.0 * aligned:.3g} % of the map"),
         ("reliable", f"{100.0 * float(dataset['reliable'].mean()):.3g} % of the map"),
-        ("flagged", f"{100.0 * float(dataset['flagged'].mean()):.3g} %: may end otherwise"),
+        ("flagged", f"{100.0 * float(dataset['flagged'].mean()):.3g} %: may end differently"),
         ("computed", f"{100.0 * dataset.attrs['computed_share']:.3g} % of {nodes:,} nodes"),
         ("trajectories", f"{dataset.attrs['trajectories']:,} starts, the ensemble's included"),
     ]

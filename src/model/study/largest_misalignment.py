@@ -1,15 +1,14 @@
 """The largest misalignment ε up to which every one aligns: the allowable error of the paper's (1).
 
-At every node of a map over two parameters, misalignments are tried from the slot's edge outward,
-at equal distances, up to the first that does not align within the horizon; what lies between that
-and the one before is bisected. Smaller ones are known to align as far as they were tried: an
-interval of failures narrower than the distance between trials can be missed. The map is filled in
-three dimensions: inside a coarse cell, what aligns at all its corners with ``MARGIN`` trials to
-spare is not tried, unless the first that is tried fails.
+At every node of a map over two parameters, misalignments are tried from the slot's edge outward, at
+equal distances, up to the first that does not align within the horizon; the interval below it is
+bisected. An interval of failures narrower than the distance between trials can be missed. The map
+is filled in three dimensions: inside a coarse cell, trials begin ``MARGIN`` below what aligns at
+all its corners, and at the slot's edge only if the first of them fails.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,12 +19,12 @@ from pydantic import Field
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
 from model.runs.align import run_once
-from model.runs.refinement import Bools, Floats, Ints, Lattice, Refined, refine
 from model.study.config import LARGEST_MISALIGNMENT, Study
-from model.study.map_datasets import plane_attributes, plane_coordinates
-from model.study.map_parts import Columns, Compute, Known, remembered, tiles
+from model.study.map_datasets import LEVEL, plane_attributes, plane_dataset
+from model.study.map_parts import AllKnown, Columns, Known, Layer, refine_map
 from model.study.maps import COARSE, MapPlan, plan_of
 from model.study.plan import Plan
+from model.study.refinement import Bools, Floats, Ints, Lattice
 
 BISECTIONS = 5
 MARGIN = 2  # trials
@@ -33,24 +32,24 @@ LIMIT: Columns = {"misalignment": np.array(np.nan), "trajectories": np.array(0, 
 
 
 class LimitPlan(Plan):
-    """The map of ε in numbers: the plane as of any map, and the misalignments tried at a node."""
+    """The map of ε as data: a plane as of any map, and the number of misalignments tried."""
 
     plane: MapPlan
     trials: int = Field(ge=2)
 
     @property
     def name(self) -> str:
-        """As of the plane."""
+        """Name of the map."""
         return self.plane.name
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What a sidecar says of it."""
+        """The map as its sidecar states it."""
         return {**self.plane.facts, "sweep": self.identity, "trials": self.trials}
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Misalignments above the first the part starts on the edge, from the second beside it."""
+        """Misalignments beyond which the part starts on the edge, and beside the slot."""
         device = self.plane.baseline
         inner = device.half_width * device.clearance
         return inner, inner + 2.0 * device.half_width
@@ -62,15 +61,30 @@ class LimitPlan(Plan):
         return np.linspace(inner, outer, self.trials + 2)[1:-1]
 
     @property
+    def spacing(self) -> float:
+        """Distance between trials."""
+        return float(self.tried[1] - self.tried[0])
+
+    @property
     def lattice(self) -> Lattice:
-        """Where ε is computed: everywhere on the coarse cells, and where it jumps by two trials."""
+        """The lattice of ε, refined where it jumps by two trials."""
         cells = self.plane.cells
-        spacing = float(self.tried[1] - self.tried[0])
-        return Lattice(cells=cells, coarse=max(cells // COARSE, 1), jump=2.0 * spacing)
+        return Lattice(cells=cells, coarse=max(cells // COARSE, 1), jump=2.0 * self.spacing)
+
+    def layers(self, cores: int = 1) -> list[Layer]:
+        """Return the layer "limit"."""
+
+        def compute(rows: Ints, columns: Ints, known: Known) -> Columns:
+            return _limits_at(self, rows, columns, known, cores)
+
+        def compare(rows: Ints, _: Ints, found: Columns) -> tuple[Ints, Floats]:
+            return np.zeros(rows.size, dtype=np.int64), found["misalignment"]
+
+        return [Layer("limit", self.lattice, LIMIT, compute, compare)]
 
 
 def limit_plan(study: Study) -> LimitPlan:
-    """The map of ε of a study."""
+    """Return the map of ε of a study."""
     plane = study.plane(LARGEST_MISALIGNMENT)
     device = study.baseline.replace(**plane.held)
     spans = plane.x, plane.y
@@ -81,33 +95,16 @@ def limit_plan(study: Study) -> LimitPlan:
     )
 
 
-@dataclass(frozen=True)
-class LimitMap:
-    """ε over a plane; arrays have shape (cells + 1, cells + 1), rows along y.
-
-    Attributes:
-        plan: what it is of.
-        misalignment: the largest one tried of which all smaller ones tried align.
-        level: how often the coarse cell around the node was halved.
-        trajectories: runs at this node, 0 where it was filled.
-    """
-
-    plan: LimitPlan
-    misalignment: Floats
-    level: NDArray[np.int8]
-    trajectories: NDArray[np.int32]
-
-
 def limits(
     aligns: Callable[[Ints, Floats], Bools], tried: Floats, inner: float, above: Floats
 ) -> tuple[Floats, Ints]:
-    """(ε, runs) of every node, each of shape (count,).
+    """Return (ε, runs) of every node, each of shape (count,).
 
     Args:
-        aligns: whether nodes (by number) align from misalignments, all of shape (m,).
+        aligns: (nodes by number, misalignments), both of shape (m,), to True where a run aligns.
         tried: misalignments to try, rising.
-        inner: where the part starts above the slot, so that it aligns without a run.
-        above: what aligns around each node, shape (count,); ``inner`` where that is not known.
+        inner: up to here the part starts above the slot, and aligns without a run.
+        above: misalignment that aligns around each node, shape (count,); ``inner`` if unknown.
     """
     runs = np.zeros(above.size, dtype=np.int64)
     last, failing = np.full(above.size, inner), np.full(above.size, np.inf)
@@ -134,88 +131,59 @@ def limits(
     return last, runs
 
 
-def limit_part(plan: LimitPlan, part: int = 0, parts: int = 1) -> Known:
-    """Compute the cells of one part of the map, as far as what is in them tells.
-
-    Raises:
-        ValueError: a part that is not one of ``parts``.
-    """
-    known = Known.nothing(plan.lattice, LIMIT)
-    _refine(plan, known, tiles(plan.lattice, part, parts))
-    return known
-
-
-def limit_map(plan: LimitPlan, known: Known) -> LimitMap:
-    """The map, from what its parts know; ``known`` gets what is missing."""
-    found = _refine(plan, known)
-    runs = known.columns["trajectories"]
-    return LimitMap(plan, found.value, found.level.astype(np.int8), runs)
-
-
-def _refine(plan: LimitPlan, known: Known, within: Bools | None = None) -> Refined:
-    look_up = remembered(known, _limits_at(plan, known))
-
-    def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
-        return np.zeros(rows.size, dtype=np.int64), look_up(rows, columns)["misalignment"]
-
-    return refine(evaluate, plan.lattice, within)
-
-
-def _limits_at(plan: LimitPlan, known: Known) -> Compute:
+def _limits_at(plan: LimitPlan, rows: Ints, columns: Ints, known: Known, cores: int) -> Columns:
+    """ε and runs of nodes, from the ``known`` ones of the coarse cells around them."""
     plane, inner = plan.plane, plan.bounds[0]
-    settings, device = replace(plane.settings.settings, alignment_only=True), plane.baseline
+    settings = replace(plane.settings.settings, alignment_only=True)
+    swept = plane.swept(rows, columns)
 
-    def compute(rows: Ints, columns: Ints) -> Columns:
-        swept = plane.swept(rows, columns)
+    def aligns(nodes: Ints, misalignment: Floats) -> Bools:
+        values = {name: value[nodes] for name, value in swept.items()}
+        batch = Batch.of(plane.baseline, misalignment=misalignment, **values)
+        outcome = run_once(batch, settings, cores=cores)["outcome"]
+        return np.asarray(outcome == Outcome.ALIGNED)
 
-        def aligns(nodes: Ints, misalignment: Floats) -> Bools:
-            values = {name: value[nodes] for name, value in swept.items()}
-            batch = Batch.of(device, misalignment=misalignment, **values)
-            endings = run_once(batch, settings, cores=1)
-            return np.asarray(endings["outcome"] == Outcome.ALIGNED)
-
-        around = _least_around(known.columns["misalignment"], plan.lattice.coarse, rows, columns)
-        found, runs = limits(aligns, plan.tried, inner, np.where(np.isnan(around), inner, around))
-        return {"misalignment": found, "trajectories": runs}
-
-    return compute
+    around = _least_around(known.columns["misalignment"], plan.lattice.coarse, rows, columns)
+    found, runs = limits(aligns, plan.tried, inner, np.where(np.isnan(around), inner, around))
+    return {"misalignment": found, "trajectories": runs}
 
 
 def _least_around(values: Floats, coarse: int, rows: Ints, columns: Ints) -> Floats:
-    """Least of the values at the corners of the coarse cell around nodes; on its sides, of two.
+    """Least value at the corners of the coarse cell around each node; of two corners on its sides.
 
-    They are the same in every part of a map that holds the node. NaN at a corner not yet known.
+    Every part of a map that holds the node holds these corners. NaN if one is not known yet.
     """
     places = [(each // coarse * coarse, -(-each // coarse) * coarse) for each in (rows, columns)]
     return np.min([values[row, column] for row in places[0] for column in places[1]], axis=0)
 
 
-def limit_dataset(found: LimitMap, title: str, summary: str) -> xr.Dataset:
-    """The map as an ordinary gridded dataset, dims (y parameter, x parameter)."""
-    plan, plane = found.plan, found.plan.plane
-    dims = (plane.y.parameter, plane.x.parameter)
-    spacing = plan.tried[1] - plan.tried[0]
-    about = {
+def limit_dataset(plan: LimitPlan, known: AllKnown, title: str, summary: str) -> xr.Dataset:
+    """Assemble the map of ε from its parts, dims (y parameter, x parameter).
+
+    Nodes missing in ``known`` are computed and entered.
+    """
+    found = refine_map(plan, known)["limit"]
+    runs = known["limit"].columns["trajectories"]
+    variables = {
         "misalignment_max": {
             "long_name": "largest misalignment up to which every one aligns",
             "symbol": "ε",
-            "comment": f"of those tried, {spacing:.4g} apart, the first failure bisected "
+            "comment": f"of those tried, {plan.spacing:.4g} apart, the first failure bisected "
             f"{BISECTIONS} times",
         },
-        "level": {"long_name": "refinement level: how often the coarse cell was halved"},
+        "level": LEVEL,
         "trajectories": {"long_name": "runs at this node, 0 where it was filled"},
     }
-    columns = dict(zip(about, (found.misalignment, found.level, found.trajectories), strict=True))
-    variables = {
-        name: (dims, columns[name], {"units": "1", **attributes})
-        for name, attributes in about.items()
+    values: dict[str, NDArray[Any]] = {
+        "misalignment_max": found.value,
+        "level": found.level.astype(np.int8),
+        "trajectories": runs,
     }
-    attributes = plane_attributes(plane, "limit", title, summary)
-    attributes |= {"sweep": plan.identity, "bounds": list(plan.bounds)}
-    attributes |= limit_counts(found.trajectories)
-    return xr.Dataset(variables, plane_coordinates(plane, derived={"misalignment"}), attributes)
+    attributes = plane_attributes(plan.plane, "limit", title, summary)
+    attributes |= {"sweep": plan.identity, "bounds": list(plan.bounds)} | limit_counts(known)
+    return plane_dataset(plan.plane, variables, values, attributes, derived={"misalignment"})
 
 
-def limit_counts(trajectories: NDArray[np.int32]) -> dict[str, int]:
-    """What the sidecars of the map and its parts count."""
-    return {"trajectories": int(trajectories.sum())}
+def limit_counts(known: Mapping[str, Known]) -> dict[str, int]:
+    """Return the counts in the sidecars of the map and its parts."""
+    return {"trajectories": int(known["limit"].columns["trajectories"].sum())}

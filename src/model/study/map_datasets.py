@@ -1,21 +1,23 @@
-"""Stability maps on disk, as gridded datasets."""
+"""Datasets of maps: ordinary grids over two parameters, and what their variables mean."""
 
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME
 from model.physics.units import UNITS, Units
 from model.study.config import CURVES, HISTORIES, Curves, Study
 from model.study.datasets import VARIABLES, global_attributes, parameter_attributes
-from model.study.maps import BESIDE, PERIODS, SHARE, MapPlan, StabilityMap, Work
+from model.study.map_parts import AllKnown, Progress
+from model.study.maps import BESIDE, PERIODS, SHARE, MapPlan, assemble, evaluations
 
 _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
+LEVEL = {"long_name": "refinement level: how often the coarse cell was halved"}
 
 MAP_VARIABLES: dict[str, dict[str, Any]] = {
     "outcome": VARIABLES["outcome"],
@@ -28,49 +30,51 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
     },
     "tau_error": {"long_name": "estimated error of the alignment duration, where computed"},
     "sensitive": {
-        "long_name": "whether a start displaced by the tolerance ends elsewhere, where computed",
+        "long_name": "a start displaced by the tolerance ends differently, where computed",
         **_NO_YES,
     },
     "flagged": {
-        "long_name": "whether the outcome may be another",
+        "long_name": "the outcome may be another",
         "comment": f"sensitive, or filled within {BESIDE} nodes of another outcome",
         **_NO_YES,
     },
-    "level": {"long_name": "refinement level: how often the coarse cell was halved"},
+    "level": LEVEL,
     "trajectories": {"long_name": "starts computed at this node, 0 where it was filled"},
-    "reliable_share": {"long_name": "share of excitation phases and tilts from which it aligns"},
-    "reliable": {"long_name": "whether it aligns from all of them", **_NO_YES},
-    "tau_worst": {"long_name": "longest alignment duration from any of them", "symbol": "τ"},
+    "reliable_share": {"long_name": "share of the ensemble's starts that align"},
+    "reliable": {"long_name": "aligns from every start of the ensemble", **_NO_YES},
+    "tau_worst": {"long_name": "longest alignment duration of the ensemble", "symbol": "τ"},
     "margin": {
         "long_name": "distance to the nearest node that is not reliable",
         "comment": "each axis' range is the unit along it; infinite if there is no such node",
     },
 }
-
+"""Attributes of the variables of a map, in the order of its dataset."""
 
 Mark = tuple[str, list[float], list[float]]
 """(figure, its values of x, its values of y): two values are the ends of a range."""
 
 
 def map_dataset(
-    found: StabilityMap, title: str, summary: str, marks: Sequence[Mark] = ()
+    plan: MapPlan,
+    known: AllKnown,
+    title: str,
+    summary: str,
+    marks: Sequence[Mark] = (),
+    *,
+    cores: int = 1,
+    progress: Progress = lambda *_: None,
 ) -> xr.Dataset:
-    """The map as an ordinary gridded dataset, dims (y parameter, x parameter).
+    """Assemble a map from its parts (``maps.assemble``), dims (y parameter, x parameter).
 
-    ``marks`` say where other figures of the study stand in this plane.
+    ``marks`` are the operating points of other figures of the study in this plane.
     """
-    plan = found.plan
-    dims = (plan.y.parameter, plan.x.parameter)
-    variables = {
-        name: (dims, getattr(found, name), {"units": "1", **attributes})
-        for name, attributes in MAP_VARIABLES.items()
-    }
-    attributes = plane_attributes(plan, "map", title, summary)
-    attributes |= {
+    values = assemble(plan, known, cores=cores, progress=progress)
+    attributes = {
         "coarse_cells": plan.cells // plan.lattice.coarse,
         "operating_points": json.dumps(list(marks)),
-        "computed_share": float(found.computed.mean()),
-        **map_counts(found),
+        "computed_share": float(known["paper"].computed.mean()),
+        "trajectories": int(values["trajectories"].sum()),
+        "rhs_evaluations": evaluations(known),
     }
     if plan.ensemble is not None:
         starts = plan.starts()
@@ -80,11 +84,58 @@ def map_dataset(
             "ensemble_tilts": sorted({start["initial_tilt"] for start in starts}),
             "ensemble_resolution": plan.ensemble_lattice.cells,
         }
-    return xr.Dataset(variables, plane_coordinates(plan), attributes)
+    attributes = plane_attributes(plan, "map", title, summary) | attributes
+    return plane_dataset(plan, MAP_VARIABLES, values, attributes)
+
+
+def map_counts(dataset: xr.Dataset) -> dict[str, int]:
+    """Return the counts in the sidecar of a map: starts computed, and evaluations if counted."""
+    names = ("trajectories", "rhs_evaluations")
+    return {name: int(dataset.attrs[name]) for name in names if name in dataset.attrs}
+
+
+def plane_dataset(
+    plan: MapPlan,
+    variables: Mapping[str, Mapping[str, Any]],
+    values: Mapping[str, NDArray[Any]],
+    attributes: Mapping[str, Any],
+    derived: Collection[str] = (),
+) -> xr.Dataset:
+    """Return a gridded dataset: varied parameters as dimensions, held ones as scalar coordinates.
+
+    Args:
+        plan: the plane.
+        variables: attributes of each variable, by name.
+        values: of each variable, shape (cells + 1, cells + 1), rows along y.
+        attributes: of the dataset.
+        derived: parameters that are results, and not coordinates.
+    """
+    dims = (plan.y.parameter, plan.x.parameter)
+    swept = {plan.y.parameter: plan.y.values, plan.x.parameter: plan.x.values}
+    coordinates: dict[str, Any] = {
+        name: (name, nodes, parameter_attributes(name)) for name, nodes in swept.items()
+    }
+    for name in plan.parameters.keys() - swept.keys() - set(derived):
+        value, about = plan.parameters[name], parameter_attributes(name)
+        if value is None:
+            about["comment"] = f"NaN stands for {FIELDS[name].derived}"
+        coordinates[name] = ((), np.nan if value is None else value, about)
+    return xr.Dataset(
+        {name: (dims, values[name], {"units": "1", **each}) for name, each in variables.items()},
+        dict(sorted(coordinates.items())),
+        attributes,
+    )
+
+
+def plane_attributes(plan: MapPlan, kind: str, title: str, summary: str) -> dict[str, Any]:
+    """Return the attributes that all maps have."""
+    settings = plan.settings.settings
+    found = global_attributes(plan.name, kind, plan.identity, title, summary, settings)
+    return {**found, "resolution": plan.cells}
 
 
 def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
-    """A map with its parameters and durations in SI units, which ``units`` and "units" name."""
+    """Return a map with parameters and durations in SI units, and ``units`` as coordinates."""
     quantities = {name: FIELDS[str(name)].quantity for name in dataset.coords}
     quantities |= {name: TIME for name in dataset.data_vars if str(name).startswith("tau_")}
     found = dataset.copy()
@@ -96,37 +147,8 @@ def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
     return found
 
 
-def map_counts(found: StabilityMap) -> dict[str, int]:
-    """What a map's sidecar counts: starts computed, and their evaluations."""
-    return {
-        "trajectories": int(found.trajectories.sum()),
-        "rhs_evaluations": found.rhs_evaluations,
-    }
-
-
-def plane_coordinates(plan: MapPlan, derived: Collection[str] = ()) -> dict[str, Any]:
-    """Varied parameters as dimension coordinates, held ones as scalar ones, without ``derived``."""
-    swept = {plan.y.parameter: plan.y.values, plan.x.parameter: plan.x.values}
-    coordinates: dict[str, Any] = {
-        name: (name, values, parameter_attributes(name)) for name, values in swept.items()
-    }
-    for name in plan.parameters.keys() - swept.keys() - set(derived):
-        value, attributes = plan.parameters[name], parameter_attributes(name)
-        if value is None:
-            attributes["comment"] = f"NaN stands for {FIELDS[name].derived}"
-        coordinates[name] = ((), np.nan if value is None else value, attributes)
-    return dict(sorted(coordinates.items()))
-
-
-def plane_attributes(plan: MapPlan, kind: str, title: str, summary: str) -> dict[str, Any]:
-    """What the dataset of a map says of itself."""
-    settings = plan.settings.settings
-    found = global_attributes(plan.name, kind, plan.identity, title, summary, settings)
-    return {**found, "resolution": plan.cells}
-
-
 def marks_of(study: Study, name: str) -> list[Mark]:
-    """Where the histories and curves of a study stand in the plane of its map ``name``."""
+    """Return the operating points of a study's histories and curves in its map ``name``."""
     plane = study.plane(name)
     found: list[Mark] = []
     for figure in HISTORIES + CURVES:
@@ -142,15 +164,3 @@ def marks_of(study: Study, name: str) -> list[Mark]:
         ]
         found += [(figure, x, y) for x in choices[0] for y in choices[1]]
     return found
-
-
-def work_counts(work: Work) -> dict[str, int]:
-    """What a part's sidecar counts."""
-    outcome = work.paper.of(*work.paper.nodes)["outcome"]
-    evaluations = sum(int(known.columns["rhs_evaluations"].sum()) for known in work.known.values())
-    return {
-        "trajectories": work.trajectories,
-        **{each.name.lower(): int((outcome == each).sum()) for each in Outcome},
-        "sensitive": int((work.paper.columns["sensitive"] == 1).sum()),
-        "rhs_evaluations": evaluations,
-    }

@@ -1,39 +1,42 @@
-"""What has been computed of a map: on its lattice, in one of its parts, and on disk.
+"""Compute a map in parts: refine its layers, remember the nodes, and keep parts on disk.
 
-A map is computed in parts, by jobs of their own, and assembled from what they know. Which nodes are
-computed depends on the map only (runs.refinement), so the parts may be cut as one likes.
+A map has one or more layers, each refined on a lattice of its own (refinement.py). Parts are
+computed by separate jobs and assembled from the nodes that they know. Which nodes are computed
+depends on the map only, so it may be cut into any number of parts.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.runs.refinement import Bools, Ints, Lattice
 from model.study.datasets import DatasetError, discard, read_dataset
+from model.study.refinement import Bools, Floats, Ints, Lattice, Refined, refine
 
 _TILES = 8  # along a side; a part is made of several
-_AT_ONCE = 2048  # nodes, so that progress can be told
+_AT_ONCE = 2048  # nodes between two reports of progress
 
 Columns = Mapping[str, NDArray[Any]]
-Compute = Callable[[Ints, Ints], Columns]
-"""(rows, columns) of nodes to what is known of them then, each of shape (m,)."""
+"""Quantities of nodes by name, each of shape (m,)."""
+
+Progress = Callable[[str, int, int], None]
+"""(name of the layer, starts computed so far, nodes of this wave still to come)."""
 
 
 @dataclass
 class Known:
-    """What has been computed of a map so far: columns over all nodes, and where they are known."""
+    """The nodes computed so far: columns over the whole lattice, and where they are known."""
 
     computed: Bools
     columns: dict[str, NDArray[Any]]
 
     @classmethod
     def nothing(cls, lattice: Lattice, unknown: Columns) -> "Known":
-        """No node of ``lattice``; ``unknown`` stands for what is not known, with its type."""
+        """No node of ``lattice``; ``unknown`` gives each column's type and its placeholder."""
         columns = {name: np.full(lattice.shape, value) for name, value in unknown.items()}
         return cls(np.zeros(lattice.shape, dtype=np.bool_), columns)
 
@@ -43,39 +46,101 @@ class Known:
             column[rows, columns] = values[name]
         self.computed[rows, columns] = True
 
-    @property
-    def nodes(self) -> tuple[Ints, Ints]:
-        """Rows and columns of what is known."""
-        rows, columns = np.nonzero(self.computed)
-        return rows, columns
-
     def of(self, rows: Ints, columns: Ints) -> Columns:
-        """What is known of nodes, each column of shape (m,)."""
+        """Return the columns of nodes."""
         return {name: column[rows, columns] for name, column in self.columns.items()}
 
 
-def remembered(
-    known: Known, compute: Compute, progress: Callable[[int], None] = lambda _: None
-) -> Compute:
-    """``compute`` where nothing is known yet, a bounded number of nodes at a time."""
+@dataclass(frozen=True)
+class Layer:
+    """A quantity over a map, refined on its own lattice.
 
-    def look_up(rows: Ints, columns: Ints) -> Columns:
-        new = np.flatnonzero(~known.computed[rows, columns])
-        for first in range(0, new.size, _AT_ONCE):
-            some = new[first : first + _AT_ONCE]
-            progress(int(new.size - first))
-            known.enter(rows[some], columns[some], compute(rows[some], columns[some]))
-        return known.of(rows, columns)
+    Attributes:
+        name: prefix of its variables in a part's dataset.
+        lattice: nodes and rule of refinement.
+        unknown: as for ``Known.nothing``.
+        compute: (rows, columns, known so far) to the columns of these nodes.
+        compare: (rows, columns, their columns) to kinds and values, which refine the lattice.
+        starts: runs of one node that progress counts.
+    """
 
-    return look_up
+    name: str
+    lattice: Lattice
+    unknown: Columns
+    compute: Callable[[Ints, Ints, Known], Columns]
+    compare: Callable[[Ints, Ints, Columns], tuple[Ints, Floats]]
+    starts: int = 1
 
 
-def tiles(lattice: Lattice, part: int, parts: int) -> Bools:
-    """The coarse cells of one of ``parts``: squares of them, dealt out so that parts cost alike.
+class RefinedPlan(Protocol):
+    """A map as data, and its layers."""
+
+    @property
+    def name(self) -> str:
+        """Name of the map."""
+
+    @property
+    def identity(self) -> str:
+        """Hash of all that its numbers depend on besides the code."""
+
+    def layers(self, cores: int = 1) -> Sequence[Layer]:
+        """Return the layers, computed on ``cores``."""
+
+
+AllKnown = dict[str, Known]
+"""The known nodes of each layer, by its name."""
+
+
+def nothing_known(plan: RefinedPlan) -> AllKnown:
+    """Return a map of which nothing is computed."""
+    return {each.name: Known.nothing(each.lattice, each.unknown) for each in plan.layers()}
+
+
+def compute_part(plan: RefinedPlan, part: int = 0, parts: int = 1, *, cores: int = 1) -> AllKnown:
+    """Refine the cells of one part of a map, as far as the nodes in them tell.
 
     Raises:
         ValueError: a part that is not one of ``parts``.
     """
+    known = nothing_known(plan)
+    refine_map(plan, known, cores=cores, within=lambda lattice: _tiles(lattice, part, parts))
+    return known
+
+
+def refine_map(
+    plan: RefinedPlan,
+    known: AllKnown,
+    *,
+    cores: int = 1,
+    progress: Progress = lambda *_: None,
+    within: Callable[[Lattice], Bools | None] = lambda _: None,
+) -> dict[str, Refined]:
+    """Refine every layer; nodes missing in ``known`` are computed and entered.
+
+    From the parts of a map, nodes are missing where cells of two parts touch.
+    """
+    layers = plan.layers(cores)
+
+    def refined(layer: Layer) -> Refined:
+        nodes = known[layer.name]
+
+        def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
+            new = np.flatnonzero(~nodes.computed[rows, columns])
+            for first in range(0, new.size, _AT_ONCE):
+                some = new[first : first + _AT_ONCE]
+                done = sum(each.starts * int(known[each.name].computed.sum()) for each in layers)
+                progress(layer.name, done, int(new.size - first))
+                found = layer.compute(rows[some], columns[some], nodes)
+                nodes.enter(rows[some], columns[some], found)
+            return layer.compare(rows, columns, nodes.of(rows, columns))
+
+        return refine(evaluate, layer.lattice, within(layer.lattice))
+
+    return {layer.name: refined(layer) for layer in layers}
+
+
+def _tiles(lattice: Lattice, part: int, parts: int) -> Bools:
+    """The coarse cells of one of ``parts``: square tiles, dealt out so that parts cost alike."""
     if not 0 <= part < parts:
         raise ValueError(f"part = {part}: must be 0 to {parts - 1}")
     count = lattice.cells // lattice.coarse
@@ -86,53 +151,38 @@ def tiles(lattice: Lattice, part: int, parts: int) -> Bools:
 # --- On disk ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Part:
-    """Which part of which map: its name, the identity of its plan, part ``part`` of ``parts``."""
-
-    figure: str
-    sweep: str
-    part: int
-    parts: int
+def _stamp(plan: RefinedPlan, part: int, parts: int) -> dict[str, Any]:
+    return {"figure": plan.name, "sweep": plan.identity, "part": part, "parts": parts}
 
 
-def part_dataset(part: Part, known: Mapping[str, Known]) -> xr.Dataset:
-    """What one part knows: columns over its nodes, for each name in ``known``."""
+def part_dataset(plan: RefinedPlan, part: int, parts: int, known: AllKnown) -> xr.Dataset:
+    """Return the nodes that one part knows: the columns of each layer over its nodes."""
     variables: dict[str, Any] = {}
-    for prefix, each in known.items():
-        rows, columns = each.nodes
-        variables[f"{prefix}_row"] = (prefix, rows.astype(np.int32))
-        variables[f"{prefix}_column"] = (prefix, columns.astype(np.int32))
-        for name, values in each.of(rows, columns).items():
-            variables[f"{prefix}_{name}"] = (prefix, values)
-    return xr.Dataset(variables, attrs=asdict(part))
+    for name, each in known.items():
+        rows, columns = np.nonzero(each.computed)
+        values = {"row": rows.astype(np.int32), "column": columns.astype(np.int32)}
+        values |= each.of(rows, columns)
+        variables |= {f"{name}_{column}": (name, value) for column, value in values.items()}
+    return xr.Dataset(variables, attrs=_stamp(plan, part, parts))
 
 
-def read_part(path: Path, part: Part, known: Mapping[str, Known]) -> None:
-    """Enter what a part on disk knows into ``known``.
-
-    Raises:
-        DatasetError: a file that cannot be read, or that is not this part of this map.
-    """
-    stored = read_dataset(path)
-    if any(stored.attrs.get(name) != value for name, value in asdict(part).items()):
-        raise DatasetError(f"{path}: is not part {part.part} of this map")
-    for prefix, each in known.items():
-        rows, columns = (stored[f"{prefix}_{name}"].values for name in ("row", "column"))
-        values = {name: stored[f"{prefix}_{name}"].values for name in each.columns}
-        each.enter(rows, columns, values)
-
-
-def read_parts(paths: Sequence[Path], figure: str, sweep: str, known: Mapping[str, Known]) -> None:
-    """Enter all parts of a map; what is not one is deleted, so that the next run makes it.
+def read_parts(plan: RefinedPlan, paths: Sequence[Path]) -> AllKnown:
+    """Read all parts of a map; a file that is not its part is deleted, so that it is made again.
 
     Raises:
-        DatasetError: as ``read_part``, naming every such file.
+        DatasetError: files that cannot be read or are not parts of this map, naming each.
     """
-    faults = {}
+    known, faults = nothing_known(plan), {}
     for part, path in enumerate(paths):
         try:
-            read_part(path, Part(figure, sweep, part, len(paths)), known)
+            stored = read_dataset(path)
+            if not _stamp(plan, part, len(paths)).items() <= stored.attrs.items():
+                raise DatasetError(f"{path}: is not part {part} of this map")  # noqa: TRY301
         except DatasetError as fault:
             faults[path] = str(fault)
+            continue
+        for name, each in known.items():
+            rows, columns = (stored[f"{name}_{side}"].values for side in ("row", "column"))
+            each.enter(rows, columns, {of: stored[f"{name}_{of}"].values for of in each.columns})
     discard(faults)
+    return known

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model.runs.refinement import Lattice, Refined, refine
+from model.study.refinement import Lattice, Refined, refine
 
 CELLS = 256
 COARSE = 16
