@@ -54,7 +54,7 @@ def test_the_slot_is_as_wide_as_the_parameters_say(name, parameters):
 
 def test_a_wider_clearance_widens_the_slot_and_not_the_part():
     wider = BASELINE.replace(clearance=0.2)
-    before, after = schematics.fig01(BASELINE), schematics.fig01(wider)
+    before, after = schematics.fig01.draw(BASELINE), schematics.fig01.draw(wider)
     growth = max(drawn_edges(after))[0] - max(drawn_edges(before))[0]
     assert growth == pytest.approx(BASELINE.half_width * 0.11)
     for figure in (before, after):
@@ -79,8 +79,8 @@ def test_the_part_rests_with_its_bottom_face_on_the_right_edge(name, parameters)
 
 @EITHER
 def test_the_parts_of_fig_4_have_the_models_corners(parameters):
-    poses = schematics.contact_poses(parameters)
-    parts = drawn_parts(schematics.fig04(parameters))
+    poses = schematics.fig04.contact_poses(parameters)
+    parts = drawn_parts(schematics.fig04.draw(parameters))
     assert len(parts) == len(poses) == 3
     for corners, pose in zip(parts, poses, strict=True):
         place = pose.x, pose.y, pose.tilt, pose.constants
@@ -93,7 +93,7 @@ def test_the_parts_of_fig_4_have_the_models_corners(parameters):
 
 @EITHER
 def test_fig_4_shows_the_two_kinds_of_contact(parameters):
-    start, below, beside = schematics.contact_poses(parameters)
+    start, below, beside = schematics.fig04.contact_poses(parameters)
     a, b = parameters.half_width, parameters.half_height
     at_start, at_face = start.edge_place(1.0), below.edge_place(1.0)
     assert at_start.along_axis == pytest.approx(-b)
@@ -119,12 +119,12 @@ def test_no_label_leaves_the_page(name):
 
 def test_drawing_leaves_the_users_settings_alone():
     before = dict(mpl.rcParams)
-    schematics.fig03(BASELINE)
+    schematics.fig03.draw(BASELINE)
     assert dict(mpl.rcParams) == before
 
 
 def test_saved_figures_carry_text_and_no_date(tmp_path):
-    paths = style.save(schematics.fig02(BASELINE), tmp_path / "fig02")
+    paths = style.save(schematics.fig02.draw(BASELINE), tmp_path / "fig02")
     assert [path.name for path in paths] == ["fig02.png", "fig02.svg", "fig02.pdf"]
     assert sorted(tmp_path.iterdir()) == sorted(paths)  # no temporary file is left
     picture = (tmp_path / "fig02.svg").read_text(encoding="utf-8")
@@ -135,7 +135,7 @@ def test_saved_figures_carry_text_and_no_date(tmp_path):
 
 
 def test_a_failed_save_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
-    figure = schematics.fig03(BASELINE)
+    figure = schematics.fig03.draw(BASELINE)
     style.save(figure, tmp_path / "fig03")
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
 
@@ -154,15 +154,15 @@ import sys
 from pathlib import Path
 from model.show import schematics, style
 from model.study.config import baseline
-style.save(schematics.fig04(baseline()), Path(sys.argv[1]))
+style.save(schematics.fig04.draw(baseline()), Path(sys.argv[1]))
 """
 
 
 def test_two_processes_write_the_same_bytes(tmp_path):
     # This one and another, with a hash seed of its own: the order of sets must not reach the files.
     here, other = tmp_path / "here" / "fig04", tmp_path / "other" / "fig04"
-    style.save(schematics.fig04(BASELINE), here)
-    source = str(Path(schematics.__file__).parents[2])
+    style.save(schematics.fig04.draw(BASELINE), here)
+    source = str(Path(schematics.__file__).parents[3])
     environment = {**os.environ, "PYTHONHASHSEED": "1", "PYTHONPATH": source}
     subprocess.run([sys.executable, "-c", _SAVE, str(other)], check=True, env=environment)
     for extension in style.FORMATS:

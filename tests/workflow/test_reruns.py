@@ -42,7 +42,7 @@ MUTATIONS = [
      {"plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, *TABLED}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
      {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, *TABLED}),
-    ("src/model/show/schematics.py", "import ", "import math as _unused\nimport ",
+    ("src/model/show/schematics/sheet.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "What this is", "What it is", LAST),
     ("src/model/tracking/index.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),

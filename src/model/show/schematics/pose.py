@@ -1,0 +1,101 @@
+"""The part in a pose, as the model's geometry has it, and the poses that Figs. 1 to 4 draw."""
+
+from dataclasses import dataclass
+from math import asin, atan2, cos, hypot, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.physics import geometry
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+from model.physics.parameters import Batch, Constants, Parameters
+from model.physics.readings import Readings
+
+Point = NDArray[np.float64]
+
+
+def xy(x: float, y: float) -> Point:
+    """Return a point or a vector."""
+    return np.array([x, y], dtype=float)
+
+
+def towards(angle: float) -> Point:
+    """Return the unit vector at ``angle`` (radians) from X."""
+    return xy(cos(angle), sin(angle))
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A part in the frame of the slot: mass centre (x, y), ``tilt``, and the model's constants."""
+
+    x: float
+    y: float
+    tilt: float
+    constants: Constants
+
+    @property
+    def centre(self) -> Point:
+        """The mass centre C."""
+        return xy(self.x, self.y)
+
+    @property
+    def along_face(self) -> Point:
+        """The unit vector e_t."""
+        return towards(self.tilt)
+
+    @property
+    def along_axis(self) -> Point:
+        """The unit vector e_n."""
+        return xy(-sin(self.tilt), cos(self.tilt))
+
+    def at(self, face: float, axis: float) -> Point:
+        """Return the point C + face e_t + axis e_n."""
+        return self.centre + face * self.along_face + axis * self.along_axis
+
+    def corners(self) -> Point:
+        """Return B1, D1, D2, B2 as rows; D1 and D2 by point symmetry about C."""
+        right, left = (
+            np.array(geometry.bottom_corner(side, self.x, self.y, self.tilt, self.constants))
+            for side in (RIGHT_EDGE, LEFT_EDGE)
+        )
+        return np.array([right, 2 * self.centre - left, 2 * self.centre - right, left])
+
+    @property
+    def top(self) -> float:
+        """The height of the highest corner."""
+        return float(self.corners()[:, 1].max())
+
+    def edge(self, side: float) -> Point:
+        """Return A1 or A2."""
+        return xy(side * self.constants.slot_half_width, 0.0)
+
+    def edge_place(self, side: float) -> geometry.EdgePlace:
+        """Return where A1 or A2 is in the frame of the part."""
+        return geometry.EdgePlace(
+            *geometry.edge_place(side, self.x, self.y, self.tilt, self.constants)
+        )
+
+    def with_edge_at(self, side: float, face: float, axis: float) -> "Pose":
+        """Move the part until the edge A1 or A2 is at face e_t + axis e_n from C."""
+        x, y = self.edge(side) - (self.at(face, axis) - self.centre)
+        return Pose(float(x), float(y), self.tilt, self.constants)
+
+
+def drawing_tilt(parameters: Parameters) -> float:
+    """Return a tilt (radians) that can be seen: it brings A1 well inside the bottom face.
+
+    A1 moves a quarter of the way from where an upright part has it to the corner B2, so that φ
+    solves b sin φ + s cos φ = l - x. For a short part the tilt is 0.2.
+    """
+    reach = parameters.slot_half_width - parameters.misalignment
+    face = reach - 0.25 * (reach + parameters.half_width)
+    radius = hypot(parameters.half_height, face)
+    return min(asin(min(reach / radius, 1.0)) - atan2(face, parameters.half_height), 0.2)
+
+
+def resting_pose(parameters: Parameters) -> Pose:
+    """Return the start of the model with the drawing's tilt: the bottom face touches A1, d = 0."""
+    tilt = drawing_tilt(parameters)
+    batch = Batch.stack([parameters.replace(initial_tilt=tilt)])
+    constants = Constants(*(float(value) for value in batch.constants(Readings.consistent())[0]))
+    return Pose(parameters.misalignment, geometry.resting_height(constants), tilt, constants)
