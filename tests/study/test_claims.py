@@ -8,10 +8,11 @@ import pytest
 import xarray as xr
 
 from model.study.claims import CLAIMS, VERDICTS, Finding, judge, tally
+from model.study.claims.claims import ClaimsError, claims_of, limit_of
 from model.study.claims.ledger import judge_claim
-from model.study.claims.limits import at_least, at_most
-from model.study.claims.reading import Data, explained, trend
+from model.study.claims.reading import Data, between
 from model.study.claims.runs import COURSE_VARIABLES, claim_run_dataset
+from model.study.claims.statistics import explained, trend
 from model.study.claims.table import LedgerError, ledger_text, lines_of, read_ledger
 from model.study.config import FIGURES, load_study, study_path
 from model.study.sweeps import claim_sweep
@@ -118,7 +119,9 @@ def test_one_run_that_does_not_align_contradicts_the_drop_of_the_force() -> None
 
 
 def test_a_margin_grows_with_the_number_and_stays_bounded() -> None:
-    least, most = at_least(1.0, 0.5, "why"), at_most(1.0, 0.5, "why")
+    least, most = (
+        limit_of({side: 1.0, "scale": 0.5, "reason": "why"}) for side in ("least", "most")
+    )
     margins = [least.margin(value) for value in (-1e9, 0.0, 0.9, 1.0, 1.1, 2.0, math.inf)]
     assert margins == sorted(margins)
     assert margins[3] == 0.0
@@ -179,6 +182,48 @@ def test_the_ledger_is_complete_and_consistent() -> None:
     read = {name for claim in CLAIMS for name in claim.figures}
     assert read >= {name for name, spec in study.figures.items() if spec.kind != "schematic"}
     assert read >= set(study.claims_runs)
+
+
+TABLE = """
+limits: {visible: {least: 0.05, scale: 0.2, reason: seen}}
+claims:
+  X1:
+    stated: Fig. 6
+    statement: it falls
+    measure: trend
+    check: {CHECK}
+"""
+
+
+@pytest.mark.parametrize(
+    ("check", "message"),
+    [
+        ("figures: [fig06], number: tendency, must: visible", "X1: number = 'tendency': must be"),
+        ("figures: [fig06], number: trend_along, colum: tau, must: visible", "argument 'colum'"),
+        ("figures: [fig06], number: trend_along, must: glaring", "X1: 'glaring'"),
+        ("figures: [fig06], number: trend_along, must: {least: 1, scale: 0, reason: r}", "scale"),
+        ("number: trend_along, must: visible", "X1: 'figures'"),
+    ],
+)
+def test_a_table_of_claims_that_breaks_a_rule_is_refused(check: str, message: str) -> None:
+    with pytest.raises(ClaimsError, match=message):
+        claims_of(TABLE.replace("CHECK", check))
+    with pytest.raises(ClaimsError, match="unknown colour"):
+        claims_of(
+            TABLE.replace("CHECK", "figures: [fig06], number: trend_along, must: visible")
+            + "    colour: red\n"
+        )
+
+
+def test_ranges_are_read_as_they_are_written() -> None:
+    assert between("5 to 7") == (5.0, 7.0)
+    assert between(2) == between("2.0") == (2.0, 2.0)
+    assert between("<= 2") == (-math.inf, 2.0)
+    below = between("< 2").high
+    assert below < 2.0 == np.nextafter(below, 3.0)
+    assert between("> 0").low > 0.0 == between(">= 0").low
+    with pytest.raises(ValueError, match="'about 2' is no range"):
+        between("about 2")
 
 
 def test_tally_counts_every_verdict() -> None:

@@ -56,7 +56,7 @@ MUTATIONS = [
      {*MAPPED, "plot", *LAST}),
     ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math",
      {"plot", *LAST}),
-    ("src/model/study/claims/limits.py", "_TREND = 0.8", "_TREND = 0.7",
+    ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7",
      {*JUDGED, *BANDED}),
     ("src/model/study/claims/runs.py", "_STATIC = 1.0", "_STATIC = 2.0",
      {*OWN_RUNS, *JUDGED, *BANDED}),

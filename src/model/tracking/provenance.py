@@ -62,15 +62,16 @@ def _outline(node: Any, imported: list[str]) -> list[Any]:
 
 @cache
 def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
-    """(hash of the syntax tree and templates, package files imported) of one source file.
+    """(hash of the syntax tree and companions, package files imported) of one source file.
 
-    A template is a file beside the source with its stem, such as report.html.j2.
+    A companion is a template or table beside the source with its stem: report.html.j2, claims.yaml.
     """
     imported: list[str] = []
     outline = _outline(ast.parse(source.read_text(encoding="utf-8")), imported)
     digest = hashlib.sha256(repr(outline).encode())
-    for template in sorted(source.parent.glob(f"{source.stem}.*.j2")):
-        digest.update(template.read_bytes())
+    beside = source.parent.glob(f"{source.stem}.*")
+    for companion in sorted(path for path in beside if path.suffix in {".j2", ".yaml"}):
+        digest.update(companion.read_bytes())
     files = (_module_file(name) for name in imported)
     return digest.hexdigest(), tuple(file for file in files if file)
 

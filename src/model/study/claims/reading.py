@@ -1,71 +1,166 @@
-"""How claims read datasets: curves, planes and courses, without what is not to be relied on.
+"""Datasets as claims read them: points, curves, maps and trajectories.
 
-A sensitive point ends differently at another tolerance. Whatever is read here leaves such points
-out, neither aligned nor not, so that they decide nothing.
+A sensitive point ends differently at another tolerance. Curves and points leave such points out,
+neither aligned nor not, so that they decide nothing.
 """
 
-from collections.abc import Mapping, Sequence
+import math
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from model.events.outcomes import Outcome
+from model.physics.parameters import FIELDS
+from model.study.claims.statistics import NAN, Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Where = Mapping[str, str | float]  # a range, as ``between`` reads it, for some columns
+View = TypeVar("View")
 
-NAN = float("nan")
-RESOLUTION = 0.005  # two values closer than this, relative to their median, count as equal
-_ALONG = (
-    "outcome", "tau_align", "sensitive", "tilt_max", "tilt_at_alignment", "contact_force_max",
-    "tilt_end", "way", "excursion", "side_force_max",
-)  # fmt: skip
-_OF_POINTS = ("outcome", "tau_align", "separations", "tau_corners_inside")
-_ALIGNED = int(Outcome.ALIGNED)  # comparing arrays with the enumeration takes five times as long
-_TIMES = 200  # moments at which a course is looked at
+# Comparing arrays with the enumeration takes five times as long.
+_ALIGNED, _SETTLED = int(Outcome.ALIGNED), int(Outcome.SETTLED)
+_MOMENTS = 200  # of a trajectory
+_TENTH = 0.1  # of an axis
 
 
 class MissingDataError(LookupError):
-    """Nothing to judge a claim by: a dataset, or what it would have to vary; the message says."""
+    """Nothing to judge a claim by: a dataset, or a value that it would have to hold."""
 
 
-class Curve(NamedTuple):
-    """One curve of a figure, without its sensitive points; all arrays of shape (n,).
+class Range(NamedTuple):
+    """Numbers from ``low`` to ``high``, both included."""
 
-    Attributes:
-        at: value of the family's parameter.
-        x: the swept parameter, rising.
-        aligned: whether the part aligns.
-        tau: alignment duration, NaN where it does not align.
-        rows: other variables along the curve, by name.
+    low: float
+    high: float
+
+
+@cache
+def between(text: str | float) -> Range:
+    """Return the range that a text states: any, 2, 5 to 7, < 2, <= 2, > 2 or >= 2.
+
+    Raises:
+        ValueError: a text of another form.
+    """
+    if text == "any":
+        return Range(-math.inf, math.inf)
+    number = r"(-?[\d.]+|inf)"
+    if found := re.fullmatch(f"(?:{number} to )?{number}", str(text)):
+        high = float(found[2])
+        return Range(float(found[1] or high), high)
+    found = re.fullmatch(f"([<>])(=?) {number}", str(text))
+    if not found:
+        raise ValueError(f"{text!r} is no range: write any, 2, 5 to 7, < 2, <= 2, > 2 or >= 2")
+    end, is_upper = float(found[3]), found[1] == "<"
+    if not found[2]:
+        end = float(np.nextafter(end, -math.inf if is_upper else math.inf))
+    return Range(-math.inf, end) if is_upper else Range(end, math.inf)
+
+
+class Points:
+    """Points of a dataset by column, each of shape (n,).
+
+    Columns are the dataset's variables, the parameters it varies, ``aligned`` and ``settled``
+    (the outcome), and ``tau`` (the alignment time, NaN where a point does not align).
     """
 
-    at: float
-    x: Array
-    aligned: Flags
-    tau: Array
-    rows: Mapping[str, Array]
+    def __init__(self, columns: Mapping[str, NDArray[np.generic]]) -> None:
+        self.columns = columns
 
-    def within(self, low: float, high: float) -> "Curve":
-        """The part of the curve with low <= x <= high."""
-        return self.only((self.x >= low) & (self.x <= high))
-
-    def only(self, kept: Flags) -> "Curve":
-        """The points of ``kept``."""
-        rows = {name: values[kept] for name, values in self.rows.items()}
-        return Curve(self.at, self.x[kept], self.aligned[kept], self.tau[kept], rows)
+    def column(self, name: str, aligned: bool = False) -> Array:
+        """Return one column; with ``aligned``, NaN for points that do not align."""
+        values = np.asarray(self.columns[name])
+        return np.where(self.aligned, values, NAN) if aligned else values
 
     @property
-    def share_aligned(self) -> float:
-        """Share of the points that align, NaN without any point."""
-        return float(self.aligned.mean()) if self.aligned.size else NAN
+    def aligned(self) -> Flags:
+        """Whether each point aligns."""
+        return np.asarray(self.columns["aligned"])
+
+    @property
+    def tau(self) -> Array:
+        """Alignment times, NaN where a point does not align."""
+        return np.asarray(self.columns["tau"])
+
+    def at(self, where: Where) -> Flags:
+        """Whether each point lies in the ranges of ``where``."""
+        inside: Flags = np.ones(self.aligned.size, dtype=np.bool_)
+        for name, text in where.items():
+            low, high = self.range_of(text)
+            values = self.column(name)
+            inside &= (values >= low) & (values <= high)
+        return inside
+
+    def range_of(self, text: str | float) -> Range:
+        """Return the range that a text stands for; see ``between``."""
+        return between(text)
+
+    def share(self, of: Where, among: Where) -> float:
+        """Share of the points in ``among`` that lie in ``of``, NaN without any."""
+        found = self.at(of)[self.at(among)] if among else self.at(of)
+        return int(np.count_nonzero(found)) / found.size if found.size else NAN
+
+
+class Curve(Points):
+    """The points of one curve by rising ``x``, the swept parameter, which is a column.
+
+    Attributes:
+        symbol: of the parameter that tells the curves of the figure apart.
+        value: of that parameter.
+    """
+
+    def __init__(
+        self, symbol: str, value: float, columns: Mapping[str, NDArray[np.generic]]
+    ) -> None:
+        super().__init__(columns)
+        self.symbol, self.value = symbol, value
+
+    @property
+    def x(self) -> Array:
+        """Values of the swept parameter."""
+        return np.asarray(self.columns["x"])
+
+    @cached_property
+    def name(self) -> str:
+        """The curve in words, such as "k_φ = 5"."""
+        return f"{self.symbol} = {self.value:g}"
+
+    def range_of(self, text: str | float) -> Range:
+        """As ``between``; "first tenth" and "last tenth" are those of the curve's axis."""
+        if text not in ("first tenth", "last tenth"):
+            return between(text)
+        if not self.x.size:
+            return Range(NAN, NAN)
+        tenth = _TENTH * float(np.ptp(self.x))
+        if text == "first tenth":
+            return Range(-math.inf, self.x[0] + tenth)
+        return Range(self.x[-1] - tenth, math.inf)
+
+    def within(self, text: str | float) -> "Curve":
+        """The part of the curve with ``x`` in a range."""
+        return self if text == "any" else self.only(self.at({"x": text}))
+
+    def only(self, kept: Flags) -> "Curve":
+        """The points of ``kept``, shape (n,)."""
+        columns = {name: values[kept] for name, values in self.columns.items()}
+        return Curve(self.symbol, self.value, columns)
+
+    @cached_property
+    def halves(self) -> "tuple[Curve, Curve]":
+        """The aligning points, cut in the middle of their range; a point there is in both."""
+        found = self.only(self.aligned)
+        if not found.x.size:
+            return found, found
+        middle = 0.5 * (found.x[0] + found.x[-1])
+        return found.only(found.x <= middle), found.only(found.x >= middle)
 
 
 @dataclass(frozen=True)
@@ -82,13 +177,8 @@ class Plane:
     tau: Array
 
     @cached_property
-    def share_aligned(self) -> float:
-        """Share of the regular cells that align."""
-        return float(self.aligned[self.regular].mean()) if self.regular.any() else NAN
-
-    @cached_property
     def largest_area(self) -> float:
-        """Share of the aligning cells that hang together; sensitive cells connect others."""
+        """Share of the aligning cells in the largest connected area; sensitive cells connect."""
         count = int((self.aligned & self.regular).sum())
         if count == 0:
             return 0.0
@@ -107,23 +197,22 @@ class Plane:
 class Course:
     """One trajectory until it aligns or ends, at equidistant moments; shape (n,) each.
 
-    ``fall`` is how long before that moment the contact force last was half its mean, as a share of
-    the duration; ``force_after`` is the largest contact force after it.
+    ``x``, ``y`` and ``tilt`` are means over a period of the excitation. ``fall`` is the time from
+    the last moment with half the mean contact force until the end, as a share of the duration;
+    ``tilt_at_end`` is the tilt at alignment in radians.
     """
 
     aligned: bool
-    duration: float
     x: Array
     y: Array
     tilt: Array
     force: Array
-    drive: Array
     fall: float
-    force_after: float
+    tilt_at_end: float
 
 
 class Data:
-    """Datasets as claims read them; what is read twice is prepared once.
+    """Datasets as claims read them; each view of one is made once.
 
     Args:
         datasets: of figures ("fig06") and of the ledger's own runs ("pressed"), by name.
@@ -131,85 +220,58 @@ class Data:
 
     def __init__(self, datasets: "Mapping[str, xr.Dataset]") -> None:
         self._datasets = datasets
-        self._curves: dict[str, tuple[Curve, ...]] = {}
-        self._planes: dict[str, Plane] = {}
-        self._regular: dict[str, dict[str, Array]] = {}
+        self._views: dict[tuple[str, str], object] = {}
 
     def has(self, name: str) -> bool:
-        """Whether there is such a dataset."""
+        """Return whether there is such a dataset."""
         return name in self._datasets
 
     def dataset(self, name: str) -> "xr.Dataset":
-        """A dataset.
+        """Return a dataset.
 
         Raises:
-            MissingDataError: there is none of this name.
+            MissingDataError: there is none of this name; also raised by all that follow.
         """
         if name not in self._datasets:
             raise MissingDataError(f"there is no dataset {name}")
         return self._datasets[name]
 
-    def curves(self, name: str) -> tuple[Curve, ...]:
-        """The curves of a figure by rising value of their parameter.
+    def _view(self, name: str, make: "Callable[[xr.Dataset], View]") -> View:
+        key = (name, make.__name__)
+        if key not in self._views:
+            self._views[key] = make(self.dataset(name))
+        return self._views[key]  # type: ignore[return-value]
 
-        Raises:
-            MissingDataError: there is no such dataset.
-        """
-        if name not in self._curves:
-            self._curves[name] = _curves(self.dataset(name))
-        return self._curves[name]
+    def curves(self, name: str, at: str | float | list[float] = "any") -> tuple[Curve, ...]:
+        """Return the curves of a figure whose parameter lies in a range, by rising value of it.
 
-    def curve(self, name: str, at: float) -> Curve:
-        """The curve at a value of the family's parameter.
-
-        Raises:
-            MissingDataError: there is no such curve.
-        """
-        for curve in self.curves(name):
-            if curve.at == at:
-                return curve
-        raise MissingDataError(f"{name} has no curve at {at:g}")
-
-    def between(self, name: str, low: float, high: float) -> tuple[Curve, ...]:
-        """The curves whose parameter lies between two values, both included.
+        ``at`` may also be a list of values, each of which must be there.
 
         Raises:
             MissingDataError: there is none.
         """
-        found = tuple(curve for curve in self.curves(name) if low <= curve.at <= high)
+        if isinstance(at, list):
+            return tuple(curve for value in at for curve in self.curves(name, value))
+        low, high = between(at)
+        found = tuple(c for c in self._view(name, _curves) if low <= c.value <= high)
         if not found:
             raise MissingDataError(f"{name} has no curve between {low:g} and {high:g}")
         return found
 
     def plane(self, name: str) -> Plane:
-        """The map of a figure.
-
-        Raises:
-            MissingDataError: there is no such dataset.
-        """
-        if name not in self._planes:
-            self._planes[name] = _plane(self.dataset(name))
-        return self._planes[name]
+        """Return the map of a figure."""
+        return self._view(name, _plane)
 
     def course(self, name: str) -> Course:
-        """The trajectory of a figure.
+        """Return the trajectory of a figure."""
+        return self._view(name, _course)
 
-        Raises:
-            MissingDataError: there is no such dataset.
-        """
-        return _course(self.dataset(name))
-
-    def regular(self, name: str) -> dict[str, Array]:
-        """The regular points of a dataset, flat, by variable, with an ``aligned`` flag."""
-        if name not in self._regular:
-            dataset = self.dataset(name)
-            kept = np.atleast_1d(_raw(dataset, "sensitive")).ravel() == 0
-            rows = {each: np.atleast_1d(_raw(dataset, each)).ravel()[kept] for each in _OF_POINTS}
-            self._regular[name] = {**rows, "aligned": rows["outcome"] == _ALIGNED}
-        return self._regular[name]
+    def points(self, name: str) -> Points:
+        """Return the points of a dataset."""
+        return self._view(name, _points)
 
     def held(self, name: str, parameter: str) -> float:
-        """The value at which a figure holds a parameter."""
+        """Return the value at which a figure holds a parameter."""
         return float(_raw(self.dataset(name), parameter))
 
 
@@ -217,28 +279,47 @@ def _raw(dataset: "xr.Dataset", name: str) -> NDArray[np.generic]:
     return np.asarray(dataset.variables[name].values)
 
 
-def _names(dataset: "xr.Dataset") -> tuple[str, str]:
-    first, second = map(str, dataset.variables["tau_align"].dims)
-    return first, second
+def _dimensions(dataset: "xr.Dataset") -> tuple[str, ...]:
+    return tuple(map(str, dataset.variables["tau_align"].dims))
+
+
+def _columns(dataset: "xr.Dataset") -> dict[str, NDArray[np.generic]]:
+    """The columns of ``Points``, of the shape of the dataset."""
+    names = _dimensions(dataset)
+    columns = {
+        str(name): _raw(dataset, str(name))
+        for name, variable in dataset.variables.items()
+        if variable.dims == names and name not in names
+    }
+    aligned, settled = (columns["outcome"] == end for end in (_ALIGNED, _SETTLED))
+    tau = np.where(aligned, columns["tau_align"], NAN)
+    return {**columns, "aligned": aligned, "settled": settled, "tau": tau}
+
+
+def _points(dataset: "xr.Dataset") -> Points:
+    columns = _columns(dataset)
+    names = _dimensions(dataset)
+    axes = np.meshgrid(*(_raw(dataset, name) for name in names), indexing="ij") if names else []
+    columns |= dict(zip(names, axes, strict=True))
+    kept = columns["sensitive"] == 0
+    return Points({name: np.atleast_1d(each[kept]) for name, each in columns.items()})
 
 
 def _curves(dataset: "xr.Dataset") -> tuple[Curve, ...]:
-    family, swept = _names(dataset)
+    family, swept = _dimensions(dataset)
     x, values = (_raw(dataset, name).astype(np.float64) for name in (swept, family))
-    rows = {name: _raw(dataset, name) for name in _ALONG if name in dataset.variables}
+    columns, symbol = _columns(dataset), FIELDS[family].symbol
     order = np.argsort(x, kind="stable")
     found = []
     for i in np.argsort(values, kind="stable"):
-        kept = order[rows["sensitive"][i, order] == 0]
-        along = {name: row[i, kept] for name, row in rows.items()}
-        aligned = along["outcome"] == _ALIGNED
-        tau = np.where(aligned, along["tau_align"], NAN)
-        found.append(Curve(float(values[i]), x[kept], aligned, tau, along))
+        kept = order[columns["sensitive"][i, order] == 0]
+        along = {name: each[i, kept] for name, each in columns.items()}
+        found.append(Curve(symbol, float(values[i]), {**along, "x": x[kept]}))
     return tuple(found)
 
 
 def _plane(dataset: "xr.Dataset") -> Plane:
-    y, x = _names(dataset)
+    y, x = _dimensions(dataset)
     aligned = _raw(dataset, "outcome") == _ALIGNED
     return Plane(
         x=_raw(dataset, x).astype(np.float64),
@@ -253,125 +334,31 @@ def _course(dataset: "xr.Dataset") -> Course:
     time = _raw(dataset, "time").astype(np.float64)
     aligned = int(_raw(dataset, "outcome")) == _ALIGNED
     end = float(_raw(dataset, "tau_align")) if aligned else float(time[-1])
-    moments = np.linspace(0.0, end, _TIMES)
+    moments = np.linspace(0.0, end, _MOMENTS)
     x, y, tilt, force = (
         np.interp(moments, time, _raw(dataset, name).astype(np.float64))
         for name in ("x", "y", "tilt", "contact_force")
     )
     # Where a force jumps the same time stands twice: at the end the value before the jump counts.
-    pressing = _raw(dataset, "contact_force").astype(np.float64)
-    until, after = time <= end, time > end
-    strong = time[until][pressing[until] >= 0.5 * max(float(force.mean()), 1e-300)]
-    period = _period(_raw(dataset, "frequency"))
-    smooth = [_without_vibration(each, period / end * (_TIMES - 1)) for each in (x, y, tilt)]
+    until = time <= end
+    pressing = _raw(dataset, "contact_force").astype(np.float64)[until]
+    strong = time[until][pressing >= 0.5 * max(float(force.mean()), 1e-300)]
+    frequency = float(_raw(dataset, "frequency"))
+    period = 2.0 * np.pi / frequency if frequency > 0.0 else 0.0
+    width = round(period / end * (_MOMENTS - 1))
     return Course(
         aligned=aligned,
-        duration=end,
-        x=smooth[0],
-        y=smooth[1],
-        tilt=smooth[2],
+        x=_moving_mean(x, width),
+        y=_moving_mean(y, width),
+        tilt=_moving_mean(tilt, width),
         force=force,
-        drive=force * np.sin(tilt),
         fall=float((end - strong[-1]) / end) if strong.size else 1.0,
-        force_after=float(pressing[after].max()) if after.any() else NAN,
+        tilt_at_end=float(_raw(dataset, "tilt_at_alignment")),
     )
 
 
-def _period(frequency: NDArray[np.generic]) -> float:
-    value = float(frequency)
-    return 2.0 * np.pi / value if value > 0.0 else 0.0
-
-
-def _without_vibration(values: Array, moments: float) -> Array:
-    """Mean over a period of the excitation, ``moments`` long; as it is where that is too much."""
-    width = round(moments)
+def _moving_mean(values: Array, width: int) -> Array:
+    """Mean over ``width`` moments; ``values`` where that is one, or more than half of all."""
     if width < 2 or 2 * width > values.size:
         return values
     return np.convolve(values, np.full(width, 1.0 / width), mode="valid")
-
-
-# --- Numbers of curves --------------------------------------------------------------------------
-
-
-def trend(x: Array, y: Array) -> float:
-    """How surely ``y`` rises with ``x``: 1 always, 0 no trend, -1 it falls; NaN if unknown.
-
-    Kendall's rank correlation: of all pairs of points, the share that rise less the share that
-    fall. Pairs closer than ``RESOLUTION`` count as equal, and points with NaN are left out.
-
-    Args:
-        x: shape (n,).
-        y: shape (n,), or (m, n) for the mean over m rows of those that have two points.
-    """
-    if y.ndim == 2:
-        return mean_of([trend(x, row) for row in y])
-    known = np.isfinite(y)
-    if known.sum() < 2:
-        return NAN
-    x, y = x[known], y[known]
-    rise = y[None, :] - y[:, None]
-    signs = np.where(np.abs(rise) > RESOLUTION * abs(quantile(y, 0.5)), np.sign(rise), 0.0)
-    return float((signs * np.sign(x[None, :] - x[:, None])).sum() / (x.size * (x.size - 1)))
-
-
-def mean_of(values: Sequence[float]) -> float:
-    """Mean of what is a number, NaN where nothing is."""
-    known = [value for value in values if value == value]  # noqa: PLR0124  (NaN is not itself)
-    return sum(known) / len(known) if known else NAN
-
-
-def slope(x: Array, y: Array) -> float:
-    """Slope of the straight line nearest to the points, NaN without two of them."""
-    known = np.isfinite(y)
-    if known.sum() < 2:
-        return NAN
-    x, y = x[known] - x[known].mean(), y[known]
-    return float((x * y).sum() / (x * x).sum())
-
-
-def explained(basis: Array, y: Array) -> float:
-    """Share of the variance of ``y`` that a combination of ``basis``, shape (k, n), explains.
-
-    0 where the mean alone does better; NaN with fewer than k + 2 points, or where ``y`` does not
-    vary.
-    """
-    known = np.isfinite(y)
-    if known.sum() < len(basis) + 2 or np.ptp(y[known]) == 0.0:
-        return NAN
-    matrix, y = basis[:, known].T, y[known]
-    residual = y - matrix @ np.linalg.lstsq(matrix, y, rcond=None)[0]
-    return max(0.0, float(1.0 - (residual**2).sum() / ((y - y.mean()) ** 2).sum()))
-
-
-def quantile(values: Array, share: float) -> float:
-    """As numpy's, for a filled array without NaN; a tenth of its time for few values."""
-    ordered = np.sort(values)
-    place = share * (ordered.size - 1)
-    low = int(place)
-    high = min(low + 1, ordered.size - 1)
-    return float(ordered[low] + (place - low) * (ordered[high] - ordered[low]))
-
-
-def middle(values: Array) -> float:
-    """Median of what is a number, NaN where nothing is."""
-    known = values[np.isfinite(values)]
-    return quantile(known, 0.5) if known.size else NAN
-
-
-def spread(values: Array) -> float:
-    """Largest over smallest of the middle nine tenths of what is a number, NaN where nothing is."""
-    known = values[np.isfinite(values)]
-    if known.size == 0:
-        return NAN
-    return ratio(quantile(known, 0.95), quantile(known, 0.05))
-
-
-def ratio(first: float, second: float) -> float:
-    """First / second, NaN where there is none."""
-    return first / second if second != 0.0 else NAN
-
-
-def asymmetry(first: float, second: float) -> float:
-    """(first - second) / (|first| + |second|): from -1 to 1, 0 where they are equal."""
-    total = abs(first) + abs(second)
-    return (first - second) / total if total != 0.0 else 0.0

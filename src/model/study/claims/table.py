@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from model.study.claims.ledger import Claim, Finding
+from model.study.claims.claims import Claim
+from model.study.claims.ledger import Finding
 from model.study.csv_tables import csv_text
 
 
