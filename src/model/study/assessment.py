@@ -1,8 +1,8 @@
-"""How safely a device aligns: from every start, and with each parameter off its value.
+"""Assess a device: its alignment from every start, and the leeway of its parameters.
 
-A device is made with tolerances and wears; a single run says nothing of either. Reliable is what
-aligns from every start (starts.py). The leeway of a parameter is how far it alone may go from its
-value, in steps of one ratio, until the device is not reliable; the rest is held.
+A device is made with tolerances and wears; a single run covers neither. A reliable device aligns
+from every start (starts.py). The leeway of a parameter is the range, in steps of one ratio, in
+which the device stays reliable while its other parameters are held.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,25 +13,25 @@ import numpy as np
 from model.physics.parameters import Parameters
 from model.runs.settings import Settings
 from model.study.config import Ensemble
-from model.study.starts import FromEveryStart, Starts, from_every_start, starts_of
+from model.study.starts import Starts, from_every_start, starts_of
 
 VARIED = (
     "press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance",
 )  # fmt: skip
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
 STEPS = 24  # to either side: from a quarter to four times the value
-_AT_ONCE = 4  # steps that are tried together, to either side of each parameter
+_AT_ONCE = 4  # steps tried together, to either side of each parameter
 
 
 @dataclass(frozen=True)
 class Leeway:
-    """How far one parameter may go while the device stays reliable.
+    """The range of one parameter in which the device stays reliable.
 
     Attributes:
-        parameter, value: which, and the device's own value.
-        low, high: the outermost values tried that are reliable with all between.
-        bounded_below, bounded_above: whether the next value tried is not; if it is, what was tried
-            ends there, by ``STEPS`` or by the rule of the parameter.
+        parameter, value: its name, and the device's own value.
+        low, high: outermost values tried such that all values tried between them are reliable.
+        bounded_below, bounded_above: True if the next value was tried and is not reliable; False
+            if the trials end there, after ``STEPS`` or at the bound of the parameter.
     """
 
     parameter: str
@@ -44,13 +44,13 @@ class Leeway:
 
 @dataclass(frozen=True)
 class Assessment:
-    """A device from every start, and its leeways; times dimensionless.
+    """Results of a device from every start, and its leeways; times are dimensionless.
 
     Attributes:
-        starts: how many there are; ``aligned`` says of how many it aligns.
-        tau_best, tau_worst: shortest and longest duration of those that align, NaN if none does.
-        failing_start: the first start from which it does not align, None if there is none.
-        leeways: of the parameters of ``VARIED`` that are not 0; none of a device not reliable.
+        starts, aligned: number of starts, and of those from which the device aligns.
+        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN if there is none.
+        failing_start: the first start from which the device does not align, or None.
+        leeways: of the parameters in ``VARIED`` that are not 0; empty if not reliable.
     """
 
     starts: int
@@ -62,14 +62,14 @@ class Assessment:
 
     @property
     def reliable(self) -> bool:
-        """Whether it aligns from every start."""
+        """True if the device aligns from every start."""
         return self.failing_start is None
 
 
 def assess(
     device: Parameters, settings: Settings, ensemble: Ensemble, cores: int = 1
 ) -> Assessment:
-    """How safely ``device`` aligns; some thousand runs."""
+    """Assess ``device`` by some thousand runs on ``cores``."""
     starts = starts_of(device, ensemble)
     own = {"friction": np.array([device.friction])}
     found = from_every_start(device, own, starts, settings, cores)
@@ -87,57 +87,55 @@ def assess(
 
 @dataclass
 class _Search:
-    """One parameter, going up or down from its value."""
+    """Trials of one parameter, up or down from its own value, which comes first."""
 
     parameter: str
-    values: list[float]  # still to be tried, the nearest first
-    reached: float
+    values: list[float]
+    reliable: int = 1  # leading values known to be reliable
     failed: bool = False
 
     @property
-    def tried_next(self) -> list[float]:
-        return [] if self.failed else self.values[:_AT_ONCE]
+    def pending(self) -> list[float]:
+        """The values to try next."""
+        return [] if self.failed else self.values[self.reliable : self.reliable + _AT_ONCE]
+
+    @property
+    def reached(self) -> float:
+        """The outermost value up to which all are reliable."""
+        return self.values[self.reliable - 1]
 
     def learn(self, reliable: Sequence[bool]) -> None:
-        for value, holds in zip(self.tried_next, reliable, strict=True):
-            if not holds:
-                self.failed = True
-                return
-            self.reached = value
-        del self.values[: len(reliable)]
+        """Enter the results of the pending values."""
+        self.failed = self.failed or not all(reliable)
+        self.reliable += [*reliable, False].index(False)
 
 
 def _leeways(
     device: Parameters, starts: Starts, settings: Settings, cores: int
 ) -> tuple[Leeway, ...]:
-    names = [name for name in VARIED if getattr(device, name) != 0.0]
-    searches = {
-        (name, up): _Search(name, _values(device, name, up), getattr(device, name))
-        for name in names
-        for up in (False, True)
-    }
-    while waiting := [each for each in searches.values() if each.tried_next]:
-        found = _try(device, waiting, starts, settings, cores)
-        reliable = iter(found.reliable.tolist())
-        for each in waiting:
-            each.learn([next(reliable) for _ in each.tried_next])
+    own = {name: getattr(device, name) for name in VARIED if getattr(device, name) != 0.0}
+    searches = [
+        _Search(name, _values(device, name, ratio)) for name in own for ratio in (1.0 / STEP, STEP)
+    ]
+    while pending := [(each, value) for each in searches for value in each.pending]:
+        swept = {
+            name: np.array(
+                [value if each.parameter == name else own[name] for each, value in pending]
+            )
+            for name in {each.parameter: None for each, _ in pending}
+        }
+        reliable = iter(from_every_start(device, swept, starts, settings, cores).reliable.tolist())
+        for search in searches:
+            search.learn([next(reliable) for _ in search.pending])
     return tuple(
-        Leeway(
-            parameter=name,
-            value=getattr(device, name),
-            low=searches[name, False].reached,
-            high=searches[name, True].reached,
-            bounded_below=searches[name, False].failed,
-            bounded_above=searches[name, True].failed,
-        )
-        for name in names
+        Leeway(name, own[name], down.reached, up.reached, down.failed, up.failed)
+        for name, down, up in zip(own, searches[::2], searches[1::2], strict=True)
     )
 
 
-def _values(device: Parameters, name: str, up: bool) -> list[float]:
-    """Values to be tried, the nearest first, as far as the parameter's rule lets them."""
-    ratio = STEP if up else 1.0 / STEP
-    found = []
+def _values(device: Parameters, name: str, ratio: float) -> list[float]:
+    """The parameter's own value and those to try, nearest first, within its bounds."""
+    found = [getattr(device, name)]
     for step in range(1, STEPS + 1):
         value = getattr(device, name) * ratio**step
         try:
@@ -146,21 +144,3 @@ def _values(device: Parameters, name: str, up: bool) -> list[float]:
             break
         found.append(value)
     return found
-
-
-def _try(
-    device: Parameters,
-    searches: Sequence[_Search],
-    starts: Starts,
-    settings: Settings,
-    cores: int,
-) -> FromEveryStart:
-    """The next values of every search, as one batch."""
-    count = sum(len(each.tried_next) for each in searches)
-    swept = {each.parameter: np.full(count, getattr(device, each.parameter)) for each in searches}
-    first = 0
-    for each in searches:
-        last = first + len(each.tried_next)
-        swept[each.parameter][first:last] = each.tried_next
-        first = last
-    return from_every_start(device, swept, starts, settings, cores)

@@ -1,6 +1,6 @@
-"""What a figure on several bases shows: how far each is from the stiffest, and which claims hold.
+"""Compare figures on several bases: their distance from the stiffest, and their claims' verdicts.
 
-Apart from ``contact_stiffness``, so that a threshold of the ledger computes nothing anew.
+A module apart from ``contact_stiffness``, so that a claim's new threshold computes nothing anew.
 """
 
 import math
@@ -15,21 +15,21 @@ from numpy.typing import NDArray
 from model.study.claims import Claim, Finding, judge
 from model.study.contact_stiffness import RATIO, VARIATION
 
-SAME = 0.05  # what can just be seen: of a duration, and of all runs
+SAME = 0.05  # smallest visible difference: relative, of a duration; of all runs, as a share
 
 
 @dataclass(frozen=True)
 class OnBase:
-    """A figure on one base, and how far it is from that on the stiffest.
+    """A figure on one base, compared to the same figure on the stiffest.
 
     Attributes:
         stiffness: k_a.
         ratio: damping over the critical.
         aligned: share of the runs that align.
-        in_contact: share of those that never leave the base, NaN without any.
-        other_end: share of the runs that align here and not there, or there and not here.
-        other_time: share of those that align on both whose duration differs by more than ``SAME``.
-        apart: median relative difference of those durations, NaN without any.
+        in_contact: share of the aligning runs without lift-off, NaN without any.
+        other_end: share of the runs that align on one of the two bases only.
+        other_time: share of the runs aligning on both whose duration differs by more than ``SAME``.
+        apart: median relative difference of these durations, NaN without any.
     """
 
     stiffness: float
@@ -42,18 +42,18 @@ class OnBase:
 
     @property
     def looks_the_same(self) -> bool:
-        """Whether a reader would see no difference: in no more than one run in twenty is any."""
+        """True if at most one run in twenty differs visibly."""
         return self.other_end <= SAME and not self.other_time > SAME
 
 
 def on_bases(dataset: xr.Dataset) -> list[OnBase]:
-    """A figure on each base; sensitive points, of either base, are left out."""
+    """Compare a figure on each base to the stiffest; points sensitive on either are left out."""
     limit = stiffest(dataset)
     return [_compared(dataset, i, limit) for i in range(dataset.sizes[VARIATION])]
 
 
 def stiffest(dataset: xr.Dataset) -> int:
-    """Place of the stiffest base with the device's damping ratio."""
+    """Return the index of the stiffest base with the device's damping ratio."""
     own = dataset[RATIO].values == dataset[RATIO].values[0]
     return int(np.argmax(np.where(own, dataset["contact_stiffness"].values, 0.0)))
 
@@ -86,14 +86,14 @@ def _share(flags: NDArray[np.bool_]) -> float:
 
 
 class ClaimOnBases(NamedTuple):
-    """A claim with what is found of it on each base, the device's own first."""
+    """A claim and its finding on each base, the device's own first."""
 
     claim: Claim
     findings: tuple[Finding, ...]
 
 
 def claims_on_bases(datasets: Mapping[str, xr.Dataset]) -> list[ClaimOnBases]:
-    """Every claim that these figures let one judge, on each base."""
+    """Judge every claim that these figures can decide, on each base."""
     count = min(dataset.sizes[VARIATION] for dataset in datasets.values())
     judged = [
         judge({name: dataset.isel({VARIATION: i}) for name, dataset in datasets.items()})
@@ -105,9 +105,9 @@ def claims_on_bases(datasets: Mapping[str, xr.Dataset]) -> list[ClaimOnBases]:
 
 
 def settled_from(rows: Sequence[OnBase]) -> float:
-    """Least stiffness from which on, at the device's damping ratio, nothing changes any more.
+    """Return the least stiffness beyond which no base differs visibly, at the device's damping.
 
-    Infinite where only the stiffest base agrees with itself.
+    Infinite if the second stiffest base differs.
     """
     own = sorted((row for row in rows if row.ratio == rows[0].ratio), key=lambda row: row.stiffness)
     settled = math.inf

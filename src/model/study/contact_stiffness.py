@@ -1,8 +1,8 @@
-"""Contact stiffness and damping: which features of Figs. 6, 12 and 13 are the part's.
+"""Figures 6, 12 and 13 on bases of other contact stiffness k_a and damping h_a.
 
-The base is a spring and a damper only so that there is a contact force to compute: k_a and h_a are
-devices of the method. What does not change as the base gets stiff belongs to the part. What the
-damping changes even then is the rebound of impacts, which no stiffness decides.
+The base is a spring and a damper only so that a contact force can be computed. A feature that stays
+the same as the base gets stiffer is a property of the part. Damping decides how impacts rebound,
+at any stiffness.
 """
 
 import math
@@ -21,7 +21,7 @@ RATIO = "damping_ratio"
 
 
 class Variation(BaseModel):
-    """One base: its stiffness, its damping, and that over the critical."""
+    """One base: k_a, damping over the critical, and h_a."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -31,7 +31,7 @@ class Variation(BaseModel):
 
 
 class StiffnessPlan(Plan):
-    """One figure on several bases; its JSON is its identity."""
+    """The computation of one figure on several bases."""
 
     figure: str
     variations: list[Variation]
@@ -39,16 +39,16 @@ class StiffnessPlan(Plan):
 
 
 def critical_damping(parameters: Parameters, stiffness: float) -> float:
-    """h_a at which the contact of the start, as an oscillator, is critically damped.
+    """Return h_a at which the contact at the start, as an oscillator, is critically damped.
 
-    The part answers a force at the edge with the acceleration 1 + s²/I_φ along it, s being the arm.
+    A unit force at the edge accelerates the part there by 1 + s²/I_φ, where s is its arm.
     """
     arm = parameters.slot_half_width - parameters.misalignment
     return 2.0 * math.sqrt(stiffness / (1.0 + arm**2 / parameters.inertia))
 
 
 def variations_of(study: Study, figure: str) -> list[Variation]:
-    """The bases on which a figure is computed: the device's own, then by stiffness and damping."""
+    """Return the bases of a figure: the device's own, then other stiffnesses, then dampings."""
     spec, own = study.contact_stiffness, study.parameters(figure)
     ratio = own.contact_damping / critical_damping(own, own.contact_stiffness)
     levels = [(own.contact_stiffness, ratio)]
@@ -61,7 +61,7 @@ def variations_of(study: Study, figure: str) -> list[Variation]:
 
 
 def stiffness_plan(study: Study, figure: str) -> StiffnessPlan:
-    """What the study asks of ``figure``, one of ``study.contact_stiffness.figures``."""
+    """Return the plan of ``figure``, one of ``study.contact_stiffness.figures``."""
     spec = study.contact_stiffness
     coarse = _coarse(study, figure)
     variations = variations_of(study, figure)
@@ -77,7 +77,7 @@ def stiffness_plan(study: Study, figure: str) -> StiffnessPlan:
 
 
 def _coarse(study: Study, figure: str) -> Sweep:
-    """The figure's sweep on fewer points."""
+    """The sweep of the figure on fewer points."""
     grid, spec = study.contact_stiffness.figures[figure], study.figures[figure]
     if isinstance(spec, Curves):
         swept = spec.swept.model_copy(update={"count": grid.points})
@@ -91,7 +91,7 @@ def _coarse(study: Study, figure: str) -> Sweep:
 
 
 def stiffness_dataset(plan: StiffnessPlan, title: str, cores: int = 1) -> xr.Dataset:
-    """A figure on all bases, along the dimension ``variation``."""
+    """Compute a figure on all bases, along the dimension ``variation``."""
     parts = []
     for variation, sweep in zip(plan.variations, plan.sweeps, strict=True):
         part = merge_chunks(sweep, title, title, [compute_chunk(sweep, 0, 1, cores)])

@@ -1,4 +1,4 @@
-"""Tables as CSV text: the same rows give the same bytes."""
+"""Write and read tables as CSV text; equal rows give equal bytes."""
 
 import csv
 import io
@@ -10,14 +10,14 @@ Row = TypeVar("Row")
 
 
 class TableError(ValueError):
-    """A table that is not what it should be: missing, empty, or of something else."""
+    """A table that is missing, empty, or of another kind."""
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    """A header and one line for each row.
+    """Return a header and one line for each row.
 
     Raises:
-        ValueError: a row that holds something besides ``columns``.
+        ValueError: a row with a key that is not in ``columns``.
     """
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -27,12 +27,12 @@ def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
 
 
 def read_rows(path: Path, what: str, read: Callable[[dict[str, str]], Row]) -> list[Row]:
-    """The rows of a table on disk, each as ``read`` makes it of its text by column.
+    """Read the rows of a table on disk.
 
     Args:
         path: the file.
-        what: what it is a table of, for the error.
-        read: may raise KeyError, TypeError or ValueError for a row that is not of such a table.
+        what: contents of the table, for the error message.
+        read: makes a row from its text by column; KeyError, TypeError and ValueError refuse it.
 
     Raises:
         TableError: a file that is missing, empty, or not such a table.
@@ -40,7 +40,7 @@ def read_rows(path: Path, what: str, read: Callable[[dict[str, str]], Row]) -> l
     try:
         rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
         if not rows:
-            raise ValueError("it has no rows")  # noqa: TRY301 - told with the others below
+            raise ValueError("it has no rows")  # noqa: TRY301 - reported with the others below
         return [read(row) for row in rows]
     except (OSError, UnicodeDecodeError, KeyError, ValueError, TypeError) as error:
         raise TableError(f"{path}: is not a table of {what} ({error}): build it again") from None

@@ -1,4 +1,4 @@
-"""Devices measured in SI units, as a user writes them down: a YAML file of names and numbers."""
+"""Read devices in SI units from YAML files of names and numbers."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,7 +13,7 @@ class DeviceError(ValueError):
 
 
 def load_device(path: Path, changes: Mapping[str, float]) -> Device:
-    """The device in the YAML file ``path``, with ``changes`` over its quantities, in SI units.
+    """Read the device in the YAML file ``path``; ``changes`` (SI units) replace its quantities.
 
     Raises:
         DeviceError: a file that cannot be read, is not YAML, or breaks a rule.
@@ -33,7 +33,7 @@ def load_device(path: Path, changes: Mapping[str, float]) -> Device:
 
 
 def _number(name: str, value: object) -> float:
-    """A number; YAML takes 5e-3, which has no point, for a text."""
+    """Convert to a number; YAML reads 5e-3, which has no point, as a string."""
     if isinstance(value, (int, float, str)) and not isinstance(value, bool):
         try:
             return float(value)

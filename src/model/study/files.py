@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Write files and folders that appear whole or not at all."""
 
 import contextlib
 import shutil
@@ -9,12 +9,12 @@ from pathlib import Path
 
 @contextlib.contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """A path to write to, in ``target``'s folder, that takes its place once the block has ended.
+    """Yield a path beside ``target`` that replaces it when the block ends.
 
-    If the block fails, ``target`` stays as it was and nothing is left beside it.
+    If the block fails, ``target`` stays as it was and the new file is removed.
 
     Raises:
-        OSError: the folder cannot be made or written.
+        OSError: the folder cannot be created or written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(
@@ -23,7 +23,7 @@ def whole_file(target: Path) -> Iterator[Path]:
         part = Path(made.name)
     try:
         yield part
-        part.chmod(0o644)  # a temporary file is for its owner only
+        part.chmod(0o644)  # a temporary file is created for its owner only
         part.replace(target)
     except BaseException:
         part.unlink(missing_ok=True)
@@ -32,7 +32,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def whole_folder(target: Path) -> Iterator[Path]:
-    """As ``whole_file``, for a folder that does not exist yet."""
+    """Yield a folder that becomes ``target``, which must not exist, when the block ends."""
     target.parent.mkdir(parents=True, exist_ok=True)
     part = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}-", suffix=".part"))
     try:

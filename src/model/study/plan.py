@@ -1,4 +1,4 @@
-"""A computation as data: numbers only, no wording, so that a new caption computes nothing anew."""
+"""A computation as data: numbers only, so that a changed caption computes nothing anew."""
 
 import hashlib
 
@@ -6,11 +6,11 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Plan(BaseModel):
-    """All that results depend on besides the code; its JSON is its identity."""
+    """Everything that results depend on besides the code."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     @property
     def identity(self) -> str:
-        """Hash of that JSON."""
+        """Hash of the plan's JSON: equal for plans that give equal results."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]

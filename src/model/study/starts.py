@@ -1,6 +1,6 @@
-"""The starts from which a reliable device aligns: phases of the excitation, and initial tilts.
+"""Starts of an ensemble: phases of the excitation and initial tilts at touch-down.
 
-Nobody controls either at touch-down: *reliable* is what aligns within the horizon from all.
+Neither can be controlled: a *reliable* device aligns within the horizon from every start.
 """
 
 import itertools
@@ -21,7 +21,7 @@ Starts = Sequence[Mapping[str, float]]
 
 
 def starts_of(device: Parameters, ensemble: Ensemble) -> list[dict[str, float]]:
-    """Phase and tilt of every start of the ensemble; the first is the device's own."""
+    """Return phase and tilt of every start of the ensemble; the first is the device's own."""
     phases = [device.phase + 2.0 * math.pi * k / ensemble.phases for k in range(ensemble.phases)]
     tilts = [device.initial_tilt * factor for factor in ensemble.tilts]
     return [
@@ -31,12 +31,12 @@ def starts_of(device: Parameters, ensemble: Ensemble) -> list[dict[str, float]]:
 
 @dataclass(frozen=True)
 class FromEveryStart:
-    """How devices end from every start, one run each.
+    """Results of devices from every start, one run each.
 
     Attributes:
-        aligned: shape (devices, starts).
-        tau_align: likewise, NaN where a run does not align.
-        rhs_evaluations: of all starts together, shape (devices,).
+        aligned: True where a run aligns, shape (devices, starts).
+        tau_align: alignment time, NaN where a run does not align, same shape.
+        rhs_evaluations: sum over the starts, shape (devices,).
     """
 
     aligned: NDArray[np.bool_]
@@ -45,13 +45,13 @@ class FromEveryStart:
 
     @property
     def reliable(self) -> NDArray[np.bool_]:
-        """Devices that align from all, shape (devices,)."""
+        """Devices that align from every start, shape (devices,)."""
         found: NDArray[np.bool_] = np.logical_and.reduce(self.aligned, axis=1)
         return found
 
     @property
     def tau_worst(self) -> NDArray[np.float64]:
-        """The longest duration of a reliable device, NaN of another; shape (devices,)."""
+        """Longest duration of a reliable device, NaN of another; shape (devices,)."""
         found: NDArray[np.float64] = self.tau_align.max(axis=1)
         return found
 
@@ -63,7 +63,7 @@ def from_every_start(
     settings: Settings,
     cores: int = 1,
 ) -> FromEveryStart:
-    """Run ``device`` with the parameters in ``swept``, each of shape (devices,), from all starts.
+    """Run ``device`` with the parameters ``swept``, each of shape (devices,), from every start.
 
     Raises:
         ValueError: as ``Batch.of``.

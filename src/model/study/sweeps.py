@@ -1,7 +1,4 @@
-"""What a figure computes: a grid over one or two parameters, or one trajectory.
-
-A sweep holds numbers only, no wording, so that a change of a caption computes nothing anew.
-"""
+"""The computation behind a figure: a grid over one or two parameters, or one trajectory."""
 
 from typing import Any, Literal
 
@@ -14,14 +11,15 @@ from model.study.plan import Plan
 
 
 class Sweep(Plan):
-    """One figure's computation; its JSON is its identity.
+    """The computation of one figure.
 
     Attributes:
         figure: "fig06", ….
         kind: "history" (no dimensions), "curves" (family, swept) or "map" (y, x).
-        parameters: every parameter, None where it is derived; swept ones hold the baseline's.
+        parameters: every parameter, None where it is derived. The baseline's values of the swept
+            ones are overridden, but remain in the identity, which every stored dataset carries.
         settings: how runs are computed.
-        dimensions: slowest first.
+        dimensions: swept parameters, slowest first.
     """
 
     figure: str
@@ -32,7 +30,7 @@ class Sweep(Plan):
 
     @property
     def baseline(self) -> Parameters:
-        """What is held, with the baseline's values of what is swept."""
+        """The held parameters, with the baseline's values of the swept ones."""
         return Parameters(**self.parameters)  # type: ignore[arg-type]
 
     @property
@@ -42,12 +40,12 @@ class Sweep(Plan):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What a sidecar says of it: identity, parameters, settings and what is varied."""
+        """The computation as its sidecar states it."""
         stated = self.model_dump(mode="json", include={"parameters", "settings", "dimensions"})
         return {"sweep": self.identity, **stated}
 
     def points_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
-        """Flat indices of a chunk: every ``chunks``-th point, so that chunks cost alike.
+        """Return the flat indices of a chunk: every ``chunks``-th point, so that chunks cost alike.
 
         Raises:
             ValueError: a chunk that is not one of ``chunks``.
@@ -57,7 +55,7 @@ class Sweep(Plan):
         return np.arange(chunk, int(np.prod(self.shape)), chunks, dtype=np.int64)
 
     def batch(self, points: NDArray[np.int64]) -> Batch:
-        """The parameter sets at flat indices ``points``."""
+        """Return the parameter sets at flat indices ``points``."""
         places = np.unravel_index(points, self.shape)
         swept = {
             dimension.parameter: np.array(dimension.values)[place]
@@ -67,7 +65,7 @@ class Sweep(Plan):
 
 
 def sweep_of(study: Study, figure: str) -> Sweep:
-    """The sweep of a figure.
+    """Return the sweep of a figure.
 
     Raises:
         ValueError: a figure that computes nothing.
@@ -90,7 +88,7 @@ def sweep_of(study: Study, figure: str) -> Sweep:
 
 
 def claim_sweep(study: Study, name: str) -> Sweep:
-    """The computation behind ``study.claims_runs[name]``."""
+    """Return the sweep of ``study.claims_runs[name]``."""
     spec: ClaimRun = study.claims_runs[name]
     return Sweep(
         figure=name,
