@@ -5,7 +5,7 @@ import pytest
 
 from model import Batch, Outcome, Readings, Settings, align
 from model.engines.batch.scheduling import POOL
-from model.engines.record import Ending
+from model.engines.results import RunResult
 from model.engines.scalar.tableaux import DORMAND_PRINCE
 from model.runs.align import each_by_itself, side_by_side
 
@@ -26,7 +26,7 @@ def cloud(device, spread, count=COUNT):
 
 
 def column(endings, name):
-    return endings[:, Ending._fields.index(name)]
+    return endings[:, RunResult._fields.index(name)]
 
 
 @pytest.fixture(scope="module", params=[0.5, 1.5], ids=["near", "wide"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Reason, align, simulate
-from model.engines.record import Ending
+from model.engines.results import RunResult
 from model.physics.parameters import Constants
 from model.runs.errors import TILTED, estimate
 from model.study.config import load_study, study_path
@@ -89,7 +89,7 @@ def test_a_flat_part_may_settle_later_when_it_is_tilted():
         is_tilted = rows[:, Constants._fields.index("initial_tilt")] > 0.0
         at = np.arange(len(tolerances)) % len(first)
         outcome = np.where(is_tilted, tilted[at], first[at])
-        return columns(Ending, outcome=outcome.astype(float))
+        return columns(RunResult, outcome=outcome.astype(float))
 
     assert estimate(run, rows, 1e-14).sensitive.tolist() == [False, False, True]
 
@@ -111,7 +111,7 @@ def of_neighbours(first, second, ran=None):
         displaced = rows[:, Constants._fields.index("misalignment")] > 0.0
         at = rows[:, Constants._fields.index("press_force")].astype(int)
         ends = {name: np.where(displaced, second[name][at], first[name][at]) for name in first}
-        return columns(Ending, **ends)
+        return columns(RunResult, **ends)
 
     return run
 
@@ -130,7 +130,7 @@ def test_a_part_that_hops_its_own_way_until_the_horizon_is_chaotic():
     }
     found = estimate(of_neighbours(first, second), numbered(4), 1e-10)
     none, chaotic = Reason.NONE, Reason.CHAOTIC
-    assert found.column("reason").tolist() == [none, chaotic, chaotic, none]
+    assert found.columns()["reason"].tolist() == [none, chaotic, chaotic, none]
     assert not found.sensitive.any()
 
 
@@ -140,10 +140,10 @@ def test_two_runs_that_agree_by_chance_do_not_undo_what_the_first_two_told():
         coarser = rows[:, Constants._fields.index("misalignment")] > 0.0
         first = tolerances >= 1e-10
         tau = 1.0 + np.where(first, np.where(coarser, 6e-8, 1e-8), 2e-9)
-        return columns(Ending, outcome=np.full(len(rows), Outcome.ALIGNED), tau_align=tau)
+        return columns(RunResult, outcome=np.full(len(rows), Outcome.ALIGNED), tau_align=tau)
 
     found = estimate(run, numbered(3), 1e-10)
-    assert (found.column("tau_align") == 1.0 + 2e-9).all()
+    assert (found.columns()["tau_align"] == 1.0 + 2e-9).all()
     # 5e-8, in proportion to the tolerance, and a quarter of it.
     assert found.tau_error == pytest.approx(5e-8 * found.tolerance / 1e-10 / 4.0, rel=0.01)
     assert (found.tau_error > 6e-10).all()
@@ -164,7 +164,7 @@ def test_what_only_settles_earlier_at_a_looser_tolerance_ends_alike():
     found = estimate(of_neighbours(first, second, ran), numbered(4), 1e-10)
     assert found.sensitive.tolist() == [False, False, True, True]
     assert ran == [2 * 4, 3 * 2]  # the others are not run again
-    assert (found.column("reason") == Reason.NONE).all()
+    assert (found.columns()["reason"] == Reason.NONE).all()
 
 
 def test_a_settled_motion_that_hops_ends_like_one_that_hops_on_as_often():
@@ -219,8 +219,8 @@ def test_a_nearly_flat_part_that_a_tilt_decides_is_flagged(differs_by):
         # Aligned, except for a tilt that is not that of one of the sets.
         other = np.abs(tilt[:, None] - tilts).min(axis=1) > 0.5 * TILTED
         if differs_by == "outcome":
-            return columns(Ending, outcome=np.where(other, 1.0, 0.0), rhs_evaluations=1.0)
-        return columns(Ending, tau_align=np.where(other, 5.0, 4.9), rhs_evaluations=1.0)
+            return columns(RunResult, outcome=np.where(other, 1.0, 0.0), rhs_evaluations=1.0)
+        return columns(RunResult, tau_align=np.where(other, 5.0, 4.9), rhs_evaluations=1.0)
 
     found = estimate(run, rows, 1e-10)
     assert found.sensitive.tolist() == [True, True, True, False, False]

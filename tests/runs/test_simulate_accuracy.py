@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from model import PRINTED_CONTACTS, Batch, Outcome, Readings, Reason, Settings, align, simulate
-from model.engines.record import Ending
+from model.engines.results import RunResult
 from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE
 from model.runs.align import each_by_itself, side_by_side
 
@@ -43,7 +43,7 @@ def mean_errors(batch, tolerances, engine):
     assert set(exact.outcome) == {Outcome.ALIGNED}
     for tolerance in tolerances:
         endings = engine(batch.constants(Readings()), np.full(len(batch), tolerance))
-        error = np.abs(endings[:, Ending._fields.index("tau_align")] - exact.tau_align)
+        error = np.abs(endings[:, RunResult._fields.index("tau_align")] - exact.tau_align)
         means.append(np.exp(np.mean(np.log(np.maximum(error, 1e-15)))))  # rounding of times
     return np.array(means)
 

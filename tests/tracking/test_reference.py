@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from model.engines.tolerances import MARGIN
 from model.events.outcomes import Outcome
 from model.study.config import load_study, study_path
 from model.study.datasets import history_dataset, write_dataset
@@ -14,7 +15,6 @@ from model.study.sweeps import sweep_of
 from model.tracking.reference import (
     LOG,
     LOG_COLUMNS,
-    MARGIN,
     NotAcceptedError,
     accept,
     compare_with_reference,

@@ -26,6 +26,7 @@ from model.cli.arguments import (
     device_of,
     settings_of,
 )
+from model.engines.results import RESULTS
 from model.events.outcomes import Outcome
 from model.physics.notation import State
 from model.physics.units import Units
@@ -184,27 +185,14 @@ def _within(value: float, error: float) -> str:
 
 
 def _report(run: Trajectory) -> list[str]:
-    aligned = run.outcome == Outcome.ALIGNED
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
-    if aligned:
-        rows += [
-            ("tau_align", _within(run.tau_align, run.tau_error)),
-            ("tau_error", f"{run.tau_error:.3g}"),
-            ("tau_corners_inside", f"{run.tau_corners_inside:.9g}"),
-            ("tilt_at_alignment", f"{run.tilt_at_alignment:.6g} rad"),
-        ]
+    if run.outcome == Outcome.ALIGNED:
+        rows.append(("tau_align", _within(run.tau_align, run.tau_error)))
     else:
         rows += [("what to do", run.remedy), ("tau_align", "none: it does not align")]
-    if run.period:
-        rows.append(("period", f"{run.period} of the excitation"))
-    rows += [
-        ("tilt_max", f"{run.tilt_max:.6g} rad"),
-        ("separations", f"{run.separations} (times the part lost the base)"),
-        ("contact_force_max", f"{run.contact_force_max:.6g}"),
-        ("sticking_share", f"{100.0 * run.sticking_share:.3g} % of the time"),
-        ("rhs_evaluations", f"{run.rhs_evaluations} in {run.steps} steps, {run.switches} switches"),
-        ("final state", f"at τ = {run.time[-1]:.9g}"),
-    ]
+    printed = [(name, each.printed(getattr(run, name))) for name, each in RESULTS.items()]
+    rows += [(name, text) for name, text in printed if text]
+    rows.append(("final state", f"at τ = {run.time[-1]:.9g}"))
     rows += [(f"  {name}", f"{value: .9g}") for name, value in _final_state(run).items()]
     lines = [f"{name:<20}{value}" for name, value in rows]
     if run.sensitive:
@@ -244,22 +232,15 @@ def _or_null(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-_RESULTS = (
-    "tau_align", "tau_error", "tau_corners_inside", "sensitive", "tilt_at_alignment", "tilt_max",
-    "separations", "contact_force_max", "sticking_share", "period", "rhs_evaluations", "steps",
-    "switches",
-)  # fmt: skip
-
-
 def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
     """Everything about a run, as JSON can hold it: what is not a number is null."""
     final_state = {name: _or_null(value) for name, value in _final_state(run).items()}
     return {
+        **{name: _or_null(getattr(run, name)) for name in RESULTS},
         "outcome": _name(run.outcome),
         "reason": _name(run.reason),
         "message": run.message,
         "remedy": run.remedy,
-        **{name: _or_null(getattr(run, name)) for name in _RESULTS},
         "final_time": float(run.time[-1]),
         "final_state": final_state,
         "parameters": asdict(run.parameters),

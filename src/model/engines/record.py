@@ -1,12 +1,13 @@
 """The record of a run: one row of numbers, so that many runs make an array.
 
 A batch of runs is an array ``runs`` of shape (runs, SIZE): ``runs[i, TIME]`` is the time that run
-``i`` has reached. Counts and flags are whole numbers kept as floats.
+``i`` has reached. Counts and flags are whole numbers kept as floats. The columns are those of
+``Constants`` and of ``RunResult``, numbers that a run works with, its state and its mode.
 """
 
 from math import isnan
-from typing import NamedTuple
 
+from model.engines.results import RunResult
 from model.events.table import SWITCH_COUNT
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE, State
@@ -14,64 +15,57 @@ from model.physics.parameters import Constants
 from model.physics.scenes import Mode
 from model.physics.views import reader, writer
 
-CONSTANTS = len(Constants._fields)  # the first numbers
+_WORKING = (
+    "next_step",  # length that the error estimate proposes
+    "tolerance",
+    "deadline",  # when the run ends at the latest
+    "stop",  # end of the present excitation period, or the deadline
+    "periods",  # excitation periods completed
+    "sticking_time",
+    "switches_at_once",  # without time passing between them
+    "row_of_batch",
+)
+_COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)
 
-_SINGLE_ROWS = (
-    TIME,
-    NEXT_STEP,  # length that the error estimate proposes
-    TOLERANCE,
-    DEADLINE,  # when the run ends at the latest
-    STOP,  # end of the present excitation period, or the deadline
-    PERIODS,  # excitation periods completed
-    OUTCOME,
-    REASON,
-    SETTLED_PERIOD,
-    TAU_ALIGN,
-    TAU_CORNERS_INSIDE,
-    TILT_AT_ALIGNMENT,
-    TILT_MAX,
-    FORCE_MAX,
-    STICKING_TIME,
-    SEPARATIONS,
-    EVALUATIONS,
-    STEPS,
-    REJECTED,
-    SWITCHES,
-    SWITCHES_AT_ONCE,  # without time passing between them
-    TRACKED,
-    ROW_OF_BATCH,
-) = tuple(range(CONSTANTS, CONSTANTS + 23))
-STATE = _SINGLE_ROWS[-1] + 1
+
+def column(name: str) -> int:
+    """Return the column of a field of ``Constants`` or ``RunResult``, or of a working number."""
+    return _COLUMNS.index(name)
+
+
+CONSTANTS = len(Constants._fields)  # the first columns
+_FIRST_RESULT, _RESULT_COUNT = CONSTANTS, len(RunResult._fields)
+
+TIME = column("time")
+OUTCOME = column("outcome")
+REASON = column("reason")
+TAU_ALIGN = column("tau_align")
+TAU_CORNERS_INSIDE = column("tau_corners_inside")
+TILT_AT_ALIGNMENT = column("tilt_at_alignment")
+TILT_MAX = column("tilt_max")
+FORCE_MAX = column("contact_force_max")
+SEPARATIONS = column("separations")
+EVALUATIONS = column("rhs_evaluations")
+STEPS = column("steps")
+REJECTED = column("rejected")
+SWITCHES = column("switches")
+SETTLED_PERIOD = column("period")
+TRACKED = column("tracked")
+NEXT_STEP = column("next_step")
+TOLERANCE = column("tolerance")
+DEADLINE = column("deadline")
+STOP = column("stop")
+PERIODS = column("periods")
+STICKING_TIME = column("sticking_time")
+SWITCHES_AT_ONCE = column("switches_at_once")
+ROW_OF_BATCH = column("row_of_batch")
+_STICKING_SHARE = column("sticking_share")
+
+STATE = len(_COLUMNS)
 MODE = STATE + STATE_SIZE
 CLOSEST = MODE + len(Mode._fields)  # lowest switching functions in this period
 MADE = CLOSEST + SWITCH_COUNT  # whether a switch was made in this period
 SIZE = MADE + SWITCH_COUNT
-
-
-class Ending(NamedTuple):
-    """How a run ended and what it met on the way; all dimensionless.
-
-    ``tau_align`` is NaN unless aligned, ``tau_corners_inside`` unless all four corner conditions
-    came to hold. ``period`` counts excitation periods where the run settled, else 0.
-    """
-
-    outcome: float
-    reason: float
-    time: float
-    tau_align: float
-    tau_corners_inside: float
-    tilt_at_alignment: float
-    tilt_max: float
-    separations: float
-    contact_force_max: float
-    sticking_share: float
-    rhs_evaluations: float
-    steps: float
-    rejected: float
-    switches: float
-    period: float
-    tracked: float
-
 
 # (runs, i): the ``Constants`` of run ``i``.
 constants_of = reader(Constants, "runs, i", "runs[i, {}]".format)
@@ -96,21 +90,10 @@ def keep_state(q, runs, i):
 
 
 @kernel
-def keep_ending(ending, endings, row):
-    """Write an ``Ending`` into ``endings[row]``."""
-    for field in range(len(ending)):
-        endings[row, field] = ending[field]
-
-
-@kernel
-def ending_of(runs, i):
-    """The ``Ending`` of run ``i``."""
+def keep_result(runs, i, results, row):
+    """Write the ``RunResult`` of run ``i``, which has ended, into ``results[row]``."""
     tau_align = runs[i, TAU_ALIGN]
     until = runs[i, TIME] if isnan(tau_align) else tau_align
-    return Ending(
-        runs[i, OUTCOME], runs[i, REASON], runs[i, TIME], tau_align, runs[i, TAU_CORNERS_INSIDE],
-        runs[i, TILT_AT_ALIGNMENT], runs[i, TILT_MAX], runs[i, SEPARATIONS], runs[i, FORCE_MAX],
-        runs[i, STICKING_TIME] / until if until > 0.0 else 0.0, runs[i, EVALUATIONS],
-        runs[i, STEPS], runs[i, REJECTED], runs[i, SWITCHES], runs[i, SETTLED_PERIOD],
-        runs[i, TRACKED],
-    )  # fmt: skip
+    runs[i, _STICKING_SHARE] = runs[i, STICKING_TIME] / until if until > 0.0 else 0.0
+    for field in range(_RESULT_COUNT):
+        results[row, field] = runs[i, _FIRST_RESULT + field]

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from model.engines.batch.scheduling import integrate_all, new_many
 from model.engines.queue import Queue, new_queue
-from model.engines.record import Ending
+from model.engines.results import KINDS, RESULTS, Results, RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_single
 from model.engines.scalar.tableaux import DOP853
-from model.physics.parameters import Batch, Parameters
+from model.physics.parameters import Batch, Parameters, described
 from model.physics.readings import Readings
 from model.runs.errors import Array, Run, estimate
 from model.runs.settings import Settings, settings_with
@@ -22,58 +22,26 @@ from model.runs.settings import Settings, settings_with
 NO_TRACK = np.empty((0, TRACK_COLUMNS))
 
 
-@dataclass(frozen=True)
-class Alignments:
+@dataclass(frozen=True, kw_only=True)
+class Alignments(
+    Results[
+        NDArray[np.int8],
+        NDArray[np.int8],
+        NDArray[np.float64],
+        NDArray[np.int64],
+        NDArray[np.bool_],
+    ]
+):
     """Results of a batch; every array has shape (n,), in the order of the batch, dimensionless.
 
-    See ``Settings.alignment_only`` for what is NaN with it.
-
-    Attributes:
-        outcome: values of ``Outcome``.
-        reason: values of ``Reason``; ``CHAOTIC`` where the horizon is reached on a course that a
-            neighbouring start does not share, so that another tolerance may align.
-        tau_align: alignment time, NaN where not aligned.
-        tau_error: estimated error of ``tau_align``, NaN where it cannot be estimated.
-        tau_corners_inside: when the paper's four corner conditions hold, NaN if they never do.
-        sensitive: whether a start displaced in x(0) by the tolerance ends differently, or aligns or
-            leaves the scene at a time more than 1e-4 off; or, of a part that starts nearly flat,
-            one tilted by 1e-7 more; or the gap between part and slot is below what a run can tell.
-        tilt_at_alignment: tilt at ``tau_align``, radians.
-        tilt_max: largest |tilt| until alignment or the end, radians.
-        separations: how often the part lost the base before alignment.
-        contact_force_max: largest normal force at one place, in units of F1.
-        sticking_share: share of the time in which the supporting contact sticks.
-        rhs_evaluations: right-hand sides evaluated, all runs of the set together.
-        period: excitation periods after which a settled motion repeats itself, else 0.
+    See ``Settings.alignment_only`` for results that are NaN with it.
     """
-
-    outcome: NDArray[np.int8]
-    reason: NDArray[np.int8]
-    tau_align: NDArray[np.float64]
-    tau_error: NDArray[np.float64]
-    tau_corners_inside: NDArray[np.float64]
-    sensitive: NDArray[np.bool_]
-    tilt_at_alignment: NDArray[np.float64]
-    tilt_max: NDArray[np.float64]
-    separations: NDArray[np.int64]
-    contact_force_max: NDArray[np.float64]
-    sticking_share: NDArray[np.float64]
-    rhs_evaluations: NDArray[np.int64]
-    period: NDArray[np.int64]
 
     def __len__(self) -> int:
         return int(self.outcome.size)
 
 
-_DTYPES = {
-    "outcome": np.int8,
-    "reason": np.int8,
-    "sensitive": np.bool_,
-    "separations": np.int64,
-    "rhs_evaluations": np.int64,
-    "period": np.int64,
-}
-_ESTIMATED = ("tau_error", "sensitive", "rhs_evaluations")
+Alignments.__doc__ = described(Alignments.__doc__, RESULTS)
 
 Engine = Literal["lanes", "scalar"]
 
@@ -86,7 +54,7 @@ def _filling(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> 
     """
 
     def run(rows: Array, tolerances: Array) -> Array:
-        endings = np.empty((len(rows), len(Ending._fields)))
+        endings = np.empty((len(rows), len(RunResult._fields)))
         threads = max(1, min(cores, len(rows)))
         queue = new_queue(len(rows), threads)
         if threads == 1:
@@ -143,15 +111,15 @@ def _engine(name: Engine | None, settings: Settings, cores: int) -> Run:
 
 
 def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, Array]:
-    """One run of every parameter set, without an estimate of its error.
+    """Run every parameter set once, without an estimate of its error.
 
-    Half the cost of ``align``, for statistics over many sets. Returns the fields of ``Ending``,
+    Half the cost of ``align``, for statistics over many sets. Returns the fields of ``RunResult``,
     each of shape (n,).
     """
     rows = batch.constants(settings.readings)
     run = _engine(None, settings, cores)
-    endings = run(rows, np.full(len(rows), settings.tolerance))
-    return dict(zip(Ending._fields, endings.T, strict=True))
+    results = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
+    return dict(results._asdict())
 
 
 def align(
@@ -190,12 +158,5 @@ def align(
         raise ValueError(f"cores = {cores!r}: must be >= 1")
     run = _engine(engine, settings, cores)
     found = estimate(run, rows_of.constants(settings.readings), settings.tolerance)
-    columns = {
-        field.name: getattr(found, field.name)
-        if field.name in _ESTIMATED
-        else found.column(field.name)
-        for field in fields(Alignments)
-    }
-    return Alignments(
-        **{name: values.astype(_DTYPES.get(name, float)) for name, values in columns.items()}
-    )
+    columns = found.columns()
+    return Alignments(**{name: columns[name].astype(KINDS[name].array) for name in RESULTS})

@@ -1,18 +1,21 @@
-"""Every parameter set is run twice, and the difference is its error.
+"""Estimated errors: every parameter set is run at least twice.
 
 The result is that of the run at the tolerance asked for. A second run, at ``COARSER`` times that
-tolerance and from a start displaced in x(0) by the tolerance, tells how far the alignment time may
-still move. Where the two end differently, or far apart, or agree less closely than the tolerance
-promises, the set is run again at a smaller tolerance; so is one whose gap between part and slot is
-below the tolerance, where the two may agree and both be wrong. What the first two tell, times the
-ratio of the tolerances, is believed to a quarter: the others may agree by chance. A set is
-sensitive if the displaced start, then run as accurately as that, still ends elsewhere: digits of
-its alignment time would be false. A part that starts nearly flat is sensitive, too, if it ends
-elsewhere when it is tilted by ``TILTED`` more: no device has a tilt so exact, but one decides
+tolerance and from a start displaced in x(0) by the tolerance, shows how far the alignment time may
+still move. A set is run again at a smaller tolerance where the two outcomes differ, where the times
+are far apart or agree less closely than the tolerance promises, and where the gap between part and
+slot is below the tolerance: there the two may agree and both be wrong. The error estimated from the
+first two runs, times the ratio of the tolerances, bounds that of the others from below, up to a
+factor of 4: the others may agree by chance.
+
+A set is sensitive if the displaced start, run at the smaller tolerance, still ends elsewhere:
+digits of its alignment time would be false. A part that starts nearly flat is also sensitive if it
+ends elsewhere when tilted by ``TILTED`` more: no device has so exact a tilt, but the tilt decides
 whether such a part stands on its edge or on its corner, or touches the base at all.
 
-A part that hops or sticks its own way in each of the two runs, until both reach the horizon, may
-well align at another tolerance, by chance. Its reason is then ``CHAOTIC``.
+Where the two runs differ in lift-offs or sticking until both reach the horizon, another tolerance
+may align by chance. The reason of such a set is ``CHAOTIC``: a sensitive dependence, for which no
+other test is made.
 """
 
 from collections.abc import Callable
@@ -21,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.record import Ending
+from model.engines.results import RunResult
 from model.events.outcomes import Outcome, Reason
 from model.events.table import FLAT
 from model.physics.parameters import Constants
@@ -35,44 +38,43 @@ RESOLUTION = 1e-14  # relative rounding of an alignment time
 
 Array = NDArray[np.float64]
 Run = Callable[[Array, Array], Array]
-"""(rows, tolerances) to endings; shapes (n, constants), (n,) and (n, len(Ending._fields))."""
+"""An engine: (rows, tolerances) to results; shapes (n, constants), (n,), (n, results)."""
 
 NEARLY_FLAT = 1e-6  # a tilt at the start below which a part is nearly flat
 TILTED = 10.0 * FLAT  # by how much its neighbour is tilted further
 
-_MISALIGNMENT, _TILT, _SLOT, _PART, _FREQUENCY = (
-    Constants._fields.index(name)
-    for name in ("misalignment", "initial_tilt", "slot_half_width", "half_width", "frequency")
-)
-_OUTCOME, _REASON, _TIME, _TAU, _SEPARATIONS, _STICKING, _EVALUATIONS, _PERIOD = (
-    Ending._fields.index(name)
-    for name in (
-        "outcome", "reason", "time", "tau_align", "separations", "sticking_share",
-        "rhs_evaluations", "period",
-    )
-)  # fmt: skip
 _SAFETY = 4.0
 
 
 class Estimate(NamedTuple):
-    """What the runs of each parameter set tell; arrays of shape (n,), and ``endings`` of the finer.
+    """Results of parameter sets with their errors; arrays of shape (n,), ``results`` (n, fields).
 
-    ``tau_error`` is NaN where either of the two does not align; ``tolerance`` is that of the finer.
+    Attributes:
+        results: fields of ``RunResult`` of the finer runs.
+        tau_error: NaN where either of the two runs does not align.
+        sensitive: see the module.
+        rhs_evaluations: of all runs of a set.
+        tolerance: of the finer runs.
     """
 
-    endings: Array
+    results: Array
     tau_error: Array
     sensitive: NDArray[np.bool_]
     rhs_evaluations: Array
     tolerance: Array
 
-    def column(self, name: str) -> Array:
-        """A field of ``Ending``, shape (n,)."""
-        return self.endings[:, Ending._fields.index(name)]
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Return all results by name, each of shape (n,)."""
+        return {
+            **RunResult(*self.results.T)._asdict(),
+            "tau_error": self.tau_error,
+            "sensitive": self.sensitive,
+            "rhs_evaluations": self.rhs_evaluations,
+        }
 
 
 def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
-    """Run every row, shape (n, constants), twice or, where that is not enough, three times more."""
+    """Run every row, shape (n, constants), twice; where that is not enough, three times more."""
     first = _compare(run, rows, np.full(len(rows), tolerance))
     imprecise = first.tau_error > PROMISED * tolerance
     again = first.sensitive | imprecise
@@ -93,89 +95,93 @@ def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
     return first
 
 
-def _displaced(rows: Array, which: int, by: Array | float) -> Array:
+def _displaced(rows: Array, constant: str, by: Array | float) -> Array:
     displaced = rows.copy()
-    displaced[:, which] += by
+    displaced[:, Constants._fields.index(constant)] += by
     return displaced
 
 
-def end_otherwise(
+def outcomes_differ(
     outcome: NDArray[Any], other: NDArray[Any], alike: NDArray[np.bool_] | bool
 ) -> NDArray[np.bool_]:
-    """Which runs have another outcome than their neighbours; arrays of shape (n,).
+    """Return which runs have another outcome than their neighbours; arrays of shape (n,).
 
-    A motion that repeats itself may settle later, or not before the horizon, at a smaller tolerance
-    or by a tilt: that is the same ending if the motions are ``alike``.
+    At a smaller tolerance or another tilt a periodic motion may settle later, or not before the
+    horizon: the outcomes count as equal if the motions are ``alike``.
     """
-    go_on = (Outcome.SETTLED, Outcome.HORIZON_REACHED)
-    same = np.isin(outcome, go_on) & np.isin(other, go_on) & alike
+    periodic = (Outcome.SETTLED, Outcome.HORIZON_REACHED)
+    same = np.isin(outcome, periodic) & np.isin(other, periodic) & alike
     found: NDArray[np.bool_] = (outcome != other) & ~same
     return found
 
 
-def _hop_alike(rows: Array, endings: Array, others: Array) -> NDArray[np.bool_]:
-    """Whether a run and its neighbour leave the base as often, each as long as it goes on.
+def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[np.bool_]:
+    """Return which runs and their neighbours lift off equally often, each until its own end.
 
-    What goes on longer than a motion that has settled repeats it: it leaves the base so many times
-    more for every repetition, a whole number of them.
+    A run that lasts longer than another that has settled repeats its motion: it has the same whole
+    number of lift-offs more for every repetition.
     """
-    more, longer = (others - endings)[:, [_SEPARATIONS, _TIME]].T
-    frequency = rows[:, _FREQUENCY]
-    excitation = 2.0 * np.pi / np.where(frequency > 0.0, frequency, 1.0)
-    repetition = np.maximum(endings[:, _PERIOD], others[:, _PERIOD]) * excitation
+    more, longer = other.separations - run.separations, other.time - run.time
+    excitation = 2.0 * np.pi / np.where(p.frequency > 0.0, p.frequency, 1.0)
+    repetition = np.maximum(run.period, other.period) * excitation
     with np.errstate(divide="ignore", invalid="ignore"):
         repetitions = longer / repetition
         each = np.rint(more / repetitions)
         repeats: NDArray[np.bool_] = (repetition > 0.0) & (
             np.abs(more - each * repetitions) <= each
         )
-    return (more == 0.0) | repeats
+    found: NDArray[np.bool_] = (more == 0.0) | repeats
+    return found
 
 
-def _end(endings: Array) -> Array:
-    """When runs aligned or left the scene; NaN for others, which end when it is not their own."""
-    left = endings[:, _OUTCOME] == Outcome.LEFT_SCENE
-    return np.where(left, endings[:, _TIME], endings[:, _TAU])
+def _end(run: RunResult) -> Array:
+    """Return when runs aligned or left the scene; NaN for runs that end by the horizon."""
+    time: Array = run.time
+    return np.where(run.outcome == Outcome.LEFT_SCENE, time, run.tau_align)
 
 
-def _are_chaotic(endings: Array, others: Array) -> NDArray[np.bool_]:
-    """Which runs reach the horizon, as their neighbours do, on another course."""
-    moving = (endings[:, _OUTCOME] == Outcome.HORIZON_REACHED) & (
-        others[:, _OUTCOME] == Outcome.HORIZON_REACHED
+def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
+    """Return which runs and their neighbours reach the horizon by different motions."""
+    at_horizon = (run.outcome == Outcome.HORIZON_REACHED) & (
+        other.outcome == Outcome.HORIZON_REACHED
     )
-    hops = endings[:, _SEPARATIONS] != others[:, _SEPARATIONS]
-    return moving & (hops | (np.abs(endings[:, _STICKING] - others[:, _STICKING]) > SENSITIVE))
+    differ = np.abs(run.sticking_share - other.sticking_share) > SENSITIVE
+    found: NDArray[np.bool_] = at_horizon & ((run.separations != other.separations) | differ)
+    return found
 
 
 def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = None) -> Estimate:
-    """Two runs of each row; a third one, from a start displaced by ``neighbour``, for the flag.
+    """Run each row twice, and a third time from a start displaced by ``neighbour`` for the flag.
 
-    Without it the second run's own displacement decides. One more of what starts nearly flat.
+    Without ``neighbour`` the displacement of the second run decides. Rows that start nearly flat
+    are run once more.
     """
+    p = Constants(*rows.T)
     every = np.arange(len(rows))
-    flat = np.flatnonzero(np.abs(rows[:, _TILT]) < NEARLY_FLAT)
-    others = [(every, _displaced(rows, _MISALIGNMENT, tolerance))]
+    flat = np.flatnonzero(np.abs(p.initial_tilt) < NEARLY_FLAT)
+    others = [(every, _displaced(rows, "misalignment", tolerance))]
     if neighbour is not None:
-        others.append((every, _displaced(rows, _MISALIGNMENT, neighbour)))
-    others.append((flat, _displaced(rows[flat], _TILT, TILTED)))
+        others.append((every, _displaced(rows, "misalignment", neighbour)))
+    others.append((flat, _displaced(rows[flat], "initial_tilt", TILTED)))
     starts = np.concatenate([rows, *(displaced for _, displaced in others)])
     tolerances = [tolerance, *(COARSER * tolerance[which] for which, _ in others)]
     ends = np.cumsum([each.size for each in tolerances])
-    fine, *ran = np.split(run(starts, np.concatenate(tolerances)), ends[:-1])
+    results, *ran = np.split(run(starts, np.concatenate(tolerances)), ends[:-1])
 
-    spent = fine[:, _EVALUATIONS].copy()
-    sensitive = rows[:, _SLOT] - rows[:, _PART] < tolerance
-    for (which, _), other in zip(others, ran, strict=True):
-        mine = fine[which]
-        alike = _hop_alike(rows[which], mine, other) | (which is flat)
+    fine, coarse = RunResult(*results.T), RunResult(*ran[0].T)
+    spent = fine.rhs_evaluations.copy()
+    sensitive = p.slot_half_width - p.half_width < tolerance
+    for (which, _), displaced in zip(others, ran, strict=True):
+        mine, other = RunResult(*results[which].T), RunResult(*displaced.T)
+        alike = _lift_off_alike(Constants(*rows[which].T), mine, other) | (which is flat)
         apart = np.abs(_end(mine) - _end(other)) > SENSITIVE
-        sensitive[which] |= end_otherwise(mine[:, _OUTCOME], other[:, _OUTCOME], alike) | apart
-        spent[which] += other[:, _EVALUATIONS]
-    fine[_are_chaotic(fine, ran[0]), _REASON] = Reason.CHAOTIC
-    difference = np.abs(fine[:, _TAU] - ran[0][:, _TAU])
+        sensitive[which] |= outcomes_differ(mine.outcome, other.outcome, alike) | apart
+        spent[which] += other.rhs_evaluations
+    fine.reason[_are_chaotic(fine, coarse)] = Reason.CHAOTIC  # a view of ``results``
+    difference = np.abs(fine.tau_align - coarse.tau_align)
     return Estimate(
-        endings=fine,
-        tau_error=difference + tolerance + RESOLUTION * (1.0 + fine[:, _TAU]),
+        results=results,
+        tau_error=difference + tolerance + RESOLUTION * (1.0 + fine.tau_align),
         sensitive=sensitive,
         rhs_evaluations=spent,
         tolerance=tolerance,

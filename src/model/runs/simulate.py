@@ -1,16 +1,18 @@
 """One trajectory, with its whole course."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.record import Ending
+from model.engines.results import COURSE, KINDS, RESULTS, Results, RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
-from model.physics.parameters import Batch, Parameters
+from model.physics.notation import STATE_SIZE
+from model.physics.parameters import Batch, Parameters, described
 from model.runs.align import each_by_itself
 from model.runs.errors import Array, estimate
 from model.runs.settings import Settings, settings_with
@@ -18,14 +20,14 @@ from model.runs.settings import Settings, settings_with
 _USUAL_TRACK = 4096  # rows; a longer trajectory is run again with as many as it has
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, kw_only=True)
+class Trajectory(Results[Outcome, Reason, float, int, bool]):
     """One run; dimensionless, tilts in radians.
 
     ``time`` has shape (n,), ``state`` (n, 6) in the order of ``State``, ``contact_force`` and
     ``side_force`` (n,): the normal force under the part and that of A2 on its side face. Where a
     force jumps, the same time stands twice. An aligned run is followed until the corners are
-    inside. The other attributes are those of ``Alignments``, for one run.
+    inside.
     """
 
     parameters: Parameters
@@ -33,21 +35,12 @@ class Trajectory:
     state: NDArray[np.float64]
     contact_force: NDArray[np.float64]
     side_force: NDArray[np.float64]
-    outcome: Outcome
-    reason: Reason
-    tau_align: float
-    tau_error: float
-    tau_corners_inside: float
-    sensitive: bool
-    tilt_at_alignment: float
-    tilt_max: float
-    separations: int
-    contact_force_max: float
-    sticking_share: float
-    rhs_evaluations: int
-    steps: int
-    switches: int
-    period: int
+
+    @property
+    def course(self) -> dict[str, NDArray[np.float64]]:
+        """The course by the names of ``COURSE``, each of shape (n,)."""
+        columns = *self.state.T, self.contact_force, self.side_force
+        return dict(zip(COURSE, columns, strict=True))
 
     @property
     def message(self) -> str:
@@ -59,6 +52,9 @@ class Trajectory:
     def remedy(self) -> str:
         """What to do about it, in words."""
         return remedy(self.outcome, self.reason)
+
+
+Trajectory.__doc__ = described(Trajectory.__doc__, RESULTS)
 
 
 def simulate(
@@ -76,16 +72,11 @@ def simulate(
     """
     settings = settings_with(settings, changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
-
     found = estimate(each_by_itself(settings), rows, settings.tolerance)
-    followed = _followed(parameters, settings, found.tolerance)
-    return replace(
-        followed,
-        reason=Reason(int(found.column("reason")[0])),
-        tau_error=float(found.tau_error[0]),
-        sensitive=bool(found.sensitive[0]),
-        rhs_evaluations=int(found.rhs_evaluations[0]),
-    )
+    results = {name: column[0] for name, column in found.columns().items()}
+    track = np.empty((int(results["tracked"]), TRACK_COLUMNS))
+    each_by_itself(settings, track)(rows, found.tolerance)
+    return _trajectory(parameters, results, track)
 
 
 def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
@@ -93,41 +84,25 @@ def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
 
     A third of the cost, for statistics over many sets; ``tau_error`` is NaN.
     """
-    return _followed(parameters, settings, np.array([settings.tolerance]))
-
-
-def _followed(parameters: Parameters, settings: Settings, tolerances: Array) -> Trajectory:
-    """One run at a tolerance, shape (1,), with its course."""
     rows = Batch.stack([parameters]).constants(settings.readings)
-
-    def run(track: Array) -> Ending:
-        return Ending(*each_by_itself(settings, track)(rows, tolerances)[0].tolist())
-
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
-    ending = run(track)
-    if ending.tracked > len(track):
-        track = np.empty((int(ending.tracked), TRACK_COLUMNS))
-        ending = run(track)
-    track = track[: int(ending.tracked)].copy()
+    while True:
+        run = each_by_itself(settings, track)
+        result = RunResult(*run(rows, np.array([settings.tolerance]))[0])
+        if result.tracked <= len(track):
+            break
+        track = np.empty((int(result.tracked), TRACK_COLUMNS))
+    results = {**result._asdict(), "tau_error": math.nan, "sensitive": False}
+    return _trajectory(parameters, results, track[: int(result.tracked)].copy())
+
+
+def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array) -> Trajectory:
+    """Make the trajectory of a run from its results, by name, and its track."""
     return Trajectory(
         parameters=parameters,
         time=track[:, 0],
-        state=track[:, 1:7],
-        contact_force=track[:, 7],
-        side_force=track[:, 8],
-        outcome=Outcome(int(ending.outcome)),
-        reason=Reason(int(ending.reason)),
-        tau_align=ending.tau_align,
-        tau_error=math.nan,
-        tau_corners_inside=ending.tau_corners_inside,
-        sensitive=False,
-        tilt_at_alignment=ending.tilt_at_alignment,
-        tilt_max=ending.tilt_max,
-        separations=int(ending.separations),
-        contact_force_max=ending.contact_force_max,
-        sticking_share=ending.sticking_share,
-        rhs_evaluations=int(ending.rhs_evaluations),
-        steps=int(ending.steps),
-        switches=int(ending.switches),
-        period=int(ending.period),
+        state=track[:, 1 : 1 + STATE_SIZE],
+        contact_force=track[:, 1 + STATE_SIZE],
+        side_force=track[:, 2 + STATE_SIZE],
+        **{name: KINDS[name].scalar(results[name]) for name in RESULTS},
     )

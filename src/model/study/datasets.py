@@ -6,7 +6,7 @@ like go into sidecars (provenance.py).
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.events.outcomes import Outcome, Reason
+from model.engines.results import COURSE, KINDS, RESULTS, Result
+from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
-from model.runs.align import Alignments, align
+from model.physics.quantities import ANGLE
+from model.runs.align import align
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
 from model.study.files import whole_file
@@ -51,46 +53,21 @@ def flags(values: type[IntEnum]) -> dict[str, Any]:
     }
 
 
-_SENSITIVE_FLAGS = {
-    "flag_values": np.array([0, 1], dtype=np.int8),
-    "flag_meanings": "regular sensitive",
-}
-
-VARIABLES: dict[str, dict[str, Any]] = {
-    "tau_align": {"long_name": "alignment duration", "symbol": "τ"},
-    "tau_error": {"long_name": "estimated error of the alignment duration"},
-    "tau_corners_inside": {"long_name": "time at which all four corner conditions hold"},
-    "outcome": {"long_name": "how the run ended", **flags(Outcome)},
-    "reason": {
-        "long_name": "why it left the scene or failed, or that it is chaotic",
-        **flags(Reason),
-    },
-    "sensitive": {
-        "long_name": "whether another tolerance ends differently or at another time",
-        **_SENSITIVE_FLAGS,
-    },
-    "tilt_at_alignment": {"long_name": "tilt at alignment", "units": "rad", "symbol": "φ"},
-    "tilt_max": {"long_name": "largest tilt, absolute", "units": "rad"},
-    "separations": {"long_name": "times the part lost the base before it aligned"},
-    "contact_force_max": {"long_name": "largest normal force at one place", "symbol": "n"},
-    "sticking_share": {"long_name": "share of the time in which the support sticks"},
-    "rhs_evaluations": {"long_name": "evaluations of the equations of motion"},
-    "period": {"long_name": "period of a settled motion, in excitation periods"},
-}
-HISTORY_VARIABLES: dict[str, dict[str, Any]] = {
-    "x": {"long_name": "abscissa of the mass centre", "symbol": "x"},
-    "y": {"long_name": "ordinate of the mass centre", "symbol": "y"},
-    "tilt": {"long_name": "tilt", "symbol": "φ", "units": "rad"},
-    "x_rate": {"long_name": "velocity along x"},
-    "y_rate": {"long_name": "velocity along y"},
-    "tilt_rate": {"long_name": "tilt velocity"},
-    "contact_force": {"long_name": "normal force under the part", "symbol": "n"},
-    "side_force": {"long_name": "normal force of A2 on the side face"},
-}
+def _attributes(result: Result) -> dict[str, Any]:
+    """Attributes of a variable that holds a result."""
+    attributes = {"units": "rad" if result.quantity is ANGLE else "1", "long_name": result.meaning}
+    if result.symbol:
+        attributes["symbol"] = result.symbol
+    return attributes | (flags(result.flags) if result.flags else {})
 
 
-def _attributes(name: str, known: dict[str, Any]) -> dict[str, Any]:
-    return {"units": "1", **known} if known else {"units": "1", "long_name": name}
+# Attributes of the results that datasets hold, and of the course of a trajectory.
+VARIABLES: Mapping[str, dict[str, Any]] = {
+    name: _attributes(result) for name, result in RESULTS.items() if result.stored
+}
+HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
+    name: _attributes(result) for name, result in COURSE.items()
+}
 
 
 def parameter_attributes(name: str) -> dict[str, Any]:
@@ -99,17 +76,9 @@ def parameter_attributes(name: str) -> dict[str, Any]:
     return {"long_name": field.description, "symbol": field.symbol, "units": "1"}
 
 
-def _columns(results: Alignments) -> dict[str, np.ndarray]:
-    """Arrays as they are stored: one-byte flags, four-byte counts."""
-    stored = {}
-    for field in fields(results):
-        values = getattr(results, field.name)
-        if values.dtype == np.bool_:
-            values = values.astype(np.int8)
-        elif values.dtype == np.int64 and field.name != "rhs_evaluations":
-            values = values.astype(np.int32)
-        stored[field.name] = values
-    return stored
+def _stored(name: str) -> type[np.generic]:
+    """Return the type in which a result is stored: one-byte flags, four-byte counts."""
+    return np.int64 if name == "rhs_evaluations" else KINDS[name].stored
 
 
 def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.Dataset:
@@ -117,7 +86,7 @@ def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.D
     points = sweep.points_of_chunk(chunk, chunks)
     results = align(sweep.batch(points), sweep.settings.settings, cores=cores)
     return xr.Dataset(
-        {name: (POINT, values) for name, values in _columns(results).items()},
+        {name: (POINT, getattr(results, name).astype(_stored(name))) for name in VARIABLES},
         coords={POINT: points},
         attrs={"figure": sweep.figure, "sweep": sweep.identity, "chunk": chunk, "chunks": chunks},
     )
@@ -145,26 +114,22 @@ def merge_chunks(sweep: Sweep, title: str, summary: str, parts: Sequence[xr.Data
     order = np.argsort(points)
     names = [dimension.parameter for dimension in sweep.dimensions]
     variables = {}
-    for name, known in VARIABLES.items():
+    for name, attributes in VARIABLES.items():
         flat = np.concatenate([part[name].values for part in parts])[order]
-        variables[name] = (names, flat.reshape(sweep.shape), _attributes(name, known))
+        variables[name] = (names, flat.reshape(sweep.shape), attributes)
     return xr.Dataset(variables, _coordinates(sweep), _global(sweep, title, summary))
 
 
 def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
     """One trajectory over time, with its results as scalars."""
     run = simulate(sweep.baseline, sweep.settings.settings)
-    courses = [*run.state.T, run.contact_force, run.side_force]
-    columns = dict(zip(HISTORY_VARIABLES, courses, strict=True))
     variables: dict[str, Any] = {
-        name: ("time", values, _attributes(name, HISTORY_VARIABLES[name]))
-        for name, values in columns.items()
+        name: ("time", values, HISTORY_VARIABLES[name]) for name, values in run.course.items()
     }
-    for name, known in VARIABLES.items():
+    for name, attributes in VARIABLES.items():
         value = np.asarray(getattr(run, name))
-        if value.dtype == np.bool_ or name in ("outcome", "reason"):
-            value = value.astype(np.int8)
-        variables[name] = ((), value, _attributes(name, known))
+        one_byte = KINDS[name].stored is np.int8
+        variables[name] = ((), value.astype(np.int8) if one_byte else value, attributes)
     time = ("time", run.time, {"units": "1", "long_name": "time", "symbol": "τ"})
     coordinates = {"time": time, **_coordinates(sweep)}
     return xr.Dataset(variables, coordinates, _global(sweep, title, summary))

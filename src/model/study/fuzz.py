@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Batch
 from model.runs.align import Alignments, align
-from model.runs.errors import SENSITIVE, end_otherwise
+from model.runs.errors import SENSITIVE, outcomes_differ
 from model.runs.settings import Settings
 
 Floats = NDArray[np.float64]
@@ -242,7 +242,7 @@ def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
         apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
     certain = _is_certain(runs) & _is_certain(others)
     alike = runs.separations == others.separations
-    return certain & (end_otherwise(runs.outcome, others.outcome, alike) | apart)
+    return certain & (outcomes_differ(runs.outcome, others.outcome, alike) | apart)
 
 
 def _describer(runs: Alignments) -> Callable[[int], str]:

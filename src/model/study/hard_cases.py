@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from model.engines.batch.scheduling import integrate_all, new_many
 from model.engines.queue import new_queue
-from model.engines.record import STATE, Ending
+from model.engines.record import STATE
+from model.engines.results import RunResult
 from model.engines.scalar.loop import integrate_each, new_single
 from model.engines.scalar.tableaux import DOP853
 from model.events.outcomes import Outcome, Reason
@@ -101,7 +102,7 @@ def run_once(parameters: Parameters, settings: Settings, *, batch: bool = False)
     """One run by the reference or the batch engine, without an estimate of its error or a track."""
     rows = Batch.stack([parameters]).constants(settings.readings)
     tolerances, queue = np.array([settings.tolerance]), new_queue(waiting=1, threads=1)
-    endings = np.empty((1, len(Ending._fields)))
+    endings = np.empty((1, len(RunResult._fields)))
     if batch:
         many = new_many(settings.may_settle)
         integrate_all(rows, tolerances, *settings.for_kernels, queue, endings, many)
@@ -110,7 +111,7 @@ def run_once(parameters: Parameters, settings: Settings, *, batch: bool = False)
         single = new_single(settings.method.method)
         integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, queue, endings, single)
         runs = single.runs
-    ending = Ending(*endings[0].tolist())
+    ending = RunResult(*endings[0].tolist())
     state = runs[0, STATE : STATE + STATE_SIZE].copy()
     return Run(Outcome(int(ending.outcome)), ending.tau_align, state)
 
@@ -122,7 +123,7 @@ def batch_run(problem: Problem, tolerance: float) -> Passed:
     found = estimate(side_by_side(settings), rows, tolerance)
     finer = replace(settings, tolerance=float(found.tolerance[0]))
     run = run_once(problem.parameters, finer, batch=True)
-    reason = Reason(int(found.column("reason")[0]))
+    reason = Reason(int(found.columns()["reason"][0]))
     failure = failure_of(run.outcome, reason)
     return Passed(run.tau_align, run.state, int(found.rhs_evaluations[0]), failure)
 

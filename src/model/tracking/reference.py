@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.events.outcomes import Outcome, Reason
+from model.engines.results import COURSE, RESULTS
+from model.engines.tolerances import Compared
+from model.events.outcomes import Reason
 from model.study.config import FIGURES, SCHEMATICS
 from model.study.csv_tables import csv_text
 from model.study.files import whole_file
@@ -40,26 +42,9 @@ LOG_COLUMNS = (
     "before", "after", "appeared", "vanished",
 )  # fmt: skip
 
-# The estimated error is below the true one for about one point in a hundred (decision 3), there by
-# a factor of a few. An error of 1 % in a force changes a duration by a thousand times this.
-MARGIN = 10.0
-UNKNOWN_ERROR = 1e-4  # where the estimate says nothing: the difference that makes a point sensitive
-# The reference engine takes largest tilts and forces from samples.
-TILT_SAMPLED = 1e-4
-FORCE_SAMPLED = 2e-2
-# A run that does not align ends when its motion is seen to repeat itself, a period sooner or later.
-SHARE_SETTLED = 1e-2
-# One that lasts to the horizon ends there: at tighter tolerances its share moves by less than 1e-9.
-SHARE_AT_HORIZON = 1e-6
 NEW_SENSITIVE_SHARE = 0.02
 # A course between the ends of steps, linear where the reference's is: relative to its range.
-COURSE = 2e-3
-
-_NUMBERS = (
-    "tau_align", "tau_corners_inside", "tilt_at_alignment", "tilt_max", "contact_force_max",
-    "sticking_share",
-)  # fmt: skip
-_COURSES = ("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate", "contact_force", "side_force")
+COURSE_TOLERANCE = 2e-3
 
 
 class NotAcceptedError(ValueError):
@@ -129,46 +114,32 @@ def _outcomes(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
         yield "sensitive", int(fresh.sum()), words
 
 
-def _tolerance(name: str, reference: "xr.Dataset") -> NDArray[np.float64]:
-    """Largest difference allowed at every point."""
-    error = _values(reference, "tau_error").astype(np.float64)
-    outcome = _values(reference, "outcome")
-    own = MARGIN * np.where(np.isfinite(error), error, UNKNOWN_ERROR)
-    if name == "tilt_max":
-        return np.fmax(MARGIN * error, TILT_SAMPLED)
-    if name == "contact_force_max":
-        return FORCE_SAMPLED * np.maximum(1.0, np.abs(_values(reference, name)))
-    if name == "sticking_share":
-        ends = [outcome == Outcome.ALIGNED, outcome == Outcome.HORIZON_REACHED]
-        return np.select(ends, [own + 1e-8, SHARE_AT_HORIZON], SHARE_SETTLED)
-    return own
-
-
 def _numbers(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
-    same_end = _regular(reference) & (_values(reference, "outcome") == _values(built, "outcome"))
-    for name in _NUMBERS:
+    outcome = _values(reference, "outcome")
+    error = _values(reference, "tau_error").astype(np.float64)
+    same_end = _regular(reference) & (outcome == _values(built, "outcome"))
+    for name, result in RESULTS.items():
+        if result.tolerance is None:
+            continue
         old, new = (_values(each, name).astype(np.float64) for each in (reference, built))
-        distance, allowed = np.abs(new - old), _tolerance(name, reference)
+        distance, allowed = np.abs(new - old), result.tolerance(Compared(old, error, outcome))
         one_sided = np.isnan(old) != np.isnan(new)
         wrong = same_end & (one_sided | (distance > allowed))
         if wrong.any():
-            excess = np.where(wrong, np.where(one_sided, np.inf, distance / allowed), -1.0)
-            worst = int(np.argmax(excess))
+            excess = np.full(distance.shape, np.inf)
+            np.divide(distance, allowed, out=excess, where=~one_sided & (allowed > 0.0))
+            worst = int(np.argmax(np.where(wrong, excess, -1.0)))
             where = _place(reference, np.arange(wrong.size) == worst)
             became = f"{old[worst]:.9g} became {new[worst]:.9g} ({allowed[worst]:.1e} allowed)"
             yield name, int(wrong.sum()), f"{became} at {where}"
-    aligned = same_end & (_values(reference, "outcome") == 0)
-    counted = aligned & (_values(reference, "separations") != _values(built, "separations"))
-    if counted.any():
-        yield "separations", int(counted.sum()), f"differ at {_place(reference, counted)}"
 
 
 def _courses(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
     old, new = common_points(reference, built)
-    for name in _COURSES:
+    for name in COURSE:
         extent = float(np.ptp(reference[name].values)) or 1.0
         change = change_of(old[name], new[name], "")
-        if change.largest > COURSE * extent:
+        if change.largest > COURSE_TOLERANCE * extent:
             moment = change.at.get("time", float("nan"))
             yield name, change.differing, f"differs by {change.largest:.2e} at τ = {moment:.4g}"
 

@@ -58,8 +58,7 @@ from model.engines.record import (
     TIME,
     TOLERANCE,
     constants_of,
-    ending_of,
-    keep_ending,
+    keep_result,
     keep_state,
     mode_of,
     state_in,
@@ -265,7 +264,7 @@ def _still_waits(declared, method, control, many, endings, i):
     while runs[i, OUTCOME] == CONTINUES and not lanes_hold(mode_of(runs, i)):
         advance(declared, method, control, many.work.nodes[:0], many.history, many.work, runs, i)
     if runs[i, OUTCOME] != CONTINUES:
-        keep_ending(ending_of(runs, i), endings, int(runs[i, ROW_OF_BATCH]))
+        keep_result(runs, i, endings, int(runs[i, ROW_OF_BATCH]))
         return False
     kind = _kind(mode_of(runs, i))
     waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
@@ -331,7 +330,7 @@ def integrate_all(rows, tolerances, declared, method, control, queue, endings, m
         method: that of DOP853.
         control: ``Control``.
         queue: that of ``new_queue``; threads that share it share the sets.
-        endings: shape (n, len(Ending._fields)), filled for the sets taken.
+        endings: shape (n, len(RunResult._fields)), filled for the sets taken.
         many: ``Many``, overwritten.
     """
     counts = many.waiting.counts

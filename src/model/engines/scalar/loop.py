@@ -28,12 +28,12 @@ from model.engines.record import (
     TOLERANCE,
     TRACKED,
     constants_of,
-    ending_of,
-    keep_ending,
+    keep_result,
     keep_state,
     mode_of,
     state_in,
 )
+from model.engines.results import COURSE
 from model.engines.scalar.location import NO_SWITCH, NODE_PLACES, NODES, first_switch, sample_step
 from model.engines.scalar.step import (
     CAUTION,
@@ -71,7 +71,7 @@ from model.physics.notation import STATE_SIZE
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
 
-TRACK_COLUMNS = 9  # time, the state, the support's normal force, the side's
+TRACK_COLUMNS = 1 + len(COURSE)  # time and the course
 _MOST_SECANTS = 6
 SWITCH_RESOLUTION = 3e-3  # a switch's last correction over the tolerance's square root
 
@@ -340,7 +340,7 @@ def new_single(method: Method) -> Single:
 
 @kernel
 def integrate(row, tolerance, declared, method, control, track, single):
-    """Run one parameter set to its end: ``Ending``.
+    """Run one parameter set to its end.
 
     Args:
         row: shape (constants,), the fields of ``Constants``.
@@ -349,7 +349,7 @@ def integrate(row, tolerance, declared, method, control, track, single):
         method: ``Method``.
         control: ``Control``.
         track: shape (rows, 9), filled as far as it goes with time, state and normal forces of the
-            support and of the side; ``Ending.tracked`` is the number of rows a full track has.
+            support and of the side; ``RunResult.tracked`` is the number of rows a full track has.
         single: ``Single``, overwritten.
     """
     runs, history, work = single.runs, single.history, single.work
@@ -358,7 +358,6 @@ def integrate(row, tolerance, declared, method, control, track, single):
     track_run(track, work.scratch, runs, i)
     while runs[i, OUTCOME] == CONTINUES:
         advance(declared, method, control, track, history, work, runs, i)
-    return ending_of(runs, i)
 
 
 @kernel
@@ -366,6 +365,6 @@ def integrate_each(rows, tolerances, declared, method, control, track, queue, en
     """``integrate`` for the rows of ``rows`` from ``queue``; shapes as in ``integrate_all``."""
     row = next_in(queue)
     while row < rows.shape[0]:
-        ending = integrate(rows[row], tolerances[row], declared, method, control, track, single)
-        keep_ending(ending, endings, row)
+        integrate(rows[row], tolerances[row], declared, method, control, track, single)
+        keep_result(single.runs, 0, endings, row)
         row = next_in(queue)

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.engines.record import Ending
+from model.engines.results import RESULTS, RunResult
 from model.physics.readings import Readings
 from model.runs.align import each_by_itself, side_by_side
 from model.runs.simulate import simulate_once
@@ -24,15 +24,7 @@ from model.study.identification.candidate import Space
 from model.study.sweeps import Sweep
 
 Array = NDArray[np.float64]
-_STORED = (
-    "outcome",
-    "tau_align",
-    "tau_corners_inside",
-    "tilt_at_alignment",
-    "tilt_max",
-    "separations",
-    "contact_force_max",
-)
+_STORED = [name for name, each in RESULTS.items() if each.stored and not each.estimated]
 _WORST = -1.0  # margin of a claim for which there is nothing to measure
 _REQUIRED = 3.0  # claims that one which must hold weighs as many as
 
@@ -131,7 +123,7 @@ def datasets_of(
     rows = np.concatenate(pieces) if pieces else np.empty((0, 0))
     fast = settings.readings == Readings.consistent()
     run = side_by_side(settings) if fast else each_by_itself(settings)
-    endings = np.empty((len(rows), len(Ending._fields)))
+    endings = np.empty((len(rows), len(RunResult._fields)))
     # In a drawn order the long runs do not come together, and few lanes idle at the end.
     order = np.random.default_rng(0).permutation(len(rows))
     if len(rows):
@@ -145,7 +137,7 @@ def datasets_of(
             elif sweep.dimensions:
                 size = math.prod(sweep.shape)
                 ended = endings[start : start + size].T
-                made[name] = _grid(sweep, dict(zip(Ending._fields, ended, strict=True)))
+                made[name] = _grid(sweep, dict(zip(RunResult._fields, ended, strict=True)))
                 start += size
             else:
                 made[name] = _course(sweep)
@@ -175,16 +167,10 @@ def _own_run(sweep: Sweep) -> xr.Dataset:
 
 def _course(sweep: Sweep) -> xr.Dataset:
     run = simulate_once(sweep.baseline, sweep.settings.settings)
-    columns = {
-        "x": run.state[:, 0],
-        "y": run.state[:, 1],
-        "tilt": run.state[:, 2],
-        "contact_force": run.contact_force,
-    }
     scalars = {name: float(getattr(run, name)) for name in _STORED}
     held = {name: math.nan if value is None else value for name, value in sweep.parameters.items()}
     return xr.Dataset(
-        {name: ("time", values) for name, values in columns.items()}
+        {name: ("time", values) for name, values in run.course.items()}
         | {name: ((), value) for name, value in {**scalars, **held, "sensitive": 0}.items()},
         {"time": ("time", run.time)},
     )

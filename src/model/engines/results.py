@@ -1,0 +1,219 @@
+"""Results of a run: the one table of their names, types, meanings, quantities and tolerances.
+
+The fields of ``Results`` are the table. Made from it are: the columns in which engines write
+results (record.py) and ``RunResult``, which reads them; ``Alignments`` and ``Trajectory``; the
+variables of datasets with their attributes; the lines that the command line prints; the tolerances
+of comparisons with the reference. A result is added by a field here and by the kernel, or the
+comparison of runs (runs/errors.py), that computes it.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args
+
+import numpy as np
+
+from model.engines.tolerances import (
+    Tolerance,
+    by_error,
+    equal_if_aligned,
+    of_sampled_force,
+    of_sampled_tilt,
+    of_share,
+)
+from model.events.outcomes import Outcome, Reason
+from model.physics.notation import State
+from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
+from model.physics.views import numbers
+
+
+class Sensitivity(IntEnum):
+    """Whether a run is sensitive; the values are the flags stored in datasets."""
+
+    REGULAR = 0
+    SENSITIVE = 1
+
+
+@dataclass(frozen=True)
+class Result:
+    """One result of a run.
+
+    Attributes:
+        meaning: meaning in a few words, the ``long_name`` of a dataset's variable.
+        quantity: SI unit and powers of the model's units; values are dimensionless.
+        symbol: symbol in the paper, if it has one.
+        note: when it is NaN, or how it is to be understood.
+        flags: enumeration that its values are of.
+        estimated: it comes from a comparison of several runs, not from one of them.
+        stored: datasets hold it.
+        tolerance: largest difference from the reference; None where it is not compared.
+        line: makes the printed line of a value; None for what is not printed by itself.
+    """
+
+    meaning: str
+    quantity: Quantity = PLAIN
+    symbol: str | None = None
+    note: str = ""
+    flags: type[IntEnum] | None = None
+    estimated: bool = False
+    stored: bool = True
+    tolerance: Tolerance | None = None
+    line: Callable[[Any], str] | None = "{:.6g}".format
+
+    @property
+    def explanation(self) -> str:
+        """Meaning, note and unit, in a sentence."""
+        unit = ", radians" if self.quantity is ANGLE else ""
+        return self.meaning + unit + (f"; {self.note}" if self.note else "")
+
+    def printed(self, value: Any) -> str:
+        """Return the line of ``value``; empty where there is none to print, as of NaN."""
+        return "" if self.line is None or math.isnan(value) else self.line(value)
+
+
+OutcomeT = TypeVar("OutcomeT")
+ReasonT = TypeVar("ReasonT")
+Real = TypeVar("Real")
+Count = TypeVar("Count")
+Flag = TypeVar("Flag")
+
+
+class Kind(NamedTuple):
+    """Types of a kind of results: of one run, in arrays of runs, and in stored arrays of runs."""
+
+    scalar: Callable[[Any], Any]
+    array: type[np.generic]
+    stored: type[np.generic]
+
+
+_KINDS: Mapping[Any, Kind] = {
+    OutcomeT: Kind(Outcome, np.int8, np.int8),
+    ReasonT: Kind(Reason, np.int8, np.int8),
+    Real: Kind(float, np.float64, np.float64),
+    Count: Kind(int, np.int64, np.int32),
+    Flag: Kind(bool, np.bool_, np.int8),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
+    """The table of results, for one run or for arrays of runs; see ``Result``."""
+
+    tau_align: Annotated[
+        Real,
+        Result(
+            "alignment duration", TIME, "τ", note="NaN where not aligned",
+            tolerance=by_error, line=None,
+        ),
+    ]  # fmt: skip
+    tau_error: Annotated[
+        Real,
+        Result(
+            "estimated error of the alignment duration", TIME, estimated=True,
+            note="NaN where it cannot be estimated", line="{:.3g}".format,
+        ),
+    ]  # fmt: skip
+    tau_corners_inside: Annotated[
+        Real,
+        Result(
+            "time at which all four corner conditions hold", TIME, note="NaN if they never do",
+            tolerance=by_error, line="{:.9g}".format,
+        ),
+    ]  # fmt: skip
+    outcome: Annotated[OutcomeT, Result("how the run ended", flags=Outcome, line=None)]
+    reason: Annotated[
+        ReasonT,
+        Result("why it left the scene or failed, or that it is chaotic", flags=Reason, line=None),
+    ]
+    sensitive: Annotated[
+        Flag,
+        Result(
+            "whether another tolerance ends differently or at another time",
+            note="see runs/errors.py", flags=Sensitivity, estimated=True, line=None,
+        ),
+    ]  # fmt: skip
+    tilt_at_alignment: Annotated[
+        Real,
+        Result(
+            "tilt at alignment", ANGLE, "φ", note="NaN where not aligned",
+            tolerance=by_error, line="{:.6g} rad".format,
+        ),
+    ]  # fmt: skip
+    tilt_max: Annotated[
+        Real,
+        Result(
+            "largest tilt, absolute", ANGLE, note="until alignment or the end",
+            tolerance=of_sampled_tilt, line="{:.6g} rad".format,
+        ),
+    ]  # fmt: skip
+    separations: Annotated[
+        Count,
+        Result(
+            "times the part lost the base before it aligned", tolerance=equal_if_aligned,
+            line="{} (times the part lost the base)".format,
+        ),
+    ]  # fmt: skip
+    contact_force_max: Annotated[
+        Real, Result("largest normal force at one place", FORCE, "n", tolerance=of_sampled_force)
+    ]
+    sticking_share: Annotated[
+        Real,
+        Result(
+            "share of the time in which the support sticks", tolerance=of_share,
+            line=lambda share: f"{100.0 * share:.3g} % of the time",
+        ),
+    ]  # fmt: skip
+    rhs_evaluations: Annotated[
+        Count,
+        Result(
+            "evaluations of the equations of motion", note="of all runs of a parameter set",
+            line="{} of the equations of motion".format,
+        ),
+    ]  # fmt: skip
+    period: Annotated[
+        Count,
+        Result(
+            "period of a settled motion, in excitation periods", note="else 0",
+            line=lambda period: f"{period} of the excitation" if period else "",
+        ),
+    ]  # fmt: skip
+    steps: Annotated[Count, Result("steps of the run", stored=False, line=str)]
+    switches: Annotated[Count, Result("events located in the run", stored=False, line=str)]
+
+
+_TABLE = {each.name: get_args(each.type) for each in fields(Results)}
+RESULTS: Mapping[str, Result] = {name: described for name, (_, described) in _TABLE.items()}
+KINDS: Mapping[str, Kind] = {name: _KINDS[kind] for name, (kind, _) in _TABLE.items()}
+
+# What engines tell of a run besides: the time of its end, steps rejected, rows of a full track.
+_BESIDES = ("time", "rejected", "tracked")
+
+
+class RunResult(
+    numbers(  # type: ignore[misc]
+        "RunResult", [*(name for name in RESULTS if not RESULTS[name].estimated), *_BESIDES]
+    )
+):
+    """Results of one run as its engine writes them, each a float or an array of runs.
+
+    The fields are those of ``Results`` that are not ``estimated``, and ``time`` of the end,
+    ``rejected`` steps and ``tracked``, the number of rows that a full track has.
+    """
+
+    __slots__ = ()
+
+
+# The course of a run, beside its time: the columns of a track.
+COURSE: Mapping[str, Result] = {
+    "x": Result("abscissa of the mass centre", LENGTH, "x"),
+    "y": Result("ordinate of the mass centre", LENGTH, "y"),
+    "tilt": Result("tilt", ANGLE, "φ"),
+    "x_rate": Result("velocity along x", SPEED),
+    "y_rate": Result("velocity along y", SPEED),
+    "tilt_rate": Result("tilt velocity", TILT_RATE),
+    "contact_force": Result("normal force under the part", FORCE, "n"),
+    "side_force": Result("normal force of A2 on the side face", FORCE),
+}
+assert tuple(COURSE)[: len(State._fields)] == State._fields  # noqa: S101 - of this table
