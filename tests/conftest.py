@@ -13,7 +13,7 @@ from model import Batch, Parameters, Readings
 from model.physics.parameters import Constants
 from model.study.config import Curves, Family, Map, Study, load_study, study_path
 from model.study.datasets import write_dataset
-from model.tracking.index import Invocation
+from model.tracking.invocation import Invocation
 from model.tracking.provenance import INVOCATION, Job
 
 CONSISTENT = Readings.consistent()
@@ -154,7 +154,8 @@ class RecordedStudy:
         """What a job leaves whose output stands in the results root itself."""
         job, path = Job("claims"), self.root / "claims.csv"
         path.write_text("id,verdict\nF6a,reproduced\n", encoding="utf-8")
-        job.finish(path.with_suffix(".run.json"), [path])
+        data = sorted((self.root / "data").glob("fig*.nc"))
+        job.finish(path.with_suffix(".run.json"), [path], data)
 
     def fixed_steps(self, shift: float = 0.0) -> None:
         """A dataset with the name of a figure's, in another folder."""

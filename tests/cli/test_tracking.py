@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from model.cli import main as cli
-from model.tracking.index import Invocation
+from model.tracking.invocation import Invocation
 
 
 @pytest.fixture

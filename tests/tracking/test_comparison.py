@@ -10,17 +10,18 @@ import pytest
 import xarray as xr
 
 from model.study.datasets import write_dataset
-from model.tracking import comparison
-from model.tracking import index as tracking
-from model.tracking.comparison import change_of, common_points, compare, snapshot
-from model.tracking.index import TrackingError
+from model.tracking import comparison, invocation
+from model.tracking.comparison import change_of, common_points, compare
+from model.tracking.invocation import Invocation
+from model.tracking.records import TrackingError, kept_result
+from model.tracking.snapshot import snapshot
 
 
 def built(recorded, shift: float = 0.0, **facts) -> str:
-    invocation = recorded.invocation()
+    made = recorded.invocation()
     recorded.merge(shift, **facts)
-    invocation.end("done")
-    return invocation.name
+    made.end("done")
+    return made.name
 
 
 def test_a_folder_is_the_same_as_itself(recorded) -> None:
@@ -110,14 +111,14 @@ def test_an_invocation_stands_for_all_that_stood_when_it_ended(recorded) -> None
 def test_a_commit_stands_for_the_last_invocation_at_it(recorded, monkeypatch) -> None:
     for commit, shift in (("aaaa1111", 0.0), ("bbbb2222", 0.5)):
         state = {"commit": commit, "dirty": False}
-        monkeypatch.setattr(tracking, "git_state", lambda state=state: state)
+        monkeypatch.setattr(invocation, "git_state", lambda state=state: state)
         built(recorded, shift)
     found = compare(snapshot("aaaa", recorded.root), snapshot("bbbb2222", recorded.root))
     assert [each.largest for each in found.data] == [0.5]
     with pytest.raises(TrackingError, match="git worktree add"):
         snapshot("cccc3333", recorded.root)
-    monkeypatch.setattr(tracking, "git_state", lambda: {"commit": "dddd4444", "dirty": False})
-    tracking.Invocation(recorded.root).pass_by("failed", None, "the configuration breaks a rule")
+    monkeypatch.setattr(invocation, "git_state", lambda: {"commit": "dddd4444", "dirty": False})
+    Invocation(recorded.root).pass_by("failed", None, "the configuration breaks a rule")
     with pytest.raises(TrackingError, match="'dddd' is no results folder"):
         snapshot("dddd", recorded.root)
 
@@ -152,7 +153,7 @@ def test_what_cannot_be_compared_is_said(recorded, tmp_path: Path, make_dataset)
     found = compare(*(snapshot(str(each), recorded.root) for each in (recorded.root, other.parent)))
     assert any("fig06: the two have no point in common" in each for each in found.not_compared)
     assert any(each.startswith("fig07.nc: only in ") for each in found.not_compared)
-    kept = tracking.kept_result(recorded.root, "fig06.nc", "")
+    kept = kept_result(recorded.root, "fig06.nc", "")
     shutil.rmtree(kept.parent)
     lost = compare(*[snapshot("last", recorded.root)] * 2).not_compared
     assert any("no copy is kept" in each for each in lost)
@@ -198,3 +199,20 @@ def test_without_xarray_the_extra_is_named(monkeypatch) -> None:
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(TrackingError, match=r"vibralign\[study\]"):
         comparison.open_dataset(Path("fig06.nc"))
+
+
+def test_verdicts_older_than_their_data_are_not_compared(recorded) -> None:
+    first = recorded.invocation()
+    recorded.merge()
+    recorded.claims()
+    first.end("done")
+    built(recorded, 0.5)  # a figure alone: the claims are not judged again
+    states = [snapshot(name, recorded.root) for name in (first.name, "last")]
+    found = compare(*states)
+    assert found.claims is None
+    words = "claims.csv: not judged since data/fig06.nc changed in last: build claims.csv"
+    assert words in found.not_compared
+    again = recorded.invocation()
+    recorded.claims()
+    again.end("done")
+    assert compare(states[0], snapshot("last", recorded.root)).claims == []

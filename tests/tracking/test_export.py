@@ -14,7 +14,8 @@ import pytest
 from model.cli import main as cli
 from model.tracking import export
 from model.tracking.export import ExportError, results_of, to_mlflow, to_rocrate
-from model.tracking.index import Invocation, load_history
+from model.tracking.history import load_history
+from model.tracking.invocation import Invocation
 
 PROJECT = Path(__file__).resolve().parents[2]
 CONTEXT = "https://w3id.org/ro/crate/1.1/context"

@@ -1,12 +1,10 @@
 """The study's memory: nothing that ran is missing from it, whatever became of it."""
 
-import contextlib
 import csv
 import os
 import re
 import shutil
 import signal
-import sqlite3
 import subprocess
 import sys
 import textwrap
@@ -14,20 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from model.tracking import index as tracking
-from model.tracking.index import (
-    COLUMNS,
-    Invocation,
-    TrackingError,
-    discard_damaged,
-    find_invocation,
-    find_run,
-    load_history,
-    load_runs,
-    select_runs,
-    sidecars,
-    write_index,
-)
+from model.tracking import records
+from model.tracking.history import find_invocation, load_history
+from model.tracking.index import COLUMNS, find_run, load_runs, select_runs, write_index
+from model.tracking.invocation import Invocation
+from model.tracking.records import TrackingError, discard_damaged, sidecars
 
 
 def test_a_run_and_its_invocation_are_recorded(recorded) -> None:
@@ -135,7 +124,7 @@ def test_the_sidecars_of_every_rule_are_looked_for() -> None:
     written = " ".join(path.read_text(encoding="utf-8") for path in rules)
     folders = set(re.findall(r'record=root\s*/\s*f?"(\w+)/', written))
     assert "identification" in folders
-    assert folders <= set(tracking._FOLDERS)
+    assert folders <= set(records._FOLDERS)
 
 
 def test_an_invocation_that_ended_well_has_no_failures(recorded) -> None:
@@ -149,7 +138,7 @@ def test_an_invocation_that_was_killed_is_interrupted_from_then_on(recorded) -> 
     code = f"""
     import os, signal
     from pathlib import Path
-    from model.tracking.index import Invocation
+    from model.tracking.invocation import Invocation
     root = Path({str(recorded.root)!r})
     Invocation(root).start()
     (root / "logs/chunk/fig06").mkdir(parents=True)
@@ -194,7 +183,7 @@ def test_a_disk_that_refuses_hides_nothing(recorded, capsys, monkeypatch) -> Non
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("model.tracking.index.write_json", full)
+    monkeypatch.setattr("model.tracking.invocation.write_json", full)
     assert invocation.end("failed") == []
     assert "could not be recorded: [Errno 28] No space left" in capsys.readouterr().err
 
@@ -210,14 +199,6 @@ def test_the_index_has_a_line_for_every_run(recorded) -> None:
     assert tuple(rows["merge/fig06"]) == COLUMNS
     assert rows["merge/fig06"]["runs_aligned"] == "3"
     assert rows["plot/fig06"]["reason"] == "ValueError: no colour"
-    with contextlib.closing(sqlite3.connect(recorded.root / "runs.sqlite")) as base:
-        held = base.execute(
-            "SELECT runs.run FROM runs JOIN parameters USING (run, started)"
-            " WHERE name = 'press_force' AND low <= 1.5 AND high >= 1.5"
-        ).fetchall()
-        assert held == [("merge/fig06",)]
-        assert base.execute("SELECT outcome FROM invocations").fetchall() == [("failed",)]
-        assert base.execute("SELECT count(*) FROM runs").fetchone() == (2,)
 
 
 def test_runs_are_selected_by_figure_parameter_outcome_and_date(recorded) -> None:

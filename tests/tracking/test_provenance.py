@@ -67,7 +67,7 @@ def test_where_script_and_package_stand_changes_nothing(tmp_path: Path, package:
 
 def test_a_plotting_script_does_not_depend_on_the_integrator() -> None:
     closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/draw_schematic.py")}
-    assert {"draw_schematic.py", "schematics.py", "geometry.py"} <= closure
+    assert {"draw_schematic.py", "fig04.py", "geometry.py"} <= closure
     assert "loop.py" not in closure
 
 

@@ -45,7 +45,7 @@ MUTATIONS = [
     ("src/model/show/schematics/sheet.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "What this is", "What it is", LAST),
-    ("src/model/tracking/index.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
+    ("src/model/tracking/records.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
     ("src/model/runs/unlocated.py", "import ", "import math as _unused\nimport ",
      {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
     ("src/model/study/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),

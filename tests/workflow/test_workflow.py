@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from model.tracking.index import load_history, sidecars
+from model.tracking.history import load_history
+from model.tracking.records import sidecars
 
 
 def test_a_fault_in_the_configuration_stops_before_anything_is_made(

@@ -3,7 +3,7 @@
 import atexit
 import sys
 
-from model.tracking.index import Invocation
+from model.tracking.invocation import Invocation
 
 invocation = Invocation(Path("results"))  # until the configuration names another root
 unread = ""  # why the rules could not be read; None when they are

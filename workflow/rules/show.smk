@@ -96,7 +96,6 @@ rule index:
         [root / "data/identified_bands.run.json"] if identified_tables else [],
     output:
         root / "runs.csv",
-        root / "runs.sqlite",
     log:
         root / "logs/index.log",
     conda:

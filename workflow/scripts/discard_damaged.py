@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from model.tracking.index import discard_damaged
+from model.tracking.records import discard_damaged
 
 
 def main() -> None:

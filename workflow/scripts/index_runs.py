@@ -1,4 +1,4 @@
-"""Index all runs of a results root: runs.csv and runs.sqlite."""
+"""Index all runs of a results root in runs.csv."""
 
 import argparse
 from pathlib import Path

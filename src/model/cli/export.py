@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from model.tracking.index import find_invocation, load_history
+from model.tracking.history import find_invocation, load_history
 
 TOOLS = ("mlflow", "ro-crate")
 

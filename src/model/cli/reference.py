@@ -52,7 +52,7 @@ def _verify(arguments: argparse.Namespace) -> int:
     from model.show.artists import disagreements  # noqa: PLC0415
     from model.show.before_after import differing_pictures, write_page  # noqa: PLC0415
     from model.tracking.comparison import open_dataset  # noqa: PLC0415
-    from model.tracking.reference import COMPUTED, Finding, verify  # noqa: PLC0415
+    from model.tracking.reference import COMPUTED, Disagreement, verify  # noqa: PLC0415
 
     root, reference = arguments.root, arguments.reference
     if not root.is_dir():
@@ -64,7 +64,7 @@ def _verify(arguments: argparse.Namespace) -> int:
         path = root / "data" / f"{name}.nc"
         if path.is_file():
             drawn = disagreements(open_dataset(path))
-            findings += [Finding(name, "drawn", 1, words) for words in drawn]
+            findings += [Disagreement(name, "drawn", 1, words) for words in drawn]
     pictures = differing_pictures(root, reference, chosen)
     page = write_page(pictures, root, reference) if pictures else None
     if arguments.json:

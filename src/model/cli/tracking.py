@@ -12,18 +12,11 @@ from model.cli.tables import cell, pairs, table
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES, check_name
 from model.study.config import FIGURES
-from model.tracking.comparison import Change, Comparison, compare, snapshot
-from model.tracking.index import (
-    RUN_STATUS,
-    Record,
-    TrackingError,
-    find_invocation,
-    find_run,
-    load_history,
-    load_runs,
-    select_invocations,
-    select_runs,
-)
+from model.tracking.comparison import Change, Comparison, compare
+from model.tracking.history import find_invocation, load_history, select_invocations
+from model.tracking.index import RUN_STATUS, find_run, load_runs, select_runs
+from model.tracking.records import Record, TrackingError
+from model.tracking.snapshot import snapshot
 
 _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])

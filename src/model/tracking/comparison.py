@@ -1,133 +1,25 @@
-"""What differs between two states of the study: parameters, metrics, data and claims.
+"""Differences between two states of the study: parameters, metrics, data and claims.
 
-A state is a results folder as it stands, or what the history keeps of an earlier run, invocation or
-commit. Everything is compared by name, and data point by point where both have the point.
+Everything is compared by name, and data point by point where both have the point. xarray aligns
+them; its own ``testing.assert_allclose`` was weighed, and says neither where nor by how much.
 """
 
 import csv
-import subprocess
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model.tracking.index import (
-    KEPT,
-    PARTS,
-    Record,
-    TrackingError,
-    find_invocation,
-    find_run,
-    kept_result,
-    load_history,
-    load_runs,
-    sidecars,
-)
+from model.tracking.records import KEPT, PARTS, Record, TrackingError
+from model.tracking.snapshot import CLAIMS, Snapshot
 
 if TYPE_CHECKING:  # the command line works without xarray until data are compared
     import xarray as xr
 
-CLAIMS = "claims.csv"
 _TIME = "time"
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """The study at one moment.
-
-    Attributes:
-        label: what the user called it.
-        runs: the latest run of each name.
-        files: where the datasets ("fig06.nc") and the claims' verdicts are kept.
-        lost: files that were made then, and of which no copy is kept.
-    """
-
-    label: str
-    runs: Mapping[str, Record]
-    files: Mapping[str, Path]
-    lost: tuple[str, ...] = ()
-
-
-def snapshot(name: str, root: Path) -> Snapshot:
-    """The state that ``name`` stands for.
-
-    Args:
-        name: a folder of results; or, of the history below ``root``, a run ("merge/fig06" or
-            "merge/fig06@INVOCATION"), an invocation ("last", or the beginning of its name), or a
-            commit that the study was built at (any name that git knows).
-        root: the results root whose history is meant.
-
-    Raises:
-        TrackingError: a name that stands for nothing recorded.
-    """
-    if Path(name).is_dir():
-        return _of_folder(Path(name))
-    history, runs = load_history(root), load_runs(root)
-    if name.partition("@")[0] in {run["run"] for run in runs}:
-        run = find_run([run for run in runs if run["status"] == "done"], name)
-        return _of_runs(name, [run], root)
-    named = [each for each in history if each["invocation"].startswith(name)]
-    if name == "last" or named:
-        last = find_invocation(history, name)
-    else:
-        last = _invocation_of_commit(history, name, root)
-    until = [each for each in history if each["started"] <= last["started"]]
-    return _of_runs(name, [run for each in until for run in each["runs"]], root)
-
-
-def _of_folder(folder: Path) -> Snapshot:
-    data = folder / "data" if (folder / "data").is_dir() else folder
-    files = {path.name: path for path in sorted(data.glob("fig*.nc"))}
-    if (folder / CLAIMS).is_file():
-        files[CLAIMS] = folder / CLAIMS
-    runs = {record["run"]: record for record in sidecars(folder).values()}
-    if not files and not runs:
-        raise TrackingError(f"{folder}: holds neither datasets nor sidecars of the study")
-    return Snapshot(str(folder), runs, files)
-
-
-def _of_runs(label: str, runs: Iterable[Record], root: Path) -> Snapshot:
-    latest = {run["run"]: run for run in runs}
-    files, lost = {}, []
-    for run in latest.values():
-        if run["rule"] not in KEPT:
-            continue
-        for name, sha256 in run["outputs"].items():
-            kept = kept_result(root, name, sha256)
-            if kept.is_file():
-                files[name] = kept
-            elif kept.suffix in (".nc", ".csv"):
-                lost.append(name)
-    return Snapshot(label, latest, files, tuple(lost))
-
-
-def _invocation_of_commit(history: Sequence[Record], name: str, root: Path) -> Record:
-    git = subprocess.run(
-        ["git", "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    commit = git.stdout.strip() or name
-    built = [
-        each
-        for each in history
-        if each["git"].get("commit", "").startswith(commit)
-        and (each["runs"] or each["outcome"] == "done")  # not what was refused
-    ]
-    if built:
-        return built[-1]
-    raise TrackingError(
-        f"{name!r} is no results folder, and neither a run, an invocation nor a commit in "
-        f"{root / 'history'}; to compare with another commit, build it in a checkout of its own "
-        "(git worktree add) and name its results folder"
-    )
-
-
-# --- The comparison -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -213,8 +105,7 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
     Raises:
         TrackingError: a dataset that cannot be read, or xarray missing.
     """
-    judged = CLAIMS in first.files and CLAIMS in second.files
-    comparison = Comparison(first.label, second.label, claims=[] if judged else None)
+    comparison = Comparison(first.label, second.label, claims=None)
     for before, after in _pairs(first, second, comparison.not_compared):
         where = after["figure"] or after["run"]
         _differ(comparison.parameters, where, _stated(before), _stated(after))
@@ -226,16 +117,29 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
         if name not in first.files or name not in second.files:
             holder = first if name in first.files else second
             comparison.not_compared.append(f"{name}: only in {holder.label}")
-        elif comparison.claims is not None and name == CLAIMS:
-            judged_as = [verdicts(each.files[name]) for each in (first, second)]
-            _differ(comparison.claims, CLAIMS, *judged_as)
-        else:
+        elif name != CLAIMS:
             comparison.data.extend(_data_changes(first.files[name], second.files[name], comparison))
+    if CLAIMS in first.files and CLAIMS in second.files:
+        comparison = replace(comparison, claims=_claims(first, second, comparison.not_compared))
     for each in (first, second):
         comparison.not_compared.extend(
             f"{name}: no copy is kept of what {each.label} made" for name in each.lost
         )
     return comparison
+
+
+def _claims(first: Snapshot, second: Snapshot, not_compared: list[str]) -> list[Difference] | None:
+    """Compare the verdicts, unless one of the two was not judged by its own data."""
+    for each in (first, second):
+        if newer := each.newer_than_claims():
+            files = ", ".join(newer[:3]) + (", …" if len(newer) > 3 else "")
+            not_compared.append(
+                f"{CLAIMS}: not judged since {files} changed in {each.label}: build claims.csv"
+            )
+            return None
+    found: list[Difference] = []
+    _differ(found, CLAIMS, *(verdicts(each.files[CLAIMS]) for each in (first, second)))
+    return found
 
 
 def _pairs(

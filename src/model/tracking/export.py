@@ -1,6 +1,6 @@
 """An invocation of the study for other people's tools: an MLflow run, a Workflow Run RO-Crate.
 
-Files stay the tracker (tracking.py). An export is made afterwards, by one writer, and needs the
+Files stay the tracker (records.py). An export is made afterwards, by one writer, and needs the
 extra ``export``.
 """
 
@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from model.study.files import whole_folder
-from model.tracking.index import PARTS, Record, kept_result
 from model.tracking.provenance import file_hash, write_json
+from model.tracking.records import PARTS, Record, kept_result
 
 _PROFILES = (
     "https://w3id.org/ro/wfrun/process/0.5",
@@ -71,7 +71,7 @@ def to_mlflow(record: Record, root: Path, store: Path, experiment: str = "vibral
     left half there is.
 
     Args:
-        record: of the invocation, as from ``tracking.load_history``.
+        record: of the invocation, as from ``history.load_history``.
         root: the results root that it belongs to.
         store: the SQLite file; artifacts go into a folder beside it, "<stem>-artifacts".
         experiment: the name to file it under.
@@ -194,7 +194,7 @@ def to_rocrate(record: Record, root: Path, project: Path, target: Path) -> None:
     """Write an invocation as a Workflow Run RO-Crate, the folder ``target``, whole or not at all.
 
     Args:
-        record: of the invocation, as from ``tracking.load_history``.
+        record: of the invocation, as from ``history.load_history``.
         root: the results root that it belongs to.
         project: the checkout that holds the Snakefile.
         target: a folder that does not exist yet.

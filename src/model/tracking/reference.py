@@ -22,15 +22,9 @@ from model.events.outcomes import Reason
 from model.study.config import FIGURES, SCHEMATICS
 from model.study.csv_tables import csv_text
 from model.study.files import whole_file
-from model.tracking.comparison import (
-    CLAIMS,
-    Change,
-    change_of,
-    common_points,
-    open_dataset,
-    verdicts,
-)
+from model.tracking.comparison import Change, change_of, common_points, open_dataset, verdicts
 from model.tracking.provenance import git_state, write_text
+from model.tracking.snapshot import CLAIMS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +46,7 @@ class NotAcceptedError(ValueError):
 
 
 @dataclass(frozen=True)
-class Finding:
+class Disagreement:
     """One way in which a build is not what its reference says; ``words`` are for a terminal."""
 
     figure: str
@@ -64,7 +58,7 @@ class Finding:
 # --- The comparison -----------------------------------------------------------------------------
 
 
-def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list[Finding]:
+def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list[Disagreement]:
     """What a dataset has that its reference does not allow; empty where they agree.
 
     Args:
@@ -80,11 +74,11 @@ def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list
     ]
     if differing:
         words = f"is not computed with the reference's parameters: {', '.join(differing)}"
-        return [Finding(figure, "parameters", 0, words)]
+        return [Disagreement(figure, "parameters", 0, words)]
     findings = [*_outcomes(reference, built), *_numbers(reference, built)]
     if "time" in reference.dims:
         findings += _courses(reference, built)
-    return [Finding(figure, *each) for each in findings]
+    return [Disagreement(figure, *each) for each in findings]
 
 
 _Found = tuple[str, int, str]
@@ -152,7 +146,7 @@ def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
     return ", ".join(f"{name} = {dataset[name].values[i]:g}" for name, i in named) or "the run"
 
 
-def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Finding]:
+def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Disagreement]:
     """What the results in ``root`` have that the reference does not allow: data, then claims.
 
     Raises:
@@ -163,9 +157,9 @@ def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> li
         accepted, built = reference / f"{figure}.nc", root / "data" / f"{figure}.nc"
         if not accepted.is_file():
             words = f"has no reference: vibralign accept --figure {figure} --reason ..."
-            findings.append(Finding(figure, "dataset", 0, words))
+            findings.append(Disagreement(figure, "dataset", 0, words))
         elif not built.is_file():
-            findings.append(Finding(figure, "dataset", 0, f"{built} is missing: build it"))
+            findings.append(Disagreement(figure, "dataset", 0, f"{built} is missing: build it"))
         else:
             findings += compare_with_reference(open_dataset(accepted), open_dataset(built))
     if (reference / CLAIMS).is_file():
@@ -173,12 +167,12 @@ def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> li
     return findings
 
 
-def _claims(accepted: Path, built: Path) -> list[Finding]:
+def _claims(accepted: Path, built: Path) -> list[Disagreement]:
     if not built.is_file():
-        return [Finding(CLAIMS, "verdict", 0, f"{built} is missing: build it")]
+        return [Disagreement(CLAIMS, "verdict", 0, f"{built} is missing: build it")]
     before, after = verdicts(accepted), verdicts(built)
     return [
-        Finding(CLAIMS, claim, 1, f"{before.get(claim)} became {after.get(claim)}")
+        Disagreement(CLAIMS, claim, 1, f"{before.get(claim)} became {after.get(claim)}")
         for claim in sorted(set(before) | set(after))
         if before.get(claim) != after.get(claim)
     ]
