@@ -1,12 +1,12 @@
-"""The three kinds of contact of the alignment scene: depth, closing rate, slip, and force rows.
+"""The three kinds of contact in the alignment scene: depth, closing rate, slip, and force rows.
 
-1. edge on the bottom face: A1 from the start, A2 when the part has jumped the slot;
+1. edge on the bottom face: A1 from the start, A2 after the part has jumped over the slot;
 2. A2 on the left side face;
 3. a bottom corner on the flat base: B1 right of the slot, B2 left of it.
 
-A row is the triple (x, y, moment) that multiplies a force to give its share of the generalized
-force, and that multiplies (ẋ, ẏ, φ̇) to give the velocity of the touching point along that force
-(virtual work). Under a printed reading the force rows differ from the kinematic ones.
+A row is a triple (x, y, moment). Times a force it is that force's share of the generalized force;
+times (ẋ, ẏ, φ̇) it is the velocity of the touching point along that force (virtual work). Under a
+printed reading the force rows differ from the kinematic ones.
 """
 
 from math import sqrt
@@ -25,9 +25,9 @@ class Contact(NamedTuple):
     Attributes:
         depth: penetration of the base, positive inside.
         closing_rate: d depth / dτ.
-        along: where the base touches, along the tangent.
+        along: coordinate of the base's touching point along the tangent.
         slip: velocity of the part's touching point along the tangent, -d along / dτ.
-        slip_drift: the part of d slip / dτ that does not come from accelerations.
+        slip_drift: d slip / dτ at zero accelerations.
         normal: row of the normal force n.
         tangent: row of the friction force T.
         slip_row: d slip / d(ẋ, ẏ, φ̇); equals ``tangent`` unless a reading is printed.
@@ -45,13 +45,13 @@ class Contact(NamedTuple):
 
 @inlined_kernel
 def dot(row, x, y, moment):
-    """Product of a row with a triple."""
+    """Return the product of a row and a triple."""
     return row[0] * x + row[1] * y + row[2] * moment
 
 
 @inlined_kernel
 def edge_on_face(side, q, p):
-    """Contact of edge A1 (``side`` = +1) or A2 (-1) with the bottom face, for the state ``q``.
+    """Return the contact of edge A1 (``side`` = +1) or A2 (-1) with the bottom face in state ``q``.
 
     d = b + r·e_n, force n e_n + T e_t, torque s n + (b - d) T (eq. 3 with arms R9; U1 R1).
     """
@@ -75,10 +75,10 @@ def edge_on_face(side, q, p):
 
 @inlined_kernel
 def edge_on_side(q, p):
-    """Contact of edge A2 with the left side face, for the state ``q``.
+    """Return the contact of edge A2 with the left side face in state ``q``.
 
-    w = s + a, force n e_t + T e_n, torque r × F. Printed readings: D2 as printed for w (R4), and
-    the force entering (3) as at A1 with A2's q (R5).
+    w = s + a, force n e_t + T e_n, torque r × F. Printed readings: w from D2 as printed (R4), and
+    the force enters (3) as at A1, with A2's q (R5).
     """
     place = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p)
     c, s = place.cos, place.sin
@@ -92,7 +92,7 @@ def edge_on_side(q, p):
         gap_rate = q.x_rate - q.y_rate - q.tilt_rate * (corner_y - q.y + corner_x - q.x)
         depth, closing_rate = -gap * c, gap * s * q.tilt_rate - gap_rate * c
     if p.printed_side_force != 0.0:
-        # The tangent is then the bottom face's too, so that friction opposes the slip it acts on.
+        # The tangent, too, is then the bottom face's, so that friction opposes its own slip.
         as_face = edge_on_face(LEFT_EDGE, q, p)
         x_sign = -1.0 if p.printed_normal_sign != 0.0 else 1.0
         normal = (-x_sign * s, c, face_coordinate(LEFT_EDGE, q.x, q.tilt, p))
@@ -111,7 +111,7 @@ def edge_on_side(q, p):
 
 @inlined_kernel
 def corner_on_flat(side, q, p):
-    """Contact of corner B1 (``side`` = +1) or B2 (-1) with the flat base, for the state ``q``.
+    """Return the contact of corner B1 (``side`` = +1) or B2 (-1) with the flat base in state ``q``.
 
     Depth -Y_B, force n (0, 1) + T (1, 0).
     """
@@ -127,7 +127,7 @@ def corner_on_flat(side, q, p):
 
 @inlined_kernel
 def contact_load(depth, closing_rate, q, p):
-    """Normal force before clamping: k_a d + h_a ḋ, or as printed k_a d - h_a √(ẋ² + ẏ²) (R3)."""
+    """Return the unclamped normal force k_a d + h_a ḋ, as printed k_a d - h_a √(ẋ² + ẏ²) (R3)."""
     if p.printed_contact_damping_law != 0.0:
         speed = sqrt(q.x_rate * q.x_rate + q.y_rate * q.y_rate)
         return p.contact_stiffness * depth - p.contact_damping * speed

@@ -1,6 +1,6 @@
-"""The forces that act without contact, each as its share of the right-hand side of (3).
+"""The forces besides contact, each as its share of the right-hand side of (3).
 
-Forces in units of F1, moments in units of F1²/K_Y. Contact forces stand in contacts.py.
+Forces are in units of F1, moments in units of F1²/K_Y. Contact forces are in contacts.py.
 """
 
 from model.physics.compiled import inlined_kernel
@@ -9,30 +9,30 @@ from model.physics.trigonometry import sine_cosine
 
 @inlined_kernel
 def lateral_suspension(q, p):
-    """-h_x ẋ - k_x (x - x_st), the reaction R_X."""
+    """Return the reaction R_X = -h_x ẋ - k_x (x - x_st)."""
     return -p.lateral_damping * q.x_rate - p.lateral_stiffness * (q.x - p.rest_x)
 
 
 @inlined_kernel
 def axial_suspension(q, p):
-    """-h_y ẏ - (y - y_st), the reaction R_Y; K_Y scales to 1."""
+    """Return the reaction R_Y = -h_y ẏ - (y - y_st); K_Y scales to 1."""
     return -p.axial_damping * q.y_rate - (q.y - p.rest_y)
 
 
 @inlined_kernel
 def tilt_suspension(q, p):
-    """-h_φ φ̇ - k_φ (φ - φ_st), the moment T_φ."""
+    """Return the moment T_φ = -h_φ φ̇ - k_φ (φ - φ_st)."""
     return -p.tilt_damping * q.tilt_rate - p.tilt_stiffness * (q.tilt - p.rest_tilt)
 
 
 @inlined_kernel
 def press(p):
-    """-f0, the initial pressing force, downward."""
+    """Return -f0, the initial pressing force, downward."""
     return -p.press_force
 
 
 @inlined_kernel
 def excitation(time, p):
-    """-sin(ντ + phase), the kinematic excitation through the axial spring, of amplitude 1."""
+    """Return -sin(ντ + phase), the kinematic excitation through the axial spring, amplitude 1."""
     sine, _ = sine_cosine(p.frequency * time + p.phase)
     return -sine

@@ -1,4 +1,4 @@
-"""Where the part's corners and the slot's edges are. Lengths dimensionless, angles in radians."""
+"""Positions of the part's corners and the slot's edges; dimensionless, angles in radians."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from model.physics.trigonometry import sine_cosine
 
 
 class EdgePlace(NamedTuple):
-    """Where an edge A of the slot stands in the frame of the part, and that frame.
+    """Position of an edge A of the slot in the frame of the part, and that frame's direction.
 
     With r = A - C: ``along_face`` = s = r·e_t, ``along_axis`` = r·e_n, and ``cos``, ``sin`` of φ.
     """
@@ -21,7 +21,7 @@ class EdgePlace(NamedTuple):
 
 @inlined_kernel
 def edge_place(side, x, y, tilt, p):
-    """``EdgePlace`` of the edge A1 (``side`` = +1) or A2 (-1) for the mass centre at (x, y)."""
+    """Return the ``EdgePlace`` of edge A1 (``side`` = +1) or A2 (-1) for the mass centre (x, y)."""
     s, c = sine_cosine(tilt)
     r_x = side * p.slot_half_width - x
     return EdgePlace(r_x * c - y * s, -r_x * s - y * c, c, s)
@@ -29,7 +29,7 @@ def edge_place(side, x, y, tilt, p):
 
 @inlined_kernel
 def bottom_corner(side, x, y, tilt, p):
-    """(X, Y) of the bottom corner B1 (``side`` = +1) or B2 (-1): C ± a e_t - b e_n."""
+    """Return (X, Y) of the bottom corner B1 (``side`` = +1) or B2 (-1): C ± a e_t - b e_n."""
     s, c = sine_cosine(tilt)
     a, b = side * p.half_width, p.half_height
     return x + a * c + b * s, y + a * s - b * c
@@ -37,9 +37,9 @@ def bottom_corner(side, x, y, tilt, p):
 
 @inlined_kernel
 def face_coordinate(side, x, tilt, p):
-    """The paper's q, signed: where A1 or A2 stands on the bottom face when exactly on it.
+    """Return the paper's q, signed: A1 or A2 along the bottom face if it lies exactly on the face.
 
-    (±l - x)/cos φ - b tan φ, among the paper's dimensionless parameters.
+    q = (±l - x)/cos φ - b tan φ, from the paper's list of dimensionless parameters.
     """
     s, c = sine_cosine(tilt)
     return (side * p.slot_half_width - x - p.half_height * s) / c
@@ -47,7 +47,7 @@ def face_coordinate(side, x, tilt, p):
 
 @inlined_kernel
 def resting_height(p: Constants):
-    """Y at the start: the bottom face touches A1, d = b - (l - x) sin φ - y cos φ = 0."""
+    """Return y at the start, where the bottom face touches A1: b - (l - x) sin φ - y cos φ = 0."""
     r_x = p.slot_half_width - p.misalignment
     s, c = sine_cosine(p.initial_tilt)
     return (p.half_height - r_x * s) / c

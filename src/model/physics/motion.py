@@ -1,4 +1,4 @@
-"""The equations of motion (3): in each mode, accelerations as a sum of named forces."""
+"""The equations of motion (3): in every mode, accelerations as a sum of named forces."""
 
 from typing import NamedTuple
 
@@ -23,10 +23,10 @@ NO_ROW = (0.0, 0.0, 0.0)
 
 
 class Support(NamedTuple):
-    """Contacts that share one friction state, taken together.
+    """The contacts that share one friction state, taken together.
 
-    ``x``, ``y``, ``moment`` is the normal forces' share of (3); ``load`` their sum; ``tangent`` the
-    row of the common friction force; ``slip``, ``slip_row``, ``slip_drift`` as in ``Contact``.
+    ``load`` is the sum of the normal forces and ``x``, ``y``, ``moment`` their share of (3);
+    ``tangent`` is the row of the common friction force, and the rest as in ``Contact``.
     """
 
     load: float
@@ -40,7 +40,7 @@ class Support(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """What acts on the part but friction: resultants, and the contacts where friction may act."""
+    """Resultants of all forces but friction, and the contacts where friction may act."""
 
     x: float
     y: float
@@ -52,8 +52,8 @@ class Forces(NamedTuple):
 class Motion(NamedTuple):
     """Accelerations and contact forces at one instant.
 
-    ``support_drive`` and ``side_drive`` are d slip / dτ; ``mobility`` and ``side_mobility`` the
-    slip acceleration that a unit of friction force gives (positive, else friction has no solution).
+    ``support_drive`` and ``side_drive`` are d slip / dτ. ``support_mobility`` and ``side_mobility``
+    are the slip acceleration from a unit friction force; friction has a solution if positive.
     """
 
     x: float
@@ -73,9 +73,9 @@ class Motion(NamedTuple):
 
 @inlined_kernel
 def support_contact(q, p, mode):
-    """The supporting edge's contact with the bottom face and its corner's with the flat base.
+    """Return the support: the edge on the bottom face and the corner on the flat base.
 
-    Where both press they share the friction in proportion to their normal forces.
+    If both press, they share the friction in proportion to their normal forces.
     """
     load, x, y, moment = 0.0, 0.0, 0.0, 0.0
     tangent, slip, slip_row, drift = NO_ROW, 0.0, NO_ROW, 0.0
@@ -107,7 +107,7 @@ def support_contact(q, p, mode):
 
 @inlined_kernel
 def side_contact(q, p, mode):
-    """The contact of A2 with the left side face."""
+    """Return the contact of A2 with the left side face."""
     if mode.side != CLOSED:
         return Support(0.0, 0.0, 0.0, 0.0, NO_ROW, 0.0, NO_ROW, 0.0)
     side = edge_on_side(q, p)
@@ -119,33 +119,33 @@ def side_contact(q, p, mode):
 
 @inlined_kernel
 def is_supported(mode):
-    """Whether the supporting edge or its corner presses."""
+    """Return True if the supporting edge or its corner presses."""
     return mode.face == CLOSED or mode.corner == CLOSED
 
 
 @inlined_kernel
 def never_sticks(p):
-    """Whether the friction state never changes: printed friction (R2), or none at all."""
+    """Return True if the friction state never changes: printed friction (R2), or none."""
     return p.printed_friction_law != 0.0 or p.friction == 0.0
 
 
 @inlined_kernel
 def turning(moment, p):
-    """φ̈ from a moment. One division for all moments: it costs as much as a dozen products."""
+    """Return φ̈ from a moment; one division serves all, since it costs as a dozen products."""
     return moment * (1.0 / p.inertia)
 
 
 @inlined_kernel
 def mobility(slip_row, tangent, p):
-    """Slip acceleration along ``slip_row`` from a unit friction force along ``tangent``."""
+    """Return the slip acceleration along ``slip_row`` from a unit friction force on ``tangent``."""
     return dot(slip_row, tangent[0], tangent[1], turning(tangent[2], p))
 
 
 @inlined_kernel
 def sticking_friction(support_sticks, side_sticks, drive, side_drive, g11, g12, g21, g22):
-    """Friction forces (T, T_side) that cancel the slip accelerations of what sticks.
+    """Return the friction forces (T, T_side) that cancel the slip accelerations where it sticks.
 
-    Solves G T = -drive, G the matrix of mobilities; also used with velocities for impulses.
+    Solves G T = -drive with the matrix G of mobilities; with slip velocities it gives impulses.
     """
     top, side_top, bottom, side_bottom = -drive, -side_drive, g11, g22
     if support_sticks and side_sticks:
@@ -159,7 +159,7 @@ def sticking_friction(support_sticks, side_sticks, drive, side_drive, g11, g12, 
 
 @inlined_kernel
 def forces_without_friction(time, q, p, mode):
-    """``Forces`` in the state ``q`` at ``time``: equations (3) without friction."""
+    """Return ``Forces`` in state ``q`` at ``time``: equations (3) without friction."""
     support = support_contact(q, p, mode)
     side = side_contact(q, p, mode)
     return Forces(
@@ -173,15 +173,15 @@ def forces_without_friction(time, q, p, mode):
 
 @inlined_kernel
 def under_friction(forces, p, mode):
-    """``Motion`` under these forces and the friction of ``mode``.
+    """Return ``Motion`` under these forces and the friction of ``mode``.
 
-    Friction is T = -μ n sign(slip) in sliding; in sticking it is what keeps the slip at zero. A
-    load is not clamped here: where it would turn negative the mode ends (see switching).
+    Sliding friction is T = -μ n sign(slip); sticking friction keeps the slip at zero. Loads are not
+    clamped here: an event ends the mode where a load turns negative.
     """
     x, y, moment, support, side = forces
     support_sticks = mode.support_slip == STICKING and is_supported(mode)
     side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
-    # Sliding friction first; sticking friction answers to all the rest.
+    # Sliding friction first: sticking friction balances everything else.
     friction = -p.friction * support.load * mode.support_slip
     side_friction = -p.friction * side.load * mode.side_slip
     t, u = support.tangent, side.tangent
@@ -215,5 +215,5 @@ def under_friction(forces, p, mode):
 
 @inlined_kernel
 def motion(time, q, p, mode):
-    """``Motion`` for the state ``q`` at ``time`` in ``mode``: equations (3) as a sum of forces."""
+    """Return ``Motion`` in state ``q`` at ``time``: equations (3) in ``mode``, a sum of forces."""
     return under_friction(forces_without_friction(time, q, p, mode), p, mode)

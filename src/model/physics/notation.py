@@ -1,4 +1,4 @@
-"""Frame, symbols and state, stated once for the whole package.
+"""Frame, symbols and state vector of the whole package.
 
 Everything is dimensionless (paper, sect. 2): lengths in units of the excitation amplitude F1/K_Y,
 time in units of 1/p with p² = K_Y/M, forces in units of F1, so mass and axial stiffness are 1.
@@ -18,17 +18,17 @@ time in units of 1/p with p² = K_Y/M, forces in units of F1, so mass and axial 
              |  slot   |             |    The part starts displaced to the right, its bottom face
                                      +--> x    on A1; B2 hangs over the slot and dips into it.
 
-For an edge A = (±l, 0): ``r = A - C``, ``s = r·e_t`` is where the edge stands along the bottom
-face and ``r·e_n`` where it stands along the axis. On the face exactly, s is the paper's
+For an edge A = (±l, 0): ``r = A - C``; ``s = r·e_t`` is the coordinate of the edge along the bottom
+face and ``r·e_n`` that along the axis. If the edge lies exactly on the face, s is the paper's
 q = (l - x)/cos φ - b tan φ.
 
-The state vector is ``(x, y, φ, ẋ, ẏ, φ̇)``, in this order everywhere.
+The state vector is ``(x, y, φ, ẋ, ẏ, φ̇)``, everywhere in this order.
 """
 
 from typing import NamedTuple
 
-# The two edges of the slot, as the sign of their abscissa. Corner B1 belongs to the right edge's
-# side of the scene and B2 to the left edge's.
+# The two edges of the slot, as the sign of their abscissa. Corner B1 is on the side of the right
+# edge, and B2 on that of the left edge.
 RIGHT_EDGE = 1.0
 LEFT_EDGE = -1.0
 

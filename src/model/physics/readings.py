@@ -1,4 +1,4 @@
-"""How the paper's printed equations are read: one named switch per misprint or open question.
+"""Variants of the paper's equations: one named switch per misprint or open question.
 
 Each switch is ``"consistent"`` (the default) or ``"printed"``. R numbers are used in the figures
 and the documentation; R7 of that list (F1 must be an amplitude) cannot be run either way.
@@ -15,14 +15,14 @@ class Readings:
     """The switches; each value is ``"consistent"`` or ``"printed"``.
 
     Attributes:
-        normal_sign: R1. Sign of the contact's horizontal component U1. The print has it of the
-            mirror image: sin φ - μ cos φ instead of μ cos φ - sin φ.
-        friction_law: R2. Printed: T = +μ n whatever the slip. Consistent: Coulomb, with sticking.
-        contact_damping_law: R3. Printed: n = k_a d - h_a √(ẋ² + ẏ²), a speed where a closing rate
-            belongs. Consistent: n = k_a d + h_a ḋ. Both are clamped at 0.
-        side_gap: R4. Printed: the left side's depth is D2 as printed, which mixes x and y terms.
+        normal_sign: R1. Sign of the contact's horizontal component U1. Printed: that of the mirror
+            image, sin φ - μ cos φ. Consistent: μ cos φ - sin φ.
+        friction_law: R2. Printed: T = +μ n for any slip. Consistent: Coulomb, with sticking.
+        contact_damping_law: R3. Printed: n = k_a d - h_a √(ẋ² + ẏ²), with a speed in place of
+            the closing rate. Consistent: n = k_a d + h_a ḋ. Both are clamped at 0.
+        side_gap: R4. Printed: the left side's depth is the printed D2, which mixes x and y terms.
             Consistent: distance of A2 from the line B2 D2.
-        side_force: R5. Printed: n at A2 enters (3) as n at A1 does, with A2's q. Consistent: the
+        side_force: R5. Printed: n at A2 enters (3) like n at A1, with A2's q. Consistent: the
             force acts along the normal of the side face, e_t.
         preload: R6. Printed: (3) drops y_st, so the axial spring is relaxed at y = 0 and
             ``rest_y`` is ignored. Consistent: y_st = ``rest_y``.
@@ -53,17 +53,17 @@ class Readings:
 
     @classmethod
     def consistent(cls) -> "Readings":
-        """Every misprint mended (the default)."""
+        """Return the variant with every misprint corrected (the default)."""
         return cls()
 
     @classmethod
     def printed(cls) -> "Readings":
-        """The equations as the paper prints them."""
+        """Return the equations as printed in the paper."""
         printed: dict[str, Reading] = dict.fromkeys(READING_NAMES, "printed")
         return cls(**printed)
 
     def is_printed(self, name: str) -> float:
-        """1.0 where switch ``name`` is printed, else 0.0: the form that kernels take."""
+        """Return 1.0 if switch ``name`` is printed, else 0.0: the form that kernels take."""
         return float(getattr(self, name) == "printed")
 
 

@@ -1,7 +1,7 @@
-"""What a run models: the contacts a scene declares, and the mode each of them is in.
+"""Scenes and modes: the contacts that a run models, and the state of each of them.
 
-A run that reaches a contact its scene does not declare leaves the scene; it is never integrated on
-with physics that is missing.
+A run that reaches a contact its scene does not declare ends as having left the scene; it is never
+continued with missing physics.
 """
 
 from dataclasses import dataclass
@@ -34,12 +34,12 @@ class Scene:
 
     @property
     def declared(self) -> "Declared":
-        """The form that kernels take."""
+        """The declared contacts in the form that kernels take."""
         return Declared(*(name in self.contacts for name in CONTACT_NAMES))
 
 
 class Declared(NamedTuple):
-    """Which kinds of contact a scene declares."""
+    """Flags of the kinds of contact that a scene declares."""
 
     edge_on_face: bool
     edge_on_side: bool
@@ -47,15 +47,15 @@ class Declared(NamedTuple):
 
 
 ALIGNMENT = Scene("alignment", frozenset(CONTACT_NAMES))
-"""The paper's scene, completed: edges on bottom and side face, bottom corners on the flat base."""
+"""The paper's scene completed: edges on bottom and side face, bottom corners on the flat base."""
 
 PRINTED_CONTACTS = Scene("printed_contacts", frozenset({"edge_on_face", "edge_on_side"}))
-"""Only what the paper writes down: A1 on the bottom face and A2 on the side face."""
+"""The contacts with equations in the paper: A1 on the bottom face and A2 on the side face."""
 
 SUSPENDED = Scene("suspended", frozenset())
-"""No contact at all: the part on its springs."""
+"""No contact: the part on its springs."""
 
-# Normal state of a contact. RELEASED: the bodies overlap but the base would have to pull (n = 0).
+# Normal state of a contact. RELEASED: the bodies overlap, but the base would have to pull: n = 0.
 OPEN, CLOSED, RELEASED = 0, 1, 2
 
 # Friction state: sign of the slip, or STICKING.
@@ -63,24 +63,24 @@ SLIP_NEGATIVE, STICKING, SLIP_POSITIVE = -1, 0, 1
 
 
 class Mode(NamedTuple):
-    """Which smooth vector field holds. Contacts on the same side share one friction state.
+    """State of every contact, which selects one smooth vector field.
 
-    The two edges cannot carry the bottom face at the same time, since the slot is wider than the
-    part; ``edge`` says which one does, or last did.
+    Contacts on the same side share one friction state. The slot is wider than the part, so only one
+    edge at a time carries the bottom face: ``edge``, which keeps the last one after lift-off.
 
     Attributes:
         edge: RIGHT_EDGE or LEFT_EDGE, the side on which the part is supported.
         face: normal state of that edge on the bottom face.
         corner: normal state of that side's bottom corner on the flat base.
-        corner_offset: how deep the corner stood when it began to press. Not 0 only where the tilt
-            changed sign while the edge pressed: the base is then already down at the corner too.
-        slip_at_corner: whether the corner's slip counts for both, else the edge's; it changes only
-            when the one that counts no longer presses, so that friction is continuous as the other
-            comes and goes.
+        corner_offset: depth of the corner when it began to press. It differs from 0 only if the
+            tilt changed sign while the edge pressed: the base is then deformed at the corner too.
+        slip_at_corner: True if the corner's slip decides the friction of both, else the edge's. It
+            changes only when the deciding contact stops pressing, so that friction stays continuous
+            while the other one opens and closes.
         support_slip: friction state of edge and corner.
         side: normal state of A2 on the left side face.
         side_slip: friction state of A2 on the left side face.
-        dropped: the contact has been lost past the corner B1, the part falls into the slot.
+        dropped: True after the part lost the edge past its corner B1 and falls into the slot.
     """
 
     edge: float

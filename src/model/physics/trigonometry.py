@@ -1,9 +1,8 @@
-"""Sine and cosine as arithmetic, so that a compiler can carry many of them side by side.
+"""Sine and cosine as plain arithmetic, which a compiler can vectorise.
 
-A call of the system's mathematics library cannot be vectorised and may differ between systems;
-these polynomials do the same operations everywhere. Reduction by π/2 in three parts after Cody and
-Waite, Software Manual for the Elementary Functions (1980), ch. 8; coefficients of the minimax
-polynomials on [-π/4, π/4] as published with fdlibm (Sun Microsystems, 1993).
+A call of the system's mathematics library cannot be vectorised, and its last bits differ between
+systems. Reduction by π/2 in three parts after Cody and Waite, Software Manual for the Elementary
+Functions (1980), ch. 8; minimax polynomials on [-π/4, π/4] from fdlibm (Sun Microsystems, 1993).
 """
 
 from math import floor
@@ -19,7 +18,7 @@ _HALF_PI_3 = 2.02226624879595063154e-21
 
 @inlined_kernel
 def sine_cosine(angle):
-    """(sin, cos) of an angle in radians, to 3e-16 for |angle| < 1e6; beyond, the error grows."""
+    """Return (sin, cos) of ``angle`` in radians, to 3e-16 below 1e6; beyond, the error grows."""
     n = floor(angle * _TWO_OVER_PI + 0.5)
     r = angle - n * _HALF_PI_1 - n * _HALF_PI_2 - n * _HALF_PI_3
     z = r * r
@@ -33,7 +32,7 @@ def sine_cosine(angle):
     c = 2.48015872894767294178e-05 + z * c
     c = -1.38888888888741095749e-03 + z * c
     c = 1.0 - 0.5 * z + z * z * (4.16666666666666019037e-02 + z * c)
-    quadrant = n - 4.0 * floor(0.25 * n)  # 0, 1, 2 or 3: what the polynomials have to be turned by
+    quadrant = n - 4.0 * floor(0.25 * n)  # 0, 1, 2 or 3 quarter turns
     odd = quadrant == 1.0 or quadrant == 3.0
     sine, cosine = (c, s) if odd else (s, c)
     return (

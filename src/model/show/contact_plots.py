@@ -1,4 +1,4 @@
-"""A picture of what the base's stiffness and damping change in a figure."""
+"""Draw figures of the study on bases of other stiffness and damping."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
@@ -21,7 +21,7 @@ _TITLES = ("stiffness of the base, damping ratio kept", "stiffness, and damping 
 
 
 def draw_bases(datasets: Mapping[str, "xr.Dataset"]) -> Figure:
-    """A row for each figure: on the left the stiffness varies, on the right the damping."""
+    """Draw a row for each figure: the stiffness varies on the left, the damping on the right."""
     with style.context():
         figure = style.new_figure(height=(3.0 + 6.3 * len(datasets)) * style.CENTIMETRE)
         panels = figure.subplots(len(datasets), 2, squeeze=False, sharey="row")
@@ -42,14 +42,14 @@ def draw_bases(datasets: Mapping[str, "xr.Dataset"]) -> Figure:
 
 
 def _by_stiffness(dataset: "xr.Dataset") -> list[int]:
-    """Places with the device's damping ratio, softest first."""
+    """Indices of the bases with the device's damping ratio, softest first."""
     stiffness, ratio = dataset["contact_stiffness"].values, dataset[RATIO].values
     places = np.flatnonzero(ratio == ratio[0])
     return [int(i) for i in places[np.argsort(stiffness[places], kind="stable")]]
 
 
 def _by_damping(dataset: "xr.Dataset") -> list[int]:
-    """Places at stiffnesses of which several dampings are tried."""
+    """Indices of the bases whose stiffness is tried with several dampings."""
     stiffness, ratio = dataset["contact_stiffness"].values, dataset[RATIO].values
     tried = np.unique(stiffness[ratio != ratio[0]])
     places = np.flatnonzero(np.isin(stiffness, tried))
@@ -61,7 +61,7 @@ def _middle(dataset: "xr.Dataset") -> int:
 
 
 def _member(dataset: "xr.Dataset") -> str:
-    """Which curve of the family is drawn, where there is one."""
+    """Label of the curve of the family that is drawn, or of the border of a map."""
     if dataset.attrs["kind"] == "map":
         return ", border of the aligning area"
     family = dataset[str(dataset["tau_align"].dims[1])]
@@ -92,7 +92,7 @@ def _draw(axes: Axes, dataset: "xr.Dataset", places: Sequence[int]) -> None:
 
 
 def _look(dataset: "xr.Dataset", place: int, points: int) -> dict[str, Any]:
-    """Colour and line by the stiffness where the damping ratio is the device's, else by that."""
+    """Style by the stiffness if the damping ratio is the device's, else by the damping ratio."""
     stiffness, ratio = dataset["contact_stiffness"].values, dataset[RATIO].values
     if ratio[place] == ratio[0]:
         levels = np.unique(stiffness)

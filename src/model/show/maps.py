@@ -1,7 +1,7 @@
-"""What is drawn upon a stability map: contours of the duration, the reliable area, other figures.
+"""Overlays of a stability map: contours of the duration, reliable area, points of other figures.
 
-``plots.stability_map`` draws the areas; these functions take its axes and the dataset, and return
-the handles of what they drew, for the legend.
+``plots.stability_map`` draws the areas. These functions draw on its axes, and return the handles of
+the legend.
 """
 
 import json
@@ -26,18 +26,18 @@ Place = tuple[float, float]
 
 RELIABLE_LABEL = "reliable: at every phase"
 MARK_LABEL = "other figures, by number"
-_CONTOURS = 5  # about as many
-_CONTOUR_NODES = 128  # along a side, of those that contours are drawn from
-_LEAST = 0.004  # of the map: a contour around less is no help to the eye
-_APART = 0.04  # of the map: what numbers keep from each other
+_CONTOURS = 5  # approximate number
+_CONTOUR_NODES = 128  # nodes along a side from which contours are drawn, at most
+_LEAST = 0.004  # share of the map; a contour around a smaller area is left out
+_APART = 0.04  # share of the map; least distance between numbers
 
 
 def add_contours(axes: Axes, x: Floats, y: Floats, values: np.ma.MaskedArray) -> None:
-    """Labelled contours of ``values``, shape (y, x), at round numbers."""
+    """Draw labelled contours of ``values``, shape (y, x), at round numbers."""
     levels = round_levels(values.compressed())
     if not levels:
         return
-    # Of a fine map every n-th node: what the eye sees, without the teeth of every jump.
+    # Every n-th node of a fine map, for smooth lines where the duration jumps.
     every = max(1, (len(x) - 1) // _CONTOUR_NODES)
     lines = axes.contour(
         x[::every],
@@ -62,7 +62,7 @@ def add_contours(axes: Axes, x: Floats, y: Floats, values: np.ma.MaskedArray) ->
 
 
 def _label_places(lines: QuadContourSet, width: float, height: float) -> Iterator[Any]:
-    """One place for each level: the middle of the longest of its lines."""
+    """Yield one place for each level: the middle of its longest line."""
     for path in lines.get_paths():
         parts = [np.asarray(part) for part in path.to_polygons(closed_only=False)]
         lengths = [np.hypot(*(np.diff(part, axis=0) / (width, height)).T).sum() for part in parts]
@@ -72,7 +72,7 @@ def _label_places(lines: QuadContourSet, width: float, height: float) -> Iterato
 
 
 def round_levels(values: Floats) -> list[float]:
-    """Round numbers inside ``values``, with some of them on both sides; logarithmic if wide."""
+    """Return round numbers inside the range of ``values``; logarithmic if the range is wide."""
     if values.size == 0:
         return []
     low, high = (float(each) for each in np.quantile(values, [_LEAST, 1.0 - _LEAST]))
@@ -85,7 +85,7 @@ def round_levels(values: Floats) -> list[float]:
 
 
 def add_reliable(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
-    """The outline of the reliable area."""
+    """Draw the outline of the reliable area."""
     if "reliable" not in dataset or "ensemble_phases" not in dataset.attrs:
         return []
     y, x = (dataset[name].values for name in dataset["reliable"].dims)
@@ -100,12 +100,12 @@ def add_reliable(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
 
 
 def add_marks(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
-    """Operating points of other figures: their number, and a line along what a figure sweeps."""
-    places: dict[tuple[Place, Place], list[str]] = {}  # by where a range ends and where it begins
+    """Draw the numbers of other figures at their operating points, and lines along their sweeps."""
+    places: dict[tuple[Place, Place], list[str]] = {}  # by (end, start) of a range
     for figure, x, y in json.loads(dataset.attrs.get("operating_points", "[]")):
         inside_x, inside_y = np.clip(x, *axes.get_xlim()), np.clip(y, *axes.get_ylim())
         if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
-            continue  # beside the map
+            continue  # outside the map
         if max(len(x), len(y)) > 1:
             _add_swept(axes, np.broadcast_to(inside_x, 2), np.broadcast_to(inside_y, 2), figure)
         ends = (inside_x[-1], inside_y[-1]), (inside_x[0], inside_y[0])
@@ -113,7 +113,9 @@ def add_marks(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
         if figure not in names:
             names.append(figure)
     taken: list[Floats] = []
-    for end, start in sorted(places, key=lambda ends: ends[0] != ends[1]):  # points stay: first
+    for end, start in sorted(
+        places, key=lambda ends: ends[0] != ends[1]
+    ):  # points first: they cannot move
         _add_number(axes, _free_place(axes, end, start, taken), places[end, start])
     if not places:
         return []
@@ -122,9 +124,9 @@ def add_marks(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
 
 
 def _free_place(axes: Axes, end: Place, start: Place, taken: list[Floats]) -> Place:
-    """``end`` of a range, or the nearest place to it in the range that no other number covers.
+    """Return the place nearest to the ``end`` of a range that no other number covers.
 
-    ``taken`` are the places given so far, as shares of the map; this one is entered.
+    ``taken`` holds the places in use, as shares of the map; the new one is added.
     """
     to_share = axes.transData + axes.transAxes.inverted()
     places = np.linspace(end, start, 41)

@@ -102,7 +102,7 @@ class Refined:
 
     @property
     def level(self) -> Ints:
-        """How often the coarse cell around a node was halved."""
+        """Number of times the coarse cell around a node was halved."""
         return np.log2(self.lattice.coarse / self.size).astype(np.int64)
 
     def spread(self, column: NDArray[Any]) -> NDArray[Any]:
