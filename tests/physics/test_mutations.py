@@ -166,21 +166,8 @@ CARRIED = [
     ),
     (
         "physics/parameters.py",
-        "    printed_moment_arms: float\n",
-        "    printed_moment_arms: float\n"
-        + "".join(f"    error_{number}: float\n" for number in ERRORS.values()),
-    ),
-    (
-        "engines/record.py",
-        "runs[i, 26],\n",
-        f"runs[i, 26], {', '.join(f'runs[i, {26 + number}]' for number in ERRORS.values())},\n",
-    ),
-    (
-        "engines/batch/lanes.py",
-        "0.0, 0.0, 0.0, 0.0,\n    )",
-        "0.0, 0.0, 0.0, 0.0, "
-        + "".join(f"w[{19 + number} * n + i], " for number in ERRORS.values())
-        + "\n    )",
+        'if name != "preload"),\n',
+        'if name != "preload"),\n    *(f"error_{n}" for n in range(1, 17)),\n',
     ),
 ]
 

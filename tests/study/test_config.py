@@ -1,13 +1,14 @@
 """The configuration is refused with the key's path, the value and the rule."""
 
 import copy
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
-from model.physics.parameters import PARAMETER_NAMES
+from model.physics.parameters import PARAMETER_NAMES, Parameters
 from model.study.config import (
     CURVES,
     FIGURES,
@@ -186,14 +187,15 @@ def test_the_study_is_as_large_as_it_must_be() -> None:
 def test_the_accuracy_law_holds_every_value_of_the_study() -> None:
     study = load_study(study_path())
     ranges, missed = study.accuracy.ranges, []
+    defaults = {field.name: field.default for field in fields(Parameters)}
     for figure in (name for name in FIGURES if study.figures[name].kind != "schematic"):
         sweep = sweep_of(study, figure)
         values = {name: [value] for name, value in sweep.parameters.items()}
         values |= {dimension.parameter: dimension.values for dimension in sweep.dimensions}
         for name in PARAMETER_NAMES:
             for value in values[name]:
-                if name not in ranges:  # not drawn: then derived from the others, everywhere
-                    assert value is None
+                if name not in ranges:  # not drawn: the same default everywhere
+                    assert value == defaults[name]
                 elif not ranges[name].holds(value):
                     missed.append((figure, name, value))
     assert missed == []
@@ -207,12 +209,13 @@ def test_an_axis_has_both_ends_and_equal_steps() -> None:
     assert len(steps) == 1
 
 
-def test_the_baseline_is_the_configuration_and_states_every_parameter() -> None:
+def test_the_baseline_is_the_configuration_and_the_defaults_of_the_parameters() -> None:
     study = load_study(study_path())
     assert baseline() == study.baseline
     stated = {**study.structure, **study.operating_point}
-    for name in PARAMETER_NAMES:
-        assert getattr(baseline(), name) == stated.get(name)
+    assert baseline() == Parameters(**stated)
+    for name, value in stated.items():
+        assert getattr(baseline(), name) == value
 
 
 def test_smoke_changes_only_sizes() -> None:

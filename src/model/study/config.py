@@ -22,7 +22,14 @@ from pydantic import (
     model_validator,
 )
 
-from model.physics.parameters import FIELDS, PARAMETER_NAMES, Batch, Parameters, check_name
+from model.physics.parameters import (
+    FIELDS,
+    PARAMETER_NAMES,
+    REQUIRED_NAMES,
+    Batch,
+    Parameters,
+    check_name,
+)
 from model.physics.readings import READING_NAMES, Readings
 from model.runs.settings import Settings
 
@@ -688,10 +695,9 @@ def _check_figures(study: Study, source: str) -> list[str]:
     faults = _value_faults(f"{source}: structure", study.structure)
     faults += _value_faults(f"{source}: operating_point", study.operating_point)
     stated = set(study.structure) | set(study.operating_point)
-    needed = [name for name in PARAMETER_NAMES if FIELDS[name].derived is None]
     faults += [
         f"{source}: structure.{name}: missing ({FIELDS[name].description})"
-        for name in needed
+        for name in REQUIRED_NAMES
         if name not in stated
     ]
     for name, figure in study.figures.items():

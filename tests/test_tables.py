@@ -1,0 +1,226 @@
+"""Parameters and results are stated in one table each; everything else follows from it.
+
+A copy of the sources is given one more parameter, force and result, as docs/ describes; the copy is
+run by a process of its own.
+"""
+
+import ast
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from model.engines.results import RESULTS
+from model.physics.parameters import PARAMETER_NAMES
+
+PROJECT = Path(__file__).resolve().parents[1]
+SOURCES = sorted((PROJECT / "src" / "model").rglob("*.py"))
+
+# file under src/model, text there, what is inserted behind it
+EDITS = [
+    (
+        "physics/parameters.py",
+        '    press_force: Annotated[float, Field("f0", "initial pressing force", FORCE)]\n',
+        '    side_pull: Annotated[float, Field("f_x", "constant lateral force", FORCE)] = 0.0\n',
+    ),
+    (
+        "physics/forces.py",
+        "from model.physics.trigonometry import sine_cosine\n",
+        "\n\n@inlined_kernel\ndef side_pull(p):\n    return p.side_pull\n",
+    ),
+    ("physics/motion.py", "    lateral_suspension,\n", "    side_pull,\n"),
+    ("physics/motion.py", "        lateral_suspension(q, p)", " + side_pull(p)"),
+    (
+        "engines/results.py",
+        "class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):\n",
+        '    first_height: Annotated[Real, Result("height of the centre at the start", LENGTH)]\n',
+    ),
+    (
+        "engines/course.py",
+        "    q, mode = start(p, declared)\n",
+        "    runs[i, FIRST_HEIGHT] = q.y\n",
+    ),
+    (
+        "engines/course.py",
+        "\n_FIRST_STEP = 1e-2\n",
+        'from model.engines.record import column\nFIRST_HEIGHT = column("first_height")\n',
+    ),
+]
+
+
+def collected(tree: ast.AST) -> Iterator[tuple[int, set[str]]]:
+    """Lines of literal collections, calls and classes, with the names that each states."""
+    for node in ast.walk(tree):
+        named: list[Any] = []
+        if isinstance(node, ast.Tuple | ast.List | ast.Set):
+            named = [each.value for each in node.elts if isinstance(each, ast.Constant)]
+        elif isinstance(node, ast.Dict):
+            named = [each.value for each in node.keys if isinstance(each, ast.Constant)]
+        elif isinstance(node, ast.Call):
+            named = [each.arg for each in node.keywords]
+        elif isinstance(node, ast.ClassDef):
+            named = [each.target.id for each in node.body if isinstance(each, ast.AnnAssign)]
+        if named:
+            yield node.lineno, {each for each in named if isinstance(each, str)}
+
+
+@pytest.mark.parametrize(
+    ("table", "stated_in"),
+    [(PARAMETER_NAMES, "physics/parameters.py"), (tuple(RESULTS), "engines/results.py")],
+)
+def test_no_other_place_in_the_package_lists_half_of_the_table(table, stated_in):
+    places = {
+        path.relative_to(PROJECT / "src" / "model").as_posix()
+        for path in SOURCES
+        for _, names in collected(ast.parse(path.read_text(encoding="utf-8")))
+        if len(names & set(table)) > len(table) / 2
+    }
+    assert places - {"study/fuzz.py"} == {stated_in}  # the fuzz trial has a law for each
+
+
+def test_constants_and_results_are_never_made_by_position():
+    by_position = [
+        f"{path.name}:{node.lineno}"
+        for path in SOURCES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id in ("Constants", "RunResult")
+        and not all(isinstance(each, ast.Starred) for each in node.args)
+    ]
+    assert by_position == []
+
+
+def extended(folder: Path) -> Path:
+    """A copy of the sources with one more parameter, force and result."""
+    source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
+    shutil.copytree(PROJECT / "config", folder / "config")
+    for file, there, inserted in EDITS:
+        path = source / "model" / file
+        text = path.read_text(encoding="utf-8")
+        assert text.count(there) == 1, (file, there)
+        path.write_text(text.replace(there, there + inserted), encoding="utf-8")
+    return source
+
+
+def told(source: Path, script: str, **environment: str) -> Any:
+    """What ``script`` prints, which is JSON, with ``source`` in place of the package."""
+    run = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=PROJECT,
+        env={**os.environ, "PYTHONPATH": str(source), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout)
+
+
+VIEWS = """
+import contextlib, io, json
+
+import model.engines.queue
+from model import Batch, simulate
+from model.cli import main as cli
+from model.physics.notation import State
+from model.physics.parameters import Constants
+from model.physics.readings import Readings
+from model.physics.units import device
+from model.study.config import baseline
+from model.study.datasets import VARIABLES, parameter_attributes
+import yaml
+
+def printed(*arguments):
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        assert cli.main(["simulate", *arguments]) == cli.DONE
+    return out.getvalue()
+
+def added_one(queue):  # uncompiled, as all kernels here
+    queue[0] += 1
+    return queue[0] - 1
+
+model.engines.queue._added_one = added_one
+base = baseline()
+pulled = base.replace(side_pull=0.5)
+peg = device({**yaml.safe_load(open("docs/peg.yaml")), "side_pull": 2.0})
+rows = Batch.of(base, side_pull=[0.0, 0.5]).constants(Readings())
+short = "--horizon", "1e-3", "--set", "side_pull=0.5"
+place = Constants._fields.index("side_pull")
+runs = [simulate(each, horizon=1e-3) for each in (base, pulled)]
+print(json.dumps({
+    "default": base.side_pull,
+    "constants": rows[:, place].tolist(),
+    "si": [peg.units.force, peg.parameters.side_pull],
+    "help": [line.split() for line in printed("--help").splitlines() if "side_pull" in line],
+    "dataset": parameter_attributes("side_pull"),
+    "x": [run.state[-1][0] for run in runs],
+    "result": [runs[0].first_height, runs[0].state[0][1]],
+    "variable": VARIABLES["first_height"],
+    "line": [line.split() for line in printed(*short).splitlines() if "first_height" in line],
+    "json": json.loads(printed(*short, "--json"))["first_height"],
+}))
+"""
+
+SERIES = """
+from model.engines.batch.series import FREE, recurrences
+from model.physics.parameters import Constants
+
+place = Constants._fields.index("side_pull")
+constant = recurrences(FREE, FREE).accelerations[0].constant
+print(str(repr(("given", place)) in repr(constant)).lower())
+"""
+
+
+def test_one_more_parameter_and_result_reach_every_view(tmp_path):
+    source, cache = extended(tmp_path), str(tmp_path / "kernels")
+    assert told(source, SERIES, VIBRALIGN_CACHE=cache), "the series of the batch engine hold it"
+    found = told(source, VIEWS, VIBRALIGN_CACHE=cache, NUMBA_DISABLE_JIT="1")
+    assert found["default"] == 0.0
+    assert found["constants"] == [0.0, 0.5]
+    force, scaled = found["si"]
+    assert scaled == pytest.approx(2.0 / force)
+    assert found["help"] == [["side_pull", "f_x", "0", "N", "constant", "lateral", "force"]]
+    assert found["dataset"] == {
+        "long_name": "constant lateral force",
+        "symbol": "f_x",
+        "units": "1",
+    }
+    assert found["x"][0] != found["x"][1]
+    height, at_start = found["result"]
+    assert height == at_start == found["json"]
+    assert found["variable"] == {"units": "1", "long_name": "height of the centre at the start"}
+    assert found["line"] == [["first_height", f"{height:.6g}"]]
+
+
+PULLED = """
+import json
+from model import SUSPENDED, Settings, align, simulate
+from model.study.config import baseline
+
+base = baseline().replace(side_pull=0.5, lateral_damping=2.0, frequency=0.0)
+hanging = simulate(base, Settings(scene=SUSPENDED, horizon=200.0, may_settle=False))
+runs = [align([base.replace(frequency=5.0)], engine=each) for each in ("batch", "scalar")]
+print(json.dumps({
+    "moved": hanging.state[-1][0] - base.misalignment,
+    "expected": 0.5 / base.lateral_stiffness,
+    "tau": [run.tau_align[0] for run in runs],
+    "error": sum(run.tau_error[0] for run in runs),
+    "height": [run.first_height[0] for run in runs],
+}))
+"""
+
+
+@pytest.mark.nightly
+def test_one_more_force_and_result_are_computed_by_both_engines(tmp_path):
+    found = told(extended(tmp_path), PULLED, VIBRALIGN_CACHE=str(tmp_path / "kernels"))
+    assert found["moved"] == pytest.approx(found["expected"], rel=1e-6)  # f = k_x (x - x_st)
+    batch, scalar = found["tau"]
+    assert abs(batch - scalar) < found["error"]
+    assert found["height"][0] == found["height"][1]
