@@ -12,6 +12,7 @@
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
+# make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
@@ -36,7 +37,7 @@ unexport PYTHONHOME PYTHONPATH
 FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 .PHONY: all $(FIGURES) smoke maps accuracy identification
 .PHONY: test lint types floors workflow unit environment python lock
-.PHONY: fuzz truth bench nightly same-bytes export-test clean distclean
+.PHONY: fuzz truth bench nightly same-bytes export-test docs clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -163,6 +164,12 @@ unit: environment
 export-test: environment-export
 	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/tracking/test_export.py
 
+docs: environment-docs
+	rm -rf site
+	.venv-docs/bin/sphinx-build --fresh-env --fail-on-warning --keep-going --quiet docs site
+	.venv-docs/bin/python docs/extensions/links.py site
+	@echo "open site/index.html"
+
 STUDY ?= smoke
 same-bytes: environment
 	VIBRALIGN_STUDY=$(STUDY) $(in_env) pytest -rP -m nightly tests/workflow/test_workflow.py
@@ -253,7 +260,7 @@ lock: python
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
 	$(call pin,requirements.lock,--extra plot --extra study --extra dev)
 	$(call pin,requirements-export.lock,--extra export --extra study --extra dev)
-	$(call pin,requirements-docs.lock,--extra docs --extra study --extra dev --constraints requirements.lock)
+	$(call pin,requirements-docs.lock,--extra docs --constraints requirements.lock)
 	$(call pin,requirements-bench.lock,--extra bench --constraints requirements.lock)
 	$(call pin,requirements-bench-source.lock,--extra bench-source --no-deps \
 		--constraints requirements.lock)
@@ -265,7 +272,7 @@ pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproj
 	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)
 
 clean:
-	rm -rf results results-* .snakemake build dist
+	rm -rf results results-* .snakemake build dist site
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean

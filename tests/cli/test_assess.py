@@ -27,13 +27,6 @@ def test_a_device_in_si_units_is_assessed_in_si_units(capsys):
     assert force.endswith("its value 10 N")
 
 
-def test_the_guide_shows_what_the_command_says(capsys):
-    guide = (Path(__file__).parents[2] / "docs" / "your-own-peg.md").read_text(encoding="utf-8")
-    shown = guide.split("    $ vibralign assess --device docs/peg.yaml\n")[1].split("\n\n")[0]
-    assert assess("--device", PEG) == cli.DONE
-    assert capsys.readouterr().out.splitlines() == [line[4:] for line in shown.splitlines()]
-
-
 def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     units, device = load_device(Path(PEG), {})
     leeway = Leeway("press_force", device.press_force, 1.0, 5.0, False, True)

@@ -1,0 +1,40 @@
+"""Configuration of the documentation site: `make docs` builds it into site/, without network."""
+
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "extensions"))
+
+project = "vibralign"
+version = release = version_of("vibralign")
+project_copyright = "vibralign contributors, MIT licence"
+language = "en_GB"
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "mathml",
+    "held_by",
+    "generated",
+]
+exclude_patterns = ["extensions"]
+templates_path: list[str] = []
+
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+autodoc_preserve_defaults = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+
+html_math_renderer = "mathml"
+html_theme = "furo"
+html_title = f"vibralign {release}"
+html_static_path = ["site.css"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sphinx = False

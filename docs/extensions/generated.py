@@ -1,0 +1,175 @@
+"""Directive `generated`: pages of the reference, made from the code that they describe."""
+
+import argparse
+import os
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from model.cli.main import _parser
+from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
+from model.physics.parameters import FIELDS, Parameters
+from model.physics.units import UNITS
+from model.study.config import Study
+from model.study.datasets import HISTORY_VARIABLES, VARIABLES
+
+
+def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table in Markdown."""
+    lines = [list(head)]
+    lines += [["---"] * len(lines[0]), *(list(row) for row in rows)]
+    return "\n".join("| " + " | ".join(row) + " |" for row in lines) + "\n"
+
+
+def _parameters() -> str:
+    defaults = {name: getattr(Parameters, name, "required") for name in FIELDS}
+    rows = (
+        (
+            f"`{name}`",
+            field.symbol,
+            field.quantity.unit,
+            field.description,
+            field.rule.removeprefix("must be "),
+            "derived" if defaults[name] is None else str(defaults[name]),
+        )
+        for name, field in FIELDS.items()
+    )
+    head = ("name", "symbol", "SI unit", "meaning", "rule", "default in Python")
+    return _table(head, rows)
+
+
+def _units() -> str:
+    rows = ((f"`{name}`", unit, meaning) for name, (meaning, unit) in UNITS.items())
+    return _table(("name", "SI unit", "meaning"), rows)
+
+
+def _outcomes() -> str:
+    rows = (
+        (f"`{each.name.lower()}`", str(each.value), OUTCOME_TEXT[each], remedy(each, Reason.NONE))
+        for each in Outcome
+    )
+    return _table(("outcome", "flag", "meaning", "remedy"), rows)
+
+
+def _reasons() -> str:
+    rows = (
+        (f"`{each.name.lower()}`", str(each.value), REASON_TEXT[each])
+        for each in Reason
+        if each is not Reason.NONE
+    )
+    return _table(("reason", "flag", "meaning"), rows)
+
+
+def _commands() -> str:
+    os.environ["COLUMNS"] = "96"
+    parser = _parser()
+    [commands] = (
+        action for action in parser._actions if isinstance(action, argparse._SubParsersAction)
+    )
+    pages = [("vibralign", parser), *((f"vibralign {n}", p) for n, p in commands.choices.items())]
+    return "\n\n".join(
+        f"## `{name}`\n\n```text\n{page.format_help().strip()}\n```" for name, page in pages
+    )
+
+
+def _type_of(schema: dict[str, Any]) -> str:
+    """The type that a JSON schema asks for, in words."""
+    if "$ref" in schema:
+        name = schema["$ref"].rpartition("/")[2]
+        return f"[{name}](#config-{name.lower()})"
+    for choice in ("anyOf", "oneOf"):
+        if choice in schema:
+            return " or ".join(_type_of(each) for each in schema[choice])
+    if "const" in schema:
+        return f"`{schema['const']}`"
+    if "enum" in schema:
+        return " or ".join(f"`{each}`" for each in schema["enum"])
+    if schema.get("type") == "array":
+        items = schema.get("prefixItems") or [schema.get("items", {})]
+        return "list of " + ", ".join(dict.fromkeys(_type_of(each) for each in items))
+    if schema.get("type") == "object":
+        return "mapping of names to " + _type_of(schema.get("additionalProperties", {}))
+    return str(schema.get("type", "anything"))
+
+
+_BOUNDS = {
+    "minimum": "≥ {}",
+    "exclusiveMinimum": "> {}",
+    "maximum": "≤ {}",
+    "exclusiveMaximum": "< {}",
+    "minItems": "at least {} items",
+    "minLength": "not empty",
+}
+
+
+def _keys(schema: dict[str, Any]) -> str:
+    required = schema.get("required", ())
+    rows = []
+    for name, key in schema.get("properties", {}).items():
+        bounds = [text.format(key[rule]) for rule, text in _BOUNDS.items() if rule in key]
+        kind = ", ".join([_type_of(key), *bounds])
+        default = "required" if name in required else f"`{key.get('default')}`"
+        rows.append((f"`{name}`", kind, default, key.get("description", "").replace("\n", " ")))
+    return _table(("key", "type", "default", "meaning"), rows)
+
+
+def _configuration() -> str:
+    schema = Study.model_json_schema()
+    parts = [_keys(schema)]
+    for name, each in sorted(schema["$defs"].items()):
+        text = each.get("description", "").partition("\n\n")[0].replace("\n", " ")
+        parts.append(f"(config-{name.lower()})=\n## {name}\n\n{text}\n\n{_keys(each)}")
+    return "\n\n".join(parts)
+
+
+def _variables_of(table: dict[str, dict[str, Any]]) -> str:
+    rows = (
+        (
+            f"`{name}`",
+            about.get("symbol", ""),
+            about.get("units", "1"),
+            about["long_name"],
+            ", ".join(f"`{flag}`" for flag in about.get("flag_meanings", "").split()),
+        )
+        for name, about in table.items()
+    )
+    return _table(("variable", "symbol", "units", "meaning", "flags, from 0"), rows)
+
+
+GENERATED: dict[str, Callable[[], str]] = {
+    "commands": _commands,
+    "configuration": _configuration,
+    "outcomes": _outcomes,
+    "parameters": _parameters,
+    "reasons": _reasons,
+    "units": _units,
+    "variables": lambda: _variables_of(VARIABLES),
+    "histories": lambda: _variables_of(HISTORY_VARIABLES),
+}
+
+
+class Generated(SphinxDirective):
+    """Insert one of ``GENERATED``, named by the argument."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """The parsed Markdown."""
+        text = GENERATED[self.arguments[0]]()
+        return self.parse_text_to_nodes(text, allow_section_headings=True)
+
+
+def _bars_are_text(*event: Any) -> None:
+    """Keep |x| in docstrings as it is: reST would take it for a substitution."""
+    lines = event[-1]
+    lines[:] = [line if "``" in line else line.replace("|", "\\|") for line in lines]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register the directive."""
+    app.add_directive("generated", Generated)
+    app.connect("autodoc-process-docstring", _bars_are_text)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

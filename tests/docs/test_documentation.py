@@ -1,0 +1,73 @@
+"""What the documentation names exists: functions, files, links, and one version."""
+
+import ast
+import re
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+import yaml
+
+REPOSITORY = Path(__file__).parents[2]
+DOCS = REPOSITORY / "docs"
+HELD_BY = re.compile(r"^```\{held-by\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
+LABEL = re.compile(r"^\$\$ \((eq-\w+)\)$", re.MULTILINE)
+LINK = re.compile(r"\]\(([^)#\s]+)\)")
+NAMED_FILE = re.compile(r"`([\w./-]+\.(?:py|md|yaml|smk|j2|toml|lock|nc|csv))`")
+
+
+def definitions(path: Path) -> set[str]:
+    nodes = ast.parse(path.read_text(encoding="utf-8")).body
+    return {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+
+
+def text_of(pages: Path) -> dict[str, str]:
+    return {path.name: path.read_text(encoding="utf-8") for path in sorted(pages.glob("*.md"))}
+
+
+def test_every_function_that_the_theory_names_exists():
+    for page, text in text_of(DOCS / "theory").items():
+        for name in "".join(HELD_BY.findall(text)).split():
+            module, _, function = name.rpartition(".")
+            path = REPOSITORY / "src" / "model" / f"{module.replace('.', '/')}.py"
+            assert path.is_file(), f"{page}: {name}"
+            assert function in definitions(path), f"{page}: {name}"
+
+
+def test_every_equation_of_the_theory_is_followed_by_its_function():
+    printed_only = {"eq-1", "eq-2", "eq-3"}  # the paper's own, integrated as F6
+    for page, text in text_of(DOCS / "theory").items():
+        labels = LABEL.findall(text)
+        assert len(set(labels)) == len(labels), page
+        for label in set(labels) - printed_only:
+            following = text.split(f"({label})\n", 1)[1]
+            ends = [following.find(mark) for mark in ("```{held-by}", "\n## ")]
+            held, section = (end if end >= 0 else len(following) for end in ends)
+            assert held < section, f"{page}: {label}"
+
+
+def test_every_part_of_the_physics_has_its_equation():
+    named = "".join("".join(HELD_BY.findall(text)) for text in text_of(DOCS / "theory").values())
+    for module in ("forces", "contacts", "motion", "geometry"):
+        public = {
+            name
+            for name in definitions(REPOSITORY / f"src/model/physics/{module}.py")
+            if name[0].islower() and not name.startswith("_")
+        }
+        plain = {"dot", "is_supported", "never_sticks", "turning"}  # arithmetic, and questions
+        missing = {name for name in public - plain if f"physics.{module}.{name}" not in named}
+        assert not missing
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
+def test_links_and_files_of_the_top_pages_exist(name):
+    text = (REPOSITORY / name).read_text(encoding="utf-8")
+    for target in LINK.findall(text):
+        assert "://" in target or (REPOSITORY / target).exists(), target
+
+
+def test_the_version_is_stated_once():
+    citation = yaml.safe_load((REPOSITORY / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == version("vibralign")
+    changelog = (REPOSITORY / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"\n## {version('vibralign')}" in changelog

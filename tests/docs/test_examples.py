@@ -1,0 +1,73 @@
+"""The examples of the README and the documentation run, and print what the pages show."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from model.cli import main as cli
+
+REPOSITORY = Path(__file__).parents[2]
+PAGES = [
+    path
+    for path in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").rglob("*.md")]
+    if "decisions" not in path.parts
+]
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+COMMAND = re.compile(
+    r"^(?: {4}|\$ )(?:\w+=\S+ )*(vibralign|make|snakemake)\b([^#\n]*)", re.MULTILINE
+)
+
+
+def name_of(path: Path) -> str:
+    return str(path.relative_to(REPOSITORY))
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    found = BLOCK.findall(page.read_text(encoding="utf-8"))
+    return [text for kind, text in found if kind == language]
+
+
+def with_blocks(language: str) -> list[Path]:
+    return [page for page in PAGES if blocks(page, language)]
+
+
+@pytest.mark.parametrize("page", with_blocks("python"), ids=name_of)
+def test_python_runs(page, tmp_path, monkeypatch):
+    (tmp_path / "docs").symlink_to(REPOSITORY / "docs")
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "data").symlink_to(REPOSITORY / "tests" / "reference")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "example"}
+    for text in blocks(page, "python"):
+        exec(compile(text, name_of(page), "exec"), names)  # noqa: S102 - our own pages
+
+
+CONSOLE = [
+    pytest.param(text, id=f"{name_of(page)}-{i}")
+    for page in with_blocks("console")
+    for i, text in enumerate(blocks(page, "console"))
+]
+
+
+@pytest.mark.parametrize("text", CONSOLE)
+def test_a_command_prints_what_the_page_shows(text, monkeypatch, capsys):
+    monkeypatch.chdir(REPOSITORY)
+    command, _, shown = text.partition("\n")
+    assert command.startswith("$ vibralign ")
+    cli.main(shlex.split(command)[2:])
+    assert capsys.readouterr().out.rstrip("\n") == shown.rstrip("\n")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_commands_exist(page):
+    makefile = (REPOSITORY / "Makefile").read_text(encoding="utf-8")
+    targets = set(re.findall(r"^([\w-]+):", makefile, re.MULTILINE))
+    for program, rest in COMMAND.findall(page.read_text(encoding="utf-8")):
+        words = shlex.split(rest)
+        if program == "make":
+            named = {word for word in words if "=" not in word}
+            assert named <= targets | {f"fig{n:02}" for n in range(1, 15)}, rest
+        elif program == "vibralign":
+            cli._parser().parse_args(words)  # else SystemExit
