@@ -146,11 +146,11 @@ align([{W1!r}], horizon=10.0, cores=1)
 """
 _RUN_EVERYTHING = f"""
 from model import Parameters, align, simulate
-from model.runs.unlocated import align_unlocated
+from verification import without_location
 case = {W1!r}
 align([case], horizon=1.0, cores=1)
 simulate(case, horizon=1.0)
-align_unlocated([case], "rk4", 0.01, horizon=1.0)
+without_location.align([case], "rk4", 0.01, horizon=1.0)
 """
 _NUMBA_ALONE = "import numba, numpy\n"
 # The same equations by the plainest integrator, one sliding mode, no switches.

@@ -4,7 +4,7 @@ Sets are drawn by the law of ``make accuracy`` and kept where a run aligns, is n
 meets nothing but the edge A1 under the bottom face, which is what the peers model. heyoka solves
 the peers' own statement of the equations (equations.py) with located switches; MuJoCo is given
 bodies, joints and a soft contact, no equations at all. The independent solution in
-``model.study.independent`` covers the whole scene: ``make accuracy``.
+``verification.independent.solution`` covers the whole scene: ``make accuracy``.
 
 Errors are estimated from a second run, and an estimate is now and then too small (decision 3): the
 rule of ``make accuracy`` judges it here as well. A set beyond its estimate is run again at a
@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 
 from benchmarks.problems import Problem, only_right_edge
 from model import Outcome, Parameters, Scene, align
-from model.study.accuracy import Verdict, judge_estimate
 from model.study.config import load_study, study_path
-from model.study.trials import trial_of
+from verification.accuracy import Verdict, judge_estimate
+from verification.trials import trial_of
 
 Floats = NDArray[np.float64]
 

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from model import Batch, Parameters, Readings, Scene, Settings, align, simulate
-from model.runs.unlocated import align_unlocated
-from model.study.accuracy import read_tables
 from model.study.csv_tables import TableError
 from model.study.datasets import DatasetError, read_dataset
-from model.study.fuzz import try_sets
-from model.study.hard_cases import read_table
 from model.study.identification.band_table import read_bands
-from model.study.independent import solve
-from model.study.precision import read_timings
+from verification import without_location
+from verification.accuracy import read_tables
+from verification.fuzz import try_sets
+from verification.hard_cases import read_table
+from verification.independent import solve
+from verification.work_precision import read_timings
 
 NAN, INF = math.nan, math.inf
 
@@ -83,8 +83,12 @@ CALLS = {
     ),
     "a sweep with a bad value": (lambda p: Batch.of(p, friction=[0.1, -1.0]), ["friction[1]"]),
     "a sweep that is no number": (lambda p: Batch.of(p, friction=["much"]), ["friction", "much"]),
-    "a scheme that is none": (lambda p: align_unlocated([p], "euler", 0.1), ["'euler'", "rk4"]),
-    "a step that is none": (lambda p: align_unlocated([p], "rk4", 0.0), ["resolution", "> 0"]),
+    "a scheme that is none": (
+        lambda p: without_location.align([p], "euler", 0.1), ["'euler'", "rk4"],
+    ),
+    "a step that is none": (
+        lambda p: without_location.align([p], "rk4", 0.0), ["resolution", "> 0"],
+    ),
 }  # fmt: skip
 
 

@@ -40,7 +40,7 @@ from model.physics.compiled import kernel
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.motion import motion, side_contact, support_contact
 from model.physics.scenes import CLOSED, RELEASED
-from model.study.fuzz import draw
+from verification.fuzz import draw
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 NODES, WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS

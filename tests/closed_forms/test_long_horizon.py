@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from model import Outcome, Settings
-from model.study.hard_cases import run_once
+from verification.hard_cases import run_once
 
 
 def test_after_100000_periods_the_phase_is_still_right(device):

@@ -31,8 +31,8 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
 from model.study.config import load_study, study_path
-from model.study.independent import solve
-from model.study.trials import trial_of
+from verification.independent import solve
+from verification.trials import trial_of
 
 MOUTH = 10.0  # abscissa of A2; A1 is at -MOUTH, far behind the peg's end
 NARROW, STIFFNESS = 2.0, 1e6  # the peg's width d, and the stiffness of edge and wall

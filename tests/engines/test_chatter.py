@@ -9,7 +9,7 @@ from model.engines.record import EVALUATIONS, STATE, SWITCHES_AT_ONCE, TIME
 from model.engines.scalar.loop import new_single
 from model.physics.notation import STATE_SIZE
 from model.physics.scenes import OPEN, START
-from model.study.fuzz import SETTINGS, draw
+from verification.fuzz import SETTINGS, draw
 
 
 @pytest.mark.parametrize("number", [1844, 4419, 5677, 7856, 9260])

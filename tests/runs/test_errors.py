@@ -8,7 +8,7 @@ from model.engines.results import RunResult
 from model.physics.parameters import Constants
 from model.runs.errors import TILTED, estimate
 from model.study.config import load_study, study_path
-from model.study.trials import trial_of
+from verification.trials import trial_of
 
 SEEDS = [0, 1]
 COUNT = 200

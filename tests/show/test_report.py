@@ -13,29 +13,34 @@ from markupsafe import escape
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
-from model.show.hard_cases import CAPTIONS as HARD_CAPTIONS
-from model.show.precision import CAPTIONS, advice
 from model.show.report import background
+from model.show.report import page as report_page
 from model.show.report.background import READING_WORDS
 from model.show.report.contact_stiffness import sentences
 from model.show.report.figures import counts_of
-from model.show.report.page import render_report
 from model.show.report.section import Results, subscripts, symbol
 from model.show.words import power
 from model.study.claims import judge, tally
 from model.study.claims.table import ledger_text, lines_of
 from model.study.contact_comparison import claims_on_bases
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
-from model.study.hard_cases import table_of
-from model.study.precision import timings_table
-from model.study.precision_plans import HARD_PICTURES, PICTURES
 from model.study.sweeps import sweep_of
+from verification.hard_cases import table_of
+from verification.plans import HARD_PICTURES, PICTURES
+from verification.report import SECTIONS
+from verification.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
+from verification.report.work_precision_plots import CAPTIONS, advice
+from verification.work_precision import timings_table
 
 # The smallest picture there is: one transparent pixel.
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
 )
 VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+
+def render_report(results):
+    return report_page.render_report(results, SECTIONS)
 
 
 class Page(HTMLParser):

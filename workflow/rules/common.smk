@@ -7,10 +7,10 @@ from model.physics.readings import READING_NAMES
 from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES
-from model.study.precision_plans import HARD_PICTURES, PICTURES
+from verification.plans import HARD_PICTURES, PICTURES
 from model.tracking.provenance import code_hash
 from model.study.sweeps import claim_sweep, sweep_of
-from model.study.trials import trial_of
+from verification.trials import trial_of
 
 computed = HISTORIES + gridded
 invocation.state(study=study.model_dump(mode="json"))

@@ -1,6 +1,6 @@
 """Hard cases: every method on every case, and the two pictures of it."""
 
-from model.study.precision_plans import hard_cases_plan
+from verification.plans import hard_cases_plan
 
 
 # As in precision.smk: errors and evaluations are data, CPU times stand apart.

@@ -6,7 +6,7 @@ benchmarks/, and nothing under data/ or figures/ is made from them.
 
 import json
 
-from model.study.precision_plans import fixed_step_plan, precision_plan
+from verification.plans import fixed_step_plan, precision_plan
 
 
 # Apart from the other kernels, so that an edit of what only this section runs reruns no figure.

@@ -4,15 +4,15 @@ import argparse
 from pathlib import Path
 
 from model.study.datasets import write_dataset
-from model.study.precision import (
+from model.tracking.provenance import Job, write_text
+from verification.plans import PrecisionPlan
+from verification.work_precision import (
     METHODS,
     climb,
     precision_dataset,
     timings_table,
     true_run,
 )
-from model.study.precision_plans import PrecisionPlan
-from model.tracking.provenance import Job, write_text
 
 
 def main() -> None:

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from model.runs.unlocated import align_unlocated, unlocated_problem
 from model.study.config import baseline
 from model.tracking.provenance import Job, closure_hash, write_json
+from verification import without_location
 
 
 def main() -> None:
@@ -15,8 +15,8 @@ def main() -> None:
     parser.add_argument("--record", type=Path, required=True)
     arguments = parser.parse_args()
     job = Job("unlocated_kernels")
-    align_unlocated([baseline()], "rk4", 0.1, horizon=0.1)
-    problem = unlocated_problem(baseline())
+    without_location.align([baseline()], "rk4", 0.1, horizon=0.1)
+    problem = without_location.initial_value_problem(baseline())
     problem.rates(0.0, problem.start)
     problem.fall(0.0, problem.start)
     write_json({"kernels": closure_hash(Path(__file__))}, arguments.output)

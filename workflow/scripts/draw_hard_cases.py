@@ -3,12 +3,12 @@
 import argparse
 from pathlib import Path
 
-from model.show.hard_cases import error_over_stiffness, stability
 from model.show.style import save
 from model.study.config import HardCases
-from model.study.hard_cases import read_table
-from model.study.precision_plans import HARD_PICTURES
 from model.tracking.provenance import Job
+from verification.hard_cases import read_table
+from verification.plans import HARD_PICTURES
+from verification.report.hard_cases_plots import error_over_stiffness, stability
 
 
 def main() -> None:

@@ -4,12 +4,16 @@ import argparse
 import json
 from pathlib import Path
 
-from model.show.precision import evaluations_over_error, time_over_error, wrong_points
 from model.show.style import save
 from model.study.datasets import read_dataset
-from model.study.precision import read_timings
-from model.study.precision_plans import PICTURES
 from model.tracking.provenance import Job
+from verification.plans import PICTURES
+from verification.report.work_precision_plots import (
+    evaluations_over_error,
+    time_over_error,
+    wrong_points,
+)
+from verification.work_precision import read_timings
 
 
 def main() -> None:

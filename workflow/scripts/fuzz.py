@@ -5,7 +5,7 @@ import sys
 from collections import Counter
 from time import perf_counter
 
-from model.study.fuzz import SETTINGS, UNEXPLAINED_SHARE, Finding, try_sets
+from verification.fuzz import SETTINGS, UNEXPLAINED_SHARE, Finding, try_sets
 
 _AT_ONCE = 2000
 _SHOWN = 10  # findings of each kind

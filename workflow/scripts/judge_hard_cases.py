@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from model.study.hard_cases import compile_batch, judge, methods_for, table_of, true_run
-from model.study.precision_plans import HardCasesPlan
 from model.tracking.provenance import Job, write_text
+from verification.hard_cases import compile_batch, judge, methods_for, table_of, true_run
+from verification.plans import HardCasesPlan
 
 
 def main() -> None:

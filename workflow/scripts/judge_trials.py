@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
-from model.study.accuracy import read_tables, summary, write_table
 from model.tracking.provenance import Job, write_text
+from verification.accuracy import read_tables, summary, write_table
 
 
 def main() -> None:

@@ -7,6 +7,7 @@ from model.show.report.page import render_report
 from model.show.report.section import Results
 from model.study.config import Study
 from model.tracking.provenance import Job, write_text
+from verification.report import SECTIONS
 
 
 def main() -> None:
@@ -20,7 +21,7 @@ def main() -> None:
     arguments = parser.parse_args()
     job = Job("report")
     results = Results(arguments.root, arguments.study, arguments.identified)
-    write_text(render_report(results), arguments.output)
+    write_text(render_report(results, SECTIONS), arguments.output)
     job.finish(arguments.record, [arguments.output], results.inputs)
 
 

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from model.study.accuracy import run_trial, write_table
-from model.study.trials import Trial
 from model.tracking.provenance import Job
+from verification.accuracy import run_trial, write_table
+from verification.trials import Trial
 
 
 def main() -> None:

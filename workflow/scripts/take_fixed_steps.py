@@ -4,9 +4,9 @@ import argparse
 from pathlib import Path
 
 from model.study.datasets import read_dataset, write_dataset
-from model.study.fixed_steps import fixed_step_dataset
-from model.study.precision_plans import FixedStepPlan
 from model.tracking.provenance import Job
+from verification.fixed_steps import fixed_step_dataset
+from verification.plans import FixedStepPlan
 
 
 def main() -> None:

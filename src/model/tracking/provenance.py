@@ -23,10 +23,12 @@ _TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snake
 
 
 def _module_file(name: str) -> Path | None:
-    """Source of a module of this package, or None for anything else."""
-    if name.split(".", maxsplit=1)[0] != _PACKAGE.name:
+    """Return the source of a module of the package or of the checkout's verification, or None."""
+    folders = {_PACKAGE.name: _PACKAGE.parent, "verification": _PACKAGE.parents[1]}
+    folder = folders.get(name.split(".", maxsplit=1)[0])
+    if folder is None:
         return None
-    base = _PACKAGE.parent.joinpath(*name.split("."))
+    base = folder.joinpath(*name.split("."))
     for candidate in (base.with_suffix(".py"), base / "__init__.py"):
         if candidate.is_file():
             return candidate

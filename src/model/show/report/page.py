@@ -11,36 +11,32 @@ from model.show.report import (
     claims,
     contact_stiffness,
     figures,
-    hard_cases,
     identification,
-    speed,
 )
 from model.show.report.section import Results, Section, subscripts
 from model.show.style import FORMATS
 from model.show.words import figure_title, number, percent, power
 
+Make = Callable[[Results], Section | None]
+
 # In the order of the page. Each returns None where the study has nothing to show; the provenance
 # comes last, since it names the files that the others took.
-SECTIONS: tuple[Callable[[Results], Section | None], ...] = (
+FINDINGS: tuple[Make, ...] = (
     figures.glance,
     background.reading,
     figures.figures,
     claims.section,
     contact_stiffness.section,
     identification.section,
-    speed.section,
-    hard_cases.section,
-    background.device,
-    background.equations,
-    background.provenance,
 )
+BACKGROUND: tuple[Make, ...] = (background.device, background.equations, background.provenance)
 _FOLDER = Path(__file__).parent
 
 
-def render_report(
-    results: Results, sections: Sequence[Callable[[Results], Section | None]] = SECTIONS
-) -> str:
+def render_report(results: Results, more: Sequence[Make] = ()) -> str:
     """Return the page as HTML; the same inputs give the same text.
+
+    The sections of ``more``, from outside the package, stand between findings and background.
 
     Links to datasets (``data/fig06.nc``) and figures (``figures/fig06.svg``) are relative to the
     results root, where the page belongs.
@@ -59,7 +55,8 @@ def render_report(
         number=number, power=power, percent=percent, subscripts=subscripts, figure=figure_title
     )
     environment.globals["formats"] = FORMATS
-    made = [section for make in sections if (section := make(results)) is not None]
+    makes = (*FINDINGS, *more, *BACKGROUND)
+    made = [section for make in makes if (section := make(results)) is not None]
     bodies = []
     for section in made:
         template = environment.from_string(section.template.read_text(encoding="utf-8"))

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from model.show.hard_cases import CAPTIONS
 from model.show.report.section import Results, Section, settings_of, subscripts
 from model.study.config import HardCase
-from model.study.hard_cases import BATCH, DEFAULT, Judged, Mark, read_table
-from model.study.precision import METHODS
-from model.study.precision_plans import HARD_PICTURES
+from verification.hard_cases import BATCH, DEFAULT, Judged, Mark, read_table
+from verification.plans import HARD_PICTURES
+from verification.report.hard_cases_plots import CAPTIONS
+from verification.work_precision import METHODS
 
 
 @dataclass(frozen=True)

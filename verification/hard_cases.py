@@ -32,8 +32,8 @@ from model.runs.align import NO_TRACK, side_by_side
 from model.runs.errors import estimate
 from model.runs.settings import Settings
 from model.study.csv_tables import csv_text, read_rows
-from model.study.precision import METHODS, Passed, Problem, Verdict, failure_of
-from model.study.precision_plans import HardCasesPlan
+from verification.plans import HardCasesPlan
+from verification.work_precision import METHODS, Passed, Problem, Verdict, failure_of
 
 DEFAULT, BATCH = "dop853_located", "batch"
 

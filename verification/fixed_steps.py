@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.runs.unlocated import UnlocatedScheme, align_unlocated
 from model.study.datasets import DatasetError, flags
-from model.study.precision_plans import FixedStepPlan
+from verification import without_location
+from verification.plans import FixedStepPlan
 
-FIXED_SCHEMES: tuple[UnlocatedScheme, ...] = ("rk4", "semi_implicit_euler")
+FIXED_SCHEMES: tuple[without_location.Scheme, ...] = ("rk4", "semi_implicit_euler")
 KIND = "fixed_steps"
 
 
@@ -58,7 +58,7 @@ def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
     tau = np.array(
         [
             [
-                align_unlocated(
+                without_location.align(
                     batch, scheme, step, readings=settings.readings, horizon=settings.horizon
                 ).tau_align.reshape(true.shape)
                 for step in plan.steps

@@ -9,7 +9,7 @@ import pytest
 from model.events.outcomes import Outcome
 from model.study.config import load_study, study_path
 from model.study.csv_tables import TableError
-from model.study.hard_cases import (
+from verification.hard_cases import (
     BATCH,
     DEFAULT,
     Judged,
@@ -23,8 +23,8 @@ from model.study.hard_cases import (
     table_of,
     true_run,
 )
-from model.study.precision import METHODS, Passed, Verdict
-from model.study.precision_plans import hard_cases_plan
+from verification.plans import hard_cases_plan
+from verification.work_precision import METHODS, Passed, Verdict
 
 STATE = np.zeros(6)
 NAN = math.nan

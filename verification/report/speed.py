@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from model.show.precision import CAPTIONS, COARSE, FINE, Need, advice, needs
 from model.show.report.section import Results, Section, Table, link, settings_of
 from model.show.words import figure_title, number
 from model.study.config import Study
-from model.study.fixed_steps import wrong_counts
-from model.study.precision import METHODS, TimedRung, read_timings
-from model.study.precision_plans import PICTURES
+from verification.fixed_steps import wrong_counts
+from verification.plans import PICTURES
+from verification.report.work_precision_plots import CAPTIONS, COARSE, FINE, Need, advice, needs
+from verification.work_precision import METHODS, TimedRung, read_timings
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,10 +25,10 @@ from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters
 from model.runs.align import align
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
-from model.runs.unlocated import UnlocatedScheme, align_unlocated, unlocated_problem
 from model.study.csv_tables import csv_text, read_rows
 from model.study.datasets import flags, global_attributes, parameter_attributes
-from model.study.precision_plans import PrecisionPlan
+from verification import without_location
+from verification.plans import PrecisionPlan
 
 Floats = NDArray[np.float64]
 NAME = "precision"
@@ -118,7 +118,7 @@ class Unlocated:
     """Compiled runs without located switches."""
 
     label: str
-    scheme: UnlocatedScheme
+    scheme: without_location.Scheme
     fixed: bool
     located: bool = False
     together: int = 1
@@ -134,7 +134,7 @@ class Unlocated:
     def run(self, problem: Problem, resolution: float) -> Passed:
         """One run."""
         batch = problem.neighbours(1)
-        runs = align_unlocated(batch, self.scheme, resolution, **self._options(problem))
+        runs = without_location.align(batch, self.scheme, resolution, **self._options(problem))
         return Passed(
             float(runs.tau_align[0]),
             runs.state[0],
@@ -145,7 +145,7 @@ class Unlocated:
     def run_many(self, problem: Problem, resolution: float, count: int) -> None:
         """A batch."""
         batch = problem.neighbours(count)
-        align_unlocated(batch, self.scheme, resolution, **self._options(problem))
+        without_location.align(batch, self.scheme, resolution, **self._options(problem))
 
 
 class _TooManyEvaluationsError(Exception):
@@ -173,7 +173,7 @@ class Scipy:
             self._solve(batch[row], problem, resolution)
 
     def _solve(self, parameters: Parameters, problem: Problem, resolution: float) -> Passed:
-        case = unlocated_problem(parameters, problem.settings.readings)
+        case = without_location.initial_value_problem(parameters, problem.settings.readings)
         counter = itertools.count(1)
         evaluations = 0
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from model import Batch, align
-from model.runs.unlocated import align_unlocated, unlocated_problem
+from verification import without_location
 
 FIXED = pytest.mark.parametrize(("scheme", "cost"), [("rk4", 4), ("semi_implicit_euler", 1)])
 
@@ -21,17 +21,17 @@ def slow(device):
 @FIXED
 def test_a_fixed_step_run_ends_with_the_step_in_which_the_part_fell(slow, scheme, cost):
     h = 0.01
-    run = align_unlocated([slow], scheme, h)
+    run = without_location.align([slow], scheme, h)
     steps = run.tau_align[0] / h
     assert steps == pytest.approx(round(steps), abs=1e-9)
     assert run.rhs_evaluations[0] == cost * round(steps)
     assert run.time[0] == run.tau_align[0]
     assert run.finished[0]
     # The step before, it had not.
-    earlier = align_unlocated([slow], scheme, h, horizon=(round(steps) - 1) * h)
+    earlier = without_location.align([slow], scheme, h, horizon=(round(steps) - 1) * h)
     assert isnan(earlier.tau_align[0])
-    assert unlocated_problem(slow).fall(0.0, earlier.state[0]) > 0.0
-    assert unlocated_problem(slow).fall(0.0, run.state[0]) < 0.0
+    assert without_location.initial_value_problem(slow).fall(0.0, earlier.state[0]) > 0.0
+    assert without_location.initial_value_problem(slow).fall(0.0, run.state[0]) < 0.0
 
 
 @pytest.mark.parametrize("scheme", ["rk4", "semi_implicit_euler", "dormand_prince"])
@@ -42,7 +42,7 @@ def test_they_converge_to_the_located_time(device, scheme):
     true = located.tau_align[0]
     finest, coarse = (1e-7, 1e-3) if scheme == "dormand_prince" else (1e-4, 2e-2)
     errors = [
-        abs(align_unlocated([bouncing], scheme, resolution).tau_align[0] - true)
+        abs(without_location.align([bouncing], scheme, resolution).tau_align[0] - true)
         for resolution in (coarse, finest)
     ]
     # First order at best, of a motion whose velocities are of order 1.
@@ -51,18 +51,18 @@ def test_they_converge_to_the_located_time(device, scheme):
 
 
 def test_the_adaptive_run_locates_the_fall(slow):
-    run = align_unlocated([slow], "dormand_prince", 1e-9)
-    assert abs(unlocated_problem(slow).fall(0.0, run.state[0])) < 1e-9
+    run = without_location.align([slow], "dormand_prince", 1e-9)
+    assert abs(without_location.initial_value_problem(slow).fall(0.0, run.state[0])) < 1e-9
     assert run.tau_align[0] == pytest.approx(align([slow]).tau_align[0], abs=1e-6)
 
 
 @pytest.mark.parametrize("scheme", ["rk4", "semi_implicit_euler", "dormand_prince"])
 def test_a_run_ends_at_the_horizon_or_when_its_evaluations_are_spent(slow, scheme):
-    at_horizon = align_unlocated([slow], scheme, 0.003, horizon=1.0)
+    at_horizon = without_location.align([slow], scheme, 0.003, horizon=1.0)
     assert at_horizon.time[0] == 1.0
     assert at_horizon.finished[0]
     assert isnan(at_horizon.tau_align[0])
-    spent = align_unlocated([slow], scheme, 1e-6, horizon=1.0, max_evaluations=50)
+    spent = without_location.align([slow], scheme, 1e-6, horizon=1.0, max_evaluations=50)
     assert not spent.finished[0]
     assert 40 <= spent.rhs_evaluations[0] <= 50
     assert spent.time[0] < 1.0
@@ -71,7 +71,7 @@ def test_a_run_ends_at_the_horizon_or_when_its_evaluations_are_spent(slow, schem
 def test_a_part_that_leaves_the_edge_or_turns_over_does_not_align(device):
     # From 160 on, Fig. 6's hard pressed parts turn over; the located run says so too.
     hard = device.replace(press_force=9.9, tilt_stiffness=5.0)
-    run = align_unlocated([hard], "rk4", 1e-3)
+    run = without_location.align([hard], "rk4", 1e-3)
     assert isnan(run.tau_align[0])
     assert run.finished[0]
     assert run.time[0] < 300.0
@@ -80,16 +80,16 @@ def test_a_part_that_leaves_the_edge_or_turns_over_does_not_align(device):
 @pytest.mark.parametrize("scheme", ["rk4", "dormand_prince"])
 def test_a_batch_is_its_runs_one_by_one(device, scheme):
     batch = Batch.of(device, press_force=[1.0, 2.0, 3.0])
-    together = align_unlocated(batch, scheme, 1e-3)
+    together = without_location.align(batch, scheme, 1e-3)
     for row in range(len(batch)):
-        alone = align_unlocated([batch[row]], scheme, 1e-3)
+        alone = without_location.align([batch[row]], scheme, 1e-3)
         assert together.tau_align[row] == alone.tau_align[0]
         assert together.rhs_evaluations[row] == alone.rhs_evaluations[0]
         np.testing.assert_array_equal(together.state[row], alone.state[0])
 
 
 def test_another_solver_gets_the_same_problem(slow):
-    problem = unlocated_problem(slow)
+    problem = without_location.initial_value_problem(slow)
 
     def fall(time, y):
         return problem.fall(time, y)
@@ -104,7 +104,7 @@ def test_another_solver_gets_the_same_problem(slow):
 
 def test_faults_are_named(device):
     with pytest.raises(ValueError, match="scheme = 'rk5': must be one of rk4, semi_implicit"):
-        align_unlocated([device], "rk5", 0.1)
+        without_location.align([device], "rk5", 0.1)
     for name, arguments in {"resolution": (0.0, 1.0), "horizon": (0.1, float("inf"))}.items():
         with pytest.raises(ValueError, match=rf"{name} = .*: must be a finite number > 0"):
-            align_unlocated([device], "rk4", arguments[0], horizon=arguments[1])
+            without_location.align([device], "rk4", arguments[0], horizon=arguments[1])

@@ -22,8 +22,8 @@ from model.runs.align import align, run_once
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
 from model.study.files import whole_file
-from model.study.independent import solve
-from model.study.trials import Trial
+from verification.independent import solve
+from verification.trials import Trial
 
 Table = dict[str, NDArray[Any]]
 

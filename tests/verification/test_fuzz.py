@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from model import Alignments, Batch, Outcome, Parameters, Reason, Settings, align, simulate
 from model.physics.parameters import FIELDS
-from model.study.fuzz import LAWS, SETTINGS, UNEXPLAINED_SHARE, broken_properties, draw, try_sets
+from verification.fuzz import LAWS, SETTINGS, UNEXPLAINED_SHARE, broken_properties, draw, try_sets
 
 SEED, OTHER_SEED = 2007, 2008
 PATIENT = replace(SETTINGS, max_evaluations=10_000)  # enough for a device to align

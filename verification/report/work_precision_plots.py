@@ -17,8 +17,8 @@ from matplotlib.patches import Patch
 from model.show import style
 from model.show.plots import axis_label, cell_edges
 from model.show.words import percent, power, short
-from model.study.fixed_steps import Wrong, wrong_counts
-from model.study.precision import METHODS, Rung, Scipy, TimedRung, Verdict, names_of
+from verification.fixed_steps import Wrong, wrong_counts
+from verification.work_precision import METHODS, Rung, Scipy, TimedRung, Verdict, names_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.show import precision
-from model.show.precision import (
+from verification.fixed_steps import Wrong
+from verification.plans import PICTURES
+from verification.report import work_precision_plots
+from verification.report.work_precision_plots import (
     CAPTIONS,
     advice,
     evaluations_over_error,
@@ -16,9 +18,7 @@ from model.show.precision import (
     time_over_error,
     wrong_points,
 )
-from model.study.fixed_steps import Wrong
-from model.study.precision import METHODS, Verdict
-from model.study.precision_plans import PICTURES
+from verification.work_precision import METHODS, Verdict
 
 TITLES = {
     "aligned": "slides", "sticking": "sticks", "bouncing": "bounces", "never_aligning": "never",
@@ -59,10 +59,10 @@ def drawn(axes, label: str) -> list[tuple[float, float]]:
 
 
 def test_every_method_and_picture_has_its_look_and_words():
-    assert list(precision.LOOKS) == list(METHODS)
-    looks = [(look["color"], look["marker"]) for look in precision.LOOKS.values()]
+    assert list(work_precision_plots.LOOKS) == list(METHODS)
+    looks = [(look["color"], look["marker"]) for look in work_precision_plots.LOOKS.values()]
     assert len(set(looks)) == len(METHODS)
-    assert len({look["marker"] for look in precision.LOOKS.values()}) == len(METHODS)
+    assert len({look["marker"] for look in work_precision_plots.LOOKS.values()}) == len(METHODS)
     assert set(CAPTIONS) == set(PICTURES)
 
 
@@ -106,8 +106,8 @@ def test_wrong_points_stand_where_they_are(wrong_datasets):
             axes = figure.axes[2 * row + column]
             part = dataset.isel(scheme=0, step=row)
             for kind, label in (
-                (Wrong.WRONG_TIME, precision.WRONG_TIME_LABEL),
-                (Wrong.WRONG_OUTCOME, precision.WRONG_OUTCOME_LABEL),
+                (Wrong.WRONG_TIME, work_precision_plots.WRONG_TIME_LABEL),
+                (Wrong.WRONG_OUTCOME, work_precision_plots.WRONG_OUTCOME_LABEL),
             ):
                 rows, columns = np.nonzero(part["wrong"].values == kind)
                 if name == "fig13":

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.runs.unlocated import align_unlocated
 from model.study.config import load_study, study_path
 from model.study.datasets import (
     DatasetError,
@@ -13,9 +12,10 @@ from model.study.datasets import (
     read_dataset,
     write_dataset,
 )
-from model.study.fixed_steps import FIXED_SCHEMES, Wrong, fixed_step_dataset, judged, wrong_counts
-from model.study.precision_plans import FixedStepPlan
 from model.study.sweeps import sweep_of
+from verification import without_location
+from verification.fixed_steps import FIXED_SCHEMES, Wrong, fixed_step_dataset, judged, wrong_counts
+from verification.plans import FixedStepPlan
 
 NAN = np.nan
 
@@ -94,7 +94,9 @@ def test_a_figure_anew_stands_beside_the_located_one(
                     name: float(dataset[name].values[place[i]])
                     for i, name in enumerate(("press_force", "tilt_stiffness"))
                 }
-                run = align_unlocated([device.replace(**changes)], scheme, step, horizon=100.0)
+                run = without_location.align(
+                    [device.replace(**changes)], scheme, step, horizon=100.0
+                )
                 found = dataset["tau_align"].values[(row, column, *place)]
                 np.testing.assert_array_equal(found, run.tau_align[0])
     path = tmp_path_factory.mktemp("data") / "fig13.nc"

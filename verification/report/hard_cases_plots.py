@@ -9,10 +9,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from model.show import style
-from model.show.precision import LOOKS
 from model.study.config import HardCases
-from model.study.hard_cases import Judged, Mark
-from model.study.precision import METHODS, Verdict
+from verification.hard_cases import Judged, Mark
+from verification.report.work_precision_plots import LOOKS
+from verification.work_precision import METHODS, Verdict
 
 CAPTIONS: Mapping[str, str] = {
     "stability": "What each method makes of each hard case. A number is the power of ten of the "

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from model import Outcome, Parameters, simulate
-from model.study.independent import solve
+from verification.independent import solve
 
 # What differs from the device, and switches that the run must go through.
 RUNS = {

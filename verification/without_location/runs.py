@@ -11,26 +11,24 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.record import constants_in
 from model.engines.scalar.tableaux import DORMAND_PRINCE, RK4
-from model.engines.unlocated import (
+from model.physics.notation import STATE_SIZE
+from model.physics.parameters import Batch, Parameters
+from model.physics.readings import Readings
+from verification.without_location.engine import (
     ADAPTIVE_STEPS,
     RK4_STEPS,
     SEMI_IMPLICIT_EULER_STEPS,
     Passage,
-    outside,
-    pass_unlocated,
-    unlocated_rates,
+    outside_of,
+    run_rows,
+    write_rates_of,
 )
-from model.physics.compiled import kernel
-from model.physics.notation import STATE_SIZE
-from model.physics.parameters import Batch, Parameters
-from model.physics.readings import Readings
 
 Floats = NDArray[np.float64]
-UnlocatedScheme = Literal["rk4", "semi_implicit_euler", "dormand_prince"]
+Scheme = Literal["rk4", "semi_implicit_euler", "dormand_prince"]
 
-_KERNEL_SCHEMES: dict[UnlocatedScheme, int] = {
+_KERNEL_SCHEMES: dict[Scheme, int] = {
     "rk4": RK4_STEPS,
     "semi_implicit_euler": SEMI_IMPLICIT_EULER_STEPS,
     "dormand_prince": ADAPTIVE_STEPS,
@@ -39,7 +37,7 @@ _PASSAGE = len(Passage._fields)
 
 
 @dataclass(frozen=True)
-class UnlocatedRuns:
+class Runs:
     """Results of a batch without located switches; dimensionless, in the order of the batch.
 
     ``tau_align``, ``time`` (of the end), ``rhs_evaluations`` and ``finished`` have shape (n,),
@@ -54,27 +52,15 @@ class UnlocatedRuns:
     state: Floats
 
 
-@kernel
-def _run_rows(rows, scheme, resolution, method, horizon, max_evaluations, out, y_end, k):
-    """Run every row of ``rows``, shape (n, constants), into ``out``, shape (n, 4 + 6)."""
-    for i in range(rows.shape[0]):
-        p = constants_in(rows[i])
-        passage = pass_unlocated(
-            scheme, resolution, p, method, horizon, max_evaluations, out[i, 4:], y_end, k
-        )
-        out[i, 0], out[i, 1] = passage.tau_align, passage.time
-        out[i, 2], out[i, 3] = passage.evaluations, passage.finished
-
-
-def align_unlocated(
+def align(
     batch: Batch | Sequence[Parameters],
-    scheme: UnlocatedScheme,
+    scheme: Scheme,
     resolution: float,
     *,
     readings: Readings | None = None,
     horizon: float = 300.0,
     max_evaluations: int = 20_000_000,
-) -> UnlocatedRuns:
+) -> Runs:
     """Run every parameter set of ``batch`` without locating any switch but the fall.
 
     Args:
@@ -90,7 +76,7 @@ def align_unlocated(
         ValueError: an unknown scheme, or a resolution or a horizon that is not finite and > 0.
     """
     if scheme not in _KERNEL_SCHEMES:
-        valid = ", ".join(get_args(UnlocatedScheme))
+        valid = ", ".join(get_args(Scheme))
         raise ValueError(f"scheme = {scheme!r}: must be one of {valid}")
     for name, value in {"resolution": resolution, "horizon": horizon}.items():
         if not (value > 0.0 and math.isfinite(value)):
@@ -99,11 +85,11 @@ def align_unlocated(
     rows = rows_of.constants(readings or Readings())
     out = np.empty((len(rows), _PASSAGE + STATE_SIZE))
     method = (DORMAND_PRINCE if scheme == "dormand_prince" else RK4).method
-    _run_rows(
+    run_rows(
         rows, _KERNEL_SCHEMES[scheme], float(resolution), method, float(horizon),
         int(max_evaluations), out, np.empty(STATE_SIZE), np.empty((method.stages + 1, STATE_SIZE)),
     )  # fmt: skip
-    return UnlocatedRuns(
+    return Runs(
         tau_align=out[:, 0].copy(),
         time=out[:, 1].copy(),
         rhs_evaluations=out[:, 2].astype(np.int64),
@@ -112,18 +98,8 @@ def align_unlocated(
     )
 
 
-@kernel
-def _write_rates(time, y, row, out):
-    unlocated_rates(time, y, constants_in(row), out)
-
-
-@kernel
-def _outside(y, row):
-    return outside(y, constants_in(row))
-
-
 @dataclass(frozen=True)
-class UnlocatedProblem:
+class InitialValueProblem:
     """One parameter set as an initial value problem for a solver of general use.
 
     ``rates(τ, y)`` gives dy/dτ, shape (6,), compiled; ``fall(τ, y)`` goes through zero downward as
@@ -135,15 +111,17 @@ class UnlocatedProblem:
     start: Floats
 
 
-def unlocated_problem(parameters: Parameters, readings: Readings | None = None) -> UnlocatedProblem:
+def initial_value_problem(
+    parameters: Parameters, readings: Readings | None = None
+) -> InitialValueProblem:
     """``parameters`` as a problem whose right-hand side does not depend on a mode."""
     row = Batch.stack([parameters]).constants(readings or Readings())[0]
     # A run that may evaluate nothing ends where it starts.
-    start = align_unlocated([parameters], "rk4", 1.0, readings=readings, max_evaluations=0).state[0]
+    start = align([parameters], "rk4", 1.0, readings=readings, max_evaluations=0).state[0]
 
     def rates(time: float, y: Floats) -> Floats:
         dy = np.empty(STATE_SIZE)
-        _write_rates(time, y, row, dy)
+        write_rates_of(time, y, row, dy)
         return dy
 
-    return UnlocatedProblem(rates=rates, fall=lambda _, y: _outside(y, row), start=start)
+    return InitialValueProblem(rates=rates, fall=lambda _, y: outside_of(y, row), start=start)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from model.study.config import Study, load_study, study_path
-from model.study.precision_plans import fixed_step_plan, precision_plan
+from verification.plans import fixed_step_plan, precision_plan
 
 
 @pytest.fixture(scope="module")

@@ -9,11 +9,12 @@ import xarray as xr
 
 from model.events.outcomes import Outcome
 from model.runs.simulate import Trajectory
-from model.study import precision
 from model.study.config import load_study, study_path
 from model.study.csv_tables import TableError
 from model.study.datasets import read_dataset, write_dataset
-from model.study.precision import (
+from verification import work_precision
+from verification.plans import PrecisionPlan, precision_plan
+from verification.work_precision import (
     METHODS,
     CaseError,
     Passed,
@@ -30,7 +31,6 @@ from model.study.precision import (
     timings_table,
     true_run,
 )
-from model.study.precision_plans import PrecisionPlan, precision_plan
 
 STATE = np.zeros(6)
 
@@ -173,7 +173,7 @@ def test_the_dataset_holds_the_rungs(
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """A clock in place of the processor's; what runs moves it."""
     now = [0.0]
-    monkeypatch.setattr(precision.time, "thread_time", lambda: now[0])
+    monkeypatch.setattr(work_precision.time, "thread_time", lambda: now[0])
     return now
 
 

@@ -8,18 +8,18 @@ import pytest
 from model import Readings
 from model.engines.scalar.step import state_of
 from model.engines.scalar.tableaux import RK4
-from model.engines.unlocated import (
-    outside,
-    runge_kutta_step,
-    semi_implicit_euler_step,
-    unlocated_rates,
-)
 from model.events.table import edge_inside, outline
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, START
+from verification.without_location.engine import (
+    outside,
+    runge_kutta_step,
+    semi_implicit_euler_step,
+    write_rates,
+)
 
 ROUNDING = 1e-12  # relative to 1 + the largest acceleration; loads are of order 10
 STATES = 40  # of each kind
@@ -32,7 +32,7 @@ def p(request, device, constants):
 
 def rates(time, y, p):
     out = np.empty(6)
-    unlocated_rates(time, y, p, out)
+    write_rates(time, y, p, out)
     return out
 
 
@@ -196,7 +196,7 @@ def integrated(scheme, p, count):
     h, k, end = 0.2 / count, np.empty((5, 6)), np.empty(6)
     for i in range(count):
         if scheme == "rk4":
-            unlocated_rates(i * h, y, p, k[0])
+            write_rates(i * h, y, p, k[0])
             runge_kutta_step(i * h, h, y, p, RK4.method, k, end)
         else:
             semi_implicit_euler_step(i * h, h, y, p, k[0], end)

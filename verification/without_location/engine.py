@@ -15,6 +15,7 @@ from math import isfinite, nan
 from typing import NamedTuple
 
 from model.engines.course import start
+from model.engines.record import constants_in
 from model.engines.scalar.step import error_estimate, keep_in, state_of
 from model.events.table import (
     FLAT,
@@ -123,7 +124,7 @@ def _left_force(q, p):
 
 
 @inlined_kernel
-def unlocated_rates(time, y, p, out):
+def write_rates(time, y, p, out):
     """Write dy/dτ into ``out``, shape (6,), for the state ``y``, shape (6,), whatever its mode."""
     q = state_of(y)
     right, left = _right_force(q, p), _left_force(q, p)
@@ -162,13 +163,13 @@ def runge_kutta_step(time, h, y, p, method, k, y_end):
             for j in range(i):
                 slope += method.a[i, j] * k[j, n]
             y_end[n] = y[n] + h * slope
-        unlocated_rates(time + method.c[i] * h, y_end, p, k[i])
+        write_rates(time + method.c[i] * h, y_end, p, k[i])
 
 
 @kernel
 def semi_implicit_euler_step(time, h, y, p, rates, y_end):
     """Velocities first, then positions with the new velocities (symplectic Euler)."""
-    unlocated_rates(time, y, p, rates)
+    write_rates(time, y, p, rates)
     for n in range(3):
         y_end[n + 3] = y[n + 3] + h * rates[n + 3]
         y_end[n] = y[n] + h * y_end[n + 3]
@@ -263,7 +264,7 @@ def _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y, k, y_end)
 
 
 @kernel
-def pass_unlocated(scheme, resolution, p, method, horizon, max_evaluations, y, y_end, k):
+def run_without_location(scheme, resolution, p, method, horizon, max_evaluations, y, y_end, k):
     """Run one parameter set from its start to the fall or ``horizon``: ``Passage``.
 
     Args:
@@ -279,7 +280,31 @@ def pass_unlocated(scheme, resolution, p, method, horizon, max_evaluations, y, y
     """
     q, _ = start(p, _EVERY_CONTACT)
     keep_in(q, y)
-    unlocated_rates(0.0, y, p, k[0])
+    write_rates(0.0, y, p, k[0])
     if scheme == ADAPTIVE_STEPS:
         return _adaptive_steps(resolution, p, method, horizon, max_evaluations, y, k, y_end)
     return _fixed_steps(scheme, resolution, p, method, horizon, max_evaluations, y, k, y_end)
+
+
+@kernel
+def run_rows(rows, scheme, resolution, method, horizon, max_evaluations, out, y_end, k):
+    """Run every row of ``rows``, shape (n, constants), into ``out``, shape (n, 4 + 6)."""
+    for i in range(rows.shape[0]):
+        p = constants_in(rows[i])
+        passage = run_without_location(
+            scheme, resolution, p, method, horizon, max_evaluations, out[i, 4:], y_end, k
+        )
+        out[i, 0], out[i, 1] = passage.tau_align, passage.time
+        out[i, 2], out[i, 3] = passage.evaluations, passage.finished
+
+
+@kernel
+def write_rates_of(time, y, row, out):
+    """Write dy/dτ of the constants in ``row`` into ``out``, shape (6,)."""
+    write_rates(time, y, constants_in(row), out)
+
+
+@kernel
+def outside_of(y, row):
+    """Return ``outside`` of the constants in ``row``."""
+    return outside(y, constants_in(row))

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from model.show.hard_cases import _FILLS, cell_text, error_over_stiffness, stability
 from model.study.config import load_study, study_path
-from model.study.hard_cases import Judged, Mark
-from model.study.precision import METHODS, Verdict
+from verification.hard_cases import Judged, Mark
+from verification.report.hard_cases_plots import _FILLS, cell_text, error_over_stiffness, stability
+from verification.work_precision import METHODS, Verdict
 
 
 def test_every_run_has_a_cell_in_the_colour_of_its_mark(judged):

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Reason, align
-from model.study import accuracy
-from model.study.accuracy import (
+from model.study.config import load_study, study_path
+from verification import accuracy
+from verification.accuracy import (
     FARTHEST,
     is_wrong,
     judge_errors,
@@ -17,8 +18,7 @@ from model.study.accuracy import (
     summary,
     write_table,
 )
-from model.study.config import load_study, study_path
-from model.study.trials import TRIALS, trial_of
+from verification.trials import TRIALS, trial_of
 
 
 @pytest.fixture(scope="module")

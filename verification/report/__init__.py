@@ -1,0 +1,5 @@
+"""Sections of the report on the comparison of methods, and their figures."""
+
+from verification.report import hard_cases, speed
+
+SECTIONS = (speed.section, hard_cases.section)
