@@ -13,6 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from model.cli import main as cli
+from model.cli import simulate as simulate_command
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES, Readings
@@ -140,7 +141,7 @@ def test_a_switch_overrides_the_preset(capsys):
 
 def test_a_failed_run_has_its_own_exit_code(capsys, monkeypatch, aligning):
     broken = type(aligning)(**{**vars(aligning), "outcome": Outcome.FAILED, "tau_align": math.nan})
-    monkeypatch.setattr(cli, "simulate", lambda *_: broken)
+    monkeypatch.setattr(simulate_command, "simulate", lambda *_: broken)
     assert cli.main(["simulate"]) == cli.FAILED
     lines = printed(capsys.readouterr().out)
     assert lines["outcome"].startswith("failed: ")
@@ -149,7 +150,7 @@ def test_a_failed_run_has_its_own_exit_code(capsys, monkeypatch, aligning):
 
 def test_a_sensitive_run_says_so(capsys, monkeypatch, aligning):
     shaky = type(aligning)(**{**vars(aligning), "sensitive": True})
-    monkeypatch.setattr(cli, "simulate", lambda *_: shaky)
+    monkeypatch.setattr(simulate_command, "simulate", lambda *_: shaky)
     cli.main(["simulate"])
     assert "note: sensitive" in capsys.readouterr().out
 
@@ -165,7 +166,7 @@ def test_a_sensitive_run_says_so(capsys, monkeypatch, aligning):
     ],
 )
 def test_digits_end_where_the_error_begins(value, error, text):
-    assert cli._within(value, error) == text
+    assert simulate_command._within(value, error) == text
 
 
 # --- What is refused ----------------------------------------------------------------------------
@@ -176,7 +177,7 @@ def nothing_runs(monkeypatch):
     def forbidden(*_arguments):
         raise AssertionError("computed before everything was checked")
 
-    monkeypatch.setattr(cli, "simulate", forbidden)
+    monkeypatch.setattr(simulate_command, "simulate", forbidden)
 
 
 @pytest.mark.usefixtures("nothing_runs")
@@ -280,7 +281,7 @@ def test_an_interruption_ends_without_a_traceback(capsys, monkeypatch):
     def interrupted(*_arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "simulate", interrupted)
+    monkeypatch.setattr(simulate_command, "simulate", interrupted)
     assert cli.main(["simulate"]) == cli.INTERRUPTED
     assert capsys.readouterr().err == "vibralign: interrupted\n"
 

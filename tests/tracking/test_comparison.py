@@ -3,6 +3,7 @@
 import builtins
 import shutil
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,7 @@ def test_the_largest_change_is_named_with_its_place(recorded, tmp_path: Path) ->
     assert change.largest == pytest.approx(0.5, abs=1e-15)
     assert change.at == {"tilt_stiffness": 7.0, "press_force": 1.0}
     assert (change.before, change.after) == (3.0, 3.5)
-    assert found.as_json["data"][0]["largest"] == pytest.approx(0.5)
+    assert asdict(found)["data"][0]["largest"] == pytest.approx(0.5)
 
 
 def test_earlier_invocations_and_runs_are_compared_by_what_is_kept(recorded) -> None:

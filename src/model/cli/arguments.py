@@ -1,27 +1,75 @@
-"""What several commands of ``vibralign`` take: parameters, settings, pictures; read and checked.
+"""Options that several commands of ``vibralign`` share, read and checked.
 
 Every refusal is a ValueError of one line that names the value, the rule and the valid choices.
 """
 
 import argparse
-import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from model.cli.tables import in_columns
 from model.physics.compiled import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
-from model.study.config import load_study, study_path
+from model.study.config import FIGURES, load_study, study_path
 from model.study.devices import load_device
 
 _READINGS = ("consistent", "printed")
-# Formats of matplotlib that are no pictures, or that need a LaTeX installation.
-_NOT_PICTURES = {"pgf", "raw", "rgba"}
+
+
+def add_command(
+    commands: Any,
+    name: str,
+    run: Callable[[argparse.Namespace], int],
+    words: str,
+    more: str = ".",
+    epilog: str | None = None,
+) -> Any:
+    """Add a command to the parsers of ``vibralign`` and return its own parser.
+
+    Args:
+        commands: the parsers.
+        name: of the command.
+        run: what it does; returns the exit code.
+        words: the command in the list of all; its description begins with them.
+        more: the rest of the description.
+        epilog: below the options.
+    """
+    description = f"{words[0].upper()}{words[1:]}{more}"
+    parser = commands.add_parser(
+        name, help=words, description=description, epilog=epilog, allow_abbrev=False
+    )
+    parser.set_defaults(run=run)
+    return parser
+
+
+def add_json(parser: Any) -> None:
+    """Add --json."""
+    parser.add_argument("--json", action="store_true", help="print everything as JSON")
+
+
+def add_root(
+    parser: Any, words: str = "results root with the history", default: str = "results"
+) -> None:
+    """Add --root, the results root; ``words`` say which."""
+    words = f"{words} (default: {default})"
+    parser.add_argument("--root", type=Path, default=Path(default), metavar="DIR", help=words)
+
+
+def figure_name(text: str) -> str:
+    """Return ``fig06`` for fig06, 06 or 6.
+
+    Raises:
+        ValueError: no figure of the study.
+    """
+    name = f"fig{int(text):02}" if text.isdecimal() else text
+    check_name(name, FIGURES, "figure")
+    return name
 
 
 def add_model_options(parser: Any) -> None:
@@ -32,9 +80,9 @@ def add_model_options(parser: Any) -> None:
     add("--device", type=Path, metavar="FILE", help=words)
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
-    words = "how the paper's equations are read, all switches together (default: as in the study)"
+    words = "variant of all disputed equations of the paper (default: as in the study)"
     add("--readings", choices=_READINGS, help=words)
-    words = f"one switch, consistent or printed; may be repeated: {', '.join(READING_NAMES)}"
+    words = f"variant of one equation, as NAME=VALUE; may be repeated: {', '.join(READING_NAMES)}"
     add(
         "--reading",
         action="append",
@@ -49,13 +97,13 @@ def add_model_options(parser: Any) -> None:
 
 
 def announce_compilation() -> None:
-    """Say at a terminal that the kernels are compiled first, where they are not yet."""
+    """Say at a terminal that the kernels are compiled first, if they are not yet."""
     if sys.stderr.isatty() and not any(cache_folder().rglob("*.nbi")):
         print("compiling the model, this once: about half a minute …", file=sys.stderr)
 
 
 def pairs(given: Sequence[str], option: str) -> dict[str, str]:
-    """NAME=VALUE, …: as a dictionary."""
+    """Return NAME=VALUE, … as a dictionary."""
     found: dict[str, str] = {}
     for pair in given:
         name, equals, value = pair.partition("=")
@@ -68,7 +116,7 @@ def pairs(given: Sequence[str], option: str) -> dict[str, str]:
 
 
 def number(name: str, text: str, rule: str = "must be a number") -> float:
-    """``text`` as a number, else a refusal that names what it is of."""
+    """Return ``text`` as a number, else refuse it by the name of its quantity."""
     try:
         return float(text)
     except ValueError:
@@ -78,7 +126,7 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
 def device_of(
     baseline: Parameters, arguments: argparse.Namespace
 ) -> tuple[Units | None, Parameters]:
-    """What --device and --set say, and the units of a device that is stated in SI.
+    """Return the device of --device and --set, and the units of one that is stated in SI.
 
     Without a device file --set changes the ``baseline``, which has no units.
     """
@@ -101,7 +149,7 @@ def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
 
 
 def settings_of(of_study: Settings, arguments: argparse.Namespace) -> Settings:
-    """The study's settings with what the options of ``add_model_options`` give."""
+    """Return the study's settings, changed by the options of ``add_model_options``."""
     switches: dict[str, Any] = asdict(of_study.readings)
     if arguments.readings:
         switches = dict.fromkeys(READING_NAMES, arguments.readings)
@@ -116,34 +164,8 @@ def settings_of(of_study: Settings, arguments: argparse.Namespace) -> Settings:
     return Settings(readings=Readings(**switches), horizon=horizon, tolerance=tolerance)
 
 
-def check_picture(path: Path) -> None:
-    """Refuse a picture that could not be written, before the run is computed."""
-    try:
-        # Half a second that only a plot is worth, and a package that only a plot needs.
-        from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
-    except ImportError:
-        raise ValueError(
-            "--plot needs matplotlib, which is not installed: pip install 'vibralign[plot]'"
-        ) from None
-    valid = sorted(set(FigureCanvasBase.get_supported_filetypes()) - _NOT_PICTURES)
-    check_file(path, "--plot", valid)
-
-
-def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
-    """Refuse a file that could not be written."""
-    if path.suffix.lower().lstrip(".") not in extensions:
-        one = "in" if len(extensions) == 1 else "in one of"
-        raise ValueError(f"{option} {path}: must end {one} .{', .'.join(extensions)}")
-    if not path.parent.is_dir():
-        raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
-    if path.is_dir():
-        raise ValueError(f"{option} {path}: is a folder, must be a file")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise ValueError(f"{option} {path}: cannot be written, permission denied")
-
-
 def parameter_table(baseline: Parameters) -> str:
-    """Name, symbol, baseline, SI unit and meaning of every parameter; what a device has besides."""
+    """List name, symbol, baseline, SI unit and meaning of every quantity that a device states."""
     rows = [("name", "symbol", "baseline", "SI unit", "meaning")]
     for name, field in FIELDS.items():
         value = getattr(baseline, name)
@@ -155,9 +177,3 @@ def parameter_table(baseline: Parameters) -> str:
     units = [(name, unit, words) for name, (words, unit) in UNITS.items()]
     lines += ["what a file for --device states besides:", *in_columns(units)]
     return "\n".join(lines) + "\n"
-
-
-def in_columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """Lines of a table, each column as wide as its widest cell."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]

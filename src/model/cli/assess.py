@@ -1,18 +1,19 @@
 """``vibralign assess``: say how reliably a device aligns, and the leeway of its parameters."""
 
 import argparse
-import json
 import os
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from model.cli.arguments import (
+    add_command,
+    add_json,
     add_model_options,
     announce_compilation,
     device_of,
-    in_columns,
     settings_of,
 )
+from model.cli.tables import in_columns, print_json
 from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME, Quantity
 from model.physics.units import Units
@@ -23,21 +24,20 @@ if TYPE_CHECKING:
     from model.study.assessment import Assessment, Leeway
 
 
-def add_commands(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
-    words = "say whether a device aligns reliably, how fast, and with which leeways"
-    parser = commands.add_parser(
+    parser = add_command(
+        commands,
         "assess",
-        help=words,
-        description=f"{words[0].upper()}{words[1:]}. A reliable device aligns from every phase of "
+        _assess,
+        "say whether a device aligns reliably, how fast, and with which leeways",
+        ". A reliable device aligns from every phase of "
         "the excitation and initial tilt that the study tries. Each parameter is then varied, the "
         "others held, by up to a factor of four or until the device is not reliable.",
         epilog="exit code: 0 the device was assessed, whatever was found; 2 bad input",
-        allow_abbrev=False,
     )
     add_model_options(parser)
-    parser.add_argument("--json", action="store_true", help="print everything as JSON")
-    parser.set_defaults(run=_assess)
+    add_json(parser)
 
 
 def _assess(arguments: argparse.Namespace) -> int:
@@ -49,7 +49,7 @@ def _assess(arguments: argparse.Namespace) -> int:
 
     found = assess(device, settings, study.maps.ensemble, cores=os.cpu_count() or 1)
     if arguments.json:
-        print(json.dumps(_record(found, units), indent=2))
+        print_json(_record(found, units))
         return 0
     print("\n".join(_report(found, units)))
     if found.failing_start is not None:

@@ -1,29 +1,26 @@
 """``vibralign claims``: what the paper says, judged by the data on disk."""
 
 import argparse
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from model.cli.tables import table
+from model.cli.arguments import add_command, add_json, add_root
+from model.cli.tables import print_json, table
 
 
-def add_commands(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
-    words = "list every claim of the paper with its verdict, by the data on disk"
-    parser = commands.add_parser(
+    parser = add_command(
+        commands,
         "claims",
-        help=words,
-        description=f"{words[0].upper()}{words[1:]}: one line a claim, and a last line that counts "
-        "the verdicts. A claim whose dataset is missing is not checkable. Exit code: 0 judged, 2 "
-        "bad input.",
-        allow_abbrev=False,
+        _claims,
+        "list every claim of the paper with its verdict, by the data on disk",
+        ": one line a claim, and a last line that counts the verdicts. A claim whose dataset is "
+        "missing is not checkable. Exit code: 0 judged, 2 bad input.",
     )
-    words = "results root (default: results)"
-    parser.add_argument("--root", type=Path, default=Path("results"), metavar="DIR", help=words)
-    parser.add_argument("--json", action="store_true", help="print everything as JSON")
-    parser.set_defaults(run=_claims)
+    add_root(parser, "results root")
+    add_json(parser)
 
 
 def _claims(arguments: argparse.Namespace) -> int:
@@ -41,7 +38,7 @@ def _claims(arguments: argparse.Namespace) -> int:
         )
     lines = lines_of(judge({path.stem: open_dataset(path) for path in found}))
     if arguments.json:
-        print(json.dumps([asdict(line) for line in lines], indent=2, ensure_ascii=False))
+        print_json([asdict(line) for line in lines])
         return 0
     rows = [
         {

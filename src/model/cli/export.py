@@ -1,34 +1,33 @@
-"""``vibralign export``: an invocation of the study for other people's tools."""
+"""``vibralign export``: write an invocation of the study for other tools."""
 
 import argparse
 from pathlib import Path
 from typing import Any
 
+from model.cli.arguments import add_command, add_root
 from model.tracking.history import find_invocation, load_history
 
 TOOLS = ("mlflow", "ro-crate")
 
 
-def add_commands(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
-    words = "write an invocation of the study as an MLflow run or a Workflow Run RO-Crate"
-    parser = commands.add_parser(
+    parser = add_command(
+        commands,
         "export",
-        help=words,
-        description=f"{words[0].upper()}{words[1:]}. Needs the extra: pip install "
-        "'vibralign[export]'.",
-        allow_abbrev=False,
+        _export,
+        "write an invocation of the study as an MLflow run or a Workflow Run RO-Crate",
+        ". Needs the extra: pip install 'vibralign[export]'.",
     )
-    add = parser.add_argument
-    add("tool", choices=TOOLS)
-    add("target", type=Path, help="mlflow: the SQLite file, new or not; ro-crate: a new folder")
+    parser.add_argument("tool", choices=TOOLS)
+    parser.add_argument(
+        "target", type=Path, help="mlflow: the SQLite file, new or not; ro-crate: a new folder"
+    )
     words = "the beginning of an invocation's name, or last (default: last)"
-    add("--invocation", default="last", metavar="NAME", help=words)
-    words = "results root that it belongs to (default: results)"
-    add("--root", type=Path, default=Path("results"), metavar="DIR", help=words)
+    parser.add_argument("--invocation", default="last", metavar="NAME", help=words)
+    add_root(parser, "results root that it belongs to")
     words = "checkout that holds the Snakefile, for ro-crate (default: this folder)"
-    add("--project", type=Path, default=Path(), metavar="DIR", help=words)
-    parser.set_defaults(run=_export)
+    parser.add_argument("--project", type=Path, default=Path(), metavar="DIR", help=words)
 
 
 def _export(arguments: argparse.Namespace) -> int:

@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from model.cli.arguments import (
+    add_command,
     add_model_options,
     announce_compilation,
-    check_file,
-    check_picture,
     device_of,
     number,
     settings_of,
 )
+from model.cli.files import check_file, check_picture, save_picture
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
 from model.physics.units import Units
 from model.study.config import RunSettings, Span, check_plane, load_study, study_path
@@ -35,18 +35,18 @@ _DEFAULT = 256
 _ENSEMBLE = 32  # least cells along a side of the ensemble's lattice, if the map has as many
 
 
-def add_commands(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
-    words = "map where a device aligns, how fast and how safely, over two parameters"
-    parser = commands.add_parser(
+    parser = add_command(
+        commands,
         "map",
-        help=words,
-        description=f"{words[0].upper()}{words[1:]}. Nodes are computed along the border of the "
+        _map,
+        "map where a device aligns, how fast and how safely, over two parameters",
+        ". Nodes are computed along the border of the "
         "aligning area and where the duration jumps, and filled in between. A reliable device "
         "aligns from every phase of the excitation and initial tilt that the study tries. With "
         "--device, the ranges of --x and --y and the map are in SI units, else dimensionless.",
         epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
-        allow_abbrev=False,
     )
     add = parser.add_argument
     for side in ("x", "y"):
@@ -63,7 +63,6 @@ def add_commands(commands: Any) -> None:
         help="draw the map into FILE (.png, .svg, .pdf and others)",
     )
     add_model_options(parser)
-    parser.set_defaults(run=_map)
 
 
 def _map(arguments: argparse.Namespace) -> int:
@@ -92,7 +91,9 @@ def _map(arguments: argparse.Namespace) -> int:
     try:
         write_dataset(dataset, arguments.out)
         if arguments.plot is not None:
-            _draw(dataset, arguments.plot)
+            from model.show import plots  # noqa: PLC0415
+
+            save_picture(plots.draw(dataset), arguments.plot)
     except OSError as error:
         print(f"vibralign: error: {error}", file=sys.stderr)
         return 1
@@ -170,15 +171,6 @@ class _Bar:
         """Clear the line."""
         if self._shown:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
-
-
-def _draw(dataset: "xr.Dataset", path: Path) -> None:
-    from model.show import plots, style  # noqa: PLC0415
-    from model.study.files import whole_file  # noqa: PLC0415
-
-    figure = plots.draw(dataset)
-    with style.context(), whole_file(path) as part:
-        figure.savefig(part, format=path.suffix.lower().lstrip("."))
 
 
 def _report(dataset: "xr.Dataset") -> list[str]:

@@ -1,11 +1,17 @@
-"""Tables for a terminal: aligned columns, numbers to the right, nothing cut."""
+"""Tables and JSON for a terminal.
 
+rich and tabulate were weighed: both cut or wrap cells to the width of the terminal, and either is a
+dependency of every command for forty lines.
+"""
+
+import json
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 
 def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> list[str]:
-    """The lines of a table with a heading; a row may lack a column."""
+    """Return the lines of a table with a heading; a row may lack a column."""
     lines = [list(columns)] + [[cell(row.get(name)) for name in columns] for row in rows]
     widths = [max(len(line[i]) for line in lines) for i in range(len(columns))]
     numeric = [all(_is_number(row.get(name)) for row in rows) for name in columns]
@@ -19,13 +25,13 @@ def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> list[str
 
 
 def pairs(values: Mapping[str, Any]) -> list[str]:
-    """One line for each name and value."""
+    """Return one line for each name and value."""
     width = max((len(name) for name in values), default=0)
     return [f"{name.ljust(width)}  {cell(value)}".rstrip() for name, value in values.items()]
 
 
 def cell(value: Any) -> str:
-    """A value as a table shows it; nothing for None."""
+    """Return a value as a table shows it; nothing for None."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -41,3 +47,23 @@ def cell(value: Any) -> str:
 
 def _is_number(value: Any) -> bool:
     return value is None or (isinstance(value, (int, float)) and not isinstance(value, bool))
+
+
+def in_columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """Return the indented lines of a table without a heading."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+
+
+def print_json(value: Any) -> None:
+    """Print a record as JSON; what is not a finite number becomes null."""
+    print(json.dumps(or_null(value), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def or_null(value: Any) -> Any:
+    """Return a value, or nested dictionaries and lists, with None for what is not finite."""
+    if isinstance(value, Mapping):
+        return {name: or_null(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [or_null(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

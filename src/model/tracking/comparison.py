@@ -6,7 +6,7 @@ them; its own ``testing.assert_allclose`` was weighed, and says neither where no
 
 import csv
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -84,19 +84,6 @@ class Comparison:
         """Whether anything does."""
         stated = (self.parameters, self.metrics, self.code)
         return any((*stated, self.data, self.other_data, self.claims))
-
-    @property
-    def as_json(self) -> dict[str, Any]:
-        """The same as nested dictionaries; what is not a number is None."""
-        return _without_nan(asdict(self))
-
-
-def _without_nan(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _without_nan(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [_without_nan(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def compare(first: Snapshot, second: Snapshot) -> Comparison:

@@ -139,6 +139,14 @@ def versions() -> dict[str, str]:
     return found
 
 
+def version() -> str:
+    """Return the version of this package."""
+    try:
+        return importlib.metadata.version("vibralign")
+    except importlib.metadata.PackageNotFoundError:
+        return "(not installed)"
+
+
 def git_state() -> dict[str, Any]:
     """Commit of the checkout and whether it has changes; empty outside a checkout."""
 

@@ -1,0 +1,147 @@
+"""``vibralign simulate``: run one device and say whether, when and how it aligns."""
+
+import argparse
+import math
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from model.cli.arguments import (
+    add_command,
+    add_json,
+    add_model_options,
+    announce_compilation,
+    device_of,
+    settings_of,
+)
+from model.cli.files import check_picture, save_picture
+from model.cli.tables import print_json
+from model.engines.results import RESULTS
+from model.events.outcomes import Outcome
+from model.physics.notation import State
+from model.physics.units import Units
+from model.runs.settings import Settings
+from model.runs.simulate import Trajectory, simulate
+from model.study.config import load_study, study_path
+from model.tracking.provenance import version
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parsers of ``vibralign``."""
+    parser = add_command(
+        commands,
+        "simulate",
+        _simulate,
+        "run one device and say whether, when and how it aligns",
+        ". All values are dimensionless, except those of a device file.",
+        epilog="exit code: 0 the run was done, whatever its outcome; 1 it failed; 2 bad input",
+    )
+    add_model_options(parser)
+    words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
+    parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
+    add_json(parser)
+
+
+def _simulate(arguments: argparse.Namespace) -> int:
+    study = load_study(study_path())
+    units, parameters = device_of(study.baseline, arguments)
+    settings = settings_of(study.settings.settings, arguments)
+    if arguments.plot is not None:
+        check_picture(arguments.plot)
+    announce_compilation()
+    run = simulate(parameters, settings)
+    if arguments.json:
+        print_json(_record(run, settings) | ({"si": _in_si(run, units)} if units else {}))
+    else:
+        print("\n".join([*_report(run), *(_report_in_si(run, units) if units else [])]))
+    if arguments.plot is not None and not _draw(run, arguments.plot):
+        return 1
+    return int(run.outcome == Outcome.FAILED)
+
+
+def _draw(run: Trajectory, path: Path) -> bool:
+    from model.show import plots  # noqa: PLC0415  (as in check_picture)
+
+    try:
+        save_picture(plots.trajectory(run), path)
+    except (OSError, ValueError) as error:  # a full disk, a picture library that is missing
+        print(f"vibralign: error: --plot {path}: {error}", file=sys.stderr)
+        return False
+    return True
+
+
+def _name(outcome: Any) -> str:
+    return str(outcome.name).lower()
+
+
+def _within(value: float, error: float) -> str:
+    """Return ``value`` with as many digits as ``error`` leaves certain."""
+    if math.isnan(error):
+        return f"{value:.6g} (error unknown)"
+    places = min(max(-math.floor(math.log10(error)), 0), 13) if error > 0.0 else 13
+    return f"{value:.{places}f} ± {error:.1g}"
+
+
+def _report(run: Trajectory) -> list[str]:
+    rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
+    if run.outcome == Outcome.ALIGNED:
+        rows.append(("tau_align", _within(run.tau_align, run.tau_error)))
+    else:
+        rows += [("what to do", run.remedy), ("tau_align", "none: it does not align")]
+    printed = [(name, each.printed(getattr(run, name))) for name, each in RESULTS.items()]
+    rows += [(name, text) for name, text in printed if text]
+    rows.append(("final state", f"at τ = {run.time[-1]:.9g}"))
+    rows += [(f"  {name}", f"{value: .9g}") for name, value in _final_state(run).items()]
+    lines = [f"{name:<20}{value}" for name, value in rows]
+    if run.sensitive:
+        lines.append(
+            "note: sensitive: at another tolerance this run ends differently or at another time; "
+            "do not rely on its digits"
+        )
+    return lines
+
+
+def _in_si(run: Trajectory, units: Units) -> dict[str, float]:
+    """Return alignment time and contact force in SI units; NaN where the part does not align."""
+    return {
+        "alignment_time_s": run.tau_align * units.time,
+        "alignment_time_error_s": run.tau_error * units.time,
+        "contact_force_max_N": run.contact_force_max * units.force,
+        "time_unit_s": units.time,
+        "length_unit_m": units.amplitude,
+        "force_unit_N": units.force,
+    }
+
+
+def _report_in_si(run: Trajectory, units: Units) -> list[str]:
+    time, error, force, *scales = _in_si(run, units).values()
+    rows = [("contact force", f"{force:.4g} N at most")]
+    if run.outcome == Outcome.ALIGNED:
+        rows.insert(0, ("alignment time", f"{_within(time, error)} s"))
+    rows.append(("units", "time {:.4g} s, length {:.4g} m, force {:.4g} N".format(*scales)))
+    return ["in SI units:", *(f"  {name:<18}{value}" for name, value in rows)]
+
+
+def _final_state(run: Trajectory) -> dict[str, float]:
+    return dict(zip(State._fields, run.state[-1].tolist(), strict=True))
+
+
+def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
+    """Return everything about a run."""
+    return {
+        **{name: getattr(run, name) for name in RESULTS},
+        "outcome": _name(run.outcome),
+        "reason": _name(run.reason),
+        "message": run.message,
+        "remedy": run.remedy,
+        "final_time": float(run.time[-1]),
+        "final_state": _final_state(run),
+        "parameters": asdict(run.parameters),
+        "readings": asdict(settings.readings),
+        "scene": settings.scene.name,
+        "method": settings.method.name,
+        "horizon": settings.horizon,
+        "tolerance": settings.tolerance,
+        "version": version(),
+    }

@@ -1,0 +1,71 @@
+"""``vibralign verify``: compare a build of the small study with its accepted reference."""
+
+import argparse
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from model.cli.arguments import add_command, add_json, add_root, figure_name
+from model.cli.tables import print_json, table
+from model.study.config import FIGURES
+
+
+def add_folders(parser: Any) -> None:
+    """Add the options for the folders of build and reference."""
+    add_root(parser, "results root of the small study", "results-smoke")
+    words = "folder of the reference (default: tests/reference)"
+    reference = Path("tests/reference")
+    parser.add_argument("--reference", type=Path, default=reference, metavar="DIR", help=words)
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parsers of ``vibralign``."""
+    parser = add_command(
+        commands,
+        "verify",
+        _verify,
+        "compare a build of the small study with the accepted reference",
+        ": every figure's data by variable, within their own estimated errors, then the claims, "
+        "then what the figures draw. Pictures that look different are a warning, with a page that "
+        "shows both. Exit code: 0 all agree, 1 something differs, 2 bad input.",
+    )
+    add_folders(parser)
+    words = "only this figure, such as fig06 or 6; may be repeated"
+    parser.add_argument("--figure", action="append", default=[], metavar="FIG", help=words)
+    add_json(parser)
+
+
+def _verify(arguments: argparse.Namespace) -> int:
+    # Plotting and xarray take a second that no other command should wait for.
+    from model.show.artists import disagreements  # noqa: PLC0415
+    from model.show.before_after import differing_pictures, write_page  # noqa: PLC0415
+    from model.tracking.comparison import open_dataset  # noqa: PLC0415
+    from model.tracking.reference import COMPUTED, Disagreement, verify  # noqa: PLC0415
+
+    root, reference = arguments.root, arguments.reference
+    if not root.is_dir():
+        raise ValueError(f"{root}: is no folder; build the small study first: make smoke")
+    chosen = [figure_name(text) for text in arguments.figure] or list(FIGURES)
+    computed = [name for name in chosen if name in COMPUTED]
+    findings = verify(root, reference, computed)
+    for name in computed:
+        path = root / "data" / f"{name}.nc"
+        if path.is_file():
+            drawn = disagreements(open_dataset(path))
+            findings += [Disagreement(name, "drawn", 1, words) for words in drawn]
+    pictures = differing_pictures(root, reference, chosen)
+    page = write_page(pictures, root, reference) if pictures else None
+    if arguments.json:
+        found = [asdict(each) for each in findings]
+        print_json({"findings": found, "pictures": pictures})
+    elif findings:
+        rows = [{**asdict(each), "": each.words} for each in findings]
+        print("\n".join(table(rows, ("figure", "variable", "points", ""))))
+        print("what is meant to differ: vibralign accept --figure N --reason ...")
+    else:
+        print(f"{len(computed)} figures agree with {reference}")
+    if page is not None:
+        words = ", ".join(f"{name} ({how})" for name, how in pictures.items())
+        print(f"warning: pictures look different, see {page}: {words}", file=sys.stderr)
+    return int(bool(findings))
