@@ -25,6 +25,7 @@ EXTRAS = {f"src/model/{name}": extras for name, extras in EXTRAS.items()} | {
     "workflow": STUDY,
     "verification": STUDY,
     "benchmarks": ["bench", "bench-source"],
+    "docs": ["docs"],
     "tests": [*STUDY, "dev"],
 }
 
