@@ -28,7 +28,7 @@ from model.engines.scalar.tableaux import DOP853
 from model.events.outcomes import Outcome, Reason
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
-from model.runs.align import NO_TRACK, side_by_side
+from model.runs.engines import NO_TRACK, batch_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings
 from model.study.csv_tables import csv_text, read_rows
@@ -120,7 +120,7 @@ def batch_run(problem: Problem, tolerance: float) -> Passed:
     """The batch engine; the runs that estimate its error count."""
     settings = replace(problem.settings, tolerance=tolerance)
     rows = Batch.stack([problem.parameters]).constants(settings.readings)
-    found = estimate(side_by_side(settings), rows, tolerance)
+    found = estimate(batch_engine(settings), rows, tolerance)
     finer = replace(settings, tolerance=float(found.tolerance[0]))
     run = run_once(problem.parameters, finer, batch=True)
     reason = Reason(int(found.columns()["reason"][0]))

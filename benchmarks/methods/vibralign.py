@@ -8,7 +8,8 @@ import numpy as np
 from benchmarks.methods.base import BATCH, Method, Solution, typical_error
 from benchmarks.problems import Problem, answers
 from model import Batch, Parameters, Settings, align
-from model.runs.align import Engine, run_once
+from model.runs.align import run_once
+from model.runs.engines import Engine
 
 
 class Vibralign(Method):
@@ -37,13 +38,13 @@ class Vibralign(Method):
 
 
 class OneRun(Vibralign):
-    """The lanes, one run of each set up to alignment, no estimate of its error: as the peers do."""
+    """The batch engine, one run of each set up to alignment without an error estimate, as peers."""
 
     formulation = "one run each up to alignment, no error estimate"
 
     def __init__(self) -> None:
-        super().__init__("lanes")
-        self.name = "vibralign lanes, one run"
+        super().__init__("batch")
+        self.name = "vibralign batch, one run"
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float
@@ -62,4 +63,4 @@ def _settings(problem: Problem, tolerance: float) -> Settings:
 
 def engines() -> list[Vibralign]:
     """The one it is to be known by first."""
-    return [Vibralign("lanes"), OneRun(), Vibralign("scalar")]
+    return [Vibralign("batch"), OneRun(), Vibralign("scalar")]

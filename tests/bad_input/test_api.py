@@ -55,9 +55,9 @@ CALLS = {
     "an empty batch": (lambda _: align([]), ["empty", "at least one"]),
     "no core": (lambda p: align([p], cores=0), ["cores = 0", ">= 1"]),
     "half a core": (lambda p: align([p], cores=0.5), ["cores = 0.5"]),
-    "an engine that is none": (lambda p: align([p], engine="fast"), ["'fast'", "'lanes'"]),
+    "an engine that is none": (lambda p: align([p], engine="fast"), ["'fast'", "'batch'"]),
     "lanes for printed readings": (
-        lambda p: align([p], readings=Readings.printed(), engine="lanes"), ["lanes", "scalar"],
+        lambda p: align([p], readings=Readings.printed(), engine="batch"), ["batch", "scalar"],
     ),
     "something else than parameters": (lambda _: align([{"friction": 0.1}]), ["Parameters"]),
     "one set in place of many": (align, ["Parameters"]),

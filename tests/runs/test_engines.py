@@ -7,7 +7,7 @@ from model import Batch, Outcome, Readings, Settings, align
 from model.engines.batch.scheduling import POOL
 from model.engines.results import RunResult
 from model.engines.scalar.tableaux import DORMAND_PRINCE
-from model.runs.align import each_by_itself, side_by_side
+from model.runs.engines import batch_engine, scalar_engine
 
 SETTINGS = Settings(horizon=60.0)
 COUNT = 150
@@ -36,7 +36,7 @@ def batch(request, device):
 
 def test_both_engines_agree_to_their_error_estimates(batch):
     scalar = align(batch, SETTINGS, engine="scalar")
-    lanes = align(batch, SETTINGS, engine="lanes")
+    lanes = align(batch, SETTINGS, engine="batch")
     certain = ~(scalar.sensitive | lanes.sensitive)
     assert certain.mean() > 0.9
     assert np.array_equal(scalar.outcome[certain], lanes.outcome[certain])
@@ -69,7 +69,7 @@ def on_hard_bases(device):
 def test_both_engines_agree_on_hard_well_damped_bases(device):
     settings = Settings(horizon=8.0, tolerance=1e-9)
     bases = on_hard_bases(device)
-    scalar, lanes = (align(bases, settings, engine=engine) for engine in ("scalar", "lanes"))
+    scalar, lanes = (align(bases, settings, engine=engine) for engine in ("scalar", "batch"))
     certain = ~(scalar.sensitive | lanes.sensitive)
     assert certain.mean() > 0.9
     for name in ("outcome", "reason", "separations"):
@@ -90,7 +90,7 @@ def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(
     for spread in (0.5, 1.5):
         batch = cloud(device, spread, 4 * COUNT)
         exact = align(batch, SETTINGS, engine="scalar", tolerance=1e-13)
-        lanes = align(batch, SETTINGS, engine="lanes")
+        lanes = align(batch, SETTINGS, engine="batch")
         aligned = ~(exact.sensitive | lanes.sensitive) & (exact.outcome == Outcome.ALIGNED)
         assert aligned.sum() > COUNT
         ratio = (np.abs(exact.tau_align - lanes.tau_align) / lanes.tau_error)[aligned]
@@ -105,9 +105,7 @@ def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(
 def test_one_run_meets_the_same_switches_in_both(batch):
     rows = batch.constants(Readings())
     tolerances = np.full(len(rows), 1e-10)
-    scalar, lanes = (
-        engine(SETTINGS)(rows, tolerances) for engine in (each_by_itself, side_by_side)
-    )
+    scalar, lanes = (engine(SETTINGS)(rows, tolerances) for engine in (scalar_engine, batch_engine))
     for name in ("outcome", "reason", "switches", "separations"):
         same = column(scalar, name) == column(lanes, name)
         assert same.mean() > 0.9, name  # chaotic runs part from each other in time
@@ -123,7 +121,7 @@ def test_one_run_meets_the_same_switches_in_both(batch):
 @pytest.mark.parametrize("count", [1, POOL - 1, POOL, POOL + 1])
 def test_a_run_does_not_depend_on_its_neighbours(batch, count):
     rows = batch.constants(Readings())
-    run = side_by_side(SETTINGS)
+    run = batch_engine(SETTINGS)
     tolerances = np.full(len(rows), 1e-10)
     whole = run(rows, tolerances)
     order = np.random.default_rng(count).permutation(len(rows))
@@ -132,12 +130,12 @@ def test_a_run_does_not_depend_on_its_neighbours(batch, count):
 
 
 def test_an_engine_that_does_not_fit_is_refused(device):
-    with pytest.raises(ValueError, match="must be 'lanes', 'scalar', or None"):
+    with pytest.raises(ValueError, match="must be 'batch', 'scalar', or None"):
         align([device], engine="stiff")
     with pytest.raises(ValueError, match="needs the consistent readings"):
-        align([device], engine="lanes", readings=Readings.printed())
+        align([device], engine="batch", readings=Readings.printed())
     with pytest.raises(ValueError, match="needs the consistent readings and the method DOP853"):
-        align([device], engine="lanes", method=DORMAND_PRINCE)
+        align([device], engine="batch", method=DORMAND_PRINCE)
 
 
 def test_a_set_less_accurate_than_promised_is_run_again(device):

@@ -6,7 +6,7 @@ import pytest
 from model import PRINTED_CONTACTS, Batch, Outcome, Readings, Reason, Settings, align, simulate
 from model.engines.results import RunResult
 from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE
-from model.runs.align import each_by_itself, side_by_side
+from model.runs.engines import batch_engine, scalar_engine
 
 # One run for each kind of switch; what it goes through is asserted in the tests.
 RUNS = {
@@ -61,7 +61,7 @@ def test_alignment_time_converges_with_the_tolerance_across_switches(device, cha
     p = device.replace(**changes)
     near = Batch.of(p, press_force=p.press_force * np.linspace(0.97, 1.03, 32))
     tolerances = 10.0 ** -np.arange(8.0, 12.1, 0.5)
-    means = mean_errors(near, tolerances, each_by_itself(Settings(method=method)))
+    means = mean_errors(near, tolerances, scalar_engine(Settings(method=method)))
     slope = np.polyfit(np.log(tolerances), np.log(means), 1)[0]
     assert 0.8 < slope < 1.2
     assert means[-1] < 1e-9
@@ -75,7 +75,7 @@ def test_the_lanes_series_converge_with_the_tolerance_across_switches(device, ch
     p = device.replace(**changes)
     near = Batch.of(p, press_force=p.press_force * np.linspace(0.97, 1.03, 32))
     tolerances = 10.0 ** -np.arange(8.0, 12.1, 0.5)
-    means = mean_errors(near, tolerances, side_by_side(Settings()))
+    means = mean_errors(near, tolerances, batch_engine(Settings()))
     assert np.polyfit(np.log(tolerances), np.log(means), 1)[0] > 0.8
     assert (means < 20.0 * tolerances).all()
 

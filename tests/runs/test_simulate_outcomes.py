@@ -237,7 +237,7 @@ def test_printed_criterion_is_the_four_corner_conditions(device):
     assert run.tau_align == pytest.approx(other.tau_corners_inside, abs=1e-9)
 
 
-@pytest.mark.parametrize("engine", ["lanes", "scalar"])
+@pytest.mark.parametrize("engine", ["batch", "scalar"])
 def test_a_run_may_end_at_alignment(device, engine):
     whole = align([device], engine=engine)
     part = align([device], engine=engine, alignment_only=True)

@@ -185,7 +185,7 @@ def test_readings_are_presets_or_one_correction() -> None:
         readings_of("preloaded")
 
 
-def test_a_batch_of_candidates_is_each_by_itself(space: Space) -> None:
+def test_a_batch_of_candidates_is_scalar_engine(space: Space) -> None:
     points = np.random.default_rng(4).random((3, len(space.names)))
     together = datasets_of(space, [(point, ("fig07", "fig13")) for point in points])
     for point, datasets in zip(points, together, strict=True):

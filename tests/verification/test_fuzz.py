@@ -55,7 +55,7 @@ def test_time_after_a_run_has_settled_is_none_in_which_it_sticks():
         assert 0.9 < runs.sticking_share[0] <= 1.0
 
 
-@pytest.mark.parametrize("engine", ["lanes", "scalar"])
+@pytest.mark.parametrize("engine", ["batch", "scalar"])
 @pytest.mark.parametrize("number", NEARLY_FLAT)
 def test_what_no_tilt_of_a_device_decides_is_flagged(number, engine):
     assert align(draw(SEED, number, 1), SETTINGS, engine=engine).sensitive.all()

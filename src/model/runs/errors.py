@@ -18,7 +18,6 @@ may align by chance. The reason of such a set is ``CHAOTIC``: a sensitive depend
 other test is made.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +27,7 @@ from model.engines.results import RunResult
 from model.events.outcomes import Outcome, Reason
 from model.events.table import FLAT
 from model.physics.parameters import Constants
+from model.runs.engines import Array, Run
 
 COARSER = 16.0
 SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same
@@ -35,11 +35,6 @@ SHARPER = 1e3  # tolerance over that at which sets are run again whose two runs 
 PROMISED = 100.0  # largest error, over the tolerance, that is not run again
 FINEST = 1e-14  # smallest tolerance
 RESOLUTION = 1e-14  # relative rounding of an alignment time
-
-Array = NDArray[np.float64]
-Run = Callable[[Array, Array], Array]
-"""An engine: (rows, tolerances) to results; shapes (n, constants), (n,), (n, results)."""
-
 NEARLY_FLAT = 1e-6  # a tilt at the start below which a part is nearly flat
 TILTED = 10.0 * FLAT  # by how much its neighbour is tilted further
 

@@ -13,8 +13,8 @@ from model.engines.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters, described
-from model.runs.align import each_by_itself
-from model.runs.errors import Array, estimate
+from model.runs.engines import Array, scalar_engine
+from model.runs.errors import estimate
 from model.runs.settings import Settings, settings_with
 
 _USUAL_TRACK = 4096  # rows; a longer trajectory is run again with as many as it has
@@ -72,10 +72,10 @@ def simulate(
     """
     settings = settings_with(settings, changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
-    found = estimate(each_by_itself(settings), rows, settings.tolerance)
+    found = estimate(scalar_engine(settings), rows, settings.tolerance)
     results = {name: column[0] for name, column in found.columns().items()}
     track = np.empty((int(results["tracked"]), TRACK_COLUMNS))
-    each_by_itself(settings, track)(rows, found.tolerance)
+    scalar_engine(settings, track)(rows, found.tolerance)
     return _trajectory(parameters, results, track)
 
 
@@ -87,7 +87,7 @@ def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
     rows = Batch.stack([parameters]).constants(settings.readings)
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
     while True:
-        run = each_by_itself(settings, track)
+        run = scalar_engine(settings, track)
         result = RunResult(*run(rows, np.array([settings.tolerance]))[0])
         if result.tracked <= len(track):
             break

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from model.engines.results import RESULTS, RunResult
 from model.physics.readings import Readings
-from model.runs.align import each_by_itself, side_by_side
+from model.runs.engines import batch_engine, scalar_engine
 from model.runs.simulate import simulate_once
 from model.study.claims import CLAIMS, Claim
 from model.study.claims.ledger import judge_claim
@@ -122,7 +122,7 @@ def datasets_of(
     ]
     rows = np.concatenate(pieces) if pieces else np.empty((0, 0))
     fast = settings.readings == Readings.consistent()
-    run = side_by_side(settings) if fast else each_by_itself(settings)
+    run = batch_engine(settings) if fast else scalar_engine(settings)
     endings = np.empty((len(rows), len(RunResult._fields)))
     # In a drawn order the long runs do not come together, and few lanes idle at the end.
     order = np.random.default_rng(0).permutation(len(rows))

@@ -1,0 +1,87 @@
+"""The engines as functions of many rows of constants, over the cores."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.engines.batch.scheduling import integrate_all, new_many
+from model.engines.queue import Queue, new_queue
+from model.engines.results import RunResult
+from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_single
+from model.engines.scalar.tableaux import DOP853
+from model.physics.readings import Readings
+from model.runs.settings import Settings
+
+Array = NDArray[np.float64]
+Engine = Literal["batch", "scalar"]
+Run = Callable[[Array, Array], Array]
+"""(rows, tolerances) to results; shapes (n, constants), (n,) and (n, fields of RunResult)."""
+
+NO_TRACK = np.empty((0, TRACK_COLUMNS))
+
+
+def scalar_engine(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
+    """Return the reference engine, one run at a time; a ``track`` is filled as by ``integrate``."""
+
+    def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
+        single = new_single(settings.method.method)
+        integrate_each(rows, tolerances, *settings.for_kernels, track, queue, results, single)
+
+    return _on_cores(fill, cores)
+
+
+def batch_engine(settings: Settings, cores: int = 1) -> Run:
+    """Return the batch engine: many runs at a time."""
+    declared, method, control = settings.for_kernels
+
+    def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
+        many = new_many(settings.may_settle)
+        integrate_all(rows, tolerances, declared, method, control, queue, results, many)
+
+    return _on_cores(fill, cores)
+
+
+def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -> Run:
+    """Return the engine of that name, or the fastest that fits the settings.
+
+    Raises:
+        ValueError: an unknown name, or an engine that does not fit.
+    """
+    if name not in (None, *get_args(Engine)):
+        raise ValueError(
+            f"engine = {name!r}: must be 'batch', 'scalar', or None for the fastest that fits"
+        )
+    batch_fits = settings.readings == Readings.consistent() and settings.method is DOP853
+    if name == "scalar" or (name is None and not batch_fits):
+        return scalar_engine(settings, cores=cores)
+    if not batch_fits:
+        raise ValueError(
+            f"engine = {name!r}: needs the consistent readings and the method DOP853; "
+            "choose 'scalar', or None for the fastest one that fits"
+        )
+    return batch_engine(settings, cores)
+
+
+def _on_cores(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:
+    """Return the engine whose kernel ``fill`` takes rows from a queue and writes their results.
+
+    The kernels of all ``cores`` share the queue; they do not hold the interpreter's lock.
+    """
+
+    def run(rows: Array, tolerances: Array) -> Array:
+        results = np.empty((len(rows), len(RunResult._fields)))
+        threads = max(1, min(cores, len(rows)))
+        queue = new_queue(len(rows), threads)
+        if threads == 1:
+            fill(rows, tolerances, queue, results)
+            return results
+        with ThreadPoolExecutor(threads) as pool:
+            shares = [pool.submit(fill, rows, tolerances, queue, results) for _ in range(threads)]
+        for share in shares:
+            share.result()
+        return results
+
+    return run
