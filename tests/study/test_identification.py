@@ -11,6 +11,7 @@ from model.physics.parameters import Parameters
 from model.study.claims import CLAIMS
 from model.study.config import (
     CURVES,
+    HISTORIES,
     MAPS,
     ConfigError,
     Evolution,
@@ -23,7 +24,6 @@ from model.study.config import (
 from model.study.csv_tables import TableError
 from model.study.identification import band_table, bands
 from model.study.identification.candidate import (
-    COMPUTED,
     Space,
     bare_inertia,
     readings_of,
@@ -32,29 +32,13 @@ from model.study.identification.candidate import (
     space_of_figures,
     structure_of,
 )
-from model.study.identification.evaluate import (
-    Judge,
-    contradicted,
-    datasets_of,
-    judge_of,
-    known_margins,
-)
-from model.study.identification.results import (
-    admissible,
-    configured,
-    correlations,
-    shares,
-    split_of,
-    spreads,
-)
-from model.study.identification.search import (
-    contenders,
-    first_population,
-    halves,
-    most_shown,
-    sample,
-    search,
-)
+from model.study.identification.committed import IdentificationError, read_identified
+from model.study.identification.evaluate import datasets_of
+from model.study.identification.results import configured, made_with, search_of, split_of, spreads
+from model.study.identification.score import Judge, judge_of, reproduced_shares
+
+COMPUTED = HISTORIES + CURVES + MAPS
+COMMITTED = study_path().parent / "identification"
 
 
 @pytest.fixture(scope="module")
@@ -187,9 +171,9 @@ def test_readings_are_presets_or_one_correction() -> None:
 
 def test_a_batch_of_candidates_is_scalar_engine(space: Space) -> None:
     points = np.random.default_rng(4).random((3, len(space.names)))
-    together = datasets_of(space, [(point, ("fig07", "fig13")) for point in points])
+    together = datasets_of(space, points, ("fig07", "fig13"))
     for point, datasets in zip(points, together, strict=True):
-        (alone,) = datasets_of(space, [(point, ("fig07", "fig13"))])
+        (alone,) = datasets_of(space, point[None], ("fig07", "fig13"))
         for name in ("fig07", "fig13"):
             assert alone[name].identical(datasets[name])
 
@@ -205,12 +189,12 @@ def test_what_can_be_checked_is_judged_and_what_is_set_aside_does_not_count(judg
 
 def test_what_is_required_of_a_figure_is_judged_by_it_alone(space: Space, judge: Judge) -> None:
     point = np.random.default_rng(11).random(len(space.names))
-    (made,) = datasets_of(space, [(point, ("fig05", "fig12"))])
+    (made,) = datasets_of(space, point[None], ("fig05", "fig12"))
     fifth, whole = judge.ids.index("N1 (Fig. 5)"), judge.ids.index("N1")
     for separations, holds in ((0, True), (3, False)):
         fig05 = made["fig05"].assign(separations=separations, outcome=float(Outcome.ALIGNED))
         hopping = made["fig12"].assign(separations=made["fig12"]["separations"] + 1.0)
-        margins = known_margins(judge, {"fig05": fig05, "fig12": hopping})
+        margins, _ = judge.judged({"fig05": fig05, "fig12": hopping})
         assert (margins[fifth] > 0.0) == judge.holds(margins) == holds
         assert margins[whole] < 0.0
 
@@ -222,7 +206,7 @@ def test_what_is_required_weighs_more_than_a_claim_and_in_no_half(judge: Judge) 
     lacking[fifth], one_less[0] = -0.5, -0.5
     assert judge.score(lacking) < judge.score(one_less) < judge.score(shown)
     assert judge.reproduced(lacking) == judge.reproduced(shown) == judge.counted.sum()
-    half = judge.counting(halves(judge, 2007, 0)[0])
+    half = judge.counting(judge.halves(2007, 0)[0])
     assert half.score(lacking) == half.score(shown)
     assert half.holds(lacking)
 
@@ -235,8 +219,8 @@ def test_contenders_hold_what_is_required_and_differ_in_structure(judge: Judge) 
     margins[2, :1] = -0.1
     margins[3, :3] = -0.1
     structures = np.array([[0.1] * 7, [0.2] * 7, [0.2] * 7, [0.3] * 7])
-    assert contenders(judge, structures, margins, 4).tolist() == [2, 3, 0]
-    assert contenders(judge, structures, margins, 1).tolist() == [2]
+    assert judge.contenders(structures, margins, 4).tolist() == [2, 3, 0]
+    assert judge.contenders(structures, margins, 1).tolist() == [2]
 
 
 def test_a_claim_not_shown_is_not_made_up_for_by_others_shown_clearly(judge: Judge) -> None:
@@ -255,7 +239,7 @@ def test_a_claim_not_shown_is_not_made_up_for_by_others_shown_clearly(judge: Jud
 
 
 def test_each_half_asks_something_of_every_figure(judge: Judge) -> None:
-    first, second = halves(judge, 2007, 0)
+    first, second = judge.halves(2007, 0)
     for figure in ("fig05", "fig06", "fig07", "fig08", "fig09", "fig11", "fig14"):
         shown_by = np.array([claim.figures[0] == figure for claim in judge.claims])
         assert (shown_by & first).any(), figure
@@ -263,7 +247,7 @@ def test_each_half_asks_something_of_every_figure(judge: Judge) -> None:
 
 
 def test_halves_share_no_claim_and_hold_all(judge: Judge) -> None:
-    splits = [halves(judge, 2007, number) for number in range(5)]
+    splits = [judge.halves(2007, number) for number in range(5)]
     for first, second in splits:
         assert not (first & second).any()
         assert ((first | second) == judge.counted).all()
@@ -275,23 +259,23 @@ def test_what_is_admissible(judge: Judge) -> None:
     margins = np.full((4, len(judge.claims)), 0.1)
     margins[1, 0], margins[2, :2] = -0.1, -0.1
     margins[3, judge.ids.index("N1 (Fig. 5)")] = -0.1
-    assert admissible(judge, margins, 0).tolist() == [True, False, False, False]
-    assert admissible(judge, margins, 1).tolist() == [True, True, False, False]
+    assert judge.admissible(margins, 0).tolist() == [True, False, False, False]
+    assert judge.admissible(margins, 1).tolist() == [True, True, False, False]
     # What does not show what is required is not what the others are measured by.
-    assert admissible(judge, margins[1:], 0).tolist() == [True, False, False]
+    assert judge.admissible(margins[1:], 0).tolist() == [True, False, False]
     with pytest.raises(ValueError, match="no set shows what is required"):
-        admissible(judge, margins[3:], 4)
-    np.testing.assert_allclose(shares(margins)[:3], [0.5, 0.75, 1.0])
+        judge.admissible(margins[3:], 4)
+    np.testing.assert_allclose(reproduced_shares(margins)[:3], [0.5, 0.75, 1.0])
 
 
 def test_of_sets_that_show_as_much_the_one_contradicted_least_is_chosen(judge: Judge) -> None:
     margins = np.full((3, len(judge.claims)), 0.1)
     margins[0, :2], margins[1, 1:3], margins[2, 0] = -0.1, -0.9, -0.9
-    assert most_shown(judge, margins, [1, 2, 1]) == 2  # reproduces one more
-    assert most_shown(judge, margins[:2], [2, 1]) == 1
-    assert most_shown(judge, margins[:2], [1, 1]) == 0  # the score decides
+    assert judge.order(margins, [1, 2, 1])[0] == 2  # reproduces one more
+    assert judge.order(margins[:2], [2, 1])[0] == 1
+    assert judge.order(margins[:2], [1, 1])[0] == 0  # the score decides
     margins[2, judge.ids.index("N1 (Fig. 5)")] = -0.1
-    assert most_shown(judge, margins, [1, 2, 1]) == 0  # the other does not show what it must
+    assert judge.order(margins, [1, 2, 1])[0] == 0  # the other does not show what it must
 
 
 def test_a_split_counts_each_half_by_itself() -> None:
@@ -306,37 +290,35 @@ def test_a_split_counts_each_half_by_itself() -> None:
 def test_the_spread_of_the_prior_is_one_and_of_a_point_nothing(space: Space) -> None:
     points = np.random.default_rng(5).random((4000, len(space.names)))
     points[:, 1] = 0.5
-    points[:, 2] = points[:, 0]
-    found = spreads(space, space.values(points))
-    assert found[0].narrowed == pytest.approx(1.0, abs=0.03)
-    assert found[1].narrowed == pytest.approx(0.0, abs=1e-9)
-    related = correlations(space, space.values(points))
-    assert related[0, 2] == pytest.approx(1.0)
-    assert abs(related[0, 3]) < 0.1
+    narrowed = spreads(space, points)[3]
+    assert narrowed[0] == pytest.approx(1.0, abs=0.03)
+    assert narrowed[1] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_search_repeats_itself_with_the_margins_of_its_points(space: Space, judge: Judge) -> None:
+    search = search_of(space)
     pool = Pool(structures=6, operating_points=2, chunks=2)
-    samples = sample(space, judge, pool, 0)
+    samples = search.sample(pool, 0)
     assert samples.points.shape == (3, 2, len(space.names))
     structure = space.places["structure"]
     np.testing.assert_array_equal(samples.points[:, 0, structure], samples.points[:, 1, structure])
     evolution = Evolution(population=5, generations=1, trials=2, polished=1, passes=1, polish=3)
-    whole = sample(space, judge, Pool(structures=5, operating_points=2, chunks=1), 0)
-    points, margins = search(space, judge, whole, [evolution, evolution], 0)
-    again, _ = search(space, judge, whole, [evolution, evolution], 0)
+    whole = search.sample(Pool(structures=5, operating_points=2, chunks=1), 0)
+    points, margins = search.run(whole, [evolution, evolution], 0)
+    again, _ = search.run(whole, [evolution, evolution], 0)
     np.testing.assert_array_equal(points, again)
     assert len(points) == 22
-    datasets = datasets_of(space, [(points[-1], space.everything)])[0]
-    np.testing.assert_array_equal(known_margins(judge, datasets), margins[-1])
-    first = first_population(space, judge, whole, 5)
+    (datasets,) = datasets_of(space, points[-1:], space.everything)
+    known_margins, against = judge.judged(datasets)
+    np.testing.assert_array_equal(known_margins, margins[-1])
+    first = search.first_population(whole, 5)
     np.testing.assert_allclose(points[:5, structure], first[:, structure], atol=1e-15)
     known = points[-1:]
-    from_known, more = search(space, judge, whole, [evolution], 0, known)
+    from_known, more = search.run(whole, [evolution], 0, known)
     np.testing.assert_allclose(from_known[0, structure], known[0, structure], atol=1e-15)
     assert judge.score(more).max() >= judge.score(margins[-1])
-    failing = judge.counted & (known_margins(judge, datasets) <= 0.0)
-    assert 0 <= contradicted(judge, datasets) <= failing.sum()
+    failing = judge.counted & (known_margins <= 0.0)
+    assert 0 <= against <= failing.sum()
 
 
 def test_the_device_is_chosen_on_the_grids_of_the_figures(study: Study) -> None:
@@ -371,7 +353,9 @@ def test_a_candidate_as_configured_is_the_candidate(study: Study, space: Space) 
     [
         ({"counts": {"fig06": 10}}, "counts: missing fig07"),
         ({"structure": {"half_widht": {"low": 1.0, "high": 2.0}}}, "Did you mean 'half_width'"),
-        ({"run_counts": {"pressed": 4}}, "run_counts: must name each of centred"),
+        ({"run_counts": {"presed": 4}}, "Did you mean 'pressed'"),
+        ({"counts": dict.fromkeys((*CURVES, *MAPS, "fig15"), 4)}, "fig15"),
+        ({"counts": dict.fromkeys((*CURVES, *MAPS, "fig05"), 4)}, "reading_counts: must name"),
         ({"stated": {"fig01": {"frequency": 1.0}}}, "fig01"),
         ({"required": {"fig03": ["N1"]}}, "fig03"),
     ],
@@ -383,6 +367,43 @@ def test_a_law_that_cannot_be_searched_is_refused(
     mapping["identification"]["law"] |= change
     with pytest.raises(ConfigError, match=message):
         check_study(mapping)
+
+
+def test_what_the_law_does_not_name_is_not_searched(study: Study) -> None:
+    """A run that the study gains changes neither the search nor its committed tables."""
+    law = study.identification.law
+    gained = study.claims_runs | {"more": study.claims_runs["rubbing"]}
+    assert space_of(study.model_copy(update={"claims_runs": gained})) == space_of(study)
+    fewer = {
+        "counts": {name: count for name, count in law.counts.items() if name != "fig10"},
+        "operating_points": {
+            name: each for name, each in law.operating_points.items() if name != "fig10"
+        },
+        "run_counts": {"pressed": 4},
+    }
+    identification = study.identification.model_copy(update={"law": law.model_copy(update=fewer)})
+    space = space_of(study.model_copy(update={"identification": identification}))
+    assert "fig10" not in space.figures
+    assert [name for name in space.everything if name not in space.figures] == ["pressed"]
+    assert not {"F10", "M3", "F8f"} & set(judge_of(space).ids)
+    assert {"F6a", "M4", "N1"} <= set(judge_of(space).ids)
+
+
+def test_the_committed_tables_name_the_search_and_the_claims_they_were_made_with(
+    study: Study,
+) -> None:
+    space, found = space_of(study), read_identified(COMMITTED)
+    judge = judge_of(space)
+    now = made_with(space, judge)
+    assert set(found.made_with) == set(now), "whether they are the study's is said in the report"
+    sets = found.points(space.names)
+    assert sets.shape == (len(next(iter(found.ensemble.values()))), len(space.names))
+    with pytest.raises(IdentificationError, match=r"lacks fig15\.friction: run"):
+        found.points([*space.names, "fig15.friction"])
+    other = space_of(study, finer=3)
+    assert made_with(other, judge)["search"] != now["search"]
+    fewer = Judge(judge.claims[1:], judge.counted[1:], judge.goal, judge.required[1:])
+    assert made_with(space, fewer)["claims"] != now["claims"]
 
 
 def test_a_set_found_before_must_name_every_unknown(study: Study, space: Space) -> None:

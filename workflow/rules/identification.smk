@@ -174,11 +174,7 @@ rule identify_summary:
     output:
         root / "identification/best.yaml",
         root / "identification/ensemble.nc",
-        root / "identification/ensemble.csv",
-        root / "identification/unknowns.csv",
-        root / "identification/claims.csv",
-        root / "identification/splits.csv",
-        root / "identification/readings.csv",
+        expand(root / "identification/{table}.csv", table=TABLES),
         summary=root / "identification/summary.txt",
         record=root / "identification/summary.run.json",
     log:

@@ -3,8 +3,6 @@
 import argparse
 from pathlib import Path
 
-import numpy as np
-
 from model.study.identification.band_table import bands_text
 from model.study.identification.bands import bands_of
 from model.study.identification.candidate import Space
@@ -21,8 +19,7 @@ def main() -> None:
     parser.add_argument("tables", nargs="+", type=Path, help="what was identified")
     arguments = parser.parse_args()
     space, job = arguments.space, Job("identified_bands")
-    ensemble = read_identified(arguments.tables[0].parent).ensemble
-    sets = np.array([ensemble[name] for name in space.names]).T
+    sets = read_identified(arguments.tables[0].parent).points(space.names)
     write_text(bands_text(bands_of(space, space.point(sets))), arguments.output)
     job.finish(arguments.record, [arguments.output], arguments.tables, sweep=space.identity)
 

@@ -8,9 +8,7 @@ from pydantic import TypeAdapter
 from model.study.config import Evolution
 from model.study.datasets import read_dataset, write_dataset
 from model.study.identification.candidate import Space
-from model.study.identification.evaluate import judge_of
-from model.study.identification.results import candidates_dataset, samples_of
-from model.study.identification.search import search
+from model.study.identification.results import candidates_dataset, samples_of, search_of
 from model.tracking.provenance import Job
 
 
@@ -25,11 +23,11 @@ def main() -> None:
     parser.add_argument("samples", nargs="+", type=Path, help="of the consistent reading")
     arguments = parser.parse_args()
     space, job = arguments.space, Job("identify_reading", arguments.reading)
-    judge = judge_of(space)
+    search = search_of(space)
     samples = samples_of([read_dataset(path) for path in arguments.samples])
-    found = search(space, judge, samples, arguments.rounds, 0)
+    found = search.run(samples, arguments.rounds, 0)
     title = f"Candidates under the reading {arguments.reading}"
-    write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
+    write_dataset(candidates_dataset(search, *found, title), arguments.output)
     job.finish(arguments.record, [arguments.output], arguments.samples, sweep=space.identity)
 
 

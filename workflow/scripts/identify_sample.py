@@ -6,9 +6,7 @@ from pathlib import Path
 from model.study.config import Pool
 from model.study.datasets import write_dataset
 from model.study.identification.candidate import Space
-from model.study.identification.evaluate import judge_of
-from model.study.identification.results import samples_dataset
-from model.study.identification.search import sample
+from model.study.identification.results import samples_dataset, search_of
 from model.tracking.provenance import Job
 
 
@@ -22,9 +20,9 @@ def main() -> None:
     parser.add_argument("--record", required=True, type=Path)
     arguments = parser.parse_args()
     space, job = arguments.space, Job("identify_sample", arguments.chunk)
-    judge = judge_of(space)
-    samples = sample(space, judge, arguments.pool, arguments.chunk)
-    write_dataset(samples_dataset(space, judge, samples), arguments.output)
+    search = search_of(space)
+    samples = search.sample(arguments.pool, arguments.chunk)
+    write_dataset(samples_dataset(search, samples), arguments.output)
     job.finish(arguments.record, [arguments.output], sweep=space.identity)
 
 

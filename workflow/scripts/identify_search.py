@@ -10,9 +10,7 @@ from pydantic import TypeAdapter
 from model.study.config import Evolution
 from model.study.datasets import read_dataset, write_dataset
 from model.study.identification.candidate import Space
-from model.study.identification.evaluate import judge_of
-from model.study.identification.results import candidates_dataset, samples_of
-from model.study.identification.search import halves, search
+from model.study.identification.results import candidates_dataset, samples_of, search_of
 from model.tracking.provenance import Job
 
 
@@ -30,16 +28,16 @@ def main() -> None:
     arguments = parser.parse_args()
     space, number = arguments.space, arguments.number
     job = Job("identify_search", arguments.kind, number)
-    judge = judge_of(space)
+    search = search_of(space)
     samples = samples_of([read_dataset(path) for path in arguments.samples])
     if arguments.kind == "half":
-        judge = judge.counting(halves(judge, space.law.seed, number)[0])
+        search = search.on_half(number)
     begin = [space.point_of(values) for values in arguments.known.values()]
     known = np.array(begin) if begin else None
     first = 0 if arguments.kind == "start" else 1000  # other draws than those over all claims
-    found = search(space, judge, samples, arguments.rounds, first + number, known)
+    found = search.run(samples, arguments.rounds, first + number, known)
     title = f"Candidates of search {arguments.kind} {number}"
-    write_dataset(candidates_dataset(space, judge, *found, title), arguments.output)
+    write_dataset(candidates_dataset(search, *found, title), arguments.output)
     job.finish(arguments.record, [arguments.output], arguments.samples, sweep=space.identity)
 
 

@@ -253,8 +253,8 @@ class SearchLaw(_Strict):
         seed: of every draw.
         horizon: latest time of the search's runs.
         tolerance: of the search's runs, each of which is run once.
-        counts: values along each axis of a figure with a grid.
-        run_counts: values along the axis of each of the claims ledger's own runs.
+        counts: values along each axis of a figure with a grid; other figures are not computed.
+        run_counts: values along the axis of each of the claims' own runs that are computed.
         structure: ranges of what all figures share.
         stated: what the paper says of a figure's operating point.
         operating_points: ranges of what it leaves open, by figure.
@@ -279,7 +279,7 @@ class SearchLaw(_Strict):
     def _names_figures(self) -> "SearchLaw":
         for name in (*self.counts, *self.stated, *self.operating_points, *self.required):
             check_name(name, HISTORIES + CURVES + MAPS, "figure that is computed")
-        missing = [name for name in CURVES + MAPS if name not in self.counts]
+        missing = [name for name in self.operating_points if name not in (*self.counts, *HISTORIES)]
         if missing:
             raise ValueError(f"counts: missing {', '.join(missing)}")
         for name in self.structure:
@@ -324,6 +324,12 @@ class Identification(_Strict):
     admissible: int = Field(ge=0)
     reading_counts: Counts
     reading_rounds: Annotated[list[Evolution], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _same_figures(self) -> "Identification":
+        if set(self.reading_counts) != set(self.law.counts):
+            raise ValueError("reading_counts: must name the figures that law.counts names")
+        return self
 
 
 class Case(_Strict):
@@ -570,10 +576,8 @@ class Study(_Strict):
         missing = [name for name in FIGURES if name not in self.figures]
         if missing:
             raise ValueError(f"figures: missing {', '.join(missing)}")
-        if set(self.identification.law.run_counts) != set(self.claims_runs):
-            raise ValueError(
-                f"identification.law.run_counts: must name each of {', '.join(self.claims_runs)}"
-            )
+        for name in self.identification.law.run_counts:
+            check_name(name, tuple(self.claims_runs), "run of the claims")
         twice = sorted(set(self.structure) & set(self.operating_point))
         if twice:
             raise ValueError(f"{', '.join(twice)}: stated in both structure and operating_point")

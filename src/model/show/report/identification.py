@@ -9,8 +9,12 @@ import numpy as np
 from model.show.identification import CAPTIONS, READING_LABELS, SYMBOLS, WORDS
 from model.show.report.section import Results, Section
 from model.study.config import Range
-from model.study.identification.candidate import searched_of
+from model.study.identification.candidate import searched_of, space_of
 from model.study.identification.committed import PICTURES, Identified, Split, read_identified
+from model.study.identification.results import made_with
+from model.study.identification.score import judge_of
+
+WORDS_OF_PARTS = {"search": "priors, figures, grids or settings", "claims": "claims"}
 
 
 def section(results: Results) -> Section | None:
@@ -19,10 +23,13 @@ def section(results: Results) -> Section | None:
         return None
     study = results.study
     found = read_identified(results.tables[0].parent)
+    space = space_of(study)
+    now = made_with(space, judge_of(space))
     content = {
         "found": findings_of(
             found, searched_of(study.structure), study.identification.law.structure
         ),
+        "changed": [WORDS_OF_PARTS[part] for part in now if found.made_with.get(part) != now[part]],
         "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
     }
     template = Path(__file__).with_suffix(".html.j2")

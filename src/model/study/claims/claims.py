@@ -71,6 +71,7 @@ class Claim:
         measure: the number in words.
         limit: the demand on the number.
         check: the number of each part; None where nothing can be measured.
+        asked: figures, number and arguments of the check as the table states them.
     """
 
     id: str
@@ -81,6 +82,7 @@ class Claim:
     measure: str
     limit: Limit
     check: Check | None
+    asked: str
 
 
 def limit_of(stated: Mapping[str, Any]) -> Limit:
@@ -107,10 +109,11 @@ def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Cla
     place, statement = stated.pop(kind), stated.pop("statement")
     if "unmeasured" in stated:
         limit = Limit(math.nan, True, 1.0, stated.pop("unmeasured"))
-        claim = Claim(name, place, _KINDS[kind], statement, (), "", limit, None)
+        claim = Claim(name, place, _KINDS[kind], statement, (), "", limit, None, "")
     else:
         arguments = dict(stated.pop("check"))
-        figures, limit = arguments.pop("figures"), _demanded(arguments.pop("must"), named)
+        limit = _demanded(arguments.pop("must"), named)
+        asked, figures = str(arguments), arguments.pop("figures")
         claim = Claim(
             id=name,
             place=place,
@@ -120,6 +123,7 @@ def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Cla
             measure=stated.pop("measure"),
             limit=limit,
             check=check_of(arguments.pop("number"), arguments),
+            asked=asked,
         )
     if stated:
         raise ValueError(f"unknown {', '.join(stated)}")

@@ -1,6 +1,6 @@
-"""Which parameters make the model show what the paper says its figures show.
+"""The identification: parameters with which the model shows what the paper says of its figures.
 
-``candidate`` turns points of the search space into devices and figures, ``evaluate`` computes
-coarse figures of many candidates at once and judges them, ``search`` looks for the best,
-``results`` says what was found.
+``candidate`` is the search space, ``evaluate`` computes coarse figures of many candidates at
+once, ``score`` judges them by the claims, ``search`` looks for the best, ``results`` gathers all
+searches, ``committed`` holds the tables that the study reads.
 """

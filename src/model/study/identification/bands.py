@@ -1,8 +1,8 @@
-"""The ensemble's bands: what the admissible sets give where a curve of Figs. 6 to 12 stands.
+"""The ensemble's bands: quantiles of the admissible sets' durations along each curve.
 
-A set has a structure and operating points of its own, so that a band says how well a curve is known
-by what the paper says. Fig. 10 is swept over the inertia in units of the bare part's, since every
-set has a bare part of its own.
+A set has a structure and operating points of its own, so that a band says how well the paper's
+claims fix a curve. Fig. 10 is swept over the inertia in units of the bare part's, since every set
+has a bare part of its own.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from model.study.config import CURVES
 from model.study.identification.band_table import Band
 from model.study.identification.candidate import Space, bare_inertia
 from model.study.identification.evaluate import datasets_of
@@ -23,20 +22,19 @@ Array = NDArray[np.float64]
 
 
 def bands_of(space: Space, points: Array) -> dict[str, tuple[Band, ...]]:
-    """The bands of Figs. 6 to 12, on the search's grids.
+    """Return the bands of the figures of a space, which have curves, on the search's grids.
 
     Args:
-        space: what the points are points of.
+        space: of the points.
         points: of the ensemble, shape (m, n).
     """
-    taus: dict[str, list[Array]] = {name: [] for name in CURVES}
+    taus: dict[str, list[Array]] = {name: [] for name in space.figures}
     for start in range(0, len(points), _AT_ONCE):
-        some = points[start : start + _AT_ONCE]
-        for made in datasets_of(space, [(point, CURVES) for point in some]):
-            for name in CURVES:
+        for made in datasets_of(space, points[start : start + _AT_ONCE], space.figures):
+            for name in space.figures:
                 taus[name].append(made[name]["tau_align"].values)
     found = {}
-    for name in CURVES:
+    for name in space.figures:
         family, swept = space.sweep(points[0], name).dimensions
         x = np.array(swept.values)
         if swept.parameter == "inertia":
@@ -46,7 +44,7 @@ def bands_of(space: Space, points: Array) -> dict[str, tuple[Band, ...]]:
 
 
 def of_durations(values: Sequence[float], x: Array, taus: Array) -> tuple[Band, ...]:
-    """Bands of one figure.
+    """Return the bands of one figure.
 
     Args:
         values: of the family's parameter.

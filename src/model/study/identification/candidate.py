@@ -1,13 +1,13 @@
-"""The space that is searched: what a point of it says about the device and its figures.
+"""The search space: points of the unit cube, and the devices and figures they stand for.
 
-A candidate is a point of the unit cube. Each coordinate is one unknown on a logarithmic axis: first
-those of the structure, shared by all figures, then each figure's operating point. Dampings are
-searched as damping ratios and the inertia as a multiple of the bare part's, because the priors are
-stated in these; ``structure_of`` turns them into the parameters of the equations.
+Each coordinate of a point is one unknown on a logarithmic axis: first those of the structure,
+shared by all figures, then each figure's operating point. Dampings are searched as damping ratios
+and the inertia as a multiple of the bare part's, because the priors are stated in these;
+``structure_of`` turns them into the parameters of the equations.
 """
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from typing import Literal
 
@@ -17,9 +17,6 @@ from numpy.typing import NDArray
 from model.physics.parameters import check_name
 from model.physics.readings import READING_NAMES, Reading
 from model.study.config import (
-    CURVES,
-    HISTORIES,
-    MAPS,
     Axis,
     ClaimRun,
     Curves,
@@ -32,7 +29,6 @@ from model.study.config import (
 from model.study.plan import Plan
 from model.study.sweeps import Sweep
 
-COMPUTED = HISTORIES + CURVES + MAPS
 TYPICAL_TILT_STIFFNESS = 10.0  # at which the tilt's damping ratio is taken; the paper varies k_φ
 FINE_TOLERANCE = 1e-8
 REST_HORIZON = 300.0  # what is not vibrated must be seen to come to rest
@@ -46,10 +42,10 @@ class Space(Plan):
 
     Attributes:
         fixed: parameters that are not searched: stated by the paper, or held.
-        dimensions: of each sweep, a figure's or one of the ledger's own runs, on the coarse grid.
-        runs: the ledger's own runs.
+        dimensions: of each sweep, a figure's or one of the claims' own runs, on the coarse grid.
+        runs: the claims' own runs.
         law: priors, grids and settings.
-        readings: how the equations are read; every switch by name.
+        readings: variants of the equations; every switch by name.
     """
 
     fixed: dict[str, float]
@@ -60,24 +56,29 @@ class Space(Plan):
 
     @cached_property
     def settings(self) -> RunSettings:
-        """How the search runs."""
+        """Settings of the search's runs."""
         return RunSettings(
             readings=self.readings, horizon=self.law.horizon, tolerance=self.law.tolerance
         )
 
     @cached_property
     def at_rest(self) -> RunSettings:
-        """How runs without vibration are computed, that they come to rest where they do."""
+        """Settings of runs without vibration, which are given the time to come to rest."""
         return self.settings.model_copy(
             update={"horizon": REST_HORIZON, "tolerance": FINE_TOLERANCE}
         )
 
     @cached_property
+    def figures(self) -> tuple[str, ...]:
+        """The figures that are computed."""
+        return tuple(name for name in self.dimensions if name not in self.runs)
+
+    @cached_property
     def parts(self) -> Mapping[str, tuple[str, ...]]:
-        """Each figure with the ledger's own runs at its operating point."""
+        """Each figure with the claims' own runs at its operating point."""
         return {
             figure: (figure, *(name for name, run in self.runs.items() if run.figure == figure))
-            for figure in COMPUTED
+            for figure in self.figures
         }
 
     @cached_property
@@ -87,7 +88,7 @@ class Space(Plan):
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Every coordinate: "inertia_ratio", …, "fig06.friction", …."""
+        """Names of the coordinates: "inertia_ratio", …, "fig06.friction", …."""
         of_figures = [
             f"{figure}.{name}"
             for figure, ranges in self.law.operating_points.items()
@@ -97,7 +98,7 @@ class Space(Plan):
 
     @cached_property
     def places(self) -> Mapping[str, slice]:
-        """Where the coordinates of the structure ("structure") and of each figure stand."""
+        """Coordinates of the structure ("structure") and of each figure."""
         found, start = {}, 0
         parts = {"structure": self.law.structure, **self.law.operating_points}
         for part, ranges in parts.items():
@@ -112,7 +113,7 @@ class Space(Plan):
         return np.array([law.low for law in ranges]), np.array([law.high for law in ranges])
 
     def only(self, names: Collection[str]) -> "Space":
-        """The same unknowns, of which nothing but some figures and own runs is computed."""
+        """The same space, of which some figures and own runs alone are computed."""
         return Space(
             fixed=self.fixed,
             dimensions={name: each for name, each in self.dimensions.items() if name in names},
@@ -122,7 +123,7 @@ class Space(Plan):
         )
 
     def values(self, points: Array) -> Array:
-        """What coordinates in [0, 1] stand for; shape (..., n) both."""
+        """Values of the unknowns at coordinates in [0, 1]; shape (..., n) both."""
         low, high = self._ends
         return low * (high / low) ** points
 
@@ -168,16 +169,19 @@ class Space(Plan):
             else dimension
             for dimension in self.dimensions[name]
         ]
-        kind: Literal["history", "curves", "map"] = "map" if name in MAPS else "curves"
-        if name in HISTORIES:
-            kind = "history"
         return Sweep.model_construct(
             figure=name,
-            kind=kind,
+            kind=_kind(dimensions),
             parameters=parameters,
             settings=self.at_rest if parameters["frequency"] == 0.0 else self.settings,
             dimensions=dimensions,
         )
+
+
+def _kind(dimensions: Sequence[Axis | Family]) -> Literal["history", "curves", "map"]:
+    if not dimensions:
+        return "history"
+    return "curves" if isinstance(dimensions[0], Family) else "map"
 
 
 def structure_of(searched: Mapping[str, float]) -> dict[str, float]:
@@ -229,9 +233,14 @@ def inertias(structure: Mapping[str, float]) -> tuple[float, float]:
 
 
 def readings_of(name: str) -> dict[str, Reading]:
-    """Switches of a reading that is searched: "consistent", "printed", or one correction alone.
+    """Switches of a variant of the equations that is searched.
 
-    ``name`` is a preset, or that of the one switch that is consistent while all others are printed.
+    Args:
+        name: a preset, "consistent" or "printed"; or the one switch that is consistent while all
+            others are printed.
+
+    Raises:
+        ValueError: an unknown name.
     """
     if name == "consistent":
         return dict.fromkeys(READING_NAMES, "consistent")
@@ -243,11 +252,11 @@ def readings_of(name: str) -> dict[str, Reading]:
 
 
 def space_of(study: Study, finer: int = 1) -> Space:
-    """The search that a study's law describes.
+    """The search space that a study's law describes.
 
     Args:
         study: the study.
-        finer: times the coarse grids' values along each axis, run with a smaller tolerance.
+        finer: factor on the values along each axis; above 1, runs have a smaller tolerance.
     """
     return _space(study, _finer(study.identification.law, finer), "consistent")
 
@@ -260,18 +269,19 @@ def space_of_reading(study: Study, reading: str, finer: int = 1) -> Space:
 
 
 def space_of_figures(study: Study) -> Space:
-    """The search on the study's own grids, of maps with every second value, to its horizon."""
+    """The search space on the study's own grids, of maps with every second value, and horizon."""
+    law = study.identification.law
     counts = {}
-    for name in study.identification.law.counts:
+    for name in law.counts:
         spec = study.figures[name]
         if isinstance(spec, Curves):
             counts[name] = spec.swept.count
         elif isinstance(spec, Map):
             counts[name] = spec.x.count // 2
-    run_counts = {name: run.swept.count for name, run in study.claims_runs.items()}
+    run_counts = {name: study.claims_runs[name].swept.count for name in law.run_counts}
     grids = {"counts": counts, "run_counts": run_counts, "horizon": study.settings.horizon}
-    law = study.identification.law.model_copy(update={**grids, "tolerance": FINE_TOLERANCE})
-    return _space(study, law, "consistent")
+    own = law.model_copy(update={**grids, "tolerance": FINE_TOLERANCE})
+    return _space(study, own, "consistent")
 
 
 def _finer(law: SearchLaw, times: int) -> SearchLaw:
@@ -285,24 +295,26 @@ def _finer(law: SearchLaw, times: int) -> SearchLaw:
 
 
 def _space(study: Study, law: SearchLaw, reading: str) -> Space:
+    """The space of the figures and own runs that the law names, in the study's order."""
     dimensions: dict[str, list[Axis | Family]] = {}
-    for name in COMPUTED:
-        spec, count = study.figures[name], law.counts.get(name)
+    for name, spec in study.figures.items():
+        if name not in {*law.counts, *law.operating_points}:
+            continue
+        count = {"count": law.counts.get(name)}
         if isinstance(spec, Curves):
-            dimensions[name] = [spec.family, spec.swept.model_copy(update={"count": count})]
+            dimensions[name] = [spec.family, spec.swept.model_copy(update=count)]
         elif isinstance(spec, Map):
-            dimensions[name] = [
-                axis.model_copy(update={"count": count}) for axis in (spec.y, spec.x)
-            ]
+            dimensions[name] = [axis.model_copy(update=count) for axis in (spec.y, spec.x)]
         else:
             dimensions[name] = []
-    for name, run in study.claims_runs.items():
+    runs = {name: run for name, run in study.claims_runs.items() if name in law.run_counts}
+    for name, run in runs.items():
         swept = run.swept.model_copy(update={"count": law.run_counts[name]})
         dimensions[name] = [run.family, swept]
     return Space(
         fixed={**study.operating_point, **study.structure},
         dimensions=dimensions,
-        runs=study.claims_runs,
+        runs=runs,
         law=law,
         readings=readings_of(reading),
     )

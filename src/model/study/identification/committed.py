@@ -1,19 +1,21 @@
-"""The identification's result as it is committed in config/identification.
+"""The identification's result as tables, committed in config/identification.
 
 ``make identification`` writes these tables anew. A search takes an hour; figures and report read
-what it found.
+its result here. The tables name the search and the claims that they were made with, so that a
+change of either since is said where they are shown, and stops nothing else.
 """
 
 import csv
-from collections.abc import Mapping
+import io
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-TABLES = ("ensemble", "claims", "splits", "readings")
+TABLES = ("ensemble", "claims", "splits", "readings", "made_with")
 # Its pictures, and where each belongs in the results root, without extension.
 PICTURES: Mapping[str, str] = {
     "structure": "figures/identified_structure",
@@ -26,13 +28,13 @@ Array = NDArray[np.float64]
 
 
 class IdentificationError(ValueError):
-    """A committed table that is missing, or not what it should be."""
+    """A committed table that is missing, broken, or of another search."""
 
 
 class Split(NamedTuple):
     """One split: claims searched for and those held out, and how many of each are reproduced.
 
-    ``possible`` are those held out that some admissible set shows: what could be reproduced.
+    ``possible`` are those held out that some admissible set shows: the most to be reproduced.
     """
 
     number: int
@@ -56,7 +58,7 @@ class Split(NamedTuple):
 
 @dataclass(frozen=True)
 class Identified:
-    """What was found.
+    """The result of an identification.
 
     Attributes:
         ensemble: values of the admissible sets by unknown, each of shape (sets,).
@@ -67,6 +69,7 @@ class Identified:
         prior_shares: share of draws from the prior that does, NaN where unknown, shape (claims,).
         splits: identified on one half of the claims, judged on the other.
         readings: margins of the best set under each reading, each of shape (claims,).
+        made_with: hashes of the "search" and of the "claims".
     """
 
     ensemble: Mapping[str, Array]
@@ -77,10 +80,58 @@ class Identified:
     prior_shares: Array
     splits: tuple[Split, ...]
     readings: Mapping[str, Array]
+    made_with: Mapping[str, str]
+
+    def points(self, names: Sequence[str]) -> Array:
+        """Return the values of the admissible sets, shape (sets, names).
+
+        Raises:
+            IdentificationError: a name that was not searched.
+        """
+        missing = [name for name in names if name not in self.ensemble]
+        if missing:
+            raise IdentificationError(
+                f"the committed ensemble lacks {', '.join(missing)}: run `make identification` and "
+                "commit its tables"
+            )
+        return np.array([self.ensemble[name] for name in names]).T
+
+
+_CLAIMS = ("claim", "counted", "margin", "ensemble", "prior")
+
+
+def tables_of(found: Identified) -> dict[str, str]:
+    """Return the tables as CSV text by name; numbers to six digits."""
+    values = np.array(list(found.ensemble.values())).T
+    by_claim = zip(
+        found.claims,
+        found.counted.astype(int).tolist(),
+        *(each.tolist() for each in (found.margins, found.ensemble_shares, found.prior_shares)),
+        strict=True,
+    )
+    return {
+        "ensemble": _text(found.ensemble, values.tolist()),
+        "claims": _text(_CLAIMS, by_claim),
+        "splits": _text(Split._fields, found.splits),
+        "readings": _text(
+            ("reading", *found.claims),
+            [(name, *margins.tolist()) for name, margins in found.readings.items()],
+        ),
+        "made_with": _text(("part", "hash"), found.made_with.items()),
+    }
+
+
+def _text(header: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    for row in rows:
+        writer.writerow(f"{each:.6g}" if isinstance(each, float) else each for each in row)
+    return text.getvalue()
 
 
 def read_identified(folder: Path) -> Identified:
-    """The tables in ``folder``.
+    """Return what ``tables_of`` wrote to ``folder``.
 
     Raises:
         IdentificationError: a table is missing, empty, or has other columns than it should.
@@ -90,16 +141,17 @@ def read_identified(folder: Path) -> Identified:
         header, *rows = read["ensemble"]
         values = np.array(rows, dtype=np.float64)
         claims = {row[0]: [float(cell) for cell in row[1:]] for row in read["claims"][1:]}
-        columns = np.array(list(claims.values()))
+        counted, margins, ensemble_shares, prior_shares = np.array(list(claims.values())).T
         return Identified(
             ensemble=dict(zip(header, values.T, strict=True)),
             claims=tuple(claims),
-            counted=columns[:, 0] == 1.0,
-            margins=columns[:, 1],
-            ensemble_shares=columns[:, 2],
-            prior_shares=columns[:, 3],
+            counted=counted == 1.0,
+            margins=margins,
+            ensemble_shares=ensemble_shares,
+            prior_shares=prior_shares,
             splits=tuple(Split(*(int(cell) for cell in row)) for row in read["splits"][1:]),
             readings=_by_claim(read["readings"], tuple(claims)),
+            made_with=dict(read["made_with"][1:]),
         )
     except (ValueError, TypeError, IndexError) as error:
         raise IdentificationError(

@@ -1,23 +1,36 @@
-"""What the identification found: as datasets, as the study's configuration, and in words."""
+"""The result of the searches: as datasets, tables, the study's configuration, and in words."""
 
+import hashlib
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.study.identification.candidate import COMPUTED, Space, inertias
-from model.study.identification.committed import Split
-from model.study.identification.evaluate import Judge
-from model.study.identification.search import Samples
+from model.study.config import Study
+from model.study.identification.candidate import (
+    Space,
+    inertias,
+    space_of,
+    space_of_figures,
+    space_of_reading,
+)
+from model.study.identification.committed import Identified, Split
+from model.study.identification.score import Judge, judge_of, reproduced_shares
+from model.study.identification.search import Samples, Search
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-DIGITS = 4  # of an identified value: what is known of it is far less
+Rows = NDArray[np.int64]
+DIGITS = 4  # of an identified value; the ensemble spreads far wider
+FINER = 3  # factor on the number of values along each axis where the best are judged again
+
+
+def search_of(space: Space) -> Search:
+    """Return the search of a space by its own judge."""
+    return Search(space, judge_of(space))
 
 
 def _attributes(space: Space, kind: str, title: str) -> dict[str, object]:
@@ -33,42 +46,45 @@ def _attributes(space: Space, kind: str, title: str) -> dict[str, object]:
     }
 
 
-def samples_dataset(space: Space, judge: Judge, samples: Samples) -> xr.Dataset:
-    """A chunk of a pool."""
+def samples_dataset(search: Search, samples: Samples) -> xr.Dataset:
+    """Return a chunk of a pool as a dataset."""
+    space = search.space
     return xr.Dataset(
         {
             "point": (("structure", "trial", "unknown"), samples.points),
             "margin": (("structure", "trial", "part", "claim"), samples.margins),
         },
-        {"unknown": list(space.names), "part": list(COMPUTED), "claim": list(judge.ids)},
+        {
+            "unknown": list(space.names),
+            "part": list(space.figures),
+            "claim": list(search.judge.ids),
+        },
         _attributes(space, "samples", "First samples of a search"),
     )
 
 
 def samples_of(chunks: Sequence[xr.Dataset]) -> Samples:
-    """The pool from its chunks."""
+    """Return the pool from its chunks."""
     points = np.concatenate([chunk["point"].values for chunk in chunks])
     return Samples(points, np.concatenate([chunk["margin"].values for chunk in chunks]))
 
 
-def candidates_dataset(
-    space: Space, judge: Judge, points: Array, margins: Array, title: str
-) -> xr.Dataset:
-    """Candidates with their values and the margin of each claim.
+def candidates_dataset(search: Search, points: Array, margins: Array, title: str) -> xr.Dataset:
+    """Return candidates with their values and the margin of each claim.
 
     Args:
-        space: what the candidates are points of.
-        judge: whose ``counted`` says which claims the score took in.
+        search: by which they were found; its judge's ``counted`` claims made the score.
         points: shape (m, unknowns).
         margins: shape (m, claims).
         title: of the dataset.
     """
+    space, judge = search.space, search.judge
     return xr.Dataset(
         {
             "value": (("candidate", "unknown"), space.values(points)),
             "margin": (("candidate", "claim"), margins),
             "score": ("candidate", judge.score(margins)),
-            "reproduced": ("candidate", (margins[:, judge.counted] > 0.0).sum(axis=1)),
+            "reproduced": ("candidate", judge.reproduced(margins)),
             "counted": ("claim", judge.counted.astype(np.int8)),
         },
         {"unknown": list(space.names), "claim": list(judge.ids)},
@@ -77,91 +93,137 @@ def candidates_dataset(
 
 
 def rounded(value: float) -> float:
-    """A value as it is written into the configuration."""
+    """Return a value as it is written into the configuration."""
     return float(f"{value:.{DIGITS}g}")
 
 
 def configured(space: Space, point: Array) -> dict[str, object]:
-    """A candidate as the configuration states it, with the ends of Fig. 10's axis."""
+    """Return a candidate as the configuration states it, with the ends of Fig. 10's axis."""
     structure = {name: rounded(value) for name, value in space.structure(point).items()}
     held = {
         figure: {name: rounded(value) for name, value in space.held(point, figure).items()}
-        for figure in COMPUTED
+        for figure in space.figures
     }
     start, stop = (rounded(value) for value in inertias(structure))
     return {"structure": structure, "held": held, "inertia": {"start": start, "stop": stop}}
 
 
-# --- What the ensemble says of itself -----------------------------------------------------------
+def made_with(space: Space, judge: Judge) -> dict[str, str]:
+    """Return hashes of the search space and of the claims, without their wording."""
+    claims = str([(c.id, c.asked, c.limit.demand, c.limit.scale) for c in judge.claims])
+    return {"search": space.identity, "claims": hashlib.sha256(claims.encode()).hexdigest()[:16]}
 
 
-def admissible(judge: Judge, margins: Array, fewer: int) -> NDArray[np.bool_]:
-    """Which candidates show what is required and at most ``fewer`` claims less than the best.
+# --- All searches together ----------------------------------------------------------------------
 
-    ``margins`` has shape (m, claims), what comes back (m,).
 
-    Raises:
-        ValueError: none shows what is required.
+@dataclass(frozen=True)
+class Findings:
+    """The result of all searches.
+
+    Attributes:
+        search: the one over all claims.
+        tried: number of candidates of the searches over all and over half of the claims.
+        judged: number of them judged on the finer grids.
+        best: point of the best of them on the study's own grids.
+        ensemble: points of the admissible ones, shape (m, unknowns).
+        ensemble_margins: their margins on the finer grids, shape (m, claims).
+        identified: the same and more as committed.
     """
-    holds, reproduced = judge.holds(margins), judge.reproduced(margins)
-    if not holds.any():
-        raise ValueError("no set shows what is required: search further")
-    return np.asarray(holds & (reproduced >= reproduced[holds].max() - fewer))
+
+    search: Search
+    tried: int
+    judged: int
+    best: Array
+    ensemble: Array
+    ensemble_margins: Array
+    identified: Identified
 
 
-class Spread(NamedTuple):
-    """How well one unknown is known: quantiles over the ensemble, and over the prior's range.
+def findings_of(
+    study: Study,
+    samples: Sequence[xr.Dataset],
+    starts: Sequence[xr.Dataset],
+    halves: Sequence[xr.Dataset],
+    readings: Mapping[str, xr.Dataset],
+) -> Findings:
+    """Judge the best of every search on finer grids, and choose the device and the ensemble.
 
-    ``narrowed`` is the width of the middle nine tenths on the logarithmic axis, over nine tenths of
-    the prior's: 1 says that nothing was learnt.
+    Args:
+        study: the study.
+        samples: the pool.
+        starts: candidates of the searches over all claims.
+        halves: candidates of the searches over one half of the claims, by split.
+        readings: candidates under each reading.
     """
-
-    name: str
-    low: float
-    median: float
-    high: float
-    narrowed: float
-
-
-def spreads(space: Space, values: Array) -> tuple[Spread, ...]:
-    """Spread of every unknown over an ensemble; ``values`` has shape (m, unknowns)."""
-    points = space.point(values)
-    low, median, high = np.quantile(values, (0.05, 0.5, 0.95), axis=0)
-    ends = np.quantile(points, (0.05, 0.95), axis=0)
-    narrowed = (ends[1] - ends[0]) / 0.9
-    return tuple(
-        Spread(name, *(float(each[i]) for each in (low, median, high, narrowed)))
-        for i, name in enumerate(space.names)
+    law = study.identification
+    search, finer = search_of(space_of(study)), search_of(space_of(study, FINER))
+    space, judge = search.space, search.judge
+    # A set is admissible by what it shows, whichever claims it was searched by.
+    tried = xr.concat([each[["value", "margin"]] for each in (*starts, *halves)], "candidate")
+    rows, margins, _ = _judged_finer(finer, tried, law.finer)
+    values = tried["value"].values[rows]
+    last = space.point(values[judge.order(margins)[: law.final]])
+    shown, against = search_of(space_of_figures(study)).judged(last)
+    best = judge.order(shown, against)[0]
+    kept = judge.admissible(margins, law.admissible)
+    values, ensemble = values[kept], space.point(values[kept])
+    ensemble_shares = reproduced_shares(margins[kept])
+    identified = Identified(
+        ensemble=dict(zip(space.names, values.T, strict=True)),
+        claims=judge.ids,
+        counted=judge.counted,
+        margins=shown[best],
+        ensemble_shares=ensemble_shares,
+        prior_shares=reproduced_shares(samples_of(samples).margins),
+        splits=tuple(
+            _split(finer, number, half, law.finer_each, ensemble_shares > 0.0)
+            for number, half in enumerate(halves)
+        ),
+        readings={
+            name: _best_margins(
+                search_of(space_of_reading(study, name, FINER)), found, law.finer_each
+            )
+            for name, found in readings.items()
+        },
+        made_with=made_with(space, judge),
+    )
+    return Findings(
+        search=search,
+        tried=tried.sizes["candidate"],
+        judged=len(rows),
+        best=last[best],
+        ensemble=ensemble,
+        ensemble_margins=margins[kept],
+        identified=identified,
     )
 
 
-def correlations(space: Space, values: Array) -> Array:
-    """Rank correlations of the structure's unknowns over an ensemble, shape (7, 7)."""
-    structure = values[:, space.places["structure"]]
-    ranks = structure.argsort(axis=0, kind="stable").argsort(axis=0, kind="stable")
-    return np.asarray(np.corrcoef(ranks, rowvar=False))
+def _judged_finer(finer: Search, found: xr.Dataset, count: int) -> tuple[Rows, Array, list[int]]:
+    """Rows, margins and numbers of contradicted claims of a search's ``count`` best."""
+    points = finer.space.point(found["value"].values)
+    rows = finer.judge.contenders(points[:, : finer.size], found["margin"].values, count)
+    return rows, *finer.judged(points[rows])
 
 
-def shares(margins: Array) -> Array:
-    """Share of the ensemble that reproduces each claim, shape (claims,)."""
-    return np.asarray((margins > 0.0).mean(axis=0))
+def _best_margins(finer: Search, found: xr.Dataset, count: int) -> Array:
+    _, margins, against = _judged_finer(finer, found, count)
+    return np.asarray(margins[finer.judge.order(margins, against)[0]])
 
 
-def prior_shares(samples: Samples) -> Array:
-    """Share of the first samples that reproduce each claim; NaN where one figure does not suffice.
-
-    A claim on several figures is judged by each alone, and the shares are averaged.
-    """
-    known = np.isfinite(samples.margins)
-    count = known.sum(axis=(0, 1, 2))
-    held = (known & (np.nan_to_num(samples.margins, nan=-1.0) > 0.0)).sum(axis=(0, 1, 2))
-    return np.divide(held, count, out=np.full(count.size, math.nan), where=count > 0)
+def _split(finer: Search, number: int, half: xr.Dataset, count: int, possible: Flags) -> Split:
+    halves = finer.judge.halves(finer.space.law.seed, number)
+    return split_of(number, halves, _best_margins(finer.on_half(number), half, count), possible)
 
 
 def split_of(number: int, halves: tuple[Flags, Flags], margins: Array, possible: Flags) -> Split:
-    """What the best candidate of a split's search shows; ``margins`` has shape (claims,).
+    """Count the claims that the best candidate of a split's search reproduces.
 
-    ``possible`` says which claims some admissible set of the searches over all claims reproduces.
+    Args:
+        number: of the split.
+        halves: claims searched for and held out, each of shape (claims,).
+        margins: of the best candidate, shape (claims,).
+        possible: claims that some admissible set reproduces, shape (claims,).
     """
     first, second = halves
     reproduced = margins > 0.0
@@ -173,63 +235,47 @@ def split_of(number: int, halves: tuple[Flags, Flags], margins: Array, possible:
 # --- In words -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Findings:
-    """Everything that the searches found.
+def spreads(space: Space, points: Array) -> Array:
+    """Quantiles of every unknown over an ensemble, and how much of the prior's range they cover.
 
-    Attributes:
-        space: what was searched.
-        judge: by which claims.
-        tried: how many candidates the searches over all and over half of the claims tried.
-        judged: how many of them were judged on the finer grids.
-        best: point of the best of them on the study's own grids.
-        best_margins: its margins there, shape (claims,).
-        ensemble: values of the admissible ones, shape (m, unknowns).
-        ensemble_margins: their margins on the finer grids, shape (m, claims).
-        prior: share of the first samples that reproduces each claim, shape (claims,).
-        splits: the splits.
-        readings: margins of the best candidate of each reading, each of shape (claims,).
+    Args:
+        space: of the points.
+        points: shape (m, unknowns).
+
+    Returns:
+        Shape (4, unknowns): the values at 5 %, 50 % and 95 %, and the width of the middle nine
+        tenths on the logarithmic axis, over nine tenths of the prior's: at 1 nothing was learnt.
     """
-
-    space: Space
-    judge: Judge
-    tried: int
-    judged: int
-    best: Array
-    best_margins: Array
-    ensemble: Array
-    ensemble_margins: Array
-    prior: Array
-    splits: tuple[Split, ...]
-    readings: Mapping[str, Array]
+    low, high = np.quantile(points, (0.05, 0.95), axis=0)
+    values = np.quantile(space.values(points), (0.05, 0.5, 0.95), axis=0)
+    return np.vstack([values, (high - low) / 0.9])
 
 
-def summary(found: Findings) -> str:
-    """What was found, as text."""
-    judge, counted = found.judge, int(found.judge.counted.sum())
-    ids = np.array(judge.ids)
-    failing = ids[judge.counted & (found.best_margins <= 0.0)]
-    shown = int(judge.reproduced(found.best_margins))
+def summary(findings: Findings) -> str:
+    """Return the result as text."""
+    space, judge, found = findings.search.space, findings.search.judge, findings.identified
+    counted = int(judge.counted.sum())
+
+    def lacking(margins: Array) -> str:
+        return ", ".join(np.array(judge.ids)[judge.counted & (margins <= 0.0)]) or "none"
+
+    shown = f"{judge.reproduced(found.margins)} of {counted} claims"
     lines = [
-        f"the best of {found.tried} candidates reproduces {shown} of {counted} claims, own grids",
-        f"not reproduced: {', '.join(failing) or 'none'}",
-        f"{len(found.ensemble)} admissible sets of {found.judged} judged on the finer grids",
+        f"the best of {findings.tried} candidates reproduces {shown}, own grids",
+        f"not reproduced: {lacking(found.margins)}",
+        f"{len(findings.ensemble)} admissible sets of {findings.judged} judged on the finer grids",
         "",
         f"{'unknown':28} {'5 %':>9} {'median':>9} {'95 %':>9}  width over the prior's",
     ]
-    lines += [
-        f"{each.name:28} {each.low:9.4g} {each.median:9.4g} {each.high:9.4g}  {each.narrowed:.2f}"
-        for each in spreads(found.space, found.ensemble)
-    ]
+    for name, (low, median, high, width) in zip(
+        space.names, spreads(space, findings.ensemble).T, strict=True
+    ):
+        lines.append(f"{name:28} {low:9.4g} {median:9.4g} {high:9.4g}  {width:.2f}")
     lines += ["", f"{'claim':11} {'margin':>7} {'ensemble':>9} {'prior':>6}"]
-    lines += [
-        f"{name:11} {margin:7.2f} {share:9.2f} {prior:6.2f}{remark}"
-        for name, margin, share, prior, remark in zip(
-            ids, found.best_margins, shares(found.ensemble_margins), found.prior,
-            np.where(judge.counted, "", np.where(judge.required, "  required", "  set aside")),
-            strict=True,
-        )
-    ]  # fmt: skip
+    remarks = np.where(judge.counted, "", np.where(judge.required, "  required", "  set aside"))
+    columns = (judge.ids, found.margins, found.ensemble_shares, found.prior_shares, remarks)
+    for name, margin, share, prior, remark in zip(*columns, strict=True):
+        lines.append(f"{name:11} {margin:7.2f} {share:9.2f} {prior:6.2f}{remark}")
     lines += ["", "identified on half of the claims, judged on the other half"]
     lines += [
         f"split {each.number}: {each.searched_reproduced} of {each.searched} searched for, "
@@ -244,7 +290,8 @@ def summary(found: Findings) -> str:
         "",
         "reading, each with the same budget",
     ]
-    for name, margins in found.readings.items():
-        missing = ", ".join(ids[judge.counted & (margins <= 0.0)])
-        lines.append(f"{name:22} {judge.reproduced(margins)} of {counted}; not {missing}")
+    lines += [
+        f"{name:22} {judge.reproduced(margins)} of {counted}; not {lacking(margins)}"
+        for name, margins in found.readings.items()
+    ]
     return "\n".join(lines) + "\n"
