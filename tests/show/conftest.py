@@ -1,5 +1,14 @@
-"""Made-up results of the comparison of methods, as fixtures."""
+"""Made-up datasets, and results of the comparison of methods, as fixtures."""
+
+import pytest
+import xarray as xr
 
 from tests.comparison_data import judged, timed_rungs, wrong_datasets
+from tests.show.drawn import DURATIONS, grid
 
 __all__ = ["judged", "timed_rungs", "wrong_datasets"]
+
+
+@pytest.fixture
+def family() -> xr.Dataset:
+    return grid("curves", "tilt_stiffness", "press_force", DURATIONS.copy())

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from model.show import artists, plots
 from model.show.artists import disagreements
+from model.show.curves import SENSITIVE_LABEL
 from model.study.config import FIGURES
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks
 from model.study.sweeps import sweep_of
@@ -67,7 +68,7 @@ def empty_strip(figure: Figure) -> None:
 
 def forget_sensitive(figure: Figure) -> None:
     for line in list(figure.axes[0].lines):
-        if line.get_label() == plots.SENSITIVE_LABEL:
+        if line.get_label() == SENSITIVE_LABEL:
             line.remove()
 
 

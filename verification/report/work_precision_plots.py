@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from model.show import style
-from model.show.plots import axis_label, cell_edges
+from model.show.axes import axis_label, cell_edges
 from model.show.words import percent, power, short
 from verification.fixed_steps import Wrong, wrong_counts
 from verification.work_precision import METHODS, Rung, Scipy, TimedRung, Verdict, names_of

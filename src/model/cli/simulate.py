@@ -61,10 +61,10 @@ def _simulate(arguments: argparse.Namespace) -> int:
 
 
 def _draw(run: Trajectory, path: Path) -> bool:
-    from model.show import plots  # noqa: PLC0415  (as in check_picture)
+    from model.show.history import trajectory  # noqa: PLC0415  (as in check_picture)
 
     try:
-        save_picture(plots.trajectory(run), path)
+        save_picture(trajectory(run), path)
     except (OSError, ValueError) as error:  # a full disk, a picture library that is missing
         print(f"vibralign: error: --plot {path}: {error}", file=sys.stderr)
         return False

@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 
-from model.show.plots import NOT_ALIGNED, SENSITIVE_LABEL, draw
+from model.show.axes import NOT_ALIGNED
+from model.show.curves import SENSITIVE_LABEL
+from model.show.plots import draw
 
 if TYPE_CHECKING:
     import xarray as xr

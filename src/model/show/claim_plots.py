@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from model.show import style
-from model.show.plots import axis_label, cell_edges
+from model.show.axes import axis_label, cell_edges
 from model.show.words import math
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from model.show import style
-from model.show.plots import axis_label, cell_edges
+from model.show.axes import axis_label, cell_edges
 from model.show.words import math
 from model.study.contact_stiffness import RATIO
 

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogFormatter
 from numpy.typing import NDArray
 
 from model.show import style
-from model.show.plots import axis_label, symbol_of
+from model.show.axes import axis_label, symbol_of
 from model.study.config import Range
 from model.study.identification.band_table import Band
 

@@ -1,6 +1,6 @@
 """Overlays of a stability map: contours of the duration, reliable area, points of other figures.
 
-``plots.stability_map`` draws the areas. These functions draw on its axes, and return the handles of
+``areas.stability_map`` draws the areas. These functions draw on its axes, and return the handles of
 the legend.
 """
 

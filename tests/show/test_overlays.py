@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 
 from model.events.outcomes import Outcome
 from model.show.artists import disagreements
-from model.show.maps import MARK_LABEL, RELIABLE_LABEL, round_levels
-from model.show.plots import NOT_ALIGNED, draw
+from model.show.axes import NOT_ALIGNED
+from model.show.overlays import MARK_LABEL, RELIABLE_LABEL, round_levels
+from model.show.plots import draw
 
 CELLS = 32
 

@@ -1,0 +1,152 @@
+"""Figs. 13 and 14: areas of stable alignment, and the map of the largest misalignment."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerPatch
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from model.events.outcomes import Outcome
+from model.show import style
+from model.show.axes import (
+    FAILED_LABEL,
+    NOT_ALIGNED,
+    Bools,
+    Floats,
+    axis_label,
+    cell_edges,
+    runs_of,
+)
+from model.show.overlays import add_contours, add_marks, add_reliable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are logarithmic
+_COLOURED_SHARE = 0.99  # share of the durations that such colours tell apart
+
+LEFT_LABEL = "of these, leaves the scene"
+
+
+def stability_map(dataset: "xr.Dataset") -> Figure:
+    """Draw durations in colour where the part aligns, hatching where it does not.
+
+    A refined map (study/maps.py) is drawn with contours of the duration, the outline of its
+    reliable area, and the operating points of other figures.
+    """
+    y, x = (dataset[name] for name in dataset["tau_align"].dims)
+    durations = np.ma.masked_invalid(dataset["tau_align"].values)
+    outcome = dataset["outcome"].values
+    gaps = np.ma.getmaskarray(durations)
+    edges = cell_edges(x.values), cell_edges(y.values)
+    with style.context():
+        figure = style.new_figure(height=11.0 * style.CENTIMETRE)
+        axes = figure.subplots()
+        axes.grid(visible=False)
+        hatched = _add_area(axes, *edges, gaps, NOT_ALIGNED, **style.NON_ALIGNING)
+        handles: list[Patch | Line2D] = [hatched]
+        left, failed = outcome == Outcome.LEFT_SCENE, outcome == Outcome.FAILED
+        if left.any():
+            shade: dict[str, Any] = {"facecolor": style.BLACK, "alpha": 0.16, "linewidth": 0.0}
+            handles.append(_add_area(axes, *edges, left, LEFT_LABEL, **shade))
+        if failed.any():
+            shade = {"facecolor": style.VERMILLION, "linewidth": 0.0}
+            handles.append(_add_area(axes, *edges, failed, FAILED_LABEL, **shade))
+        if not gaps.all():
+            _colour_durations(figure, axes, edges, durations, axis_label(dataset["tau_align"]))
+        axes.add_collection(
+            LineCollection(
+                list(_borders(*edges, gaps)), colors=style.BLACK, linewidths=0.7, label="_border"
+            ),
+            autolim=False,
+        )
+        axes.set_xlim(edges[0][0], edges[0][-1])
+        axes.set_ylim(edges[1][0], edges[1][-1])
+        axes.set_xlabel(axis_label(x))
+        axes.set_ylabel(axis_label(y))
+        axes.spines[["top", "right"]].set_visible(True)
+        if "resolution" in dataset.attrs:
+            add_contours(axes, x.values, y.values, durations)
+            handles += [*add_reliable(axes, dataset), *add_marks(axes, dataset)]
+        figure.legend(
+            handles=handles,
+            loc="outside lower center",
+            ncols=len(handles) if len(handles) < 4 else 2,
+            handler_map={PathPatch: HandlerPatch()},
+            handleheight=1.4,
+        )
+        return figure
+
+
+def limit_map(dataset: "xr.Dataset") -> Figure:
+    """Draw the largest misalignment up to which all align, in colour with contours."""
+    y, x = (dataset[name] for name in dataset["misalignment_max"].dims)
+    values = np.ma.masked_invalid(dataset["misalignment_max"].values)
+    with style.context():
+        figure = style.new_figure(height=11.0 * style.CENTIMETRE)
+        axes = figure.subplots()
+        axes.grid(visible=False)
+        mesh = axes.pcolormesh(cell_edges(x.values), cell_edges(y.values), values, rasterized=True)
+        figure.colorbar(mesh, ax=axes, pad=0.02).set_label("largest misalignment $ε$")
+        add_contours(axes, x.values, y.values, values)
+        axes.set_xlim(x.values[0], x.values[-1])
+        axes.set_ylim(y.values[0], y.values[-1])
+        axes.set_xlabel(axis_label(x))
+        axes.set_ylabel(axis_label(y))
+        axes.spines[["top", "right"]].set_visible(True)
+        return figure
+
+
+def _colour_durations(
+    figure: Figure,
+    axes: Axes,
+    edges: tuple[Floats, Floats],
+    durations: np.ma.MaskedArray,
+    label: str,
+) -> None:
+    shortest, longest = float(durations.min()), float(durations.max())
+    spread = longest > _SPREAD_FOR_LOG * shortest > 0.0
+    # A few runs near the border take very long; the colours are for the others.
+    top = float(np.quantile(durations.compressed(), _COLOURED_SHARE)) if spread else longest
+    norm = LogNorm(shortest, top) if spread else Normalize(shortest, top)
+    # Rasterized: thousands of cells as vectors would make SVG and PDF files of many megabytes.
+    mesh = axes.pcolormesh(*edges, durations, norm=norm, rasterized=True)
+    bar = figure.colorbar(mesh, ax=axes, pad=0.02, extend="max" if spread else "neither")
+    bar.set_label(f"{label}, logarithmic" if spread else label)
+    if spread:
+        bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+        bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        bar.ax.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _add_area(axes: Axes, x: Floats, y: Floats, cells: Bools, label: str, **look: Any) -> Patch:
+    """Draw the union of the True ``cells``, shape (y, x), between the edges x and y, as a patch."""
+    corners: list[tuple[float, float]] = []
+    codes: list[np.uint8] = []
+    for row, mask in enumerate(cells):
+        for i, j in runs_of(mask):
+            low, high = y[row], y[row + 1]
+            corners += [(x[i], low), (x[j], low), (x[j], high), (x[i], high), (x[i], low)]
+            codes += [Outline.MOVETO, *[Outline.LINETO] * 3, Outline.CLOSEPOLY]
+    outline = Outline(np.array(corners, dtype=float).reshape(-1, 2), codes or None)
+    patch = PathPatch(outline, label=label, **look)
+    axes.add_patch(patch)
+    return patch
+
+
+def _borders(x: Floats, y: Floats, cells: Bools) -> Iterator[list[tuple[float, float]]]:
+    """Yield the straight lines between cells that differ: the staircase around an area."""
+    for column, differ in enumerate((cells[:, 1:] != cells[:, :-1]).T, start=1):
+        for i, j in runs_of(differ):
+            yield [(x[column], y[i]), (x[column], y[j])]
+    for row, differ in enumerate(cells[1:] != cells[:-1], start=1):
+        for i, j in runs_of(differ):
+            yield [(x[i], y[row]), (x[j], y[row])]

@@ -1,0 +1,93 @@
+"""Fig. 5: one trajectory over time."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from model.events.outcomes import Outcome
+from model.show import style
+from model.show.axes import Floats
+
+if TYPE_CHECKING:  # a trajectory is drawn where xarray is not installed
+    import xarray as xr
+
+    from model.runs.simulate import Trajectory
+
+# Of each panel: the variable of the course, the name of its curve, and the label of its axis.
+_PANELS = {
+    "x": ("x", "mass centre $x$"),
+    "y": ("y", "mass centre $y$"),
+    "tilt": ("φ", "tilt $φ$ (rad)"),
+    "contact_force": ("n", "contact force $n$"),
+}
+
+
+def history(dataset: "xr.Dataset") -> Figure:
+    """Draw x, y, tilt and contact force over time, with the moment of alignment."""
+    course = {name: dataset[name].values for name in (*_PANELS, "side_force")}
+    outcome, tau_align = Outcome(int(dataset["outcome"])), float(dataset["tau_align"])
+    return _draw(dataset["time"].values, course, outcome, tau_align)
+
+
+def trajectory(run: "Trajectory") -> Figure:
+    """Draw the figure of ``history`` for a run that was not stored."""
+    return _draw(run.time, run.course, run.outcome, run.tau_align)
+
+
+def _draw(time: Floats, course: Mapping[str, Floats], outcome: Outcome, tau_align: float) -> Figure:
+    with style.context():
+        figure = style.new_figure(height=15.0 * style.CENTIMETRE)
+        panels = figure.subplots(4, 1, sharex=True, height_ratios=[1, 1, 1, 1.35])
+        for letter, axes, (name, (curve, label)) in zip(
+            "abcd", panels, _PANELS.items(), strict=True
+        ):
+            axes.plot(time, course[name], color=style.BLUE, label=curve)
+            axes.set_ylabel(label)
+            axes.set_title(letter, loc="left", fontweight="bold", pad=3.0)
+            axes.margins(x=0.01)
+        figure.align_ylabels(panels)
+        panels[-1].set_xlabel("time $τ$")
+        _add_side_force(panels[-1], time, course["side_force"])
+        if outcome == Outcome.ALIGNED:
+            _mark_alignment(panels, time, course["contact_force"], tau_align)
+        else:
+            ending = outcome.name.lower().replace("_", " ")
+            panels[0].set_title(f"does not align ({ending})", loc="right", pad=3.0)
+        return figure
+
+
+def _add_side_force(axes: Axes, time: Floats, side_force: Floats) -> None:
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.3 * (high - low))  # headroom for the words
+    if np.any(side_force > 0.0):
+        axes.plot(time, side_force, color=style.VERMILLION, linestyle="--", label="side")
+        axes.legend(axes.lines, ["under the part", "on its side face"], loc="upper left", ncols=2)
+
+
+def _mark_alignment(
+    panels: NDArray[np.object_], time: Floats, force: Floats, tau_align: float
+) -> None:
+    for axes in panels:
+        axes.axvline(tau_align, color=style.GREY, linewidth=0.8, linestyle=":", label="alignment")
+    before = force_before(time, force, tau_align)
+    words = f"$n$ drops to 0 at $τ$ = {tau_align:.4g}"
+    if before == 0.0:
+        words = f"aligned in flight at $τ$ = {tau_align:.4g}"
+    panels[-1].annotate(
+        words,
+        xy=(tau_align, before),
+        xytext=(0.94, 0.9),
+        textcoords="axes fraction",
+        ha="right",
+        va="center",
+        arrowprops={"arrowstyle": "->", "color": style.BLACK, "linewidth": 0.8},
+    )
+
+
+def force_before(time: Floats, force: Floats, moment: float) -> float:
+    """Return the force just before ``moment``; where it jumps, the value before the jump."""
+    return float(force[max(int(np.searchsorted(time, moment - 1e-9 * (1.0 + moment))), 0)])

@@ -1,0 +1,129 @@
+"""Figs. 6-12: what is drawn is what the datasets hold, and nothing where nothing aligns."""
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.path import Path as Outline
+
+from model.events.outcomes import Outcome
+from model.show import style
+from model.show.axes import FAILED_LABEL
+from model.show.curves import SENSITIVE_LABEL, curves
+from tests.show.drawn import DURATIONS, NAN, curve_lines, grid, named
+
+
+def segments(line) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Straight pieces as a renderer gets them, NaN taken out."""
+    pieces, previous = [], None
+    for vertices, code in line.get_path().iter_segments(remove_nans=True, simplify=False):
+        if code == Outline.LINETO:
+            pieces.append((previous, vertices))
+        previous = vertices
+    return pieces
+
+
+def test_a_curve_holds_the_row_of_its_family_value_with_its_gaps(family):
+    figure = curves(family)
+    lines = curve_lines(figure.axes[0])
+    assert len(lines) == len(DURATIONS)
+    for line, row in zip(lines, DURATIONS, strict=True):
+        np.testing.assert_array_equal(line.get_ydata(), row)
+        np.testing.assert_array_equal(line.get_xdata(), family["press_force"])
+
+
+def test_no_piece_of_a_line_crosses_a_gap(family):
+    swept = family["press_force"].values.tolist()
+    lines = curves(family).axes[0].lines
+    drawn = 0
+    for line in lines:
+        if line.get_linestyle() == "None":
+            continue
+        for start, end in segments(line):
+            assert swept.index(end[0]) - swept.index(start[0]) == 1
+            drawn += 1
+    aligned = ~np.isnan(DURATIONS)
+    assert drawn == (aligned[:, 1:] & aligned[:, :-1]).sum()
+
+
+def test_a_point_alone_between_gaps_is_drawn_as_a_dot(family):
+    figure = curves(family)
+    dots = [line for line in figure.axes[0].lines if line.get_label().startswith("_alone")]
+    found = sorted((x, y) for line in dots for x, y in line.get_xydata().tolist())
+    swept = family["press_force"].values
+    # By eye from DURATIONS: row 1 has two points alone, row 2 its first.
+    assert found == sorted([(swept[2], 6.0), (swept[8], 4.0), (swept[0], 9.0)])
+    assert all(line.get_marker() not in ("", "None") for line in dots)
+
+
+def test_the_strip_says_exactly_where_each_curve_does_not_align(family):
+    strip = curves(family).axes[1]
+    bars = [each for each in strip.collections if isinstance(each, PolyCollection)]
+    assert len(bars) == len(DURATIONS)
+    for row, (collection, durations) in enumerate(zip(bars, DURATIONS, strict=True)):
+        points = [(x, row) for x in family["press_force"].values]
+        covered = np.zeros(len(points), dtype=bool)
+        for path in collection.get_paths():
+            covered |= path.contains_points(points)
+        np.testing.assert_array_equal(covered, np.isnan(durations))
+    assert "does not" in strip.get_ylabel()
+
+
+def test_curve_and_bar_have_one_colour(family):
+    axes, strip = curves(family).axes
+    for line, bar in zip(curve_lines(axes), strip.collections, strict=True):
+        if len(bar.get_paths()):
+            assert mpl.colors.same_color(line.get_color(), bar.get_facecolor()[0])
+
+
+def test_the_legend_has_one_entry_for_each_value_and_words_for_them(family):
+    legend = curves(family).legends[0]
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert texts == ["$k_{φ}$ = 1", "$k_{φ}$ = 2", "$k_{φ}$ = 3", "$k_{φ}$ = 4"]
+    assert legend.get_title().get_text() == "tilt stiffness of the suspension $k_{φ}$"
+
+
+def test_lines_of_a_family_differ_without_colour(family):
+    lines = curve_lines(curves(family).axes[0])
+    looks = {(str(line._unscaled_dash_pattern), line.get_marker()) for line in lines}
+    assert len(looks) == len(lines)
+
+
+def test_axes_of_curves_have_words_and_symbols_and_start_at_zero(family):
+    axes, strip = curves(family).axes
+    assert strip.get_xlabel() == "initial pressing force $f_{0}$"
+    assert axes.get_ylabel() == "alignment duration $τ$"
+    low, high = axes.get_ylim()
+    assert low == 0.0
+    assert np.nanmax(DURATIONS) < high < 1.2 * np.nanmax(DURATIONS)
+    assert axes.get_yscale() == "linear"
+
+
+def test_sensitive_points_are_circled_and_explained(family):
+    family["sensitive"][0, 3] = 1
+    family["sensitive"][1, 0] = 1  # does not align: there is nothing to circle
+    figure = curves(family)
+    (circles,) = named(figure.axes[0].lines, SENSITIVE_LABEL)
+    assert circles.get_xydata().tolist() == [[family["press_force"].values[3], 3.8]]
+    assert circles.get_markerfacecolor() == "none"
+    notes = [text.get_text() for text in figure.legends[1].get_texts()]
+    assert notes == [SENSITIVE_LABEL]
+
+
+def test_failed_runs_are_marked_as_such(family):
+    family["outcome"][3, 2] = Outcome.FAILED
+    figure = curves(family)
+    (crosses,) = named(figure.axes[1].lines, FAILED_LABEL)
+    assert crosses.get_xydata().tolist() == [[family["press_force"].values[2], 3.0]]
+
+
+def test_curves_without_gaps_need_no_strip():
+    figure = curves(grid("curves", "friction", "clearance", DURATIONS[:1].repeat(3, axis=0)))
+    assert len(figure.axes) == 1
+    assert figure.axes[0].get_xlabel() == "joining clearance $δ$"
+
+
+def test_a_family_that_never_aligns_is_drawn_too(family, tmp_path):
+    family["tau_align"][:] = NAN
+    figure = curves(family)
+    assert all(not segments(line) for line in figure.axes[0].lines)
+    style.save(figure, tmp_path / "never")
