@@ -65,8 +65,8 @@ class Change:
 class Comparison:
     """Everything that differs between two states, and what could not be compared.
 
-    ``claims`` is None where one of the two has no verdicts. ``other_data`` names datasets that are
-    no figure's and differ in bytes: no copies are kept to say by how much.
+    ``claims`` is None where one of the two has no verdicts on its own data. ``other_data`` names
+    datasets that are no figure's and differ in bytes: no copies are kept to say by how much.
     """
 
     first: str
@@ -81,13 +81,13 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """Whether anything does."""
+        """Whether the two states differ in anything."""
         stated = (self.parameters, self.metrics, self.code)
         return any((*stated, self.data, self.other_data, self.claims))
 
 
 def compare(first: Snapshot, second: Snapshot) -> Comparison:
-    """Everything that differs between two states.
+    """Compare two states.
 
     Raises:
         TrackingError: a dataset that cannot be read, or xarray missing.
@@ -95,9 +95,11 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
     comparison = Comparison(first.label, second.label, claims=None)
     for before, after in _pairs(first, second, comparison.not_compared):
         where = after["figure"] or after["run"]
-        _differ(comparison.parameters, where, _stated(before), _stated(after))
-        _differ(comparison.metrics, where, _measured(before), _measured(after))
-        _differ(comparison.code, after["run"], _made_by(before), _made_by(after))
+        counts = (each.get("counts", {}) for each in (before, after))
+        code = ({"code": each["code"], **each["versions"]} for each in (before, after))
+        comparison.parameters.extend(_differences(where, _stated(before), _stated(after)))
+        comparison.metrics.extend(_differences(where, *counts))
+        comparison.code.extend(_differences(after["run"], *code))
         if after["rule"] not in KEPT:
             comparison.other_data.extend(_other_bytes(before, after))
     for name in sorted(set(first.files) | set(second.files)):
@@ -124,15 +126,13 @@ def _claims(first: Snapshot, second: Snapshot, not_compared: list[str]) -> list[
                 f"{CLAIMS}: not judged since {files} changed in {each.label}: build claims.csv"
             )
             return None
-    found: list[Difference] = []
-    _differ(found, CLAIMS, *(verdicts(each.files[CLAIMS]) for each in (first, second)))
-    return found
+    return changed_verdicts(first.files[CLAIMS], second.files[CLAIMS])
 
 
 def _pairs(
     first: Snapshot, second: Snapshot, not_compared: list[str]
 ) -> Iterator[tuple[Record, Record]]:
-    """Runs to compare: those of one name, or the only two there are."""
+    """Yield the runs to compare: those of one name, or the only two there are."""
     if len(first.runs) == len(second.runs) == 1:
         yield next(iter(first.runs.values())), next(iter(second.runs.values()))
         return
@@ -149,18 +149,18 @@ def _pairs(
         yield wholes[0][name], wholes[1][name]
 
 
-def _differ(
-    found: list[Difference], where: str, before: Mapping[str, Any], after: Mapping[str, Any]
-) -> None:
-    found.extend(
+def _differences(
+    where: str, before: Mapping[str, Any], after: Mapping[str, Any]
+) -> list[Difference]:
+    return [
         Difference(where, name, before.get(name), after.get(name))
         for name in sorted(set(before) | set(after))
         if before.get(name) != after.get(name)
-    )
+    ]
 
 
 def _stated(run: Record) -> dict[str, Any]:
-    """Parameters, settings and what is varied, one level deep."""
+    """Return parameters, settings and varied axes, one level deep."""
     stated = dict(run.get("parameters", {}))
     for name, value in run.get("settings", {}).items():
         stated |= {f"settings.{name}": value}
@@ -173,16 +173,8 @@ def _stated(run: Record) -> dict[str, Any]:
     return stated
 
 
-def _measured(run: Record) -> dict[str, Any]:
-    return dict(run.get("counts", {}))
-
-
-def _made_by(run: Record) -> dict[str, Any]:
-    return {"code": run["code"], **run["versions"]}
-
-
 def _other_bytes(before: Record, after: Record) -> list[str]:
-    """Datasets that both runs made, with other content; CPU times, in another folder, are none."""
+    """Return the datasets of both runs that differ; CPU times, in another folder, do not count."""
     return [
         f"{after['run']}: {name}"
         for name, sha256 in after["outputs"].items()
@@ -192,8 +184,16 @@ def _other_bytes(before: Record, after: Record) -> list[str]:
     ]
 
 
-def verdicts(path: Path) -> dict[str, str]:
-    """Verdict by claim; the first column names the claim."""
+def changed_verdicts(before: Path, after: Path) -> list[Difference]:
+    """Return the claims that two tables judge differently; the first column names the claim.
+
+    Raises:
+        TrackingError: a table without verdicts.
+    """
+    return _differences(CLAIMS, _verdicts(before), _verdicts(after))
+
+
+def _verdicts(path: Path) -> dict[str, str]:
     with path.open(encoding="utf-8", newline="") as stream:
         rows = csv.DictReader(stream)
         names = rows.fieldnames or []
@@ -206,7 +206,7 @@ def verdicts(path: Path) -> dict[str, str]:
 
 
 def open_dataset(path: Path) -> "xr.Dataset":
-    """A dataset of the study.
+    """Read a dataset of the study.
 
     Raises:
         TrackingError: a file that is none, or xarray missing.
@@ -231,20 +231,22 @@ def _data_changes(first: Path, second: Path, comparison: Comparison) -> list[Cha
     if before["tau_align"].dims != after["tau_align"].dims:
         comparison.not_compared.append(f"{figure}: the two vary different parameters")
         return []
-    before, after = common_points(before, after)
-    if 0 in after.sizes.values():
+    if 0 in common_points(before, after)[1].sizes.values():
         comparison.not_compared.append(f"{figure}: the two have no point in common")
         return []
-    changes = [
-        change_of(before[name], after[name], figure)
-        for name in map(str, after.data_vars)
-        if name in before
-    ]
-    return sorted((each for each in changes if each.differing), key=lambda each: each.variable)
+    return sorted(changes_of(before, after, figure), key=lambda each: each.variable)
+
+
+def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[Change]:
+    """Return how each variable differs that does, over the points that both datasets have."""
+    before, after = common_points(before, after)
+    names = [name for name in map(str, after.data_vars) if name in before]
+    changes = [change_of(before[name], after[name], figure) for name in names]
+    return [change for change in changes if change.differing]
 
 
 def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Dataset, xr.Dataset]":
-    """Both datasets over the points that both have.
+    """Restrict both datasets to the points that both have.
 
     A trajectory has no points but its integrator's: the second is interpolated to the times of the
     first, away from the moments at which a force jumps.
@@ -266,7 +268,7 @@ def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Datase
 
 
 def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which ``times`` lie within a step of a moment that stands twice in ``grid``."""
+    """Return whether each of ``times`` is within a step of a moment that ``grid`` has twice."""
     twice: list[int] = np.flatnonzero(np.diff(grid) == 0.0).tolist()
     near = np.zeros(times.shape, dtype=bool)
     for i in twice:
@@ -276,7 +278,7 @@ def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray
 
 
 def change_of(before: "xr.DataArray", after: "xr.DataArray", figure: str) -> Change:
-    """How one variable differs; both have the same points."""
+    """Compare one variable over the same points."""
     old, new = (np.asarray(each.values, dtype=np.float64) for each in (before, after))
     distance = np.abs(new - old)
     known = np.isfinite(distance)

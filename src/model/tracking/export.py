@@ -1,4 +1,4 @@
-"""An invocation of the study for other people's tools: an MLflow run, a Workflow Run RO-Crate.
+"""Exports of an invocation of the study: an MLflow run, a Workflow Run RO-Crate.
 
 Files stay the tracker (records.py). An export is made afterwards, by one writer, and needs the
 extra ``export``.
@@ -6,6 +6,7 @@ extra ``export``.
 
 import contextlib
 import fcntl
+import mimetypes
 import os
 import tempfile
 from collections.abc import Iterator
@@ -18,11 +19,11 @@ from model.study.files import whole_folder
 from model.tracking.provenance import file_hash, write_json
 from model.tracking.records import PARTS, Record, kept_result
 
-_PROFILES = (
-    "https://w3id.org/ro/wfrun/process/0.5",
-    "https://w3id.org/ro/wfrun/workflow/0.5",
-    "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
-)
+_PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+    "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
+}
 _ABOUT = (
     "Vibratory alignment of a peg with a hole: a study rebuilt from its equations to its figures"
 )
@@ -43,7 +44,7 @@ def _needed(module: str) -> Any:
 
 
 def results_of(record: Record, root: Path) -> dict[str, Path]:
-    """What an invocation made and what still exists of it, by its path below the results root.
+    """Return what still exists of the results of an invocation, by path below the results root.
 
     Datasets and verdicts are kept by the history; pictures and the report only as long as nothing
     has replaced them.
@@ -146,7 +147,7 @@ def _tags(record: Record) -> dict[str, str]:
 
 
 def _parameters(record: Record) -> Iterator[tuple[str, str]]:
-    """The study's numbers by their path in the configuration."""
+    """Yield the study's numbers by their path in the configuration."""
 
     def flat(value: Any, path: str) -> Iterator[tuple[str, str]]:
         if isinstance(value, dict):
@@ -159,7 +160,7 @@ def _parameters(record: Record) -> Iterator[tuple[str, str]]:
 
 
 def _metrics(record: Record) -> Iterator[tuple[str, float]]:
-    """Counts of every figure, times of every run, and the sums."""
+    """Yield counts of every figure, times of every run, and the sums."""
     wholes = [run for run in record["runs"] if run["rule"] in ("merge", "history")]
     for run in wholes:
         for name, count in run.get("counts", {}).items():
@@ -209,55 +210,55 @@ def to_rocrate(record: Record, root: Path, project: Path, target: Path) -> None:
         raise ExportError(f"{project}: holds no Snakefile; name the checkout of the project")
     crate = rocrate.ROCrate(version="1.1")
     with tempfile.TemporaryDirectory() as folder:
+        study, log = Path(folder) / "study.json", Path(folder) / "invocation.json"
+        write_json(record.get("study", {}), study)
+        write_json(record, log)
         _describe(crate, record)
         workflow = _add_workflow(crate, record, project)
-        study = Path(folder) / "study.json"
-        write_json(record.get("study", {}), study)
-        log = Path(folder) / "invocation.json"
-        write_json(record, log)
-        _add_action(crate, record, workflow, _add_input(crate, workflow, study), root)
-        words = {"name": "The invocation with a sidecar of every run", "encodingFormat": _JSON}
-        crate.add_file(log, "invocation.json", properties=words)
+        study_file = _add_file(crate, study, "study.json", name="The study as it was configured")
+        workflow.append_to("input", _study_parameter(crate, study_file))
+        results = [
+            _add_file(crate, path, place, name=place, identifier=f"sha256:{file_hash(path)}")
+            for place, path in results_of(record, root).items()
+        ]
+        action = crate.add_action(
+            workflow, f"#{record['invocation']}", study_file, results, _action(crate, record)
+        )
+        crate.root_dataset["mentions"] = action
+        words = "The invocation with a sidecar of every run"
+        _add_file(crate, log, "invocation.json", name=words)
         with whole_folder(target) as part:
             crate.write(part)
 
 
-_JSON = "application/json"
-_MEDIA_TYPES = {
-    ".nc": "application/netcdf",
-    ".png": "image/png",
-    ".svg": "image/svg+xml",
-    ".pdf": "application/pdf",
-    ".html": "text/html",
-    ".csv": "text/csv",
-    ".json": _JSON,
-    ".py": "text/x-python",
-    ".yaml": "application/yaml",
-}
-
-
-def _entity(crate: Any, identifier: str, properties: dict[str, Any]) -> Any:
+def _entity(crate: Any, identifier: str, **properties: Any) -> Any:
+    kind = properties.pop("type")
     context = _needed("rocrate.model.contextentity")
-    return crate.add(context.ContextEntity(crate, identifier, properties=properties))
+    return crate.add(
+        context.ContextEntity(crate, identifier, properties={"@type": kind, **properties})
+    )
+
+
+def _add_file(crate: Any, path: Path, place: str, **properties: str) -> Any:
+    media = mimetypes.MimeTypes().guess_type(place)[0] or "text/plain"
+    return crate.add_file(path, place, properties={"encodingFormat": media, **properties})
 
 
 def _describe(crate: Any, record: Record) -> None:
     crate.name = f"vibralign {record['versions'].get('vibralign', '')}".strip()
     crate.description = f"{_ABOUT}. Invocation {record['invocation']}, {record['outcome']}."
-    licence = {"@type": "CreativeWork", "name": "MIT License", "description": "permissive licence"}
-    crate.license = _entity(crate, "https://spdx.org/licenses/MIT", licence)
-    organization = {"@type": "Organization", "name": "vibralign contributors"}
-    crate.publisher = _entity(crate, "#contributors", organization)
+    crate.license = _entity(
+        crate, "https://spdx.org/licenses/MIT",
+        type="CreativeWork", name="MIT License", description="permissive licence",
+    )  # fmt: skip
+    crate.publisher = _entity(
+        crate, "#contributors", type="Organization", name="vibralign contributors"
+    )
     crate.root_dataset["author"] = crate.publisher
     crate.datePublished = datetime.fromisoformat(record["ended"] or record["started"])
     crate.root_dataset["conformsTo"] = [
-        _entity(crate, profile, {"@type": "CreativeWork", "name": name, "version": version})
-        for profile, name, version in zip(
-            _PROFILES,
-            ("Process Run Crate", "Workflow Run Crate", "Workflow RO-Crate"),
-            ("0.5", "0.5", "1.0"),
-            strict=True,
-        )
+        _entity(crate, profile, type="CreativeWork", name=name, version=profile.split("/")[-1])
+        for profile, name in _PROFILES.items()
     ]
 
 
@@ -265,55 +266,37 @@ def _add_workflow(crate: Any, record: Record, project: Path) -> Any:
     workflow = crate.add_workflow(
         project / "Snakefile", "Snakefile", main=True, lang="snakemake", gen_cwl=False
     )
-    workflow["name"] = "vibralign"
-    workflow["description"] = _ABOUT
-    workflow["encodingFormat"] = "text/plain"
+    words = {"name": "vibralign", "description": _ABOUT, "encodingFormat": "text/plain"}
     commit = record["git"].get("commit")
     if commit:
-        workflow["version"] = commit + ("+changes" if record["git"]["dirty"] else "")
+        words["version"] = commit + ("+changes" if record["git"]["dirty"] else "")
+    for name, value in words.items():
+        workflow[name] = value
     for path in sorted((project / "workflow").rglob("*")):
         if path.is_file() and "__pycache__" not in path.parts:
-            words = {"encodingFormat": _MEDIA_TYPES.get(path.suffix, "text/plain")}
-            crate.add_file(path, path.relative_to(project).as_posix(), properties=words)
+            _add_file(crate, path, path.relative_to(project).as_posix())
     return workflow
 
 
-def _add_input(crate: Any, workflow: Any, study: Path) -> Any:
-    """The configuration, as the file that stands for the workflow's one formal parameter."""
-    words = {"name": "The study as it was configured", "encodingFormat": _JSON}
-    file = crate.add_file(study, "study.json", properties=words)
-    parameter = _entity(
-        crate, "#study", {"@type": "FormalParameter", "additionalType": "File", "name": "study"}
-    )
-    file["exampleOfWork"] = parameter
-    parameter["workExample"] = file
-    workflow["input"] = parameter
-    return file
+def _study_parameter(crate: Any, study: Any) -> Any:
+    """Return the workflow's one formal parameter, of which the file ``study`` is the value."""
+    parameter = crate.add_formal_parameter("study", "File", identifier="#study")
+    study["exampleOfWork"] = parameter
+    parameter["workExample"] = study
+    return parameter
 
 
-def _add_action(crate: Any, record: Record, workflow: Any, study: Any, root: Path) -> None:
-    results = []
-    for place, path in results_of(record, root).items():
-        media = _MEDIA_TYPES.get(path.suffix, "application/octet-stream")
-        identity = f"sha256:{file_hash(path)}"
-        words = {"name": place, "identifier": identity, "encodingFormat": media}
-        results.append(crate.add_file(path, place, properties=words))
+def _action(crate: Any, record: Record) -> dict[str, Any]:
+    """Return the properties of the invocation as an action."""
     failed = record["outcome"] != "done"
-    action = {
-        "@type": "CreateAction",
+    failures = "; ".join(f"{each['run']}: {each['reason']}" for each in record["failures"])
+    error = failures or record.get("reason", record["outcome"])
+    return {
         "name": f"Invocation {record['invocation']}",
         "description": " ".join(record["command"]),
         "startTime": record["started"],
         "endTime": record["ended"] or record["started"],
         "actionStatus": f"http://schema.org/{'Failed' if failed else 'Completed'}ActionStatus",
         "agent": crate.publisher,
+        **({"error": error} if failed else {}),
     }
-    if failed:
-        action["error"] = "; ".join(
-            f"{each['run']}: {each['reason']}" for each in record["failures"]
-        ) or record.get("reason", record["outcome"])  # fmt: skip
-    done = _entity(crate, f"#{record['invocation']}", action)
-    done["instrument"] = workflow
-    done["object"] = study
-    done["result"] = results
-    crate.root_dataset["mentions"] = done

@@ -106,32 +106,19 @@ def _has_outcome(run: Record, outcome: str) -> bool:
     return bool(run["status"] == outcome or run.get("counts", {}).get(outcome, 0))
 
 
-def varied(run: Record) -> dict[str, tuple[float, float, int]]:
-    """Return (first, last, count) of every parameter that a run varies."""
-    ranges = {}
-    for axis in run.get("dimensions", []):
-        if "values" in axis:
-            ranges[axis["parameter"]] = (
-                min(axis["values"]), max(axis["values"]), len(axis["values"]),
-            )  # fmt: skip
-        else:
-            ranges[axis["parameter"]] = (axis["start"], axis["stop"], axis["count"])
-    return ranges
-
-
 def _covers(run: Record, condition: str) -> bool:
     name, equals, text = condition.partition("=")
-    ranges = varied(run)
+    axis = next((each for each in run.get("dimensions", []) if each["parameter"] == name), None)
     if not equals:
-        return name in ranges
+        return axis is not None
     try:
         value = float(text)
     except ValueError:
         raise TrackingError(f"{condition!r}: {text!r} is no number") from None
-    if name in ranges:
-        low, high, _ = ranges[name]
-        return low <= value <= high
-    return bool(run.get("parameters", {}).get(name) == value)
+    if axis is None:
+        return bool(run.get("parameters", {}).get(name) == value)
+    values = axis.get("values") or (axis["start"], axis["stop"])
+    return bool(min(values) <= value <= max(values))
 
 
 def _row(run: Record) -> Record:

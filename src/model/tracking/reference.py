@@ -1,9 +1,9 @@
-"""The reference: small datasets that are kept with the code, and what a build may differ from them.
+"""The reference: small datasets kept with the code, and the differences that a build may have.
 
 A build is compared with its reference variable by variable, each with a tolerance that follows from
-the estimated error of its own points. How a run ends may differ only where the reference says that
-the point is sensitive, or its run chaotic: that goes another way with every rounding. What is meant
-to differ is accepted, with a reason and the numbers that changed, in ``accepted.csv``.
+the estimated error of its own points. Outcomes may differ only where the reference has the point as
+sensitive, or its run as chaotic. What is meant to differ is accepted, with a reason and the numbers
+that changed, in ``accepted.csv``.
 """
 
 import shutil
@@ -22,7 +22,14 @@ from model.events.outcomes import Reason
 from model.study.config import FIGURES, SCHEMATICS
 from model.study.csv_tables import csv_text
 from model.study.files import whole_file
-from model.tracking.comparison import Change, change_of, common_points, open_dataset, verdicts
+from model.tracking.comparison import (
+    Change,
+    change_of,
+    changed_verdicts,
+    changes_of,
+    common_points,
+    open_dataset,
+)
 from model.tracking.provenance import git_state, write_text
 from model.tracking.snapshot import CLAIMS
 
@@ -47,7 +54,7 @@ class NotAcceptedError(ValueError):
 
 @dataclass(frozen=True)
 class Disagreement:
-    """One way in which a build is not what its reference says; ``words`` are for a terminal."""
+    """A difference that the reference does not allow; ``words`` are for a terminal."""
 
     figure: str
     variable: str
@@ -59,7 +66,7 @@ class Disagreement:
 
 
 def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list[Disagreement]:
-    """What a dataset has that its reference does not allow; empty where they agree.
+    """Return the differences of a dataset that its reference does not allow.
 
     Args:
         reference: the accepted dataset of a figure.
@@ -89,7 +96,7 @@ def _values(dataset: "xr.Dataset", name: str) -> NDArray[Any]:
 
 
 def _regular(reference: "xr.Dataset") -> NDArray[np.bool_]:
-    """Points on which the reference is to be relied: no neighbour ends elsewhere, and no chance."""
+    """Return the points whose outcome is certain: neither sensitive nor chaotic."""
     chance = _values(reference, "reason") == Reason.CHAOTIC
     return (_values(reference, "sensitive") == 0) & ~chance
 
@@ -139,7 +146,7 @@ def _courses(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
 
 
 def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
-    """The first True point of ``mask`` by its coordinates."""
+    """Return the first True point of ``mask`` by its coordinates."""
     variable = dataset["outcome"]
     place = np.unravel_index(int(np.argmax(mask)), variable.shape) if variable.shape else ()
     named = zip(variable.dims, place, strict=True)
@@ -147,7 +154,7 @@ def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
 
 
 def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Disagreement]:
-    """What the results in ``root`` have that the reference does not allow: data, then claims.
+    """Return the differences of a build that its reference does not allow: data, then claims.
 
     Raises:
         TrackingError: a dataset that cannot be read.
@@ -170,11 +177,9 @@ def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> li
 def _claims(accepted: Path, built: Path) -> list[Disagreement]:
     if not built.is_file():
         return [Disagreement(CLAIMS, "verdict", 0, f"{built} is missing: build it")]
-    before, after = verdicts(accepted), verdicts(built)
     return [
-        Disagreement(CLAIMS, claim, 1, f"{before.get(claim)} became {after.get(claim)}")
-        for claim in sorted(set(before) | set(after))
-        if before.get(claim) != after.get(claim)
+        Disagreement(CLAIMS, each.name, 1, f"{each.before} became {each.after}")
+        for each in changed_verdicts(accepted, built)
     ]
 
 
@@ -182,7 +187,7 @@ def _claims(accepted: Path, built: Path) -> list[Disagreement]:
 
 
 def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> list[str]:
-    """Take what stands in ``root`` as the reference from now on; what was accepted, in words.
+    """Make the results in ``root`` the reference from now on; return a line for each.
 
     Args:
         root: the results root of the build, the small study's.
@@ -216,7 +221,7 @@ def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> lis
 
 
 def _sources(root: Path, name: str) -> list[Path]:
-    """The files to keep: a figure's dataset first, if it has one, and its picture."""
+    """Return the files to keep: a figure's dataset first, if it has one, and its picture."""
     if name == "claims":
         files = [root / CLAIMS]
     else:
@@ -230,15 +235,13 @@ def _sources(root: Path, name: str) -> list[Path]:
 
 
 def _changes(built: Path, accepted: Path, name: str) -> list[dict[str, Any]]:
-    """One line of the log for everything that changed; one line that says so for the first time."""
+    """Return a line of the log for each change; a single one the first time."""
     if not accepted.is_file():
         return [{"variable": "(first)"}]
     if name == "claims":
-        before, after = verdicts(accepted), verdicts(built)
         return [
-            {"variable": claim, "before": before.get(claim), "after": after.get(claim)}
-            for claim in sorted(set(before) | set(after))
-            if before.get(claim) != after.get(claim)
+            {"variable": each.name, "before": each.before, "after": each.after}
+            for each in changed_verdicts(accepted, built)
         ]
     if name in SCHEMATICS:
         same = accepted.read_bytes() == built.read_bytes()
@@ -246,9 +249,7 @@ def _changes(built: Path, accepted: Path, name: str) -> list[dict[str, Any]]:
     old, new = open_dataset(accepted), open_dataset(built)
     if old["outcome"].dims != new["outcome"].dims:
         return [{"variable": "(another grid)"}]
-    old, new = common_points(old, new)
-    changes = [change_of(old[each], new[each], name) for each in map(str, new) if each in old]
-    return [_log_line(change) for change in changes if change.differing]
+    return [_log_line(change) for change in changes_of(old, new, name)]
 
 
 def _log_line(change: Change) -> dict[str, Any]:
