@@ -34,8 +34,7 @@ EDITS = [
         "from model.physics.trigonometry import sine_cosine\n",
         "\n\n@inlined_kernel\ndef side_pull(p):\n    return p.side_pull\n",
     ),
-    ("physics/motion.py", "    lateral_suspension,\n", "    side_pull,\n"),
-    ("physics/motion.py", "        lateral_suspension(q, p)", " + side_pull(p)"),
+    ("physics/forces.py", "        lateral_suspension(q, p)", " + side_pull(p)"),
     (
         "engines/results.py",
         "class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):\n",

@@ -1,7 +1,9 @@
-"""The forces besides contact, each as its share of the right-hand side of (3).
+"""The forces that act without contact, each as its share of the right-hand side of (3).
 
 Forces are in units of F1, moments in units of F1²/K_Y. Contact forces are in contacts.py.
 """
+
+from typing import NamedTuple
 
 from model.physics.compiled import inlined_kernel
 from model.physics.trigonometry import sine_cosine
@@ -36,3 +38,21 @@ def excitation(time, p):
     """Return -sin(ντ + phase), the kinematic excitation through the axial spring, amplitude 1."""
     sine, _ = sine_cosine(p.frequency * time + p.phase)
     return -sine
+
+
+class Applied(NamedTuple):
+    """Resultant of the forces that act without contact, and their moment."""
+
+    x: float
+    y: float
+    moment: float
+
+
+@inlined_kernel
+def applied_forces(time, q, p):
+    """``Applied`` in the state ``q`` at ``time``: a force added here acts in both engines."""
+    return Applied(
+        lateral_suspension(q, p),
+        axial_suspension(q, p) + press(p) + excitation(time, p),
+        tilt_suspension(q, p),
+    )

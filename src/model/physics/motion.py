@@ -10,13 +10,7 @@ from model.physics.contacts import (
     edge_on_face,
     edge_on_side,
 )
-from model.physics.forces import (
-    axial_suspension,
-    excitation,
-    lateral_suspension,
-    press,
-    tilt_suspension,
-)
+from model.physics.forces import applied_forces
 from model.physics.scenes import CLOSED, STICKING
 
 NO_ROW = (0.0, 0.0, 0.0)
@@ -160,12 +154,13 @@ def sticking_friction(support_sticks, side_sticks, drive, side_drive, g11, g12, 
 @inlined_kernel
 def forces_without_friction(time, q, p, mode):
     """Return ``Forces`` in state ``q`` at ``time``: equations (3) without friction."""
+    applied = applied_forces(time, q, p)
     support = support_contact(q, p, mode)
     side = side_contact(q, p, mode)
     return Forces(
-        lateral_suspension(q, p) + support.x + side.x,
-        axial_suspension(q, p) + press(p) + excitation(time, p) + support.y + side.y,
-        tilt_suspension(q, p) + support.moment + side.moment,
+        applied.x + support.x + side.x,
+        applied.y + support.y + side.y,
+        applied.moment + support.moment + side.moment,
         support,
         side,
     )
