@@ -2,7 +2,7 @@
 
 import argparse
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from docutils import nodes
@@ -10,11 +10,12 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from model.cli.main import _parser
+from model.engines.results import COURSE, RESULTS, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, Parameters
+from model.physics.quantities import ANGLE
 from model.physics.units import UNITS
 from model.study.config import Study
-from model.study.datasets import HISTORY_VARIABLES, VARIABLES
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -63,16 +64,19 @@ def _reasons() -> str:
     return _table(("reason", "flag", "meaning"), rows)
 
 
+def _help_of(parser: argparse.ArgumentParser) -> str:
+    """The help of a command without the table of parameters, which has a page of its own."""
+    return parser.format_help().partition("parameters that --set takes")[0].strip()
+
+
 def _commands() -> str:
-    os.environ["COLUMNS"] = "96"
+    os.environ["COLUMNS"] = "84"
     parser = _parser()
     [commands] = (
         action for action in parser._actions if isinstance(action, argparse._SubParsersAction)
     )
     pages = [("vibralign", parser), *((f"vibralign {n}", p) for n, p in commands.choices.items())]
-    return "\n\n".join(
-        f"## `{name}`\n\n```text\n{page.format_help().strip()}\n```" for name, page in pages
-    )
+    return "\n\n".join(f"## `{name}`\n\n```text\n{_help_of(page)}\n```" for name, page in pages)
 
 
 def _type_of(schema: dict[str, Any]) -> str:
@@ -112,31 +116,29 @@ def _keys(schema: dict[str, Any]) -> str:
         bounds = [text.format(key[rule]) for rule, text in _BOUNDS.items() if rule in key]
         kind = ", ".join([_type_of(key), *bounds])
         default = "required" if name in required else f"`{key.get('default')}`"
-        rows.append((f"`{name}`", kind, default, key.get("description", "").replace("\n", " ")))
-    return _table(("key", "type", "default", "meaning"), rows)
+        meaning = key.get("description", "").replace("\n", " ")
+        rows.append((f"`{name}`", kind, default, meaning))
+    head = ("key", "type", "default", "meaning")
+    columns = 4 if any(row[3] for row in rows) else 3
+    return _table(head[:columns], (row[:columns] for row in rows))
 
 
 def _configuration() -> str:
     schema = Study.model_json_schema()
-    parts = [_keys(schema)]
+    parts = [f"## The whole\n\n{_keys(schema)}"]
     for name, each in sorted(schema["$defs"].items()):
         text = each.get("description", "").partition("\n\n")[0].replace("\n", " ")
         parts.append(f"(config-{name.lower()})=\n## {name}\n\n{text}\n\n{_keys(each)}")
     return "\n\n".join(parts)
 
 
-def _variables_of(table: dict[str, dict[str, Any]]) -> str:
+def _variables_of(table: Mapping[str, Result]) -> str:
     rows = (
-        (
-            f"`{name}`",
-            about.get("symbol", ""),
-            about.get("units", "1"),
-            about["long_name"],
-            ", ".join(f"`{flag}`" for flag in about.get("flag_meanings", "").split()),
-        )
-        for name, about in table.items()
+        (f"`{name}`", each.symbol or "", "rad" if each.quantity is ANGLE else "1", each.explanation)
+        for name, each in table.items()
+        if each.stored
     )
-    return _table(("variable", "symbol", "units", "meaning", "flags, from 0"), rows)
+    return _table(("variable", "symbol", "units", "meaning"), rows)
 
 
 GENERATED: dict[str, Callable[[], str]] = {
@@ -146,8 +148,8 @@ GENERATED: dict[str, Callable[[], str]] = {
     "parameters": _parameters,
     "reasons": _reasons,
     "units": _units,
-    "variables": lambda: _variables_of(VARIABLES),
-    "histories": lambda: _variables_of(HISTORY_VARIABLES),
+    "variables": lambda: _variables_of(RESULTS),
+    "histories": lambda: _variables_of(COURSE),
 }
 
 

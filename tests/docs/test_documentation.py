@@ -13,7 +13,7 @@ DOCS = REPOSITORY / "docs"
 HELD_BY = re.compile(r"^```\{held-by\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LABEL = re.compile(r"^\$\$ \((eq-\w+)\)$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#\s]+)\)")
-NAMED_FILE = re.compile(r"`([\w./-]+\.(?:py|md|yaml|smk|j2|toml|lock|nc|csv))`")
+FILE = re.compile(r"`((?:src|config|workflow|tests|docs|verification)/[\w./-]+\.\w+)`")
 
 
 def definitions(path: Path) -> set[str]:
@@ -57,6 +57,22 @@ def test_every_part_of_the_physics_has_its_equation():
         plain = {"dot", "is_supported", "never_sticks", "turning"}  # arithmetic, and questions
         missing = {name for name in public - plain if f"physics.{module}.{name}" not in named}
         assert not missing
+
+
+def test_every_walk_names_one_or_two_files_that_exist():
+    text = (DOCS / "architecture.md").read_text(encoding="utf-8").partition("\n## Walks\n")[2]
+    walks = text.split("\n### ")[1:]
+    assert len(walks) >= 8
+    for walk in walks:
+        named = set(FILE.findall(walk))
+        assert 1 <= len(named) <= 2, walk.partition("\n")[0]
+        assert all((REPOSITORY / file).is_file() for file in named), named
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.rglob("*.md")), ids=lambda page: page.name)
+def test_files_that_a_page_names_exist(page):
+    for file in FILE.findall(page.read_text(encoding="utf-8")):
+        assert (REPOSITORY / file).exists(), file
 
 
 @pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
