@@ -41,24 +41,12 @@ FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
 
 # --------------------------------------------------------------------------------------- the study
 
-# Two runs in one directory, and the lock a crash leaves behind. Snakemake marks a run by files in
-# .snakemake/locks; after kill -9 or a power cut they stay, and it refuses to start until told
-# --unlock. Given while another run is alive, that same option would let both write the same files.
-# Hence the order: (1) take a lock of our own, which the system drops with the process that holds
-# it, however that dies; a second `make` is refused here. (2) Refuse if a Snakemake that was started
-# by hand is alive in this directory. (3) Wait for jobs that outlived a killed Snakemake, since they
-# still write. (4) Now whatever lock is left is a dead one: --unlock. Half-written files are then
-# made again by rerun-incomplete in the profile. (5) Files that are not as their job left them are
-# deleted, and so made again: damaged ones, or of another study.
-#
-# $(call run_study,OPTIONS AND TARGETS)
+# $(call run_study,OPTIONS AND TARGETS), under a lock of our own; see workflow/settle.py.
 run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
 	export $(in_env); \
-	python -c "$$SETTLE"; \
-	run="snakemake -c$(CORES) $(SNAKEMAKE_FLAGS)"; \
-	if [ -n "$$(ls -A .snakemake/locks 2>/dev/null)" ]; then $$run --unlock $(1); fi; \
-	python workflow/scripts/discard_damaged.py; \
-	exec $$run $(1)'
+	run="snakemake -c$(CORES) $(SNAKEMAKE_FLAGS) $(1)"; \
+	python workflow/settle.py $$run; \
+	exec $$run'
 
 all: environment
 	$(call run_study,)
@@ -82,60 +70,8 @@ SETS ?= 10000
 fuzz: environment
 	$(in_env) python workflow/scripts/fuzz.py --sets $(SETS)
 
-# Steps 2 and 3. A job is a script in workflow/scripts, run by Python from a shell.
-define SETTLE
-import os, psutil, sys
-
-here, this = os.getcwd(), psutil.Process()
-family = {this.pid, *(parent.pid for parent in this.parents())}
-
-def alive(matches):
-    for process in psutil.process_iter():
-        try:
-            words = process.cmdline()
-            if words and process.pid not in family and matches(words) and process.cwd() == here:
-                yield process
-        except psutil.Error:  # it has just ended, or is another user's
-            continue
-
-def is_snakemake(words):
-    return any(os.path.basename(word) == "snakemake" for word in words[:3])
-
-def is_job(words):
-    runner = os.path.basename(words[0]).startswith(("python", "sh", "bash"))
-    return runner and any("workflow/scripts/" in word for word in words[1:3])
-
-snakemakes = [str(process.pid) for process in alive(is_snakemake)]
-if snakemakes:
-    sys.exit("Snakemake already runs in this directory, process " + ", ".join(snakemakes))
-jobs = list(alive(is_job))
-if jobs:
-    print("waiting for", len(jobs), "processes of an interrupted run to end", file=sys.stderr)
-    psutil.wait_procs(jobs)
-endef
-export SETTLE
-
-# $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE. The standard library
-# has flock everywhere; the command of that name is missing on some systems.
-hold = $(PYTHON) -c "$$HOLD" $(1) $(2)
-define HOLD
-import fcntl, os, sys, time
-
-mode, path, *command = sys.argv[1:]
-handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-patience = time.monotonic() + 5  # a process that was just killed may still hold it for a moment
-while True:
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | (fcntl.LOCK_NB if mode == "refuse" else 0))
-        break
-    except BlockingIOError:
-        if time.monotonic() > patience:
-            sys.exit("another make runs the study in this directory; wait for it or stop it")
-        time.sleep(0.1)
-os.set_inheritable(handle, True)  # the command keeps the lock until it ends
-os.execvp(command[0], command)
-endef
-export HOLD
+# $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE.
+hold = $(PYTHON) workflow/hold.py $(1) $(2)
 
 # --------------------------------------------------------------------------------------- the checks
 

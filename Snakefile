@@ -23,7 +23,9 @@ except ConfigError as fault:
     raise WorkflowError(unread)
 
 root = invocation.root = Path(study.results_root)
+invocation.state(study=study.model_dump(mode="json"))
 gridded = CURVES + MAPS
+computed = HISTORIES + gridded
 
 
 wildcard_constraints:
@@ -32,28 +34,27 @@ wildcard_constraints:
     map="|".join(study.map_names),
 
 
-include: "workflow/rules/common.smk"
+include: "workflow/rules/job.smk"
 
 
 rule all:
     input:
         root / "report.html",
-        root / "claims.csv",
         root / "runs.csv",
-        [drawn(figure) for figure in FIGURES],
-        expand(root / "data/{figure}.nc", figure=computed),
-        expand(root / "data/maps/{map}.nc", map=MAPS),
-        [pictured(place) for place in (*PICTURES.values(), *HARD_PICTURES.values())],
 
 
-include: "workflow/rules/compute.smk"
+# Every map that is not a figure of the paper: those are part of the study.
+rule maps:
+    input:
+        [pictures(root / f"figures/maps/{map}") for map in study.map_names if map not in MAPS],
+
+
+include: "workflow/rules/figures.smk"
 include: "workflow/rules/maps.smk"
-include: "workflow/rules/precision.smk"
-include: "workflow/rules/hard.smk"
+include: "workflow/rules/methods.smk"
 include: "workflow/rules/claims.smk"
-include: "workflow/rules/contact.smk"
 include: "workflow/rules/identification.smk"
-include: "workflow/rules/show.smk"
+include: "workflow/rules/report.smk"
 include: "workflow/rules/accuracy.smk"
 
 

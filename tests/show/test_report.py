@@ -75,11 +75,11 @@ def datasets(study):
     found = {}
     for name, spec in study.figures.items():
         if spec.kind == "history":
-            found[name] = history_dataset(sweep_of(study, name), spec.title, spec.sees)
+            found[name] = history_dataset(sweep_of(study, name), spec.title, spec.caption)
         elif spec.kind != "schematic":
             sweep = sweep_of(study, name)
             parts = [compute_chunk(sweep, 0, 1)]
-            found[name] = merge_chunks(sweep, spec.title, spec.sees, parts)
+            found[name] = merge_chunks(sweep, spec.title, spec.caption, parts)
     return found
 
 
@@ -165,7 +165,7 @@ def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered,
     for image, spec in zip(images, study.figures.values(), strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
         assert spec.title in image["alt"]
-        assert spec.sees.strip() in image["alt"]
+        assert spec.caption.strip() in image["alt"]
         assert (image["width"], image["height"]) == ("1", "1")
 
 
@@ -173,7 +173,7 @@ def test_every_figure_says_what_one_sees(rendered, study):
     for name, spec in study.figures.items():
         text = article(rendered, name)
         assert spec.title in text
-        assert spec.sees.strip() in text
+        assert spec.caption.strip() in text
 
 
 def test_files_are_linked_relative_to_the_results(rendered, study):
@@ -334,7 +334,7 @@ def test_every_switch_of_the_readings_is_explained(rendered):
 
 
 def test_words_from_the_configuration_are_escaped(study, root):
-    spec = study.figures["fig06"].model_copy(update={"title": "<b>τ</b> & f0", "sees": '"<i>"'})
+    spec = study.figures["fig06"].model_copy(update={"title": "<b>τ</b> & f0", "caption": '"<i>"'})
     hostile = study.model_copy(update={"figures": {**study.figures, "fig06": spec}})
     text = render_report(Results(root, hostile))
     assert "<b>τ</b>" not in text

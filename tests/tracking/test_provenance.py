@@ -55,7 +55,7 @@ def test_an_edit_changes_what_depends_on_it_and_nothing_else(package: Path) -> N
 
 
 def test_where_script_and_package_stand_changes_nothing(tmp_path: Path, package: Path) -> None:
-    script = "workflow/scripts/draw_plot.py"
+    script = "workflow/jobs/plot.py"
     found = []
     for folder in (tmp_path / "a", tmp_path / "z"):  # before and after the package, by name
         (folder / script).parent.mkdir(parents=True)
@@ -66,13 +66,13 @@ def test_where_script_and_package_stand_changes_nothing(tmp_path: Path, package:
 
 
 def test_a_plotting_script_does_not_depend_on_the_integrator() -> None:
-    closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/draw_schematic.py")}
-    assert {"draw_schematic.py", "fig04.py", "geometry.py"} <= closure
+    closure = {path.name for path in import_closure(PROJECT / "workflow/jobs/schematic.py")}
+    assert {"schematic.py", "fig04.py", "geometry.py"} <= closure
     assert "loop.py" not in closure
 
 
 def test_a_computing_script_depends_on_all_that_it_computes_with() -> None:
-    closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/compute_chunk.py")}
+    closure = {path.name for path in import_closure(PROJECT / "workflow/jobs/chunk.py")}
     assert {"forces.py", "contacts.py", "loop.py", "tableaux.py", "sweeps.py"} <= closure
     assert not {"plots.py", "schematics.py", "report.py", "cli.py"} & closure
 
@@ -80,10 +80,10 @@ def test_a_computing_script_depends_on_all_that_it_computes_with() -> None:
 def test_a_new_pin_changes_every_code_hash(tmp_path: Path) -> None:
     shutil.copytree(PROJECT / "workflow", tmp_path / "workflow")
     (tmp_path / "requirements.lock").write_text("numpy==1")
-    before = code_hash(tmp_path, "workflow/scripts/draw_plot.py")
+    before = code_hash(tmp_path, "workflow/jobs/plot.py")
     provenance._lock_hash.cache_clear()
     (tmp_path / "requirements.lock").write_text("numpy==2")
-    assert code_hash(tmp_path, "workflow/scripts/draw_plot.py") != before
+    assert code_hash(tmp_path, "workflow/jobs/plot.py") != before
 
 
 def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
@@ -98,11 +98,10 @@ def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("VIBRALIGN_INVOCATION", "20261121T000000Z-abcd")
-    script = PROJECT / "workflow/scripts/draw_plot.py"
-    monkeypatch.setattr("sys.argv", [str(script)])
+    script = PROJECT / "workflow/jobs/plot.py"
     for name in ("fig06.nc", "fig06.png"):
         (tmp_path / name).write_bytes(name.encode())
-    job = Job("plot", "fig06")
+    job = Job("plot", "fig06", sources=[script])
     job.finish(tmp_path / "r.json", [tmp_path / "fig06.png"], [tmp_path / "fig06.nc"], more=[1])
     record = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert (record["run"], record["rule"], record["figure"]) == ("plot/fig06", "plot", "fig06")

@@ -150,7 +150,7 @@ class Workspace:
 
     @property
     def environment(self) -> dict[str, str]:
-        """So that scripts import the package from ``source``, and no test's invocation."""
+        """So that jobs import the package from ``source``, and no test's invocation."""
         kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_INV" not in name}
         return {**kept, "PYTHONPATH": str(self.source)}
 

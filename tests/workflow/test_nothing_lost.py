@@ -64,7 +64,7 @@ def victims(process: subprocess.Popen[bytes], kind: str) -> list[int]:
             words = " ".join(child.cmdline())
         except psutil.Error:
             continue
-        is_job = "workflow/scripts/" in words and words.startswith(sys.executable)
+        is_job = "workflow/run.py" in words and words.startswith(sys.executable)
         is_snakemake = "-m snakemake" in words
         if (kind == "job" and is_job) or (kind == "snakemake" and is_snakemake):
             found.append(child.pid)

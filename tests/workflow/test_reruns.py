@@ -50,11 +50,11 @@ MUTATIONS = [
      {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
     ("src/model/study/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/cli/main.py", "import ", "import math as _unused\nimport ", set()),
-    ("workflow/scripts/merge_chunks.py", "import argparse", "import argparse\nimport math",
+    ("workflow/jobs/merge.py", "import ", "import math as _unused\nimport ",
      {"merge", *FIXED, *DRAWN, "draw_bands"}),
     ("src/model/study/maps.py", "PERIODS = 0.4", "PERIODS = 0.5",
      {*MAPPED, "plot", *LAST}),
-    ("workflow/scripts/draw_plot.py", "import argparse", "import argparse\nimport math",
+    ("workflow/jobs/plot.py", "import ", "import math as _unused\nimport ",
      {"plot", *LAST}),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7",
      {*JUDGED, *BANDED}),
@@ -80,7 +80,7 @@ def rules(planned: set[tuple[str, str]]) -> set[str]:
 
 
 def test_nothing_runs_again_after_touch_comment_and_reformat(project: Any) -> None:
-    sources = [*project.source.rglob("*.py"), *project.folder.glob("workflow/scripts/*.py")]
+    sources = [*project.source.rglob("*.py"), *project.folder.glob("workflow/jobs/*.py")]
     assert len(sources) > 40
     for path in sources:
         text = path.read_text(encoding="utf-8")

@@ -76,7 +76,7 @@ def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) ->
 
 def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> None:
     """Not even where something else is missing and the kernels have to be compiled anew."""
-    for script in copy_of_built.folder.glob("workflow/scripts/*.py"):
+    for script in copy_of_built.folder.glob("workflow/jobs/*.py"):
         text = script.read_text(encoding="utf-8")
         script.write_text(f"{text}\nEDITED = True\n", encoding="utf-8")
     (copy_of_built.folder / "tiny/data/fig05.nc").unlink()

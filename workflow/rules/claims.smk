@@ -1,66 +1,54 @@
-"""The claims ledger: what the paper says, judged by the figures' data and by a few runs more."""
+"""The claims ledger: the paper's claims, judged by the figures' data, by more runs, on other bases."""
+
+from model.study.contact_stiffness import stiffness_plan
+from model.study.sweeps import claim_sweep
 
 claims_data = expand(root / "data/claims/{run}.nc", run=study.claims_runs)
+contact_data = expand(
+    root / "data/contact_stiffness/{figure}.nc", figure=study.contact_stiffness.figures
+)
 
+job(
+    "claims_runs",
+    dict(data=claims_data),
+    after_kernels,
+    dict(
+        sweeps={name: claim_sweep(study, name) for name in study.claims_runs},
+        titles={name: run.title for name, run in study.claims_runs.items()},
+    ),
+    record=root / "data/claims/runs.run.json",
+    message="computing the runs that only the claims ledger needs",
+)
 
-# One job, because a start of Python costs as much as most of these runs.
-rule claims_runs:
-    input:
-        kernels=root / "data/kernels.json",
-    output:
-        data=claims_data,
-        record=root / "data/claims/runs.run.json",
-    log:
-        root / "logs/claims_runs.log",
-    conda:
-        "../envs/study.yaml"
-    params:
-        code=code("run_claims"),
-        runs=runs_of_claims(),
-        folder=root / "data/claims",
-    message:
-        "computing what only the claims ledger asks for"
-    shell:
-        "python workflow/scripts/run_claims.py --runs {params.runs:q}"
-        " --output {params.folder} --record {output.record} > {log} 2>&1"
+job(
+    "claims",
+    dict(table=root / "claims.csv"),
+    dict(figures=expand(root / "data/{figure}.nc", figure=computed), runs=claims_data),
+    message="judging the claims of the paper",
+)
 
+job(
+    "draw_claims",
+    dict(pictures=pictures(root / "figures/claims")),
+    dict(data=claims_data),
+    message="drawing the runs that only the claims ledger needs",
+)
 
-rule claims:
-    input:
-        figures=expand(root / "data/{figure}.nc", figure=computed),
-        runs=claims_data,
-    output:
-        table=root / "claims.csv",
-        record=root / "claims.run.json",
-    log:
-        root / "logs/claims.log",
-    conda:
-        "../envs/study.yaml"
-    params:
-        code=code("judge_claims"),
-    message:
-        "judging the claims of the paper"
-    shell:
-        "python workflow/scripts/judge_claims.py --output {output.table}"
-        " --record {output.record} {input} > {log} 2>&1"
+job(
+    "contact_stiffness",
+    dict(data=root / "data/contact_stiffness/{figure}.nc"),
+    after_kernels,
+    dict(
+        plan=lambda wildcards: stiffness_plan(study, wildcards.figure),
+        title=wording["title"],
+    ),
+    wildcards=dict(figure="|".join(study.contact_stiffness.figures)),
+    message="{wildcards.figure}: computing it on other bases",
+)
 
-
-rule draw_claims:
-    input:
-        claims_data,
-    output:
-        png=root / "figures/claims.png",
-        svg=root / "figures/claims.svg",
-        pdf=root / "figures/claims.pdf",
-        record=root / "figures/claims.run.json",
-    log:
-        root / "logs/draw_claims.log",
-    conda:
-        "../envs/study.yaml"
-    params:
-        code=code("draw_claims"),
-    message:
-        "drawing what only the claims ledger asks for"
-    shell:
-        "python workflow/scripts/draw_claims.py --output {output.png}"
-        " --record {output.record} {input} > {log} 2>&1"
+job(
+    "draw_contact",
+    dict(pictures=pictures(root / "figures/contact_stiffness")),
+    dict(data=contact_data),
+    message="drawing the figures on other bases",
+)

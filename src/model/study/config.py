@@ -118,7 +118,7 @@ class Family(_Strict):
 
 class _Figure(_Strict):
     title: str = Field(min_length=1)
-    sees: str = Field(min_length=1)
+    caption: str = Field(min_length=1)
     held: ParameterValues = {}
 
 

@@ -153,7 +153,7 @@ def _parameters(record: Record) -> Iterator[tuple[str, str]]:
         if isinstance(value, dict):
             for name, each in value.items():
                 yield from flat(each, f"{path}.{name}" if path else name)
-        elif path.rpartition(".")[2] not in ("title", "sees"):
+        elif path.rpartition(".")[2] not in ("title", "caption"):
             yield path, str(value)
 
     yield from flat(record.get("study", {}), "")

@@ -7,7 +7,6 @@ import json
 import os
 import platform
 import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
@@ -78,14 +77,14 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
     return digest.hexdigest(), tuple(file for file in files if file)
 
 
-def import_closure(source: Path) -> list[Path]:
-    """``source`` and every file of this package that it imports, directly or not, sorted.
+def import_closure(*sources: Path) -> list[Path]:
+    """``sources`` and every file of this package that they import, directly or not, sorted.
 
     A package's ``__init__`` counts only where names are imported from it: what it gathers for its
     users is not what the importing file runs.
     """
     found: set[Path] = set()
-    waiting = [source.resolve()]
+    waiting = [source.resolve() for source in sources]
     while waiting:
         file = waiting.pop()
         if file not in found:
@@ -94,13 +93,13 @@ def import_closure(source: Path) -> list[Path]:
     return sorted(found)
 
 
-def closure_hash(source: Path) -> str:
-    """Hash of the code that ``source`` runs: syntax trees of its import closure.
+def closure_hash(*sources: Path) -> str:
+    """Hash of the code that ``sources`` run: syntax trees of their import closure.
 
     Comments, layout and docstrings do not count, so that a reformat reruns nothing; neither does
     the place of script and package, which may be installed in different folders.
     """
-    parts = sorted(file.name + _parsed(file)[0] for file in import_closure(source))
+    parts = sorted(file.name + _parsed(file)[0] for file in import_closure(*sources))
     return hashlib.sha256("".join(parts).encode()).hexdigest()[:16]
 
 
@@ -109,12 +108,12 @@ def _lock_hash(project: Path) -> str:
     return file_hash(project / "requirements.lock")
 
 
-def code_hash(project: Path, script: str) -> str:
-    """Hash of what a script of the project depends on: its code's closure and the pinned packages.
+def code_hash(project: Path, *sources: str) -> str:
+    """Hash of what ``sources`` depend on: their import closure and the pinned packages.
 
-    ``project`` is the folder that holds requirements.lock, ``script`` a path below it.
+    ``project`` is the folder that holds requirements.lock, ``sources`` are paths below it.
     """
-    combined = closure_hash(project / script) + _lock_hash(project)
+    combined = closure_hash(*(project / source for source in sources)) + _lock_hash(project)
     return hashlib.sha256(combined.encode()).hexdigest()[:16]
 
 
@@ -170,10 +169,12 @@ class Job:
     Args:
         place: the job's rule and wildcards, such as "chunk", "fig06", 0. Joined by slashes they
             are the run's name, and the name of its log below logs/.
+        sources: the files whose import closure is the job's code.
     """
 
-    def __init__(self, *place: str | int) -> None:
+    def __init__(self, *place: str | int, sources: Sequence[Path] = ()) -> None:
         self.place = tuple(str(part) for part in place)
+        self.sources = sources
         self.started = datetime.now(UTC)
 
     def finish(
@@ -189,13 +190,12 @@ class Job:
             facts: what else is known: parameters, settings, counts.
         """
         rule, *rest = self.place
-        script = Path(sys.argv[0])
         content = {
             "run": "/".join(self.place),
             "rule": rule,
             "figure": next((part for part in rest if part.startswith("fig")), None),
             **facts,
-            "code": closure_hash(script) if script.suffix == ".py" else None,
+            "code": closure_hash(*self.sources) if self.sources else None,
             "inputs": _hashes(inputs, record.parent),
             "outputs": _hashes(outputs, record.parent),
             "started": self.started.isoformat(timespec="milliseconds"),

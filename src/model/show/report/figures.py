@@ -170,7 +170,7 @@ def _article(results: Results, name: str) -> Article:
         if spec.kind == "history" and counts.outcomes["aligned"]:
             moment = float(dataset["tau_align"]), float(dataset["tau_error"])
     operating = {*study.operating_point, *spec.held} - names
-    caption = spec.sees.strip()
+    caption = spec.caption.strip()
     return Article(
         name=name,
         number=figure_number(name),

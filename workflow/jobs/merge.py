@@ -1,0 +1,44 @@
+"""Merge the chunks of a figure's sweep into its dataset."""
+
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from model.study.datasets import (
+    DatasetError,
+    discard,
+    merge_chunks,
+    outcome_counts,
+    read_dataset,
+    write_dataset,
+)
+from model.study.sweeps import Sweep
+
+
+def read_chunks(sweep: Sweep, paths: list[Path]) -> list[xr.Dataset]:
+    """Read the chunks of a sweep in order; delete a wrong one, so that the next run computes it.
+
+    Raises:
+        DatasetError: a file that cannot be read, or that is not the chunk of its name.
+    """
+    parts, faults = [], {}
+    for chunk, path in enumerate(paths):
+        expected = {"sweep": sweep.identity, "chunk": chunk, "chunks": len(paths)}
+        try:
+            part = read_dataset(path)
+        except DatasetError as fault:
+            faults[path] = str(fault)
+        else:
+            if any(part.attrs.get(name) != value for name, value in expected.items()):
+                faults[path] = f"{path}: is not chunk {chunk} of this sweep"
+            parts.append(part)
+    discard(faults)
+    return parts
+
+
+def run(sweep: Sweep, title: str, caption: str, parts: list[Path], data: Path) -> dict[str, Any]:
+    """Write the dataset of all points."""
+    dataset = merge_chunks(sweep, title, caption, read_chunks(sweep, parts))
+    write_dataset(dataset, data)
+    return {**sweep.facts, "counts": outcome_counts(dataset)}

@@ -1,0 +1,22 @@
+"""Render the report: one page with every figure, its caption, parameters and outcomes."""
+
+from pathlib import Path
+
+from model.show.report.page import render_report
+from model.show.report.section import Results
+from model.study.config import Study
+from model.tracking.provenance import write_text
+
+
+def run(study: Study, root: Path, files: list[Path], tables: list[Path], page: Path) -> None:
+    """Write the page from ``files`` below ``root`` and the tables of the identification.
+
+    Raises:
+        ValueError: a section reads a file that the rule does not state.
+    """
+    results = Results(root, study, tables)
+    text = render_report(results)
+    unstated = set(results.inputs) - {*files, *tables}
+    if unstated:
+        raise ValueError(f"not an input of the rule: {', '.join(map(str, sorted(unstated)))}")
+    write_text(text, page)

@@ -1,0 +1,110 @@
+"""Definition of rules: the directives that all jobs share stand here, and only here."""
+
+import json
+import re
+from pathlib import Path
+
+from model.tracking.provenance import code_hash
+
+
+def pictures(place):
+    """Return the files of a picture from its path without suffix, the PNG first."""
+    return [f"{place}{suffix}" for suffix in (".png", ".svg", ".pdf")]
+
+
+def by_name(files):
+    """Return a rule's files by name as JSON has them, without those that a job does not open."""
+    opened = ((name, each) for name, each in files.items() if name not in ("after", "record"))
+    return {name: each if isinstance(each, str) else list(each) for name, each in opened}
+
+
+def code(name):
+    """Return the hash of what a job runs: an edit reruns exactly what depends on it."""
+    return code_hash(Path(workflow.basedir), "workflow/run.py", f"workflow/jobs/{name}.py")
+
+
+def job(
+    name,
+    outputs,
+    inputs={},
+    params={},
+    *,
+    message,
+    wildcards={},
+    runs=None,
+    run=None,
+    record=None,
+):
+    """Define the rule of a job, which calls the function in jobs/NAME.py.
+
+    The function's arguments are the rule's outputs, inputs and params by their names.
+
+    Args:
+        name: the rule's name.
+        outputs: a path, or a list of them, by name.
+        inputs: as outputs, or functions of the wildcards. Those named ``after`` are waited for and
+            not opened by the job.
+        params: values, or functions of the wildcards. Models of the study become JSON objects.
+        message: printed when the job starts.
+        wildcards: regular expressions of wildcards, by name.
+        runs: the job's file in jobs/, where it is not NAME.
+        run: the run's name, and that of its log; else NAME and the output's wildcards in order.
+        record: the sidecar, where it does not stand beside the first output; "" for none.
+    """
+    runs = runs or name
+    first = next(iter(outputs.values()))
+    first = first[0] if isinstance(first, list) else first
+    run = run or Path(name, *re.findall(r"{\w+}", str(first))).as_posix()
+    if record is None:
+        record = Path(first).with_suffix(".run.json")
+
+    def request(wildcards, input, output):
+        asked = {
+            "job": runs,
+            "run": run.format(**wildcards),
+            "record": str(record).format(**wildcards),
+            "params": {k: v(wildcards) if callable(v) else v for k, v in params.items()},
+            "inputs": by_name(input),
+            "outputs": by_name(output),
+        }
+        return json.dumps(asked, default=lambda model: model.model_dump(mode="json"))
+
+    rule:
+        name:
+            name
+        input:
+            **inputs,
+        output:
+            **outputs,
+            **({"record": record} if record else {}),
+        log:
+            root / f"logs/{run}.log",
+        wildcard_constraints:
+            **wildcards,
+        conda:
+            "../envs/study.yaml"
+        params:
+            code=code(runs),
+            request=request,
+        message:
+            message
+        shell:
+            "python workflow/run.py {params.request:q} > {log} 2>&1"
+
+
+def printed(name, text, message):
+    """Define the rule that prints a file, also where nothing had to be computed for it."""
+
+    rule:
+        name:
+            name
+        input:
+            text,
+        log:
+            root / f"logs/{name}.log",
+        conda:
+            "../envs/study.yaml"
+        message:
+            message
+        shell:
+            "cat {input} | tee {log}"

@@ -1,0 +1,37 @@
+"""One page of everything, and the index of all runs."""
+
+shown = [
+    *(root / f"figures/{figure}" for figure in FIGURES),
+    *(root / place for place in (*PICTURES.values(), *HARD_PICTURES.values())),
+    *(root / f"figures/{name}" for name in ("claims", "contact_stiffness")),
+    *identified_pictures,
+]
+
+job(
+    "report",
+    dict(page=root / "report.html"),
+    dict(
+        after=[file for place in shown for file in pictures(place)[1:]],
+        files=[
+            *expand(root / "data/{figure}.nc", figure=computed),
+            *(f"{place}.png" for place in shown),
+            *fixed_steps,
+            *contact_data,
+            *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
+            root / "claims.csv",
+        ],
+        tables=identified_tables,
+    ),
+    dict(study=study, root=str(root)),
+    message="rendering the report",
+)
+
+# Snakemake's handlers write the index anew when an invocation ends, so that one of a single figure,
+# and one that failed, is in it as well.
+job(
+    "index",
+    dict(files=[root / "runs.csv", root / "runs.sqlite"]),
+    dict(after=root / "report.run.json"),
+    record="",
+    message="indexing all runs",
+)
