@@ -35,20 +35,6 @@ wildcard_constraints:
 
 
 include: "workflow/rules/job.smk"
-
-
-rule all:
-    input:
-        root / "report.html",
-        root / "runs.csv",
-
-
-# Every map that is not a figure of the paper: those are part of the study.
-rule maps:
-    input:
-        [pictures(root / f"figures/maps/{map}") for map in study.map_names if map not in MAPS],
-
-
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/maps.smk"
 include: "workflow/rules/methods.smk"
@@ -56,6 +42,21 @@ include: "workflow/rules/claims.smk"
 include: "workflow/rules/identification.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/accuracy.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        root / "report.html",
+        root / "runs.csv",
+        page_files,
+        expand(root / "data/maps/{map}.nc", map=MAPS),
+
+
+# Every map that is not a figure of the paper: those are part of the study.
+rule maps:
+    input:
+        [pictures(root / f"figures/maps/{map}") for map in study.map_names if map not in MAPS],
 
 
 unread = None  # the rules are, from here

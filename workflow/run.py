@@ -1,9 +1,9 @@
-"""Run one job of the study: ``python workflow/run.py REQUEST``, as every rule does.
+"""Run one job of the study: ``python workflow/run.py REQUEST FILES``, as every rule does.
 
 ``REQUEST`` is a JSON object: ``job`` names the file in jobs/, ``run`` the run, such as
-chunk/fig06/0, and ``record`` the sidecar, empty for none. ``params``, ``inputs`` and ``outputs``
-hold the arguments of the job's function by name. Before anything is computed, an argument that is
-missing, unknown or of another type is refused.
+chunk/fig06/0, and ``record`` the sidecar, empty for none. Its ``params``, and ``inputs`` and
+``outputs`` of ``FILES``, hold the arguments of the job's function by name. Before anything is
+computed, an argument that is missing, unknown or of another type is refused.
 """
 
 import json
@@ -29,8 +29,8 @@ def _files(named: dict[str, Any]) -> Iterable[Path]:
 
 def main() -> None:
     """Call the job's function, and write its sidecar last: it says that the outputs are whole."""
-    request = json.loads(sys.argv[1])
-    name, inputs, outputs = request["job"], request["inputs"], request["outputs"]
+    request, files = map(json.loads, sys.argv[1:])
+    name, inputs, outputs = request["job"], files["inputs"], files["outputs"]
     job = Job(*request["run"].split("/"), sources=(_HERE / "run.py", _HERE / f"jobs/{name}.py"))
     function: Any = import_module(f"jobs.{name}").run
     given = json.dumps({**request["params"], **inputs, **outputs})

@@ -58,16 +58,18 @@ def job(
     if record is None:
         record = Path(first).with_suffix(".run.json")
 
-    def request(wildcards, input, output):
+    # Apart from the files: Snakemake does not compare params that are made from input or output.
+    def request(wildcards):
         asked = {
             "job": runs,
             "run": run.format(**wildcards),
             "record": str(record).format(**wildcards),
             "params": {k: v(wildcards) if callable(v) else v for k, v in params.items()},
-            "inputs": by_name(input),
-            "outputs": by_name(output),
         }
         return json.dumps(asked, default=lambda model: model.model_dump(mode="json"))
+
+    def files(wildcards, input, output):
+        return json.dumps({"inputs": by_name(input), "outputs": by_name(output)})
 
     rule:
         name:
@@ -86,10 +88,11 @@ def job(
         params:
             code=code(runs),
             request=request,
+            files=files,
         message:
             message
         shell:
-            "python workflow/run.py {params.request:q} > {log} 2>&1"
+            "python workflow/run.py {params.request:q} {params.files:q} > {log} 2>&1"
 
 
 def printed(name, text, message):

@@ -1,25 +1,27 @@
 """One page of everything, and the index of all runs."""
 
-shown = [
+page_pictures = [
     *(root / f"figures/{figure}" for figure in FIGURES),
     *(root / place for place in (*PICTURES.values(), *HARD_PICTURES.values())),
     *(root / f"figures/{name}" for name in ("claims", "contact_stiffness")),
     *identified_pictures,
 ]
+page_data = [
+    *expand(root / "data/{figure}.nc", figure=computed),
+    *fixed_steps,
+    *contact_data,
+    *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
+    root / "claims.csv",
+]
+page_files = [*page_data, *(pictures(place) for place in page_pictures)]
 
+# The page shows the PNGs, and links to the other kinds of picture.
 job(
     "report",
     dict(page=root / "report.html"),
     dict(
-        after=[file for place in shown for file in pictures(place)[1:]],
-        files=[
-            *expand(root / "data/{figure}.nc", figure=computed),
-            *(f"{place}.png" for place in shown),
-            *fixed_steps,
-            *contact_data,
-            *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
-            root / "claims.csv",
-        ],
+        after=[pictures(place)[1:] for place in page_pictures],
+        files=[*page_data, *(f"{place}.png" for place in page_pictures)],
         tables=identified_tables,
     ),
     dict(study=study, root=str(root)),
