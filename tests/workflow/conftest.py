@@ -87,7 +87,7 @@ for line in sys.stdin:
             os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
         os.chdir(folder)
         os.environ["PYTHONPATH"] = source
-        sys.path.insert(0, source)
+        sys.path[:0] = source.split(os.pathsep)
         sys.argv[1:] = arguments
         code = 2
         try:
@@ -126,7 +126,7 @@ class Workspace:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         folder.mkdir(exist_ok=True)
-        self.source = PROJECT / "src"
+        self.checkout = PROJECT
         for part in PARTS:
             put = shutil.copytree if (PROJECT / part).is_dir() else shutil.copy
             put(PROJECT / part, folder / part)
@@ -142,17 +142,22 @@ class Workspace:
         """What `make` finds in .venv: the Python that runs the tests, and the package."""
         tools = self.folder / ".venv" / "bin"
         tools.mkdir(parents=True)
-        run = f'PYTHONPATH="{self.source}" exec "{sys.executable}"'
+        run = f'PYTHONPATH="{self.sources}" exec "{sys.executable}"'
         for name, words in {"python": "", "snakemake": "-m snakemake"}.items():
             tool = tools / name
             tool.write_text(f'#!/bin/sh\n{run} {words} "$@"\n', encoding="utf-8")
             tool.chmod(0o755)
 
     @property
+    def sources(self) -> str:
+        """Where the package and verification are imported from."""
+        return f"{self.checkout / 'src'}{os.pathsep}{self.checkout}"
+
+    @property
     def environment(self) -> dict[str, str]:
-        """So that jobs import the package from ``source``, and no test's invocation."""
+        """So that jobs import the package from ``checkout``, and no test's invocation."""
         kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_INV" not in name}
-        return {**kept, "PYTHONPATH": str(self.source)}
+        return {**kept, "PYTHONPATH": self.sources}
 
     def snakemake(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
         """Run Snakemake to its end."""
@@ -175,7 +180,7 @@ class Workspace:
         """As ``snakemake``, for what starts no job."""
         out, err = self.folder / "stdout", self.folder / "stderr"
         words = ["-c2", *arguments, *STUDY]
-        request = [str(self.folder), str(self.source), words, str(out), str(err)]
+        request = [str(self.folder), self.sources, words, str(out), str(err)]
         self.preloaded.stdin.write(json.dumps(request) + "\n")
         self.preloaded.stdin.flush()
         code = int(self.preloaded.stdout.readline())

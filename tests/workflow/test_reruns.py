@@ -46,9 +46,9 @@ MUTATIONS = [
      {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "What this is", "What it is", LAST),
     ("src/model/tracking/records.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
-    ("src/model/runs/unlocated.py", "import ", "import math as _unused\nimport ",
+    ("verification/without_location/engine.py", "import ", "import math as _unused\nimport ",
      {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
-    ("src/model/study/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
+    ("verification/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/cli/main.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/jobs/merge.py", "import ", "import math as _unused\nimport ",
      {"merge", *FIXED, *DRAWN, "draw_bands"}),
@@ -71,7 +71,9 @@ def project(touched: Any, tmp_path: Path) -> Any:
     made = copy.copy(touched)
     made.folder = shutil.copytree(touched.folder, tmp_path / "project")
     ignored = shutil.ignore_patterns("__pycache__")
-    made.source = shutil.copytree(PROJECT / "src", made.folder / "src", ignore=ignored)
+    for part in ("src", "verification"):
+        shutil.copytree(PROJECT / part, made.folder / part, ignore=ignored)
+    made.checkout = made.folder
     return made
 
 
@@ -80,8 +82,9 @@ def rules(planned: set[tuple[str, str]]) -> set[str]:
 
 
 def test_nothing_runs_again_after_touch_comment_and_reformat(project: Any) -> None:
-    sources = [*project.source.rglob("*.py"), *project.folder.glob("workflow/jobs/*.py")]
-    assert len(sources) > 40
+    places = ("src", "verification", "workflow")
+    sources = [path for place in places for path in (project.folder / place).rglob("*.py")]
+    assert len(sources) > 100
     for path in sources:
         text = path.read_text(encoding="utf-8")
         text = text.replace("\n\n\n", "\n\n\n# a comment\n\n\n").replace(
@@ -89,7 +92,7 @@ def test_nothing_runs_again_after_touch_comment_and_reformat(project: Any) -> No
         )
         path.write_text(f"{text}\n# the end\n", encoding="utf-8")
         os.utime(path)
-    forces = project.source / "model/physics/forces.py"
+    forces = project.folder / "src/model/physics/forces.py"
     reformatted = "return -(\n        p.press_force\n    )"
     text = forces.read_text(encoding="utf-8")
     assert "return -p.press_force" in text

@@ -3,10 +3,14 @@
 from pathlib import Path
 from typing import Literal
 
-from model.show.precision import evaluations_over_error, time_over_error, wrong_points
 from model.show.style import save
 from model.study.datasets import read_dataset
-from model.study.precision import read_timings
+from verification.report.work_precision_plots import (
+    evaluations_over_error,
+    time_over_error,
+    wrong_points,
+)
+from verification.work_precision import read_timings
 
 
 def run(

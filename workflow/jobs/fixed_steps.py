@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from model.study.datasets import read_dataset, write_dataset
-from model.study.fixed_steps import fixed_step_dataset
-from model.study.precision_plans import FixedStepPlan
+from verification.fixed_steps import fixed_step_dataset
+from verification.plans import FixedStepPlan
 
 
 def run(plan: FixedStepPlan, located: Path, data: Path) -> dict[str, Any]:

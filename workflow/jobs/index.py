@@ -5,6 +5,6 @@ from pathlib import Path
 from model.tracking.index import write_index
 
 
-def run(files: list[Path]) -> None:
-    """Write the index into the folder of its ``files``."""
-    write_index(files[0].parent)
+def run(table: Path) -> None:
+    """Write the index of the root that holds ``table``."""
+    write_index(table.parent)

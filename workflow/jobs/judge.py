@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from model.study.accuracy import read_tables, summary, write_table
 from model.tracking.provenance import write_text
+from verification.accuracy import read_tables, summary, write_table
 
 
 def run(error: list[Path], settled: list[Path], tables: list[Path], text: Path) -> None:

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any
 
 from model.study.datasets import write_dataset
-from model.study.precision import METHODS, climb, precision_dataset, timings_table, true_run
-from model.study.precision_plans import PrecisionPlan
 from model.tracking.provenance import write_text
+from verification.plans import PrecisionPlan
+from verification.work_precision import METHODS, climb, precision_dataset, timings_table, true_run
 
 
 def run(plan: PrecisionPlan, data: Path, times: Path) -> dict[str, Any]:

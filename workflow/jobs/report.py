@@ -6,6 +6,7 @@ from model.show.report.page import render_report
 from model.show.report.section import Results
 from model.study.config import Study
 from model.tracking.provenance import write_text
+from verification.report import SECTIONS
 
 
 def run(study: Study, root: Path, files: list[Path], tables: list[Path], page: Path) -> None:
@@ -15,7 +16,7 @@ def run(study: Study, root: Path, files: list[Path], tables: list[Path], page: P
         ValueError: a section reads a file that the rule does not state.
     """
     results = Results(root, study, tables)
-    text = render_report(results)
+    text = render_report(results, SECTIONS)
     unstated = set(results.inputs) - {*files, *tables}
     if unstated:
         raise ValueError(f"not an input of the rule: {', '.join(map(str, sorted(unstated)))}")

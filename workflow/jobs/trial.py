@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from model.study.accuracy import run_trial, write_table
-from model.study.trials import Trial
+from verification.accuracy import run_trial, write_table
+from verification.trials import Trial
 
 
 def run(trial: Trial, chunk: int, chunks: int, table: Path) -> dict[str, Any]:

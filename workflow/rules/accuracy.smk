@@ -1,6 +1,6 @@
 """The integrator's accuracy on random sets: `snakemake -c2 accuracy`, apart from the study."""
 
-from model.study.trials import trial_of
+from verification.trials import trial_of
 
 trial_chunks = {"error": study.accuracy.chunks, "settled": study.accuracy.settled.chunks}
 

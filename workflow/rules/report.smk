@@ -32,7 +32,7 @@ job(
 # and one that failed, is in it as well.
 job(
     "index",
-    dict(files=[root / "runs.csv", root / "runs.sqlite"]),
+    dict(table=root / "runs.csv"),
     dict(after=root / "report.run.json"),
     record="",
     message="indexing all runs",
