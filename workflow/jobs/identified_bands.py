@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from model.study.identification.band_table import bands_text
 from model.study.identification.bands import bands_of
 from model.study.identification.candidate import Space
@@ -14,7 +12,6 @@ from model.tracking.provenance import write_text
 
 def run(space: Space, tables: list[Path], data: Path) -> dict[str, Any]:
     """Run every admissible set of the committed tables, and write the bands as CSV."""
-    ensemble = read_identified(tables[0].parent).ensemble
-    sets = np.array([ensemble[name] for name in space.names]).T
+    sets = read_identified(tables[0].parent).points(space.names)
     write_text(bands_text(bands_of(space, space.point(sets))), data)
     return {"sweep": space.identity}

@@ -6,18 +6,15 @@ from typing import Any
 from model.study.config import Evolution
 from model.study.datasets import read_dataset, write_dataset
 from model.study.identification.candidate import Space
-from model.study.identification.evaluate import judge_of
-from model.study.identification.results import candidates_dataset, samples_of
-from model.study.identification.search import search
+from model.study.identification.results import candidates_dataset, samples_of, search_of
 
 
 def run(
     space: Space, reading: str, rounds: list[Evolution], samples: list[Path], data: Path
 ) -> dict[str, Any]:
     """Search from the samples of the consistent reading."""
-    judge = judge_of(space)
-    first = samples_of([read_dataset(path) for path in samples])
-    found = search(space, judge, first, rounds, 0)
+    search = search_of(space)
+    found = search.run(samples_of([read_dataset(path) for path in samples]), rounds, 0)
     title = f"Candidates under the reading {reading}"
-    write_dataset(candidates_dataset(space, judge, *found, title), data)
+    write_dataset(candidates_dataset(search, *found, title), data)
     return {"sweep": space.identity}

@@ -104,10 +104,7 @@ job(
         text=found / "summary.txt",
         best=found / "best.yaml",
         ensemble=found / "ensemble.nc",
-        tables=expand(
-            found / "{table}.csv",
-            table=["ensemble", "unknowns", "claims", "splits", "readings"],
-        ),
+        tables=expand(found / "{table}.csv", table=TABLES),
     ),
     dict(
         **samples,
