@@ -1,4 +1,4 @@
-"""What is drawn upon a stability map, read back from its artists."""
+"""Overlays of a stability map, read back from its artists."""
 
 import itertools
 import json

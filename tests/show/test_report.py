@@ -127,7 +127,7 @@ def rendered(study, root):
 
 
 def article(text: str, name: str) -> str:
-    """What the page says of one figure, without tags and with single spaces."""
+    """The article on one figure, without tags and with single spaces."""
     part = re.search(rf'<article aria-labelledby="{name}">.*?</article>', text, re.DOTALL)
     assert part
     return plain(part[0])

@@ -1,4 +1,4 @@
-"""What differs between two states: all of it, and nothing that does not."""
+"""Every difference between two states is found, and no other."""
 
 import builtins
 import shutil

@@ -78,7 +78,7 @@ def test_a_full_disk_leaves_no_word_and_is_named(recorded, monkeypatch) -> None:
     invocation = recorded.invocation()
     recorded.fail("chunk/fig06/0", "")
     (told,) = invocation.end("failed")
-    assert "failed: ended without a word, with 12 kB left on the disk" in told
+    assert "failed: ended without a message, with 12 kB left on the disk" in told
 
 
 def test_logs_of_an_earlier_layout_are_no_failures(recorded) -> None:

@@ -45,7 +45,7 @@ def _diff(arguments: argparse.Namespace) -> int:
 
 
 def diff_lines(found: Comparison, listed: int | None) -> list[str]:
-    """A comparison in words, at most ``listed`` lines a section."""
+    """Return a comparison in words, at most ``listed`` lines a section."""
     lines = [f"A: {found.first}", f"B: {found.second}"]
     columns = ("where", "name", "before", "after")
     sections = {"parameters": found.parameters, "metrics": found.metrics, "code": found.code}

@@ -28,16 +28,18 @@ def add(commands: Any) -> None:
     add = parser.add_argument
     add("--figure", metavar="FIG", help="only those of a figure, such as fig06 or 6")
     words = (
-        "only those that hold or sweep over this value, or, without =VALUE, that vary the "
+        "only those that hold this value or sweep over it, or, without =VALUE, that vary the "
         "parameter; may be repeated"
     )
     add("--parameter", action="append", default=[], metavar="NAME[=VALUE]", help=words)
-    words = f"only those that ended like this, or in which a trajectory did: {', '.join(_OUTCOMES)}"
+    words = (
+        f"only those with this status, or with a trajectory of this outcome: {', '.join(_OUTCOMES)}"
+    )
     add("--outcome", metavar="OUTCOME", help=words)
     words = "only those started at DATE or later, UTC (2026, 2026-11, 2026-11-21T05:30)"
     add("--since", metavar="DATE", help=words)
     add("--until", metavar="DATE", help="only those started at DATE or earlier, DATE included")
-    add("--current", action="store_true", help="only those whose results still stand")
+    add("--current", action="store_true", help="only those whose results are in place")
     words = "list the invocations of Snakemake instead, by outcome and date if wanted"
     add("--invocations", action="store_true", help=words)
 
@@ -98,7 +100,7 @@ def run_line(run: Record) -> dict[str, Any]:
 
 
 def _shortened(reason: str) -> str:
-    """As much of a reason as fits a list; `show` and --json have it all."""
+    """Return the beginning of a reason for a list; `show` and --json have all of it."""
     return reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"
 
 

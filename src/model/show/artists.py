@@ -1,4 +1,4 @@
-"""What a figure draws, read back from its artists and compared with its dataset."""
+"""Comparison of a figure with its dataset: its artists are read back."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def disagreements(dataset: "xr.Dataset") -> list[str]:
-    """What the figure of ``dataset`` draws otherwise than the dataset holds it; empty if nothing.
+    """Return the differences between a dataset and what its figure draws.
 
     Raises:
         ValueError: a dataset of no known kind.
@@ -77,7 +77,7 @@ def _curves(dataset: "xr.Dataset", figure: Figure) -> Iterator[str]:
 
 
 def _strip(figure: Figure, swept: np.ndarray, gaps: np.ndarray) -> Iterator[str]:
-    """Whether the bars below the curves cover the gaps, and nothing else."""
+    """Yield the curves whose bars below do not cover exactly their gaps."""
     bars = [
         each
         for axes in figure.axes[1:]

@@ -14,11 +14,11 @@ from matplotlib.image import imread
 
 from model.tracking.provenance import write_text
 
-_VISIBLE = 2.0 / 255.0  # root mean square of the colours' difference that an eye may notice
+_VISIBLE = 2.0 / 255.0  # root mean square difference of the colours that an eye may notice
 
 
 def differing_pictures(root: Path, reference: Path, figures: Sequence[str]) -> dict[str, str]:
-    """How the pictures of ``figures`` differ from the accepted ones, for those that do."""
+    """Return, for each picture that differs from the accepted one, how it does."""
     found = {}
     for name in figures:
         accepted, drawn = reference / f"{name}.png", root / "figures" / f"{name}.png"

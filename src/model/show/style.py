@@ -1,4 +1,4 @@
-"""The look that all figures of the study share, and how they are written to disk.
+"""The style that all figures of the study share, and their files.
 
 Figures are made from ``matplotlib.figure.Figure``, never through pyplot, so that nothing is kept
 in global state. Draw inside ``context()``; ``save`` enters it again, since fonts and SVG ids are
@@ -81,7 +81,7 @@ _RC: dict[Any, Any] = {
     "pdf.fonttype": 42,  # TrueType: text stays text
 }
 
-# What would make the bytes depend on the day or on the installed release.
+# Metadata that would make the bytes depend on the day or on the installed release.
 _METADATA: Mapping[str, dict[str, None]] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
@@ -100,14 +100,14 @@ def context() -> Iterator[None]:
 
 
 def new_figure(width: float = FIGURE_WIDTH, height: float = 10.0 * CENTIMETRE) -> Figure:
-    """An empty figure of ``width`` by ``height`` inches; call inside ``context``."""
+    """Return an empty figure of ``width`` by ``height`` inches; call inside ``context``."""
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     return figure
 
 
 def curve(index: int, points: int, markers: int = 8) -> dict[str, Any]:
-    """Keyword arguments of ``Axes.plot`` for curve ``index`` of a family.
+    """Return keyword arguments of ``Axes.plot`` for curve ``index`` of a family.
 
     About ``markers`` markers stand along its ``points`` points, shifted from curve to curve so
     that those of neighbours do not hide each other.
@@ -136,7 +136,7 @@ def _write(figure: Figure, stem: Path, extension: str) -> Path:
 
 @contextlib.contextmanager
 def _quiet_fonts() -> Iterator[None]:
-    # fontTools warns of the age that matplotlib's own fonts state: nothing a reader could act on.
+    # fontTools warns of the date in matplotlib's own fonts, which no user can act on.
     logger = logging.getLogger("fontTools.ttLib.tables._h_e_a_d")
     level = logger.level
     logger.setLevel(logging.ERROR)

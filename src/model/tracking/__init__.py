@@ -1,1 +1,1 @@
-"""What a job leaves, the index of all runs, and the comparison with the reference."""
+"""Provenance of jobs, the index of all runs, and the comparison with the reference."""

@@ -34,7 +34,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Change:
-    """How a variable of a figure's dataset differs, over the points that both have.
+    """The difference of a variable of a figure's dataset, over the points that both states have.
 
     Attributes:
         figure: such as "fig06".
@@ -81,7 +81,7 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """Whether the two states differ in anything."""
+        """True where the two states differ in anything."""
         stated = (self.parameters, self.metrics, self.code)
         return any((*stated, self.data, self.other_data, self.claims))
 

@@ -109,7 +109,7 @@ def to_mlflow(record: Record, root: Path, store: Path, experiment: str = "vibral
 
 @contextlib.contextmanager
 def _only_writer(store: Path) -> Iterator[None]:
-    """Wait until no other export writes to the store: two that open a fresh one crash."""
+    """Wait until no other export writes to the store, since two that create it crash."""
     with store.with_suffix(".lock").open("w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield

@@ -120,7 +120,7 @@ class Invocation:
 
 @contextlib.contextmanager
 def _or_say(consequence: str) -> Iterator[None]:
-    """A full disk must not hide why the study failed: say so, and go on."""
+    """Say that a record could not be written, and continue: it must not hide the study's error."""
     try:
         yield
     except (OSError, TrackingError) as error:
@@ -136,7 +136,7 @@ def _end(root: Path, record: Record, outcome: str, ended: datetime | None) -> Re
 
 
 def _keep_results(root: Path, runs: Iterable[Record]) -> None:
-    """Keep what the study may be compared by later: figures' datasets and the claims' verdicts."""
+    """Keep copies of figures' datasets and of the claims' verdicts for later comparisons."""
     names = {record["run"] for record in runs if record["rule"] in KEPT}
     for path, record in sidecars(root).items():
         for name, sha256 in record["outputs"].items():

@@ -1,4 +1,4 @@
-"""Where results came from: hashes of the code they depend on, and a sidecar for every job."""
+"""Provenance of results: hashes of the code they depend on, and a sidecar for every job."""
 
 import ast
 import hashlib
@@ -38,7 +38,7 @@ _WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionD
 
 
 def _outline(node: Any, imported: list[str]) -> list[Any]:
-    """``node`` with all below it as nested lists, without places in the file and docstrings.
+    """Return ``node`` with all below it as nested lists, without places in the file and docstrings.
 
     One pass for everything, since each start of Snakemake reads the whole package. Names of modules
     that are imported, as far as they can be modules of this package, are added to ``imported``.
@@ -63,7 +63,7 @@ def _outline(node: Any, imported: list[str]) -> list[Any]:
 
 @cache
 def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
-    """(hash of the syntax tree and companions, package files imported) of one source file.
+    """Return (hash of the syntax tree and companions, package files imported) of one source file.
 
     A companion is a template or table beside the source with its stem: report.html.j2, claims.yaml.
     """
@@ -78,7 +78,7 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
 
 
 def import_closure(*sources: Path) -> list[Path]:
-    """``sources`` and every file of this package that they import, directly or not, sorted.
+    """Return ``sources`` and every file of this package that they import, directly or not, sorted.
 
     A package's ``__init__`` counts only where names are imported from it: what it gathers for its
     users is not what the importing file runs.
@@ -94,7 +94,7 @@ def import_closure(*sources: Path) -> list[Path]:
 
 
 def closure_hash(*sources: Path) -> str:
-    """Hash of the code that ``sources`` run: syntax trees of their import closure.
+    """Return a hash of the code that ``sources`` run: syntax trees of their import closure.
 
     Comments, layout and docstrings do not count, so that a reformat reruns nothing; neither does
     the place of script and package, which may be installed in different folders.
@@ -109,7 +109,7 @@ def _lock_hash(project: Path) -> str:
 
 
 def code_hash(project: Path, *sources: str) -> str:
-    """Hash of what ``sources`` depend on: their import closure and the pinned packages.
+    """Return a hash of the import closure of ``sources`` and of the pinned packages.
 
     ``project`` is the folder that holds requirements.lock, ``sources`` are paths below it.
     """
@@ -118,17 +118,17 @@ def code_hash(project: Path, *sources: str) -> str:
 
 
 def file_hash(path: Path) -> str:
-    """sha256 of a file's content."""
+    """Return the sha256 of a file's content."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _hashes(files: Sequence[Path], folder: Path) -> dict[str, str]:
-    """``file_hash`` of every file, by its path from ``folder``."""
+    """Return ``file_hash`` of every file, by its path from ``folder``."""
     return {Path(os.path.relpath(file, folder)).as_posix(): file_hash(file) for file in files}
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that results depend on, where installed."""
+    """Return the versions of Python and of the packages that results depend on, where installed."""
     found = {"python": platform.python_version()}
     for name in ("vibralign", *_TRACKED):
         try:
@@ -147,7 +147,7 @@ def version() -> str:
 
 
 def git_state() -> dict[str, Any]:
-    """Commit of the checkout and whether it has changes; empty outside a checkout."""
+    """Return the commit of the checkout and whether it has changes; empty outside a checkout."""
 
     def git(*arguments: str) -> str:
         # Only looking: a status that refreshes the index holds a lock, which would stay behind

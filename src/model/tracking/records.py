@@ -1,4 +1,4 @@
-"""What stands on disk of the study's runs: sidecars, logs, and the results that are kept.
+"""Records of the study's runs on disk: sidecars, logs, and the results that are kept.
 
 Files are the tracker, below the results root:
 
@@ -103,9 +103,9 @@ def _last_word(log: Path) -> tuple[str, str]:
     if lines and lines[-1] != "KeyboardInterrupt":
         return "failed", lines[-1].strip()
     free = shutil.disk_usage(log.parent).free
-    if not lines and free < _FULL:  # then there was no room for its last word either
-        return "failed", f"ended without a word, with {free // 1000} kB left on the disk"
-    return "interrupted", "ended without a word: it was killed, or Snakemake was"
+    if not lines and free < _FULL:  # then there was no room for a message either
+        return "failed", f"ended without a message, with {free // 1000} kB left on the disk"
+    return "interrupted", "ended without a message: it was killed, or Snakemake was"
 
 
 def iso(moment: datetime) -> str:

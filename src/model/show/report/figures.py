@@ -35,7 +35,7 @@ _LISTED = 8  # values of a varied parameter that are listed one by one
 
 @dataclass(frozen=True)
 class Counts:
-    """How the runs of a figure ended, and the errors of their alignment times.
+    """Outcomes of the runs of a figure, and errors of their alignment times.
 
     Attributes:
         runs: how many there are.
