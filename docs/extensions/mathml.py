@@ -37,7 +37,7 @@ def _display(self: HTML5Translator, node: nodes.math_block) -> None:
         self.body.append(f'<span class="eqno">({get_node_equation_number(self, node)})')
         self.add_permalink_ref(node, "Link to this equation")
         self.body.append("</span>")
-    self.body.append(_mathml(node, "block") + "</div>\n")
+    self.body.append(f'<div class="formula">{_mathml(node, "block")}</div></div>\n')
     raise nodes.SkipNode
 
 
