@@ -130,7 +130,7 @@ def lane_operations(count: int) -> dict[str, float]:
         started = process_time()
         runs = run_once(batch, settings)
         spent.append(process_time() - started)
-    steps, switches = float(runs["steps"].sum()), float(runs["switches"].sum())
+    steps, switches = float(runs["steps"].sum()), float(runs["events"].sum())
     useful = steps * (operations(SLIDES, FREE) + 2 * len(STATES) * ORDER)
     return {
         "useful_gflops": useful / statistics.median(spent) / 1e9,

@@ -106,7 +106,7 @@ def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> t
         run_once(Batch.stack([p]), replace(settings, horizon=from_here + cycles * cycle))
         for cycles in (0, 1, whole)
     ]
-    first, second, last = (np.array([end["switches"], end["separations"]]) for end in ends)
+    first, second, last = (np.array([end["events"], end["separations"]]) for end in ends)
     repeats = whole > 1 and np.array_equal(last - first, whole * (second - first))
     return int(ends[-1]["outcome"][0]), repeats
 

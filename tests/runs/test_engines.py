@@ -106,7 +106,7 @@ def test_one_run_meets_the_same_switches_in_both(batch):
     rows = batch.constants(Readings())
     tolerances = np.full(len(rows), 1e-10)
     scalar, lanes = (engine(SETTINGS)(rows, tolerances) for engine in (scalar_engine, batch_engine))
-    for name in ("outcome", "reason", "switches", "separations"):
+    for name in ("outcome", "reason", "events", "separations"):
         same = column(scalar, name) == column(lanes, name)
         assert same.mean() > 0.9, name  # chaotic runs part from each other in time
     # Not only alike on the whole: the two methods differ by errors of the tolerance's size.

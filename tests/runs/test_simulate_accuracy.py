@@ -87,7 +87,7 @@ def test_a_short_release_is_met_at_every_tolerance(device):
     exact = simulate(p, tolerance=1e-14)
     tolerances = 10.0 ** -np.arange(8.5, 13.0, 0.1)
     runs = [simulate(p, tolerance=tolerance) for tolerance in tolerances]
-    assert {run.switches for run in runs} == {exact.switches}
+    assert {run.events for run in runs} == {exact.events}
     errors = [abs(run.tau_align - exact.tau_align) for run in runs]
     # Errors are of the order of the tolerance (0.1 to 1 times it), never of another.
     assert (np.array(errors) < 10 * tolerances + 1e-12).all()

@@ -30,7 +30,7 @@ from model.physics.views import numbers
 
 
 class Sensitivity(IntEnum):
-    """Whether a run is sensitive; the values are the flags stored in datasets."""
+    """Sensitivity of a run; the values are the flags stored in datasets."""
 
     REGULAR = 0
     SENSITIVE = 1
@@ -41,36 +41,35 @@ class Result:
     """One result of a run.
 
     Attributes:
-        meaning: meaning in a few words, the ``long_name`` of a dataset's variable.
-        quantity: SI unit and powers of the model's units; values are dimensionless.
+        explanation: its meaning and, behind a semicolon, its special values.
+        quantity: SI unit and powers of the model's units; the values are dimensionless.
         symbol: symbol in the paper, if it has one.
-        note: when it is NaN, or how it is to be understood.
+        tolerance: largest difference from the reference; None where it is not compared.
         flags: enumeration that its values are of.
+        line: makes the printed line of a value; None where none is printed.
         estimated: it comes from a comparison of several runs, not from one of them.
         stored: datasets hold it.
-        tolerance: largest difference from the reference; None where it is not compared.
-        line: makes the printed line of a value; None for what is not printed by itself.
     """
 
-    meaning: str
+    explanation: str
     quantity: Quantity = PLAIN
     symbol: str | None = None
-    note: str = ""
+    tolerance: Tolerance | None = None
     flags: type[IntEnum] | None = None
+    line: Callable[[Any], str] | None = "{:.7g}".format
     estimated: bool = False
     stored: bool = True
-    tolerance: Tolerance | None = None
-    line: Callable[[Any], str] | None = "{:.6g}".format
 
     @property
-    def explanation(self) -> str:
-        """Meaning, note and unit, in a sentence."""
-        unit = ", radians" if self.quantity is ANGLE else ""
-        return self.meaning + unit + (f"; {self.note}" if self.note else "")
+    def meaning(self) -> str:
+        """The meaning in a few words."""
+        return self.explanation.partition(";")[0]
 
     def printed(self, value: Any) -> str:
         """Return the line of ``value``; empty where there is none to print, as of NaN."""
-        return "" if self.line is None or math.isnan(value) else self.line(value)
+        if self.line is None or math.isnan(value):
+            return ""
+        return self.line(value) + (" rad" if self.quantity is ANGLE else "")
 
 
 OutcomeT = TypeVar("OutcomeT")
@@ -102,26 +101,22 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
     """The table of results, for one run or for arrays of runs; see ``Result``."""
 
     tau_align: Annotated[
-        Real,
-        Result(
-            "alignment duration", TIME, "τ", note="NaN where not aligned",
-            tolerance=by_error, line=None,
-        ),
-    ]  # fmt: skip
+        Real, Result("alignment duration; NaN where not aligned", TIME, "τ", by_error, line=None)
+    ]
     tau_error: Annotated[
         Real,
         Result(
-            "estimated error of the alignment duration", TIME, estimated=True,
-            note="NaN where it cannot be estimated", line="{:.3g}".format,
+            "estimated error of the alignment duration; NaN where unknown", TIME, estimated=True
         ),
-    ]  # fmt: skip
+    ]
     tau_corners_inside: Annotated[
         Real,
         Result(
-            "time at which all four corner conditions hold", TIME, note="NaN if they never do",
-            tolerance=by_error, line="{:.9g}".format,
+            "time at which all four corner conditions hold; NaN if they never do",
+            TIME,
+            tolerance=by_error,
         ),
-    ]  # fmt: skip
+    ]
     outcome: Annotated[OutcomeT, Result("how the run ended", flags=Outcome, line=None)]
     reason: Annotated[
         ReasonT,
@@ -130,57 +125,44 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
     sensitive: Annotated[
         Flag,
         Result(
-            "whether another tolerance ends differently or at another time",
-            note="see runs/errors.py", flags=Sensitivity, estimated=True, line=None,
+            "whether another tolerance ends differently or at another time; see runs/errors.py",
+            flags=Sensitivity,
+            line=None,
+            estimated=True,
         ),
-    ]  # fmt: skip
+    ]
     tilt_at_alignment: Annotated[
-        Real,
-        Result(
-            "tilt at alignment", ANGLE, "φ", note="NaN where not aligned",
-            tolerance=by_error, line="{:.6g} rad".format,
-        ),
-    ]  # fmt: skip
+        Real, Result("tilt at alignment; NaN where not aligned", ANGLE, "φ", by_error)
+    ]
     tilt_max: Annotated[
         Real,
-        Result(
-            "largest tilt, absolute", ANGLE, note="until alignment or the end",
-            tolerance=of_sampled_tilt, line="{:.6g} rad".format,
-        ),
-    ]  # fmt: skip
+        Result("largest tilt, absolute; until alignment or the end", ANGLE, None, of_sampled_tilt),
+    ]
     separations: Annotated[
         Count,
-        Result(
-            "times the part lost the base before it aligned", tolerance=equal_if_aligned,
-            line="{} (times the part lost the base)".format,
-        ),
+        Result("lift-offs of the part from the base before alignment", PLAIN, None,
+               equal_if_aligned, line="{} (lift-offs)".format),
     ]  # fmt: skip
     contact_force_max: Annotated[
-        Real, Result("largest normal force at one place", FORCE, "n", tolerance=of_sampled_force)
+        Real, Result("largest normal force at one place", FORCE, "n", of_sampled_force)
     ]
     sticking_share: Annotated[
         Real,
-        Result(
-            "share of the time in which the support sticks", tolerance=of_share,
-            line=lambda share: f"{100.0 * share:.3g} % of the time",
-        ),
+        Result("share of the time in which the support sticks", PLAIN, None, of_share,
+               line=lambda share: f"{100.0 * share:.3g} % of the time"),
     ]  # fmt: skip
     rhs_evaluations: Annotated[
         Count,
-        Result(
-            "evaluations of the equations of motion", note="of all runs of a parameter set",
-            line="{} of the equations of motion".format,
-        ),
+        Result("evaluations of the equations of motion; of all runs of a parameter set",
+               line="{} (of the equations of motion)".format),
     ]  # fmt: skip
     period: Annotated[
         Count,
-        Result(
-            "period of a settled motion, in excitation periods", note="else 0",
-            line=lambda period: f"{period} of the excitation" if period else "",
-        ),
+        Result("period of a settled motion, in excitation periods; else 0",
+               line=lambda period: f"{period} of the excitation" if period else ""),
     ]  # fmt: skip
-    steps: Annotated[Count, Result("steps of the run", stored=False, line=str)]
-    switches: Annotated[Count, Result("events located in the run", stored=False, line=str)]
+    steps: Annotated[Count, Result("steps of the run", line=str, stored=False)]
+    events: Annotated[Count, Result("events located in the run", line=str, stored=False)]
 
 
 _TABLE = {each.name: get_args(each.type) for each in fields(Results)}

@@ -27,7 +27,7 @@ SHARE_AT_HORIZON = 1e-6
 
 
 class Compared(NamedTuple):
-    """What a tolerance depends on: accepted values, errors of alignment times, outcomes; (n,)."""
+    """Accepted values, errors of their alignment times, and outcomes; arrays of shape (n,)."""
 
     value: Array
     error: Array

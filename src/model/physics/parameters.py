@@ -80,7 +80,7 @@ def described(docstring: str | None, table: Mapping[str, Any]) -> str:
 
 
 def check_name(name: str, valid: Sequence[str], what: str) -> None:
-    """Refuse ``name`` unless it is one of ``valid``, naming the nearest and all valid ones."""
+    """Raise ValueError unless ``name`` is in ``valid``; the message names the nearest and all."""
     if name in valid:
         return
     near = difflib.get_close_matches(name, valid, n=1)
@@ -89,7 +89,7 @@ def check_name(name: str, valid: Sequence[str], what: str) -> None:
 
 
 def _misplaced(half_width: Any, clearance: Any, misalignment: Any) -> Any:
-    """Whether the part would start wholly beside the slot's edge (any shape)."""
+    """Return whether the part would start wholly beside the slot's edge (any shape)."""
     return misalignment >= half_width * (2.0 + clearance)
 
 
@@ -176,7 +176,7 @@ class Parameters:
                 raise ValueError(f"{name} = {value!r}: {field.rule}")
             object.__setattr__(self, name, number)
             row.append(number)
-        # What batches are stacked of: a set is made once, and run more often.
+        # Batches are stacked from these bytes: a set is made once and run more often.
         object.__setattr__(self, "_row", _ROW.pack(*row))
         if _misplaced(self.half_width, self.clearance, self.misalignment):
             raise ValueError(f"misalignment = {self.misalignment!r}: {_MISPLACED_RULE}")
@@ -187,11 +187,11 @@ class Parameters:
         return self.half_width * (1.0 + self.clearance)
 
     def given(self) -> dict[str, float | None]:
-        """Every parameter by name, None where it is derived."""
+        """Return every parameter by name, None where it is derived."""
         return {name: getattr(self, name) for name in PARAMETER_NAMES}
 
     def replace(self, **changes: float | None) -> "Parameters":
-        """A copy with ``changes``; an unknown name raises ValueError with the valid ones."""
+        """Return a copy with ``changes``; an unknown name raises ValueError with the valid ones."""
         for name in changes:
             check_name(name, PARAMETER_NAMES, "parameter")
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
@@ -208,8 +208,8 @@ REQUIRED_NAMES: tuple[str, ...] = tuple(
 Parameters.__doc__ = described(Parameters.__doc__, FIELDS)
 _ROW = struct.Struct(f"{len(FIELDS)}d")
 
-# Kernels need the slot's half-width in place of the clearance. The axial spring of the printed
-# equations is relaxed at 0, which ``rest_y`` says.
+# Kernels take the slot's half-width in place of the clearance, and the printed preload (an axial
+# spring relaxed at 0) as ``rest_y``.
 _RESOLVED = {"clearance": "slot_half_width"}
 _CONSTANTS = (
     *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
@@ -235,7 +235,7 @@ class Batch:
 
     @classmethod
     def of(cls, baseline: Parameters, **swept: ArrayLike) -> "Batch":
-        """``baseline`` with the parameters in ``swept`` varied together, each of shape (n,).
+        """Return ``baseline`` with the parameters in ``swept`` varied together, each of shape (n,).
 
         Raises:
             ValueError: an unknown name, shapes that differ, or a value outside its rule.
@@ -264,7 +264,7 @@ class Batch:
 
     @classmethod
     def stack(cls, parameters: Sequence[Parameters]) -> "Batch":
-        """One row for each of ``parameters``, in order.
+        """Return one row for each of ``parameters``, in order.
 
         Raises:
             TypeError: something else than a sequence of ``Parameters``.
@@ -301,13 +301,13 @@ class Batch:
         return int(self.values["half_width"].size)
 
     def __getitem__(self, row: int) -> Parameters:
-        """The parameter set in ``row``, as a validated ``Parameters``."""
+        """Return the parameter set in ``row``, as a validated ``Parameters``."""
         values: dict[str, Any] = {name: float(value[row]) for name, value in self.values.items()}
         values |= {name: None for name, value in values.items() if math.isnan(value)}
         return Parameters(**values)
 
     def constants(self, readings: Readings) -> NDArray[np.float64]:
-        """Shape (n, len(Constants._fields)): a row of ``Constants`` for each parameter set."""
+        """Return the ``Constants`` of each parameter set as a row, shape (n, constants)."""
         columns: dict[str, Any] = dict(self.values)
         columns["slot_half_width"] = columns["half_width"] * (1.0 + columns["clearance"])
         for name, field in FIELDS.items():

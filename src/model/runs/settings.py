@@ -1,4 +1,4 @@
-"""How runs are computed: reading, scene, method, tolerance and horizon, checked once."""
+"""Settings of a run: readings, scene, method, tolerance and horizon, checked once."""
 
 import math
 import numbers
@@ -17,12 +17,12 @@ class Settings:
     """Everything about a run that is not a parameter of the device.
 
     Attributes:
-        readings: how the paper's equations are read.
+        readings: variants of the paper's equations.
         scene: the contacts that are modelled.
         horizon: latest time, > 0, dimensionless.
         tolerance: local error admitted in a step, 1e-14 to 1e-2, relative to 1 + |state|.
         max_evaluations: most right-hand-side evaluations of one integration, >= 1.
-        may_settle: stop a run whose motion repeats itself without aligning.
+        may_settle: stop a run in periodic steady state, which never aligns.
         alignment_only: end a run at alignment, and do not look for the largest tilt and force;
             ``tilt_max`` and ``contact_force_max`` are NaN, and ``tau_corners_inside`` where it is
             not the criterion of alignment itself.
@@ -61,12 +61,12 @@ class Settings:
 
     @property
     def for_kernels(self) -> tuple[Declared, Method, Control]:
-        """What the entry of a run takes besides parameters."""
+        """Declared contacts, method and control, as the kernels take them."""
         return self.scene.declared, self.method.method, self.control
 
     @property
     def control(self) -> Control:
-        """The form that kernels take."""
+        """Horizon, limit and switches, as the kernels take them."""
         return Control(
             float(self.horizon),
             int(self.max_evaluations),

@@ -44,13 +44,13 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
 
     @property
     def message(self) -> str:
-        """What happened, in words."""
+        """Outcome and reason in words."""
         why = REASON_TEXT[self.reason]
         return f"{OUTCOME_TEXT[self.outcome]}{': ' + why if why else ''}"
 
     @property
     def remedy(self) -> str:
-        """What to do about it, in words."""
+        """Remedy in words: parameters or settings to change."""
         return remedy(self.outcome, self.reason)
 
 

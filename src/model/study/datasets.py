@@ -29,14 +29,14 @@ _LARGE = 2**16  # values of a grid that is stored in pieces
 
 
 class DatasetError(ValueError):
-    """A dataset that is not what it should be: unreadable, incomplete, or of another study."""
+    """A dataset that is unreadable, incomplete, or of another study."""
 
 
 def discard(faults: Mapping[Path, str]) -> None:
-    """Delete the parts in which ``faults`` were found, with their sidecars; none is no fault.
+    """Delete the parts in which ``faults`` were found, with their sidecars.
 
     Raises:
-        DatasetError: what was found, if anything was.
+        DatasetError: the faults, if there are any.
     """
     for path in faults:
         path.unlink(missing_ok=True)
@@ -46,7 +46,7 @@ def discard(faults: Mapping[Path, str]) -> None:
 
 
 def flags(values: type[IntEnum]) -> dict[str, Any]:
-    """Attributes of a variable that holds values of an enumeration, as CF has them."""
+    """Return the CF attributes of a variable that holds values of an enumeration."""
     return {
         "flag_values": np.array([value.value for value in values], dtype=np.int8),
         "flag_meanings": " ".join(value.name.lower() for value in values),
@@ -54,7 +54,7 @@ def flags(values: type[IntEnum]) -> dict[str, Any]:
 
 
 def _attributes(result: Result) -> dict[str, Any]:
-    """Attributes of a variable that holds a result."""
+    """Return the attributes of a variable that holds a result."""
     attributes = {"units": "rad" if result.quantity is ANGLE else "1", "long_name": result.meaning}
     if result.symbol:
         attributes["symbol"] = result.symbol
@@ -71,7 +71,7 @@ HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
 
 
 def parameter_attributes(name: str) -> dict[str, Any]:
-    """Attributes of a parameter's coordinate."""
+    """Return the attributes of a parameter's coordinate."""
     field = FIELDS[name]
     return {"long_name": field.description, "symbol": field.symbol, "units": "1"}
 
@@ -82,7 +82,7 @@ def _stored(name: str) -> type[np.generic]:
 
 
 def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.Dataset:
-    """Run one chunk of a sweep: variables over ``point``, the flat index into the grid."""
+    """Run one chunk of a sweep; its variables lie over ``point``, the flat index into the grid."""
     points = sweep.points_of_chunk(chunk, chunks)
     results = align(sweep.batch(points), sweep.settings.settings, cores=cores)
     return xr.Dataset(
@@ -93,7 +93,7 @@ def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.D
 
 
 def merge_chunks(sweep: Sweep, title: str, summary: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """The figure's dataset from all chunks of its sweep.
+    """Return the figure's dataset, merged from all chunks of its sweep.
 
     Raises:
         DatasetError: a chunk of another sweep, or points that are missing or stand twice.
@@ -121,7 +121,7 @@ def merge_chunks(sweep: Sweep, title: str, summary: str, parts: Sequence[xr.Data
 
 
 def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
-    """One trajectory over time, with its results as scalars."""
+    """Return one trajectory over time, with its results as scalars."""
     run = simulate(sweep.baseline, sweep.settings.settings)
     variables: dict[str, Any] = {
         name: ("time", values, HISTORY_VARIABLES[name]) for name, values in run.course.items()
@@ -135,26 +135,32 @@ def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
     return xr.Dataset(variables, coordinates, _global(sweep, title, summary))
 
 
-def _coordinates(sweep: Sweep) -> dict[str, Any]:
-    """Swept parameters as dimension coordinates, held ones as scalar coordinates."""
-    swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
+def parameter_coordinates(
+    swept: Mapping[str, Sequence[float]], parameters: Mapping[str, float | None]
+) -> dict[str, Any]:
+    """Return ``swept`` as dimension coordinates, the other ``parameters`` as scalar ones."""
     coordinates: dict[str, Any] = {
         name: (name, values, parameter_attributes(name)) for name, values in swept.items()
     }
-    for name, value in sweep.parameters.items():
-        attributes = parameter_attributes(name)
+    for name, value in parameters.items():
         if name in swept:
             continue
+        attributes = parameter_attributes(name)
         if value is None:
             attributes["comment"] = f"NaN stands for {FIELDS[name].derived}"
         coordinates[name] = ((), np.nan if value is None else value, attributes)
     return coordinates
 
 
+def _coordinates(sweep: Sweep) -> dict[str, Any]:
+    swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
+    return parameter_coordinates(swept, sweep.parameters)
+
+
 def global_attributes(
     name: str, kind: str, identity: str, title: str, summary: str, settings: Settings
 ) -> dict[str, Any]:
-    """What every dataset of the study says of itself.
+    """Return the global attributes that every dataset of the study has.
 
     ``name``, ``kind`` and ``identity`` tell which computation it holds: "fig06", "curves", and the
     hash of all that its numbers depend on besides the code.
@@ -185,7 +191,7 @@ def _global(sweep: Sweep, title: str, summary: str) -> dict[str, Any]:
 
 
 def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:
-    """Trajectories in a dataset by outcome, sensitive ones, and evaluations."""
+    """Count the trajectories of a dataset by outcome, the sensitive ones, and evaluations."""
     outcomes = np.atleast_1d(dataset["outcome"].values).ravel()
     counts = {each.name.lower(): int((outcomes == each).sum()) for each in Outcome}
     return {
@@ -204,7 +210,7 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
     """
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
-        # NaN is data here (it does not align), never a fill value.
+        # NaN is data (the part does not align), never a fill value.
         encoding[str(name)] = {"_FillValue": None}
         if variable.ndim:
             encoding[str(name)] |= {"zlib": True, "complevel": 4, "shuffle": True}
@@ -215,7 +221,7 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
 
 
 def read_dataset(path: Path) -> xr.Dataset:
-    """A dataset of the study, whole in memory.
+    """Read a dataset of the study into memory.
 
     Raises:
         DatasetError: a file that is missing, not netCDF, truncated, or not of this study.

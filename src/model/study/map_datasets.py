@@ -12,7 +12,7 @@ from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME
 from model.physics.units import UNITS, Units
 from model.study.config import CURVES, HISTORIES, Curves, Study
-from model.study.datasets import VARIABLES, global_attributes, parameter_attributes
+from model.study.datasets import VARIABLES, global_attributes, parameter_coordinates
 from model.study.map_parts import AllKnown, Progress
 from model.study.maps import BESIDE, PERIODS, SHARE, MapPlan, assemble, evaluations
 
@@ -112,14 +112,8 @@ def plane_dataset(
     """
     dims = (plan.y.parameter, plan.x.parameter)
     swept = {plan.y.parameter: plan.y.values, plan.x.parameter: plan.x.values}
-    coordinates: dict[str, Any] = {
-        name: (name, nodes, parameter_attributes(name)) for name, nodes in swept.items()
-    }
-    for name in plan.parameters.keys() - swept.keys() - set(derived):
-        value, about = plan.parameters[name], parameter_attributes(name)
-        if value is None:
-            about["comment"] = f"NaN stands for {FIELDS[name].derived}"
-        coordinates[name] = ((), np.nan if value is None else value, about)
+    given = {name: value for name, value in plan.parameters.items() if name not in derived}
+    coordinates = parameter_coordinates(swept, given)
     return xr.Dataset(
         {name: (dims, values[name], {"units": "1", **each}) for name, each in variables.items()},
         dict(sorted(coordinates.items())),
