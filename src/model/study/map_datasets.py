@@ -135,7 +135,10 @@ def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
     found = dataset.copy()
     for name, quantity in quantities.items():
         attributes = {**dataset[name].attrs, "units": quantity.unit}
-        found[name] = (dataset[name].dims, dataset[name].values * units.of(quantity), attributes)
+        values = dataset[name].values * units.of(quantity)
+        if name in dataset.dims:  # 400, not 400.0000000001788: scaled to the model's units and back
+            values = np.array([float(f"{value:.12g}") for value in values])
+        found[name] = (dataset[name].dims, values, attributes)
     for name, (words, unit) in UNITS.items():
         found.coords[name] = ((), getattr(units, name), {"long_name": words, "units": unit})
     return found

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.show.report.section import (
-    Picture,
     Results,
     Section,
     Table,
@@ -116,46 +115,18 @@ def glance(results: Results) -> Section:
 # --- The figures --------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Article:
-    """One figure on the page.
-
-    Attributes:
-        name: such as "fig06".
-        number: such as 6.
-        title: from the configuration.
-        explained: the caption of a drawing; empty for a plot.
-        varied: the parameters that it varies, in words.
-        held: the parameters of its operating point that it holds.
-        parameters: all of them.
-        counts: of its runs; None for a drawing.
-        moment: alignment time and its error, of a single trajectory that aligns.
-        picture: its picture.
-        files: links to its data.
-    """
-
-    name: str
-    number: int
-    title: str
-    explained: Markup
-    varied: Markup
-    held: Markup
-    parameters: Table
-    counts: Counts | None
-    moment: tuple[float, float] | None
-    picture: Picture
-    files: tuple[tuple[str, str], ...]
-
-
 def figures(results: Results) -> Section:
     """Return the section with every figure of the paper."""
     articles = [_article(results, name) for name in results.study.figures]
-    entries = tuple((each.number, each.name, each.title) for each in articles)
+    entries = tuple(
+        (figure_number(name), name, spec.title) for name, spec in results.study.figures.items()
+    )
     template = Path(__file__).with_suffix(".html.j2")
     return Section("figures", "The figures", template, {"articles": articles}, entries)
 
 
-def _article(results: Results, name: str) -> Article:
+def _article(results: Results, name: str) -> dict[str, object]:
+    """Return what the template prints of one figure; ``counts`` is None for a drawing."""
     study = results.study
     spec, dataset = study.figures[name], _dataset(results, name)
     varied, counts, moment = Markup(""), None, None
@@ -171,21 +142,21 @@ def _article(results: Results, name: str) -> Article:
             moment = float(dataset["tau_align"]), float(dataset["tau_error"])
     operating = {*study.operating_point, *spec.held} - names
     caption = spec.caption.strip()
-    return Article(
-        name=name,
-        number=figure_number(name),
-        title=spec.title,
-        explained=subscripts(CAPTIONS.get(name, "")),
-        varied=varied,
-        held=assignments((each, values[each]) for each in values if each in operating),
-        parameters=_parameters(values, names),
-        counts=counts,
-        moment=moment,
-        picture=results.picture(
+    return {
+        "name": name,
+        "number": figure_number(name),
+        "title": spec.title,
+        "explained": subscripts(CAPTIONS.get(name, "")),
+        "varied": varied,
+        "held": assignments((each, values[each]) for each in values if each in operating),
+        "parameters": _parameters(values, names),
+        "counts": counts,
+        "moment": moment,
+        "picture": results.picture(
             f"figures/{name}", caption, f"Figure {figure_number(name)}: {spec.title}. {caption}"
         ),
-        files=(("dataset (netCDF)", f"data/{name}.nc"),) if dataset is not None else (),
-    )
+        "files": (("dataset (netCDF)", f"data/{name}.nc"),) if dataset is not None else (),
+    }
 
 
 def _value(name: str, value: float | None) -> str:
