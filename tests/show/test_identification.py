@@ -13,7 +13,7 @@ from model.show.identification import (
     readings_by_claims,
     structure_pairs,
 )
-from model.show.report.identification import findings_of
+from model.show.report.identification import content_of
 from model.study.config import Range
 from model.study.identification.band_table import Band
 from model.study.identification.committed import (
@@ -152,20 +152,20 @@ def test_a_band_stands_behind_the_curve_of_its_parameter() -> None:
 
 
 def test_the_section_counts_only_what_counts(found: Identified) -> None:
-    section = findings_of(found, CHOSEN, RANGES)
-    assert (section.sets, section.reproduced, section.counted) == (4000, 1, 2)
-    assert (section.rate, section.rate_of_possible) == (0.5, 0.5)
-    assert section.prior_rate == pytest.approx(0.3)
-    wide, narrow = section.unknowns
+    section = content_of(found, CHOSEN, RANGES)
+    assert (section["sets"], section["reproduced"], section["counted"]) == (4000, 1, 2)
+    assert (section["rate"], section["rate_of_possible"]) == (0.5, 0.5)
+    assert section["prior_rate"] == pytest.approx(0.3)
+    wide, narrow = section["unknowns"]
     assert wide[-1] == pytest.approx(1.0, abs=0.03)  # as wide as the prior: nothing was learnt
     assert narrow[-1] == 0.0
-    assert section.readings == (("consistent", 2, ""), ("as printed", 0, "N1, F6a"))
+    assert section["readings"] == [("consistent", 2, ""), ("as printed", 0, "N1, F6a")]
 
 
 def test_the_section_names_what_no_admissible_set_shows_and_a_draw_does(found: Identified) -> None:
     def named(ensemble: list[float], prior: list[float]) -> str:
         shares = {"ensemble_shares": np.array(ensemble), "prior_shares": np.array(prior)}
-        return findings_of(replace(found, **shares), CHOSEN, RANGES).never_together
+        return content_of(replace(found, **shares), CHOSEN, RANGES)["never_together"]
 
     # The last claim does not count; of NaN, where one figure does not suffice, nothing is said.
     assert named([0.0, 0.0, 0.0], [0.5, 0.1, 0.02]) == "N1, F6a"
@@ -179,10 +179,10 @@ def test_the_section_says_which_claims_hang_on_which_correction(found: Identifie
         "normal_sign": [1.0, -1.0, 1.0], "preload": [-1.0, -1.0, -1.0],
     }  # fmt: skip
     readings = {name: np.array(values) for name, values in margins.items()}
-    section = findings_of(replace(found, readings=readings), CHOSEN, RANGES)
-    assert section.mended == (("R1 corrected: sign of U1", "N1"),)
-    assert (section.together, section.printed_only, section.nowhere) == ("F6a", "", "")
+    section = content_of(replace(found, readings=readings), CHOSEN, RANGES)
+    assert section["mended"] == [("R1 corrected: sign of U1", "N1")]
+    assert (section["together"], section["printed_only"], section["nowhere"]) == ("F6a", "", "")
     readings["consistent"], readings["printed"] = readings["preload"], readings["normal_sign"]
     readings["normal_sign"] = readings["preload"]
-    section = findings_of(replace(found, readings=readings), CHOSEN, RANGES)
-    assert (section.printed_only, section.nowhere) == ("N1", "F6a")
+    section = content_of(replace(found, readings=readings), CHOSEN, RANGES)
+    assert (section["printed_only"], section["nowhere"]) == ("N1", "F6a")

@@ -34,7 +34,7 @@ from model.study.identification.candidate import (
 )
 from model.study.identification.committed import IdentificationError, read_identified
 from model.study.identification.evaluate import datasets_of
-from model.study.identification.results import configured, made_with, search_of, split_of, spreads
+from model.study.identification.results import configured, made_with, search_of, split_of
 from model.study.identification.score import Judge, judge_of, reproduced_shares
 
 COMPUTED = HISTORIES + CURVES + MAPS
@@ -285,14 +285,6 @@ def test_a_split_counts_each_half_by_itself() -> None:
     assert (split.searched_reproduced, split.held_out_reproduced) == (2, 1)
     assert split.rate == 0.5
     assert (split.possible, split.possible_reproduced, split.rate_of_possible) == (1, 1, 1.0)
-
-
-def test_the_spread_of_the_prior_is_one_and_of_a_point_nothing(space: Space) -> None:
-    points = np.random.default_rng(5).random((4000, len(space.names)))
-    points[:, 1] = 0.5
-    narrowed = spreads(space, points)[3]
-    assert narrowed[0] == pytest.approx(1.0, abs=0.03)
-    assert narrowed[1] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_search_repeats_itself_with_the_margins_of_its_points(space: Space, judge: Judge) -> None:
