@@ -13,8 +13,9 @@ from model.study.claims.ledger import judge_claim
 from model.study.claims.reading import Data, between
 from model.study.claims.runs import COURSE_VARIABLES, claim_run_dataset
 from model.study.claims.statistics import explained, trend
-from model.study.claims.table import LedgerError, ledger_text, lines_of, read_ledger
+from model.study.claims.table import ledger_text, lines_of, read_ledger
 from model.study.config import FIGURES, load_study, study_path
+from model.study.csv_tables import TableError
 from model.study.sweeps import claim_sweep
 from tests.study.claims_data import (
     CASES,
@@ -246,10 +247,10 @@ def test_the_ledger_is_read_as_it_was_written(tmp_path: Path) -> None:
 
 
 def test_a_ledger_that_is_none_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(LedgerError, match=r"missing\.csv: cannot be read as a ledger"):
+    with pytest.raises(TableError, match=r"missing\.csv: is not a table of claims"):
         read_ledger(tmp_path / "missing.csv")
     (tmp_path / "other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
-    with pytest.raises(LedgerError, match="build it again"):
+    with pytest.raises(TableError, match="build it again"):
         read_ledger(tmp_path / "other.csv")
 
 

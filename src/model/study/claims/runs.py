@@ -1,10 +1,10 @@
-"""Trajectories that the ledger needs beside the figures': starts, frictions and rests they lack.
+"""Sweeps made for the claims alone: starts, frictions and rests that the figures lack.
 
-They are curves as the figures' are, with what claims on displacement and rest ask for added.
+Their datasets are those of curves, with ``COURSE_VARIABLES``: quantities of each trajectory that
+claims on displacement and rest read.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -34,16 +34,8 @@ COURSED = ("centred", "pressed", "misaligned", "displaced")  # runs whose claims
 _STATIC = 1.0  # time over which the end is averaged where nothing is excited
 
 
-@dataclass(frozen=True)
-class _Ending:
-    tilt_end: float
-    way: float
-    excursion: float
-    side_force_max: float
-
-
 def claim_run_dataset(sweep: Sweep, title: str) -> xr.Dataset:
-    """A run of the ledger: what a figure's dataset holds, and ``COURSE_VARIABLES``."""
+    """Return the dataset of a sweep: that of curves, and ``COURSE_VARIABLES``."""
     size = int(np.prod(sweep.shape))
     dataset = merge_chunks(sweep, title, title, [compute_chunk(sweep, 0, 1)])
     batch: Batch = sweep.batch(np.arange(size))
@@ -53,20 +45,20 @@ def claim_run_dataset(sweep: Sweep, title: str) -> xr.Dataset:
 
 
 def course_variables(sweep: Sweep, runs: Sequence[Trajectory]) -> dict[str, tuple[Any, ...]]:
-    """``COURSE_VARIABLES`` of a sweep's trajectories, as variables over its dimensions."""
+    """Return ``COURSE_VARIABLES`` of a sweep's trajectories, as variables over its dimensions."""
     names = [dimension.parameter for dimension in sweep.dimensions]
-    endings = [_ending(run) for run in runs]
+    values = [_course_values(run) for run in runs]
     return {
         name: (
             names,
-            np.array([getattr(each, name) for each in endings]).reshape(sweep.shape),
+            np.array([each[name] for each in values]).reshape(sweep.shape),
             {"units": "1", **known},
         )
         for name, known in COURSE_VARIABLES.items()
     }
 
 
-def _ending(run: Trajectory) -> _Ending:
+def _course_values(run: Trajectory) -> dict[str, float]:
     aligned = run.outcome == Outcome.ALIGNED
     until = run.time <= (run.tau_align if aligned else np.inf)
     time, state = run.time[until], run.state[until]
@@ -77,16 +69,16 @@ def _ending(run: Trajectory) -> _Ending:
     slid = (arm - arm[0]) / (device.half_width - arm[0])
     period = 2.0 * np.pi / device.frequency if device.frequency > 0.0 else _STATIC
     last = time >= time[-1] - period
-    return _Ending(
-        tilt_end=_mean(time[last], tilt[last]),
-        way=1.0 if aligned else _mean(time[last], slid[last]),
-        excursion=float(np.abs(x - x[0]).max()),
-        side_force_max=float(run.side_force[until].max()),
-    )
+    return {
+        "tilt_end": _mean(time[last], tilt[last]),
+        "way": 1.0 if aligned else _mean(time[last], slid[last]),
+        "excursion": float(np.abs(x - x[0]).max()),
+        "side_force_max": float(run.side_force[until].max()),
+    }
 
 
 def _mean(time: NDArray[np.float64], values: NDArray[np.float64]) -> float:
-    """Mean over time of a course given at uneven moments."""
+    """Mean over time of values at uneven moments."""
     length = float(time[-1] - time[0])
     if length <= 0.0:
         return float(values[-1])

@@ -1,6 +1,5 @@
 """The ledger on disk: ``claims.csv``, one line a claim, the same bytes for the same datasets."""
 
-import csv
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
@@ -8,16 +7,12 @@ from pathlib import Path
 
 from model.study.claims.claims import Claim
 from model.study.claims.ledger import Finding
-from model.study.csv_tables import csv_text
-
-
-class LedgerError(ValueError):
-    """A ledger that cannot be read."""
+from model.study.csv_tables import csv_text, read_rows
 
 
 @dataclass(frozen=True)
 class Line:
-    """One claim and what was found, as it is written; numbers to six digits, "" for none."""
+    """One claim and its verdict in words; numbers to six digits, "" for none."""
 
     claim: str
     verdict: str
@@ -39,7 +34,7 @@ class Line:
 
 
 def lines_of(judged: Iterable[tuple[Claim, Finding]]) -> list[Line]:
-    """The ledger as it is written."""
+    """Return the ledger in words."""
     return [
         Line(
             claim=claim.id,
@@ -64,18 +59,14 @@ def _number(value: float) -> str:
 
 
 def ledger_text(lines: Iterable[Line]) -> str:
-    """The content of ``claims.csv``."""
+    """Return the content of ``claims.csv``."""
     return csv_text([each.name for each in fields(Line)], map(asdict, lines))
 
 
 def read_ledger(path: Path) -> list[Line]:
-    """The lines of ``claims.csv``.
+    """Return the lines of ``claims.csv``.
 
     Raises:
-        LedgerError: a file that is missing, or not a ledger.
+        TableError: a file that is missing, empty, or not a ledger.
     """
-    try:
-        with path.open(encoding="utf-8", newline="") as stream:
-            return [Line(**row) for row in csv.DictReader(stream)]
-    except (OSError, TypeError, UnicodeDecodeError) as error:
-        raise LedgerError(f"{path}: cannot be read as a ledger ({error}): build it again") from None
+    return read_rows(path, "claims", lambda row: Line(**row))
