@@ -1,4 +1,4 @@
-"""A picture of the runs that only the claims ledger has."""
+"""The picture of the runs made for the claims alone."""
 
 from collections.abc import Mapping
 from string import ascii_lowercase
@@ -15,7 +15,7 @@ from model.show.words import math
 if TYPE_CHECKING:
     import xarray as xr
 
-# What of a run the ledger looks at, where that is not the duration.
+# The quantity that claims read of a run, where that is not the duration.
 _SHOWN: Mapping[str, tuple[str, str]] = {
     "centred": ("excursion", "largest way of $x$"),
     "pressed": ("tilt_end", "tilt at the end (rad)"),
@@ -29,7 +29,7 @@ _DURATION = ("tau_align", "alignment duration $τ$")
 
 
 def draw_runs(datasets: Mapping[str, "xr.Dataset"]) -> Figure:
-    """A panel for each of the ledger's own runs, in the order given."""
+    """Draw a panel for each run, in the order given."""
     rows = -(-len(datasets) // 2)
     with style.context():
         figure = style.new_figure(height=7.2 * rows * style.CENTIMETRE)

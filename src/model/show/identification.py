@@ -1,10 +1,12 @@
-"""What the identification found, in pictures: how unique the device is, and what it shows."""
+"""The identification in pictures: how unique the device is, and which claims it shows."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 
 from model.show import style
 from model.show.axes import axis_label, symbol_of
+from model.show.words import figure_title
 from model.study.config import Range
 from model.study.identification.band_table import Band
 
@@ -21,37 +24,31 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 _LIGHT = 0.3
+_BINS = 12
+_NOT_REPRODUCED = "#F4D9C8"
 
-SYMBOLS: Mapping[str, str] = {
-    "half_width": "a",
-    "half_height": "b",
-    "inertia_ratio": "I/I₀",
-    "lateral_stiffness": "kₓ",
-    "lateral_damping_ratio": "ζₓ",
-    "axial_damping_ratio": "ζᵧ",
-    "tilt_damping_ratio": "ζᵩ",
-}
-WORDS: Mapping[str, str] = {
-    "half_width": "half-width of the part",
-    "half_height": "half-height of the part",
-    "inertia_ratio": "moment of inertia over that of the bare part, (a² + b²)/3",
-    "lateral_stiffness": "lateral stiffness of the suspension",
-    "lateral_damping_ratio": "damping ratio of the lateral motion",
-    "axial_damping_ratio": "damping ratio along the axis",
-    "tilt_damping_ratio": "damping ratio of the tilt at k_φ = 10",
+# Symbol and meaning of the unknowns of the structure.
+UNKNOWNS: Mapping[str, tuple[str, str]] = {
+    "half_width": ("a", "half-width of the part"),
+    "half_height": ("b", "half-height of the part"),
+    "inertia_ratio": ("I/I₀", "moment of inertia over that of the bare part, (a² + b²)/3"),
+    "lateral_stiffness": ("kₓ", "lateral stiffness of the suspension"),
+    "lateral_damping_ratio": ("ζₓ", "damping ratio of the lateral motion"),
+    "axial_damping_ratio": ("ζᵧ", "damping ratio along the axis"),
+    "tilt_damping_ratio": ("ζᵩ", "damping ratio of the tilt at k_φ = 10"),
 }
 CAPTIONS: Mapping[str, str] = {
     "structure": "The admissible sets: every two unknowns of the structure, on axes as wide as the "
     "priors' ranges; the star and the lines are the study's device.",
-    "claims": "How many of the admissible sets reproduce each claim, and how many draws from the "
-    "prior do: a claim that the prior reproduces as often says nothing about the device.",
+    "claims": "The share of the admissible sets that reproduces each claim, and the share of draws "
+    "from the prior that does: a claim that the prior reproduces as often says nothing about the "
+    "device.",
     "bands": "Figs. 6 to 12 with the bands of the admissible sets: 5 % to 95 % of their durations "
     "where at least half of them align, dashed the median. Every set has an operating point of its "
     "own. Lines: the study's device, one curve of each figure.",
-    "readings": "Which claims the best set found under each reading of the equations reproduces; "
-    "all readings were searched with the same budget. In brackets how many of those that count.",
+    "readings": "The claims that the best set under each variant of the equations reproduces; all "
+    "variants were searched with the same budget. In brackets the number of those that count.",
 }
-_BINS = 12
 READING_LABELS: Mapping[str, str] = {
     "consistent": "consistent",
     "printed": "as printed",
@@ -69,7 +66,7 @@ READING_LABELS: Mapping[str, str] = {
 def structure_pairs(
     ensemble: Mapping[str, Array], chosen: Mapping[str, float], ranges: Mapping[str, Range]
 ) -> Figure:
-    """Every two unknowns of the structure over the ensemble; axes are the priors' ranges.
+    """Draw every two unknowns of the structure over the ensemble; axes are the priors' ranges.
 
     Args:
         ensemble: values by unknown, each of shape (sets,).
@@ -80,33 +77,31 @@ def structure_pairs(
     with style.context():
         figure = style.new_figure(height=style.FIGURE_WIDTH)
         grid = np.asarray(figure.subplots(size, size))
-        for row, y in enumerate(names):
-            for column, x in enumerate(names):
-                axes = grid[row, column]
-                if column > row:
-                    axes.set_axis_off()
-                    continue
-                _prior_axis(axes, "x", ranges[x])
-                if column == row:
-                    law = ranges[x]
-                    edges = np.geomspace(law.low, law.high, _BINS + 1)
-                    axes.hist(ensemble[x], edges, color=style.SKY_BLUE)
-                    axes.axvline(chosen[x], color=style.VERMILLION)
-                    axes.set_yticks([])
-                else:
-                    _prior_axis(axes, "y", ranges[y])
-                    axes.plot(
-                        ensemble[x], ensemble[y], ".", color=style.BLUE, markersize=2.0, alpha=0.5
-                    )
-                    axes.plot(chosen[x], chosen[y], "*", color=style.VERMILLION, markersize=7.0)
-                if row == size - 1:
-                    axes.set_xlabel(SYMBOLS[x])
-                else:
-                    axes.tick_params(axis="x", labelbottom=False)
-                if column == 0 and row > 0:
-                    axes.set_ylabel(SYMBOLS[y])
-                elif column > 0:
-                    axes.tick_params(axis="y", labelleft=False)
+        for row, column in itertools.product(range(size), range(size)):
+            axes, x, y = grid[row, column], names[column], names[row]
+            if column > row:
+                axes.set_axis_off()
+                continue
+            _prior_axis(axes, "x", ranges[x])
+            if column == row:
+                edges = np.geomspace(ranges[x].low, ranges[x].high, _BINS + 1)
+                axes.hist(ensemble[x], edges, color=style.SKY_BLUE)
+                axes.axvline(chosen[x], color=style.VERMILLION)
+                axes.set_yticks([])
+            else:
+                _prior_axis(axes, "y", ranges[y])
+                axes.plot(
+                    ensemble[x], ensemble[y], ".", color=style.BLUE, markersize=2.0, alpha=0.5
+                )
+                axes.plot(chosen[x], chosen[y], "*", color=style.VERMILLION, markersize=7.0)
+            if row == size - 1:
+                axes.set_xlabel(UNKNOWNS[x][0])
+            else:
+                axes.tick_params(axis="x", labelbottom=False)
+            if column == 0 and row > 0:
+                axes.set_ylabel(UNKNOWNS[y][0])
+            elif column > 0:
+                axes.tick_params(axis="y", labelleft=False)
     return figure
 
 
@@ -121,7 +116,7 @@ def _prior_axis(axes: Axes, which: str, law: Range) -> None:
 
 
 def band_curves(bands: Mapping[str, tuple[Band, ...]], datasets: Sequence["xr.Dataset"]) -> Figure:
-    """The ensemble's band behind one curve of each figure, the middle one of its family.
+    """Draw the ensemble's band behind one curve of each figure, the middle one of its family.
 
     Args:
         bands: by figure.
@@ -165,15 +160,15 @@ def _draw_band(axes: Axes, bands: Sequence[Band], dataset: "xr.Dataset") -> None
     axes.yaxis.set_major_formatter(LogFormatter())
     axes.yaxis.set_minor_formatter(LogFormatter())
     axes.set(xlim=(swept.values[0], swept.values[-1]), xlabel=axis_label(swept))
-    number = int(dataset.attrs["figure"][3:])
-    axes.set_title(f"Fig. {number}, {symbol_of(family)} = {band.at:g}", loc="left", pad=3.0)
+    title = figure_title(dataset.attrs["figure"])
+    axes.set_title(f"{title}, {symbol_of(family)} = {band.at:g}", loc="left", pad=3.0)
     axes.set_ylabel("$τ$")
 
 
 def claim_shares(
     claims: Sequence[str], ensemble: Array, prior: Array, reproduced: NDArray[np.bool_]
 ) -> Figure:
-    """For each claim the share of the ensemble, and of draws from the prior, that reproduces it.
+    """Draw for each claim the shares of the ensemble and of the prior that reproduce it.
 
     Args:
         claims: their names.
@@ -186,11 +181,9 @@ def claim_shares(
         figure = style.new_figure(height=0.95 * style.FIGURE_WIDTH)
         for column, axes in enumerate(np.asarray(figure.subplots(1, 2))):
             part = slice(half * column, half * (column + 1))
-            names = claims[part]
+            names, share, shown = claims[part], ensemble[part], reproduced[part]
             rows = np.arange(len(names))
             axes.plot(prior[part], rows, "o", color=style.GREY, fillstyle="none")
-            shown = reproduced[part]
-            share = ensemble[part]
             axes.plot(share[shown], rows[shown], "o", color=style.BLUE)
             axes.plot(share[~shown], rows[~shown], "X", color=style.VERMILLION)
             axes.set_yticks(rows, names, fontsize=7.0)
@@ -219,19 +212,19 @@ def _dot(marker: str, colour: str, label: str, hollow: bool = False) -> Line2D:
 def readings_by_claims(
     readings: Sequence[str], claims: Sequence[str], margins: Array, counted: NDArray[np.bool_]
 ) -> Figure:
-    """Which claims the best set found under each reading reproduces.
+    """Draw the claims that the best set found under each variant of the equations reproduces.
 
     Args:
-        readings: their names.
+        readings: names of the variants.
         claims: their names.
         margins: shape (readings, claims).
-        counted: of which claims the number is stated, shape (claims,).
+        counted: claims of which the number is stated, shape (claims,).
     """
     shown = np.asarray(margins > 0.0)
     with style.context():
         figure = style.new_figure(height=8.0 * style.CENTIMETRE)
         axes = figure.subplots()
-        colours = np.where(shown[..., None], _rgb(style.BLUE), _rgb("#F4D9C8"))
+        colours = np.where(shown[..., None], to_rgb(style.BLUE), to_rgb(_NOT_REPRODUCED))
         axes.imshow(colours, aspect="auto", interpolation="none")
         for row, column in zip(*np.nonzero(~shown), strict=True):
             axes.plot(column, row, "x", color=style.VERMILLION, markersize=3.0)
@@ -249,13 +242,9 @@ def readings_by_claims(
         figure.legend(
             handles=[
                 Patch(color=style.BLUE, label="reproduced"),
-                Patch(color="#F4D9C8", label="not reproduced"),
+                Patch(color=_NOT_REPRODUCED, label="not reproduced"),
             ],
             loc="outside lower center",
             ncols=2,
         )
     return figure
-
-
-def _rgb(colour: str) -> NDArray[np.float64]:
-    return np.array([int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)])

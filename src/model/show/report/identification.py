@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from model.show.identification import CAPTIONS, READING_LABELS, SYMBOLS, WORDS
+from model.show.identification import CAPTIONS, READING_LABELS, UNKNOWNS
 from model.show.report.section import Results, Section
 from model.study.config import Range
 from model.study.identification.candidate import searched_of, space_of
@@ -47,7 +47,7 @@ def content_of(
     for name, law in ranges.items():
         low, median, high = np.quantile(found.ensemble[name], (0.05, 0.5, 0.95)).tolist()
         width = float(np.log(high / low) / (0.9 * np.log(law.high / law.low)))
-        unknowns.append((SYMBOLS[name], WORDS[name], chosen[name], low, median, high, width))
+        unknowns.append((*UNKNOWNS[name], chosen[name], low, median, high, width))
     return {
         "sets": len(next(iter(found.ensemble.values()))),
         "reproduced": int((found.counted & (found.margins > 0.0)).sum()),
