@@ -364,6 +364,8 @@ def test_a_law_that_cannot_be_searched_is_refused(
 def test_what_the_law_does_not_name_is_not_searched(study: Study) -> None:
     """A run that the study gains changes neither the search nor its committed tables."""
     law = study.identification.law
+    turned = dict(reversed(study.figures.items()))
+    assert space_of(study.model_copy(update={"figures": turned})) == space_of(study), "any order"
     gained = study.claims_runs | {"more": study.claims_runs["rubbing"]}
     assert space_of(study.model_copy(update={"claims_runs": gained})) == space_of(study)
     fewer = {

@@ -295,11 +295,10 @@ def _finer(law: SearchLaw, times: int) -> SearchLaw:
 
 
 def _space(study: Study, law: SearchLaw, reading: str) -> Space:
-    """The space of the figures and own runs that the law names, in the study's order."""
+    """The space of the figures and own runs that the law names."""
     dimensions: dict[str, list[Axis | Family]] = {}
-    for name, spec in study.figures.items():
-        if name not in {*law.counts, *law.operating_points}:
-            continue
+    for name in sorted({*law.counts, *law.operating_points}):
+        spec = study.figures[name]
         count = {"count": law.counts.get(name)}
         if isinstance(spec, Curves):
             dimensions[name] = [spec.family, spec.swept.model_copy(update=count)]
