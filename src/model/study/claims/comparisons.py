@@ -93,7 +93,7 @@ def reach_over_clearance(data: Data, figures: Figures) -> list[Part]:
 
 @of_claim
 def aligned_at(data: Data, figures: Figures, x: float) -> list[Part]:
-    """Whether the point at ``x`` of each curve aligns: 1 or 0."""
+    """1 where the point at ``x`` of a curve aligns, 0 where it does not."""
     points = [(curve, curve.within(x)) for curve in data.curves(figures[0])]
     parts = [Part(curve.name, float(at.aligned[0])) for curve, at in points if at.x.size]
     if not parts:

@@ -247,7 +247,7 @@ def growth(curve: Curve, within: str | float = "any") -> float:
 
 @of_curve
 def bump(curve: Curve, begins: str, width: float) -> float:
-    """How clearly a curve falls, rises within ``width`` from a point in ``begins`` on, and falls.
+    """Clearness of a fall, a rise within ``width`` from a point in ``begins`` on, and a fall.
 
     The least of the first fall, the rise and the second fall, over the duration where the rise
     begins; what else rises along the curve is taken off the rise, so that a ragged curve has none.

@@ -82,7 +82,7 @@ class Points:
 
     @property
     def aligned(self) -> Flags:
-        """Whether each point aligns."""
+        """Flags of the points that align."""
         return np.asarray(self.columns["aligned"])
 
     @property
@@ -91,7 +91,7 @@ class Points:
         return np.asarray(self.columns["tau"])
 
     def at(self, where: Where) -> Flags:
-        """Whether each point lies in the ranges of ``where``."""
+        """Return flags of the points that lie in the ranges of ``where``."""
         inside: Flags = np.ones(self.aligned.size, dtype=np.bool_)
         for name, text in where.items():
             low, high = self.range_of(text)
@@ -104,7 +104,7 @@ class Points:
         return between(text)
 
     def share(self, of: Where, among: Where) -> float:
-        """Share of the points in ``among`` that lie in ``of``, NaN without any."""
+        """Return the share of the points in ``among`` that lie in ``of``, NaN without any."""
         found = self.at(of)[self.at(among)] if among else self.at(of)
         return int(np.count_nonzero(found)) / found.size if found.size else NAN
 
@@ -134,7 +134,7 @@ class Curve(Points):
         return f"{self.symbol} = {self.value:g}"
 
     def range_of(self, text: str | float) -> Range:
-        """As ``between``; "first tenth" and "last tenth" are those of the curve's axis."""
+        """Return the range that ``between`` does, or the "first tenth" or "last tenth" of x."""
         if text not in ("first tenth", "last tenth"):
             return between(text)
         if not self.x.size:
@@ -145,11 +145,11 @@ class Curve(Points):
         return Range(self.x[-1] - tenth, math.inf)
 
     def within(self, text: str | float) -> "Curve":
-        """The part of the curve with ``x`` in a range."""
+        """Return the part of the curve with ``x`` in a range."""
         return self if text == "any" else self.only(self.at({"x": text}))
 
     def only(self, kept: Flags) -> "Curve":
-        """The points of ``kept``, shape (n,)."""
+        """Return the points of ``kept``, shape (n,)."""
         columns = {name: values[kept] for name, values in self.columns.items()}
         return Curve(self.symbol, self.value, columns)
 

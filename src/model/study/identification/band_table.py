@@ -35,7 +35,7 @@ class Band:
 
 
 def bands_text(bands: Mapping[str, tuple[Band, ...]]) -> str:
-    """The table of bands by figure, numbers to four digits."""
+    """Return the table of bands by figure, numbers to four digits."""
     rows = (
         {"figure": name, "at": f"{band.at:g}"}
         | {column: f"{getattr(band, column)[i]:.4g}" for column in _ALONG}
@@ -47,7 +47,7 @@ def bands_text(bands: Mapping[str, tuple[Band, ...]]) -> str:
 
 
 def read_bands(path: Path) -> dict[str, tuple[Band, ...]]:
-    """What ``bands_text`` wrote to ``path``.
+    """Return the bands that ``bands_text`` wrote to ``path``.
 
     Raises:
         TableError: a file that is missing or not such a table.

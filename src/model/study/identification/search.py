@@ -100,7 +100,7 @@ class Search:
         )
 
     def _scores_by_figure(self, margins: Array) -> Array:
-        """What each figure adds to the score; shape (..., figures, claims) to (..., figures).
+        """Contribution of each figure to the score; shape (..., figures, claims) to (..., figures).
 
         A claim on several figures counts for each of them by its share.
         """
