@@ -68,7 +68,7 @@ identification: environment
 
 SETS ?= 10000
 fuzz: environment
-	$(in_env) python workflow/scripts/fuzz.py --sets $(SETS)
+	$(in_env) python -m verification.fuzz_campaign --sets $(SETS)
 
 # $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE.
 hold = $(PYTHON) workflow/hold.py $(1) $(2)
@@ -152,14 +152,9 @@ environment-%: python
 	$(call add_package,.venv-$*)
 	@touch $@
 
-# What `make bench` compares with, without the package. One peer has no wheel and is built where a
-# Fortran compiler is; a peer that is missing is reported by the benchmark.
-.venv-bench/.complete-$(TAG): requirements-bench.lock requirements-bench-source.lock
+# The peers of `make bench`, without the package. A peer that is missing is reported by the benchmark.
+.venv-bench/.complete-$(TAG): requirements-bench.lock
 	$(call build,.venv-bench,$<)
-	@$(call pip_of,.venv-bench); \
-	if ! command -v gfortran >/dev/null; then echo "no gfortran: numbalsoda is left out"; \
-	else $$pip install $(pinned) requirements-bench-source.lock || \
-		echo "numbalsoda could not be built and is left out"; fi
 	@touch $@
 
 # $(call pip_of,FOLDER) opens a shell line with the environment's pip. Some systems split ensurepip
@@ -198,8 +193,6 @@ lock: python
 	$(call pin,requirements-export.lock,--extra export --extra study --extra dev)
 	$(call pin,requirements-docs.lock,--extra docs --constraints requirements.lock)
 	$(call pin,requirements-bench.lock,--extra bench --constraints requirements.lock)
-	$(call pin,requirements-bench-source.lock,--extra bench-source --no-deps \
-		--constraints requirements.lock)
 	rm -rf .lock-venv
 
 # $(call pin,LOCK FILE,EXTRAS AND OPTIONS)

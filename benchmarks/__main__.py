@@ -16,29 +16,25 @@ if hasattr(os, "sched_setaffinity"):
 
 from benchmarks import maps  # noqa: E402
 from benchmarks.machine import (  # noqa: E402 - after the line above
-    bare_evaluation_ns,
     compilation,
     facts,
-    lane_operations,
-    peak_gflops,
-    settling_gain,
     two_cores,
     warm_start,
 )
 from benchmarks.methods import all_methods  # noqa: E402
-from benchmarks.precision import Cost, Setting, cheapest, find_setting, time_in_turn  # noqa: E402
-from benchmarks.problems import Problem, all_problems  # noqa: E402
 from benchmarks.table import rows, text, write  # noqa: E402
 from model.physics.compiled import kernel_fingerprint  # noqa: E402
+from verification.equal_error import Cost, Setting, cheapest, find_setting, time_in_turn  # noqa: E402
+from verification.problems import Problem, all_problems  # noqa: E402
 
 _PLAN = argparse.Namespace(
     points=40, neighbours=8, targets=(1e-5, 1e-8), budget=8.0, rounds=5, starts=5,
-    map_points=200, horizons=(300.0, 3000.0), cores_points=8000,
+    cores_points=8000,
     compilation=True, map_cells=1024, map_finest=4096,
 )  # fmt: skip
 _QUICK = argparse.Namespace(
     points=10, neighbours=4, targets=(1e-8,), budget=2.0, rounds=3, starts=3,
-    map_points=40, horizons=(300.0,), cores_points=2000,
+    cores_points=2000,
     compilation=False, map_cells=128, map_finest=256,
 )  # fmt: skip
 
@@ -85,19 +81,14 @@ def main() -> None:
         _report_maps(plan, arguments.output)
         return
 
-    peak, operations = peak_gflops(), lane_operations(plan.cores_points)
-    machine: dict[str, object] = {"peak_gflops": peak, "quick": arguments.quick, **operations}
-    machine["useful_share_of_peak"] = operations["useful_gflops"] / peak
-    machine["bare_evaluation_ns"] = bare_evaluation_ns()
     problems = all_problems(plan.points, plan.neighbours)
     wanted = arguments.problems or [problem.name for problem in problems]
     problems = [problem for problem in problems if problem.name in wanted]
     costs, missed, packages = compare(problems, plan, arguments.only, _say)
-    machine |= warm_start(plan.starts)
+    machine: dict[str, object] = {"quick": arguments.quick, **warm_start(plan.starts)}
     if plan.compilation:
         machine |= compilation()
     machine |= two_cores(plan.cores_points, plan.rounds)
-    machine |= settling_gain(plan.map_points, plan.horizons)
     machine |= facts([*packages, "numpy", "numba"]) | {"kernels": kernel_fingerprint()}
     table = rows(
         costs, missed, [(problem.name, target) for problem in problems for target in plan.targets]

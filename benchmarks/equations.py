@@ -1,8 +1,8 @@
-"""The peers' own statement of the physics, written once for every way to compute it.
+"""The peers' own statement of the physics, written once for numbers and for expressions.
 
-``Equations(sin, cos)`` works on whatever these two work on: floats in a numba kernel, heyoka's
-expressions, jax's arrays. It shares no code with the package it is compared to, and models what
-the chosen problems need: the edge A1 under the bottom face, and flight. Notation as in
+``Equations(sin, cos)`` works on the operands of these two: floats in a numba kernel, or heyoka's
+expressions. It shares no code with the package that it is compared to, and models the contacts of
+the chosen problems: the edge A1 under the bottom face, and flight. Notation as in
 ``model.physics.notation``; everything dimensionless.
 """
 

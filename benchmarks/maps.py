@@ -83,7 +83,7 @@ class _Nodes:
         self.seconds += process_time() - started
 
     def evaluate(self, every: int = 1) -> Evaluate:
-        """What refines the lattice of every n-th node."""
+        """Return the function that evaluates nodes of the lattice of every n-th node."""
 
         def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
             place = every * rows, every * columns
@@ -154,7 +154,7 @@ def costs(figure: str, finest: int, coarsest: int = 128) -> dict[int, int]:
 
 
 def slope(counts: dict[int, int]) -> float:
-    """How the trajectories grow with the cells along a side: 1 as a border's length, 2 as areas."""
+    """Return how trajectories grow with the cells along a side: 1 as a length, 2 as an area."""
     fitted = np.polyfit(np.log(list(counts)), np.log(list(counts.values())), 1)
     return float(fitted[0])
 

@@ -1,9 +1,8 @@
-"""What peers integrate between switches, and how they go on after one; compiled once for all.
+"""The peers' modes and events: right-hand sides, event functions and what follows an event.
 
-A mode is a smooth vector field. It ends where one of its switching functions falls through zero;
-``next_mode`` says what follows. scipy, CyRK and scikit-sundae call these kernels through the
-interpreter, numbalsoda from compiled code; heyoka and diffrax take the same equations as
-expressions.
+A mode is a smooth vector field. It ends at a down-crossing of one of its event functions;
+``next_mode`` gives the mode that follows. scipy, CyRK and scikit-sundae call these kernels through
+the interpreter; heyoka takes the same equations as expressions.
 """
 
 import math
@@ -17,11 +16,11 @@ from benchmarks.equations import DEVICE_SIZE, Device, equations
 OPEN, BEYOND, RELEASED, SLIDE_POSITIVE, SLIDE_NEGATIVE, STICK, ALIGNED = range(7)
 MODES = (OPEN, BEYOND, RELEASED, SLIDE_POSITIVE, SLIDE_NEGATIVE, STICK)
 
-# Switching functions. LOAD: the load vanishes; released, it returns; open, the edge touches.
+# Event functions. LOAD: the load vanishes; released, it returns; open, the edge touches.
 # FRICTION: the slip vanishes; sticking, the friction limit is reached; released, the gap opens.
 # FACE_END: A1 passes the corner B1; beyond it, it comes back.
 LOAD, FRICTION, FACE_END = range(3)
-SWITCHES = {
+EVENTS = {
     OPEN: (LOAD, FACE_END),
     BEYOND: (FACE_END,),
     RELEASED: (LOAD, FRICTION, FACE_END),
@@ -29,7 +28,7 @@ SWITCHES = {
     SLIDE_NEGATIVE: (LOAD, FRICTION, FACE_END),
     STICK: (LOAD, FRICTION, FACE_END),
 }
-SWITCH_COUNT = 3
+EVENT_COUNT = 3
 STATE_SIZE = 6
 _MOMENT = 1e-5
 
@@ -64,8 +63,8 @@ def rates(t, y, p, mode, out):
 
 
 @jit
-def switches(t, y, p, mode, out):
-    """Write the switching functions of ``mode`` into ``out``, shape (3,); 1 where there is none."""
+def event_functions(t, y, p, mode, out):
+    """Write the event functions of ``mode`` into ``out``, shape (3,); 1 where there is none."""
     q = device_of(p)
     at = _touch(y, q)
     out[FACE_END] = q.half_width - at.along_face
@@ -102,14 +101,14 @@ def first_mode(t, y, p):
 
 @jit
 def _aligned(y, q):
-    """Whether A1 is beyond B1 and B2 inside the slot; the caller knows the edge is past B1."""
+    """Return whether B2 is inside the slot; the caller knows that A1 is beyond B1."""
     x, height = _left_corner(y, q)
     return x >= -q.slot_half_width and height < 0.0
 
 
 @jit
 def _stop_slip(y, q, at):
-    """Take the slip left by the location of a switch out of ``y``, by a friction impulse."""
+    """Take the slip left by the location of an event out of ``y``, by a friction impulse."""
     impulse = -at.slip / (1.0 + at.along_axis * at.along_axis / q.inertia)
     y[3] += impulse * at.cos
     y[4] += impulse * at.sin
@@ -162,16 +161,16 @@ def rates_in(mode: int):
     return rates_of_mode
 
 
-def switch_in(mode: int, which: int):
-    """``g(t, y, p) -> float``, the switching function ``which`` of ``mode``, compiled."""
+def event_in(mode: int, which: int):
+    """``g(t, y, p) -> float``, the event function ``which`` of ``mode``, compiled."""
 
     @numba.njit(["f8(f8, f8[::1], f8[::1])", "f8(f8, f8[:], f8[::1])"], error_model="numpy")
-    def switch_of_mode(t, y, p):
-        out = np.empty(SWITCH_COUNT)
-        switches(t, y, p, mode, out)
+    def event_of_mode(t, y, p):
+        out = np.empty(EVENT_COUNT)
+        event_functions(t, y, p, mode, out)
         return out[which]
 
-    return switch_of_mode
+    return event_of_mode
 
 
 assert DEVICE_SIZE == 18  # noqa: S101 - device_of names each of them

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.precision import Cost, Setting
+from verification.equal_error import Cost, Setting
 
 COLUMNS = (
     "problem", "target_error", "method", "formulation", "tolerance", "true_error",

@@ -2,7 +2,7 @@
 
 Sets are drawn by the law of ``make accuracy`` and kept where a run aligns, is not flagged, and
 meets nothing but the edge A1 under the bottom face, which is what the peers model. heyoka solves
-the peers' own statement of the equations (equations.py) with located switches; MuJoCo is given
+the peers' own statement of the equations (equations.py) with event location; MuJoCo is given
 bodies, joints and a soft contact, no equations at all. The independent solution in
 ``verification.independent.solution`` covers the whole scene: ``make accuracy``.
 
@@ -23,15 +23,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.problems import Problem, only_right_edge
-from model import Outcome, Parameters, Scene, align
+from model import Parameters, Settings, align
 from model.study.config import load_study, study_path
-from verification.accuracy import Verdict, judge_estimate
+from verification.accuracy import Check, judge_estimate
+from verification.problems import Problem, with_right_edge_only
 from verification.trials import trial_of
 
 Floats = NDArray[np.float64]
 
-_RIGHT_EDGE_ONLY = Scene("right_edge", frozenset({"edge_on_face"}))
 _HEYOKA_TOLERANCES = (1e-15, 1e-12)
 _CLOSE = 0.05  # relative; what MuJoCo is to keep in the median
 _FAR = 0.2  # relative; beyond it a set is looked at again
@@ -56,34 +55,25 @@ def draw(count: int) -> Sets:
     study = load_study(study_path())
     trial = trial_of(study, "error").model_copy(update={"sets": 8 * count})
     settings = trial.settings.settings
-    cases: list[Parameters] = []
-    times: list[float] = []
-    errors: list[float] = []
+    found: list[tuple[Parameters, float, float]] = []
     for first in range(0, 8 * count, 500):
-        numbers = np.arange(first, min(first + 500, 8 * count))
-        batch = trial.batch(numbers)
-        runs = align(batch, settings, cores=1)
-        edge = align(batch, settings, cores=1, scene=_RIGHT_EDGE_ONLY)
-        fit = (runs.outcome == Outcome.ALIGNED) & ~runs.sensitive
-        fit &= runs.tau_align == edge.tau_align
-        for row in np.flatnonzero(fit).tolist():
-            if only_right_edge(batch[row], settings.horizon):
-                cases.append(batch[row])
-                times.append(float(runs.tau_align[row]))
-                errors.append(float(runs.tau_error[row]))
-            if len(cases) == count:
-                return Sets(cases, np.array(times), np.array(errors))
-    raise ValueError(f"only {len(cases)} of {count} sets qualify")
+        batch = trial.batch(np.arange(first, min(first + 500, 8 * count)))
+        for each in with_right_edge_only(batch, settings):
+            found.append(each)
+            if len(found) == count:
+                cases, times, errors = zip(*found, strict=True)
+                return Sets(list(cases), np.array(times), np.array(errors))
+    raise ValueError(f"only {len(found)} of {count} sets qualify")
 
 
 def by_heyoka(sets: Sets) -> tuple[Floats, Floats]:
     """(alignment times, their errors: how far a run at a coarser tolerance is off)."""
     from benchmarks.methods.heyoka_taylor import HeyokaScalar  # noqa: PLC0415  (a peer)
 
-    problem = Problem("truth", tuple(sets.cases), float(sets.tau.max()) + 1.0)
+    problem = Problem("truth", tuple(sets.cases), Settings(horizon=float(sets.tau.max()) + 1.0))
     engine = HeyokaScalar()
     fine, coarse = (
-        engine.solve(problem, sets.cases, tolerance, math.inf).answers[:, 0]
+        engine.solve(problem, sets.cases, tolerance, math.inf).tau_align
         for tolerance in _HEYOKA_TOLERANCES
     )
     return fine, np.abs(fine - coarse) + _HEYOKA_TOLERANCES[1]
@@ -159,13 +149,13 @@ def by_mujoco(p: Parameters, horizon: float) -> float:
 
 
 def _along_face(pose: Any, p: Parameters) -> float:
-    """Where A1 stands along the bottom face."""
+    """Return the place of A1 along the bottom face."""
     x, y, tilt = (float(each) for each in pose)
     return (p.slot_half_width - x) * math.cos(tilt) - y * math.sin(tilt)
 
 
 def _left_corner_is_in(pose: Any, p: Parameters) -> bool:
-    """Whether B2 is in the slot."""
+    """Return whether B2 is in the slot."""
     x, y, tilt = (float(each) for each in pose)
     c, s = math.cos(tilt), math.sin(tilt)
     corner_x = x - p.half_width * c + p.half_height * s
@@ -202,25 +192,25 @@ def outside(sets: Sets, heyoka: tuple[Floats, Floats]) -> list[Outside]:
 
 def judge(
     sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats, beyond: Sequence[Outside]
-) -> list[Verdict]:
-    """What the comparison shows; ``beyond`` as ``outside`` finds it."""
+) -> list[Check]:
+    """Judge the comparison; ``beyond`` as ``outside`` finds it."""
     apart = np.abs(heyoka[0] - sets.tau)
     off = np.abs(mujoco - sets.tau) / sets.tau
     known = off[np.isfinite(off)]
     middle = float(np.median(known))
     unexplained = [each.row for each in beyond if not each.explained]
     return [
-        Verdict("sets", f"{sets.tau.size}"),
-        Verdict("heyoka apart: median", f"{np.nanmedian(apart):.1e}"),
-        Verdict("heyoka apart: largest", f"{np.nanmax(apart):.1e}"),
+        Check("sets", f"{sets.tau.size}"),
+        Check("heyoka apart: median", f"{np.nanmedian(apart):.1e}"),
+        Check("heyoka apart: largest", f"{np.nanmax(apart):.1e}"),
         *judge_estimate("heyoka", apart, sets.error + heyoka[1]),
-        Verdict("beyond it at a smaller tolerance as well", f"{len(unexplained)}", "0",
+        Check("beyond it at a smaller tolerance as well", f"{len(unexplained)}", "0",
                 not unexplained),
-        Verdict("MuJoCo off: median", f"{100 * middle:.2f} %", f"<= {100 * _CLOSE:g} %",
+        Check("MuJoCo off: median", f"{100 * middle:.2f} %", f"<= {100 * _CLOSE:g} %",
                 middle <= _CLOSE),
-        Verdict("MuJoCo off: 90 % of the sets below", f"{100 * np.quantile(known, 0.9):.1f} %"),
-        Verdict(f"MuJoCo off by more than {100 * _FAR:g} %", f"{int((known > _FAR).sum())}"),
-        Verdict("MuJoCo does not align", f"{int((~np.isfinite(off)).sum())}"),
+        Check("MuJoCo off: 90 % of the sets below", f"{100 * np.quantile(known, 0.9):.1f} %"),
+        Check(f"MuJoCo off by more than {100 * _FAR:g} %", f"{int((known > _FAR).sum())}"),
+        Check("MuJoCo does not align", f"{int((~np.isfinite(off)).sum())}"),
     ]  # fmt: skip
 
 
@@ -262,10 +252,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     write(sets, heyoka, mujoco, given.output)
     beyond = outside(sets, heyoka)
-    verdicts = judge(sets, heyoka, mujoco, beyond)
-    lines = [*map(str, verdicts), *explain(sets, heyoka, beyond)]
+    checks = judge(sets, heyoka, mujoco, beyond)
+    lines = [*map(str, checks), *explain(sets, heyoka, beyond)]
     sys.stdout.write("\n".join(lines) + "\n")
-    return 1 if any(verdict.holds is False for verdict in verdicts) else 0
+    return 1 if any(check.holds is False for check in checks) else 0
 
 
 if __name__ == "__main__":

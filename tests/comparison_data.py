@@ -7,11 +7,13 @@ import xarray as xr
 from verification import fixed_steps
 from verification.fixed_steps import FIXED_SCHEMES, Wrong
 from verification.hard_cases import BATCH, Judged, Mark
-from verification.work_precision import METHODS, TimedRung, Verdict
+from verification.methods import METHODS
+from verification.problems import Verdict
+from verification.work_precision import TimedSetting
 
 NAN = np.nan
 CASES = ("aligned", "sticking", "bouncing", "never_aligning")
-# (resolution, error, evaluations, verdict, microseconds) of made-up rungs; by method, then by case.
+# (resolution, error, evaluations, verdict, microseconds) of made-up settings, by method and case.
 RIGHT, WRONG, SPENT = (
     Verdict.RIGHT_OUTCOME, Verdict.WRONG_OUTCOME, Verdict.TOO_MANY_EVALUATIONS,
 )  # fmt: skip
@@ -20,7 +22,7 @@ LOCATED = [(1e-3, 1e-4, 500, RIGHT, 50.0), (1e-6, 1e-6, 1000, RIGHT, 80.0),
 MADE_UP = {
     "dop853_located": dict.fromkeys(CASES, LOCATED),
     "rk4_fixed": {
-        # The second rung is luck: the third is worse.
+        # The second setting is luck: the third is worse.
         "aligned": [(0.1, 1e-2, 40, RIGHT, 2.0), (0.01, 1e-9, 400, RIGHT, 20.0),
                     (0.005, 1e-4, 800, RIGHT, 40.0), (0.001, 9e-6, 4000, RIGHT, 200.0)],
         "sticking": [(0.1, 1e-1, 40, RIGHT, 2.0), (0.001, NAN, 4000, SPENT, NAN)],
@@ -33,10 +35,10 @@ MADE_UP = {
 
 
 @pytest.fixture(scope="session")
-def timed_rungs() -> list[TimedRung]:
-    """Made-up rungs: only the located method gets to 1e-8; RK4 to 1e-5 in one case."""
+def timed_settings() -> list[TimedSetting]:
+    """Made-up settings: only the located method gets to 1e-8; RK4 to 1e-5 in one case."""
     return [
-        TimedRung(case, method, resolution, error, evaluations, verdict, microseconds)
+        TimedSetting(case, method, resolution, error, evaluations, verdict, microseconds)
         for method, by_case in MADE_UP.items()
         for case, ladder in by_case.items()
         for resolution, error, evaluations, verdict, microseconds in ladder

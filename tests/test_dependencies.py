@@ -24,7 +24,7 @@ EXTRAS = {  # of each folder, besides the dependencies of the package
 EXTRAS = {f"src/model/{name}": extras for name, extras in EXTRAS.items()} | {
     "workflow": STUDY,
     "verification": STUDY,
-    "benchmarks": ["bench", "bench-source"],
+    "benchmarks": ["bench"],
     "docs": ["docs"],
     "tests": [*STUDY, "dev"],
 }

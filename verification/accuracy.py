@@ -1,4 +1,4 @@
-"""How accurate the integrator is, tried on random sets: the campaign behind `make accuracy`.
+"""Accuracy of the integrator on random sets: the campaign behind `make accuracy`.
 
 Two trials draw parameter sets by the law in the configuration. "error" compares every alignment
 time and its ``tau_error`` with a run at a tolerance of 1e-13 and with the independent solution,
@@ -28,9 +28,9 @@ from verification.trials import Trial
 Table = dict[str, NDArray[Any]]
 
 TIGHT = 1e-13  # the tolerance of the run taken for true
-ACCURATE = 1e-8  # what a regular alignment time is to be known to
+ACCURATE = 1e-8  # accuracy wanted of a regular alignment time
 _AFTER = 1.0  # how long after the run's end the independent solution may still end
-# What the independent solution calls the ways of leaving the scene.
+# Names of the ways of leaving the scene in the independent solution.
 _LEAVING = {
     Reason.MOVED_AWAY: ("face far", "right wall"),  # a wall's name for all that comes down beside
     Reason.OVERSHOT: ("face far", "left wall"),
@@ -40,8 +40,8 @@ _LEAVING = {
     Reason.OVERTURNED: ("overturned",),
 }
 _UNBOUNDED = 2_000_000_000  # evaluations: a trial is stopped by its horizon only
-# What the difference of two runs is to be as an estimate of one's error (decision 3): rarely too
-# small, hardly ever by a factor of ten, and not for being large.
+# Wanted of the difference of two runs as an estimate of one's error (decision 3): rarely too small,
+# hardly ever by a factor of ten, and not because it is large.
 _COVERED, _NEARLY_COVERED, _TOO_LARGE = 0.95, 0.999, 30.0
 # The farthest a settled motion may still go: a difference of 1e-3 that contracts by 0.98 a period.
 FARTHEST = 0.05
@@ -61,7 +61,7 @@ def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
 
 
 def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Table:
-    """Default runs, runs at ``TIGHT``, and the independent solution of what ends for certain."""
+    """Return default runs, runs at ``TIGHT``, and the independent solution of certain ends."""
     runs = align(batch, settings, cores=cores)
     left = runs.outcome == Outcome.LEFT_SCENE
     ended = np.where(left, run_once(batch, settings, cores=cores)["time"], runs.tau_align)
@@ -95,12 +95,11 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
 
 
 def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> tuple[int, bool]:
-    """How a run by the lanes ends at the horizon, and whether it repeats itself.
+    """Return the outcome of the batch engine at the horizon, and whether the motion repeats.
 
-    It does if from ``since`` on it switches and separates as often as if every ``cycle`` were the
-    first.
+    It does if from ``since`` on every ``cycle`` has as many events and lift-offs as the first.
     """
-    from_here = since + 0.37 * cycle  # hardly ever at a switch
+    from_here = since + 0.37 * cycle  # hardly ever at an event
     whole = int((settings.horizon - from_here) / cycle)
     ends = [
         run_once(Batch.stack([p]), replace(settings, horizon=from_here + cycles * cycle))
@@ -117,7 +116,7 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
     One run of the reference engine is followed and carried on, so that both take the same course.
     Through a chaotic transient that is another than the one of ``align``, and may settle later than
     at the horizon: it is followed to where it settles, and compared with its end there. Where it
-    never settles, a run by the lanes is carried on.
+    never settles, a run of the batch engine is carried on.
     """
     runs = align(batch, settings, cores=cores)
     long = replace(settings, horizon=longer * settings.horizon, max_evaluations=_UNBOUNDED)
@@ -152,13 +151,13 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
     }
 
 
-# ----------------------------------------------------------------------------------------- verdict
+# ----------------------------------------------------------------------------------------- check
 
 
-class Verdict(NamedTuple):
-    """One line of the summary: what was counted, what came out, and what was wanted, if anything.
+class Check(NamedTuple):
+    """One line of the summary: a quantity, its value, and the value wanted, if any.
 
-    ``holds`` is None where nothing was wanted.
+    ``holds`` is None where nothing is wanted.
     """
 
     what: str
@@ -171,16 +170,16 @@ class Verdict(NamedTuple):
         return f"{self.what:58} {self.found:26} {self.wanted:11} {mark}".rstrip()
 
 
-def _share(name: str, counted: NDArray[np.bool_], least: float) -> Verdict:
+def _share(name: str, counted: NDArray[np.bool_], least: float) -> Check:
     share = float(np.mean(counted)) if counted.size else math.nan
     found = f"{100 * share:.2f} % ({int(counted.sum())} of {counted.size})"
-    return Verdict(name, found, f">= {100 * least:g} %", share >= least)
+    return Check(name, found, f">= {100 * least:g} %", share >= least)
 
 
 def judge_estimate(
     truth: str, error: NDArray[np.float64], estimate: NDArray[np.float64]
-) -> list[Verdict]:
-    """Verdicts on estimates of errors found against ``truth``, both of shape (n,).
+) -> list[Check]:
+    """Checks of estimates of errors found against ``truth``, both of shape (n,).
 
     An error of NaN, where the truth is another ending, is covered by no estimate.
     """
@@ -189,18 +188,18 @@ def judge_estimate(
     return [
         _share(f"error below tau_error, {truth}", error <= estimate, _COVERED),
         _share(f"error below 10 tau_error, {truth}", error <= 10.0 * estimate, _NEARLY_COVERED),
-        Verdict(f"median of tau_error over error, {truth}", f"{median:.1f}", f"<= {_TOO_LARGE:g}",
+        Check(f"median of tau_error over error, {truth}", f"{median:.1f}", f"<= {_TOO_LARGE:g}",
                 median <= _TOO_LARGE),
     ]  # fmt: skip
 
 
-def _against(truth: str, tau: NDArray[np.float64], table: Table) -> list[Verdict]:
-    """Verdicts on ``tau_error`` for alignments without a flag."""
+def _against(truth: str, tau: NDArray[np.float64], table: Table) -> list[Check]:
+    """Checks of ``tau_error`` for alignments without a flag."""
     return judge_estimate(truth, np.abs(table["tau_align"] - tau), table["tau_error"])
 
 
-def judge_errors(table: Table) -> list[Verdict]:
-    """What the "error" trial shows."""
+def judge_errors(table: Table) -> list[Check]:
+    """Judge the "error" trial."""
     flagged = table["sensitive"] == 1
     aligned = table["outcome"] == Outcome.ALIGNED
     regular = {name: values[aligned & ~flagged] for name, values in table.items()}
@@ -212,31 +211,31 @@ def judge_errors(table: Table) -> list[Verdict]:
     apart = np.abs(regular["tight_tau"] - regular["independent_tau"])
     unfinished = np.isin(table["independent_ending"], ["failed", "endless"])
     return [
-        Verdict("sets", f"{flagged.size}"),
-        Verdict("sets that align", f"{int(aligned.sum())}"),
-        Verdict("sets flagged sensitive", f"{100 * share:.2f} %", "<= 2 %", share <= 0.02),
-        Verdict("of those, sets that align", f"{int((flagged & aligned).sum())}"),
-        Verdict("sets that are chaotic", f"{int(chaotic.sum())}"),
-        Verdict("of those, sets that align at the tight tolerance",
+        Check("sets", f"{flagged.size}"),
+        Check("sets that align", f"{int(aligned.sum())}"),
+        Check("sets flagged sensitive", f"{100 * share:.2f} %", "<= 2 %", share <= 0.02),
+        Check("of those, sets that align", f"{int((flagged & aligned).sum())}"),
+        Check("sets that are chaotic", f"{int(chaotic.sum())}"),
+        Check("of those, sets that align at the tight tolerance",
                 f"{int((chaotic & otherwise).sum())}"),
-        Verdict("sets of neither that align at one tolerance only", f"{int(unsaid.sum())}", "0",
+        Check("sets of neither that align at one tolerance only", f"{int(unsaid.sum())}", "0",
                 not unsaid.any()),
         *_against(f"tolerance {TIGHT:g}", regular["tight_tau"], regular),
         *_against("independent solution", regular["independent_tau"], regular),
-        Verdict("independent solutions unfinished", f"{int(unfinished.sum())}", "0",
+        Check("independent solutions unfinished", f"{int(unfinished.sum())}", "0",
                 not unfinished.any()),
-        Verdict("the two truths apart: median", f"{np.nanmedian(apart):.1e}"),
-        Verdict("the two truths apart: 99th percentile", f"{np.nanquantile(apart, 0.99):.1e}"),
+        Check("the two truths apart: median", f"{np.nanmedian(apart):.1e}"),
+        Check("the two truths apart: 99th percentile", f"{np.nanquantile(apart, 0.99):.1e}"),
         _share("the two truths apart by less than tau_error", apart <= estimate, 0.999),
-        Verdict("median of tau_error", f"{np.median(estimate):.1e}"),
-        Verdict("99th percentile of tau_error", f"{np.quantile(estimate, 0.99):.1e}"),
-        Verdict(f"tau_error <= {ACCURATE:g}", f"{100 * np.mean(estimate <= ACCURATE):.2f} %"),
+        Check("median of tau_error", f"{np.median(estimate):.1e}"),
+        Check("99th percentile of tau_error", f"{np.quantile(estimate, 0.99):.1e}"),
+        Check(f"tau_error <= {ACCURATE:g}", f"{100 * np.mean(estimate <= ACCURATE):.2f} %"),
         *_judge_leaving({name: values[~flagged] for name, values in table.items()}),
     ]  # fmt: skip
 
 
-def _judge_leaving(table: Table) -> list[Verdict]:
-    """Verdicts on the sets that leave the scene, none of them flagged; none without such sets."""
+def _judge_leaving(table: Table) -> list[Check]:
+    """Checks of the sets that leave the scene, none of them flagged; none without such sets."""
     left = np.flatnonzero(table["outcome"] == Outcome.LEFT_SCENE)
     if not left.size:
         return []
@@ -248,43 +247,43 @@ def _judge_leaving(table: Table) -> list[Verdict]:
     apart = np.abs(table["end"] - table["independent_end"])[left]
     return [
         _share("leave the scene as in the independent solution", np.array(alike), 0.999),
-        Verdict("their ends apart: median", f"{np.nanmedian(apart):.1e}"),
+        Check("their ends apart: median", f"{np.nanmedian(apart):.1e}"),
     ]
 
 
 def is_wrong(table: Table) -> NDArray[np.bool_]:
-    """Which sets ended as settled and yet aligned, left the scene, failed or moved away later."""
+    """Return which sets ended as settled and aligned, left the scene, failed or moved later."""
     settled = table["outcome"] == Outcome.SETTLED
     near = np.nan_to_num(table["later_moved"], nan=math.inf) <= FARTHEST
     stays = (table["later_outcome"] == Outcome.HORIZON_REACHED) & (near | (table["repeats"] == 1))
     return settled & ~stays
 
 
-def judge_settled(table: Table) -> list[Verdict]:
-    """What the "settled" trial shows, with the number of every set that was wrong."""
+def judge_settled(table: Table) -> list[Check]:
+    """Judge the "settled" trial, with the number of every set that was wrong."""
     settled, wrong = table["outcome"] == Outcome.SETTLED, is_wrong(table)
     numbers = ", ".join(str(number) for number in table["set"][wrong])
     moved = table["later_moved"][settled & (table["repeats"] == -1)]
     return [
-        Verdict("sets", f"{settled.size}"),
-        Verdict("sets that settle", f"{int(settled.sum())}"),
-        Verdict("of these, not on the reference engine's course", f"{settled.sum() - moved.size}"),
-        Verdict("wrongly settled", f"{int(wrong.sum())}" + (f": sets {numbers}" if numbers else ""),
+        Check("sets", f"{settled.size}"),
+        Check("sets that settle", f"{int(settled.sum())}"),
+        Check("of these, not on the reference engine's course", f"{settled.sum() - moved.size}"),
+        Check("wrongly settled", f"{int(wrong.sum())}" + (f": sets {numbers}" if numbers else ""),
                 "0", not wrong.any()),
-        Verdict("farthest motion afterwards", f"{moved.max() if moved.size else 0.0:.1e}",
+        Check("farthest motion afterwards", f"{moved.max() if moved.size else 0.0:.1e}",
                 f"<= {FARTHEST:g}"),
     ]  # fmt: skip
 
 
 def summary(errors: Table, settled: Table) -> str:
-    """Both trials as text, one line for each verdict."""
+    """Both trials as text, one line for each check."""
     lines = []
-    for title, verdicts in (
+    for title, checks in (
         ("tau_error on random sets", judge_errors(errors)),
         ("settled runs, run on", judge_settled(settled)),
     ):
         lines += [title, "-" * len(title)]
-        lines += [str(verdict) for verdict in verdicts]
+        lines += [str(check) for check in checks]
         lines.append("")
     return "\n".join(lines)
 

@@ -1,4 +1,4 @@
-"""What fixed steps without located switches make of a figure: its points that come out wrong."""
+"""Points of a figure that fixed steps without event location get wrong."""
 
 from enum import IntEnum
 from typing import Any
@@ -16,7 +16,7 @@ KIND = "fixed_steps"
 
 
 class Wrong(IntEnum):
-    """Whether a point came out wrong, and how; the values are the flags stored in the dataset."""
+    """Kind of error of a point; the values are the flags stored in the dataset."""
 
     NOT_WRONG = 0
     WRONG_OUTCOME = 1
@@ -26,9 +26,10 @@ class Wrong(IntEnum):
 def judged(
     tau: NDArray[np.float64], located: NDArray[np.float64], tau_tolerance: float
 ) -> NDArray[np.int8]:
-    """``Wrong`` of alignment times against located ones, NaN where not aligned; shapes broadcast.
+    """Return ``Wrong`` of alignment times against those with event location; shapes broadcast.
 
-    Wrong is another outcome, aligned or not, or a time further off than ``tau_tolerance``.
+    Times are NaN where not aligned. Wrong is another outcome, aligned or not, or a time further
+    off than ``tau_tolerance``.
     """
     aligned, should = ~np.isnan(tau), ~np.isnan(located)
     both = aligned & should
@@ -38,7 +39,7 @@ def judged(
 
 
 def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
-    """Alignment times by scheme and step beside the located ones of the figure's dataset.
+    """Return alignment times by scheme and step beside those of the figure's dataset.
 
     Raises:
         DatasetError: ``located`` is of another sweep.
@@ -89,7 +90,7 @@ def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
         "step": ("step", plan.steps, {"long_name": "length of a step", "units": "1"}),
     }
     attributes = located.attrs | {
-        "title": f"{located.attrs['title']}: with fixed steps, no switch located",
+        "title": f"{located.attrs['title']}: with fixed steps, without event location",
         "kind": KIND,
         "figure_kind": sweep.kind,
         "sweep": plan.identity,

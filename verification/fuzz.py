@@ -1,4 +1,4 @@
-"""Random sets over the whole domain of the parameters, and what must hold of every run of them.
+"""Fuzz: random sets over the whole domain of the parameters, and properties of every run.
 
 The law reaches far beyond what a device could be: it is there to find runs that do not end, end in
 nothing declared, or end differently when they are done again. `make fuzz` runs it.
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=2_500)
 _PATIENCE = 4  # limits of evaluations that the reference engine may take: its steps are shorter
 _MOST_RUNS = 7  # of a set: two, and three more where they part; each time one of what is flat
-_LAST_STEP = 600  # evaluations that a step and its switch may take beyond the limit
+_LAST_STEP = 600  # evaluations that a step and its event may take beyond the limit
 
 _LEAVING = (
     Reason.MOVED_AWAY, Reason.OVERSHOT, Reason.CORNER_ON_WALL, Reason.EDGE_ON_OTHER_FACE,
@@ -101,7 +101,7 @@ class Finding(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What a campaign found: how runs ended, how many sets are sensitive, and every violation.
+    """Result of a campaign: outcomes of its runs, sensitive sets, and every violation.
 
     ``against_neighbour`` and ``against_reference`` count the sets that were compared: not flagged,
     chaotic, or stopped at the limit of evaluations, on either side. ``unexplained`` holds the sets
@@ -119,7 +119,7 @@ class Report(NamedTuple):
 
 
 def _same(one: Alignments, other: Alignments) -> NDArray[np.bool_]:
-    """Which sets agree to the bit, NaN included."""
+    """Return which sets agree to the bit, NaN included."""
     agree = np.ones(len(one), dtype=np.bool_)
     for field in fields(Alignments):
         a, b = getattr(one, field.name), getattr(other, field.name)
@@ -143,7 +143,7 @@ def _sets(batch: Batch, rows: NDArray[np.int64], displaced: float = 0.0) -> Batc
 
 
 def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray[np.bool_]]:
-    """Which sets break what must hold of each run by itself."""
+    """Return, by property that must hold of each run, the sets that break it; shape (n,) each."""
     aligned, left = runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.LEFT_SCENE
     failed = runs.outcome == Outcome.FAILED
     spent = _MOST_RUNS * (settings.max_evaluations + _LAST_STEP)
@@ -184,7 +184,7 @@ def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -
     again = _taken(align(_sets(batch, order), settings, cores=3), order)
     broken["is the same to the bit in another order on other cores"] = ~_same(runs, again)
 
-    # What is flagged, or stopped short, is compared with nothing: it need not be run again.
+    # Sets that are flagged, or stopped at the limit, are compared with nothing and not run again.
     rows = np.flatnonzero(_is_certain(runs))
     certain = _taken(runs, rows)
 
@@ -195,7 +195,7 @@ def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -
         return int(_is_certain(others).sum())
 
     if rows.size:
-        # A neighbour: what says that it is not sensitive must end alike a tolerance away.
+        # A neighbour: a set without the flag `sensitive` must end alike a tolerance away.
         near = align(_sets(batch, rows, 0.5 * settings.tolerance), settings, cores=1)
         against_neighbour = compare("its neighbour", near)
         # The reference engine, one run at a time.
@@ -229,15 +229,15 @@ def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -
 
 
 def _is_certain(runs: Alignments) -> NDArray[np.bool_]:
-    """Which sets end without a flag, not in chaos, and before their limit of evaluations.
+    """Return which sets end without a flag, by no chance, and before their limit of evaluations.
 
-    What stopped there may have stopped before or after its end.
+    A run that stopped at the limit may have stopped before or after its end.
     """
     return ~runs.sensitive & ~np.isin(runs.reason, (Reason.TOO_MANY_EVALUATIONS, Reason.CHAOTIC))
 
 
 def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
-    """Which sets end otherwise, or at another time, where both are certain."""
+    """Return which sets end otherwise, or at another time, where both are certain."""
     with np.errstate(invalid="ignore"):
         apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
     certain = _is_certain(runs) & _is_certain(others)

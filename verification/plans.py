@@ -1,4 +1,4 @@
-"""What the section on speed against error computes: numbers only, as in sweeps.py."""
+"""Plans of the comparison of methods: numbers only, so that new wording computes nothing."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -37,7 +37,7 @@ class PrecisionPlan(Plan):
 
 
 def precision_plan(study: Study) -> PrecisionPlan:
-    """The comparison of a study."""
+    """Return the comparison of a study."""
     cases = {
         name: CasePlan(parameters=study.case(name).given(), until=case.until)
         for name, case in study.precision.cases.items()
@@ -54,7 +54,7 @@ class HardCasesPlan(Plan):
 
 
 def hard_cases_plan(study: Study) -> HardCasesPlan:
-    """The hard cases of a study."""
+    """Return the hard cases of a study."""
     return HardCasesPlan(
         parameters=study.baseline.given(), spec=study.hard_cases, settings=study.settings
     )
@@ -73,7 +73,7 @@ class FixedStepPlan(Plan):
 
     @property
     def kept(self) -> tuple[slice, ...]:
-        """What is kept along each dimension of the sweep."""
+        """Return the values that are kept along each dimension of the sweep."""
         return tuple(
             slice(None, None, self.every if isinstance(dimension, Axis) else None)
             for dimension in self.sweep.dimensions
@@ -81,7 +81,7 @@ class FixedStepPlan(Plan):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """As ``Sweep.facts``, with the values that are kept."""
+        """Return ``Sweep.facts`` with the values that are kept."""
         kept = [
             {"parameter": dimension.parameter, "values": dimension.values[part]}
             for dimension, part in zip(self.sweep.dimensions, self.kept, strict=True)
@@ -90,7 +90,7 @@ class FixedStepPlan(Plan):
 
 
 def fixed_step_plan(study: Study, figure: str) -> FixedStepPlan:
-    """What the study asks of ``figure``, one of ``study.precision.fixed_steps.figures``."""
+    """Return the plan of ``figure``, one of ``study.precision.fixed_steps.figures``."""
     spec = study.precision.fixed_steps
     return FixedStepPlan(
         sweep=sweep_of(study, figure),

@@ -1,6 +1,6 @@
-"""What `make accuracy` draws: random parameter sets by the law in the configuration, as numbers.
+"""Random parameter sets of `make accuracy`, drawn by the law in the configuration.
 
-How they are judged is in accuracy.py; a rule that only names a trial need not import that.
+A rule that only names a trial need not import ``accuracy``, which runs and judges it.
 """
 
 from typing import Any, Literal
@@ -39,7 +39,7 @@ class Trial(Plan):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What a sidecar says of it: identity, what is held, settings and what is drawn."""
+        """Return the facts of a sidecar: identity, parameters held and drawn, settings."""
         drawn = [
             {
                 "parameter": name,
@@ -59,7 +59,7 @@ class Trial(Plan):
         }
 
     def numbers_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
-        """Numbers of a chunk's sets: every ``chunks``-th one.
+        """Return the numbers of a chunk's sets: every ``chunks``-th one.
 
         Raises:
             ValueError: a chunk that is not one of ``chunks``.
@@ -69,7 +69,7 @@ class Trial(Plan):
         return np.arange(chunk, self.sets, chunks, dtype=np.int64)
 
     def batch(self, numbers: NDArray[np.int64]) -> Batch:
-        """The sets of these numbers; a set does not depend on how many there are."""
+        """Return the sets of these numbers; a set does not depend on how many there are."""
         rng = np.random.default_rng([self.seed, TRIALS.index(self.name)])
         draws = rng.random((self.sets, 2, len(self.ranges)))[numbers]
         drawn = {}
@@ -80,7 +80,7 @@ class Trial(Plan):
 
 
 def trial_of(study: Study, name: TrialName) -> Trial:
-    """A trial of the study's law."""
+    """Return a trial of the study's law."""
     law = study.accuracy
     return Trial(
         name=name,

@@ -1,19 +1,21 @@
-"""CyRK's ``pysolve_ivp``: compiled right-hand side and events, restarted at each switch.
+"""CyRK's ``pysolve_ivp``: compiled right-hand side and events, restarted at each event.
 
 Its numba interface ``nbsolve2_ivp`` has no events; its Cython interface needs a compiler at hand.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numba
 import numpy as np
 from CyRK import pysolve_ivp
 
-from benchmarks.methods.base import Limits, Method, NotReachedError, Solution, drive
-from benchmarks.modes import MODES, SWITCHES, rates, switch_in
-from benchmarks.problems import Problem
+from benchmarks.methods.base import Limits, drive
+from benchmarks.modes import EVENTS, MODES, event_in, rates
 from model import Parameters
+from verification.methods import Method, NotReachedError
+from verification.problems import Problem, Solution
 
 
 def _rates_in(mode: int) -> Any:
@@ -25,7 +27,7 @@ def _rates_in(mode: int) -> Any:
 
 
 class _Event:
-    """A switching function as CyRK takes it: it ends the run where it falls."""
+    """A event function as CyRK takes it: it ends the run where it falls."""
 
     terminal = 1
     direction = -1
@@ -41,13 +43,13 @@ class Cyrk(Method):
     """One of CyRK's methods."""
 
     package = "CyRK"
-    formulation = "pysolve_ivp, numba right-hand side and events, restart at each switch"
+    formulation = "pysolve_ivp, numba right-hand side and events, restart at each event"
 
     def __init__(self, name: str) -> None:
         self.name, self.method = f"CyRK {name}", name
         self._rates = {mode: _rates_in(mode) for mode in MODES}
         self._events = {
-            mode: [_Event(switch_in(mode, which)) for which in SWITCHES[mode]] for mode in MODES
+            mode: [_Event(event_in(mode, which)) for which in EVENTS[mode]] for mode in MODES
         }
 
     def solve(
@@ -67,7 +69,6 @@ class Cyrk(Method):
                 return stop, run.y[:, -1].copy(), None, 0
             which = run.event_terminate_index
             end = float(run.t_events[which][-1])
-            return end, np.array(run.y_events[which][:, -1]), SWITCHES[mode][which], 0
+            return end, np.array(run.y_events[which][:, -1]), EVENTS[mode][which], 0
 
-        solution = drive(segment, problem, cases, deadline)
-        return Solution(solution.answers, None)
+        return replace(drive(segment, problem, cases, deadline), evaluations=None)

@@ -1,11 +1,12 @@
 """heyoka's Taylor integrators with terminal events, one trajectory at a time or in vector lanes.
 
-Scalar: an integrator for every mode, handed the state at each switch. Batch: one integrator whose
-mode is a set of runtime parameters of each lane, switched in the events' callbacks; a lane that is
+Scalar: an integrator for every mode, handed the state at each event. Batch: one integrator whose
+mode is a set of runtime parameters of each lane, changed in the events' callbacks; a lane that is
 done is refilled, as long as there are trajectories.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import heyoka as hy
@@ -13,15 +14,7 @@ import llvmlite.binding as ll
 import numpy as np
 
 from benchmarks.equations import DEVICE_SIZE, Device, device, equations
-from benchmarks.methods.base import (
-    BATCH,
-    Limits,
-    Method,
-    NotReachedError,
-    Solution,
-    cpu_seconds,
-    drive,
-)
+from benchmarks.methods.base import BATCH, Limits, drive
 from benchmarks.modes import (
     ALIGNED,
     BEYOND,
@@ -39,8 +32,9 @@ from benchmarks.modes import (
     next_mode,
     start,
 )
-from benchmarks.problems import Problem
 from model import Parameters
+from verification.methods import Method, NotReachedError, cpu_seconds
+from verification.problems import Problem, Solution
 
 _Y = hy.make_vars("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate")
 _P = Device(*(hy.par[i] for i in range(DEVICE_SIZE)))
@@ -59,7 +53,7 @@ def _system(load: Any, friction: Any) -> list[tuple[Any, Any]]:
 
 
 def _mode_system(mode: int) -> tuple[list[Any], list[tuple[int, Any]]]:
-    """Equations of a mode, and its switching functions with what they are called in ``modes``."""
+    """Equations of a mode, and its event functions with their names in ``modes``."""
     load, friction = hy.expression(0.0), hy.expression(0.0)
     end = _P.half_width - _AT.along_face
     if mode == OPEN:
@@ -137,17 +131,17 @@ class HeyokaScalar(Method):
                 raise NotReachedError(str(hy.taylor_outcome(outcome)))
             return float(integrator.time), y, which[-outcome - 1], 0
 
-        return Solution(drive(segment, problem, cases, deadline).answers, None)
+        return replace(drive(segment, problem, cases, deadline), evaluations=None)
 
 
 # Runtime parameters of a lane behind those of the device: what multiplies load, sliding and
-# sticking friction, then the coefficients of the switching functions.
+# sticking friction, then the coefficients of the event functions.
 _F = [hy.par[DEVICE_SIZE + i] for i in range(12)]
 _LANE_SIZE = DEVICE_SIZE + len(_F)
 
 
 def _lane_system() -> tuple[list[Any], list[tuple[int, Any]]]:
-    """The equations and switching functions of every mode at once."""
+    """The equations and event functions of every mode at once."""
     load, limit = _AT.load, _P.friction * _AT.load
     friction = _F[1] * limit + _F[2] * _STICKING_FRICTION
     opening = _F[8] * _AT.depth
@@ -182,8 +176,8 @@ def _set_mode(mode, out):
 
 
 @jit
-def _switch_lane(t, state, pars, modes, lane, which):
-    """Take a lane through a switch; its new mode."""
+def _change_mode(t, state, pars, modes, lane, which):
+    """Apply an event to a lane; return its new mode."""
     y = state[:, lane].copy()
     mode = next_mode(t, y, pars[:DEVICE_SIZE, lane].copy(), modes[lane], which)
     state[:, lane] = y
@@ -203,7 +197,7 @@ class _Lanes:
         def callback(which: int) -> Any:
             def switched(_: Any, __: int, lane: int) -> bool:
                 t = self.times[lane]
-                mode = _switch_lane(t, self.state, self.pars, self.modes, lane, which)
+                mode = _change_mode(t, self.state, self.pars, self.modes, lane, which)
                 if mode == ALIGNED:
                     self.aligned.append((lane, float(t)))
                 return True
@@ -238,7 +232,7 @@ class _Lanes:
 
 
 class HeyokaBatch(Method):
-    """As many trajectories at a time as the machine has vector lanes."""
+    """A trajectory in each vector lane of the machine."""
 
     name = "heyoka batch"
     package = "heyoka"
@@ -287,7 +281,7 @@ class HeyokaBatch(Method):
                     raise NotReachedError("aligned where nothing aligns, or out of time")
                 states.append(lanes.state[:, : len(part)].T.copy())
             answers.append(np.concatenate(states, axis=1))
-        return Solution(np.concatenate(answers), None)
+        return problem.solution(np.concatenate(answers), None)
 
     def _to_alignment(
         self, lanes: _Lanes, problem: Problem, cases: Sequence[Parameters], deadline: float
@@ -303,7 +297,7 @@ class HeyokaBatch(Method):
             if steps % 256 == 0:
                 if cpu_seconds() > deadline:
                     raise NotReachedError("out of time")
-                late = np.flatnonzero(lanes.times > problem.horizon).tolist()
+                late = np.flatnonzero(lanes.times > problem.settings.horizon).tolist()
                 lanes.aligned += [(lane, np.nan) for lane in late if running[lane] is not None]
             while lanes.aligned:
                 lane, time = lanes.aligned.pop()
@@ -312,4 +306,4 @@ class HeyokaBatch(Method):
                 running[lane] = next(waiting, None)
                 if (following := running[lane]) is not None:
                     lanes.fill(lane, cases[following])
-        return Solution(answers, None)
+        return problem.solution(answers, None)

@@ -1,18 +1,19 @@
-"""scipy's ``solve_ivp``: compiled right-hand side and events, restarted at every switch."""
+"""scipy's ``solve_ivp``: compiled right-hand side and events, restarted at every event."""
 
 from collections.abc import Sequence
 from typing import Any
 
 from scipy.integrate import solve_ivp
 
-from benchmarks.methods.base import CAREFUL, Limits, Method, NotReachedError, Solution, drive
-from benchmarks.modes import MODES, SWITCHES, rates_in, switch_in
-from benchmarks.problems import Problem
+from benchmarks.methods.base import CAREFUL, Limits, drive
+from benchmarks.modes import EVENTS, MODES, event_in, rates_in
 from model import Parameters
+from verification.methods import Method, NotReachedError
+from verification.problems import Problem, Solution
 
 
 class Event:
-    """A switching function as ``solve_ivp`` takes it: it ends the run where it falls."""
+    """A event function as ``solve_ivp`` takes it: it ends the run where it falls."""
 
     terminal = True
     direction = -1.0
@@ -29,13 +30,13 @@ class ScipyIvp(Method):
     """One of scipy's methods."""
 
     package = "scipy"
-    formulation = "numba right-hand side and events, restart at each switch"
+    formulation = "numba right-hand side and events, restart at each event"
 
     def __init__(self, name: str) -> None:
         self.name, self.method = f"scipy {name}", name
         self._rates = {mode: rates_in(mode) for mode in MODES}
         self._events = {
-            mode: [Event(switch_in(mode, which)) for which in SWITCHES[mode]] for mode in MODES
+            mode: [Event(event_in(mode, which)) for which in EVENTS[mode]] for mode in MODES
         }
 
     def solve(
@@ -54,13 +55,13 @@ class ScipyIvp(Method):
                 if "different signs" not in str(error):
                     raise
                 if 0.0 < limits.first <= CAREFUL[-1]:
-                    raise NotReachedError("a switch was seen and not found") from None
-                return t, y, SWITCHES[mode][0], 0  # as if at once: to be tried again
+                    raise NotReachedError("an event was seen and not found") from None
+                return t, y, EVENTS[mode][0], 0  # as if at once: to be tried again
             if run.status < 0:
                 raise NotReachedError(run.message)
             if run.status == 0:
                 return stop, run.y[:, -1].copy(), None, run.nfev
             which = next(k for k, times in enumerate(run.t_events) if times.size)
-            return float(run.t[-1]), run.y[:, -1].copy(), SWITCHES[mode][which], run.nfev
+            return float(run.t[-1]), run.y[:, -1].copy(), EVENTS[mode][which], run.nfev
 
         return drive(segment, problem, cases, deadline)

@@ -1,4 +1,4 @@
-"""scikit-sundae's CVODE: compiled right-hand side and root functions, restarted at each switch."""
+"""scikit-sundae's CVODE: compiled right-hand side and root functions, restarted at each event."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,10 +7,11 @@ import numba
 import numpy as np
 from sksundae.cvode import CVODE
 
-from benchmarks.methods.base import Limits, Method, NotReachedError, Solution, drive
-from benchmarks.modes import MODES, SWITCHES, rates, switches
-from benchmarks.problems import Problem
+from benchmarks.methods.base import Limits, drive
+from benchmarks.modes import EVENTS, MODES, event_functions, rates
 from model import Parameters
+from verification.methods import Method, NotReachedError
+from verification.problems import Problem, Solution
 
 
 def _rates_in(mode: int) -> Any:
@@ -22,21 +23,21 @@ def _rates_in(mode: int) -> Any:
 
 
 class _Events:
-    """The switching functions of a mode as CVODE takes them, all falling, all terminal."""
+    """The event functions of a mode as CVODE takes them, all falling, all terminal."""
 
     def __init__(self, mode: int) -> None:
-        count = len(SWITCHES[mode])
+        count = len(EVENTS[mode])
         self.terminal, self.direction = [True] * count, [-1] * count
-        wanted = np.array(SWITCHES[mode])
+        wanted = np.array(EVENTS[mode])
 
         @numba.njit(error_model="numpy")
-        def switches_of_mode(t, y, out, data):
+        def events_of_mode(t, y, out, data):
             every = np.empty(3)
-            switches(t, y, data[0], mode, every)
+            event_functions(t, y, data[0], mode, every)
             for i in range(wanted.size):
                 out[i] = every[wanted[i]]
 
-        self.function = switches_of_mode
+        self.function = events_of_mode
 
     def __call__(self, t: float, y: Any, out: Any, data: Any) -> None:
         self.function(t, y, out, data)
@@ -46,7 +47,7 @@ class Sundae(Method):
     """CVODE with one of its multistep families."""
 
     package = "scikit-sundae"
-    formulation = "numba right-hand side and roots, restart at each switch"
+    formulation = "numba right-hand side and roots, restart at each event"
 
     def __init__(self, family: str) -> None:
         self.name, self.family = f"scikit-sundae CVODE {family}", family
@@ -61,7 +62,7 @@ class Sundae(Method):
         def segment(mode: int, t: float, y: Any, p: Any, stop: float, limits: Limits) -> Any:
             solver = CVODE(
                 self._rates[mode], method=self.family, rtol=max(tolerance, 1e-15), atol=tolerance,
-                eventsfn=self._events[mode], num_events=len(SWITCHES[mode]), userdata=(p,),
+                eventsfn=self._events[mode], num_events=len(EVENTS[mode]), userdata=(p,),
                 first_step=limits.first, max_step=limits.longest, max_num_steps=100_000,
             )  # fmt: skip
             run = solver.solve(np.array([t, stop]), y)
@@ -70,6 +71,6 @@ class Sundae(Method):
             if run.i_events is None or len(run.i_events) == 0:
                 return stop, run.y[-1].copy(), None, run.nfev
             which = int(np.flatnonzero(run.i_events[-1])[0])
-            return float(run.t[-1]), run.y[-1].copy(), SWITCHES[mode][which], run.nfev
+            return float(run.t[-1]), run.y[-1].copy(), EVENTS[mode][which], run.nfev
 
         return drive(segment, problem, cases, deadline)

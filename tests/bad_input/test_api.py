@@ -13,7 +13,7 @@ from model.study.identification.band_table import read_bands
 from verification import without_location
 from verification.accuracy import read_tables
 from verification.fuzz import try_sets
-from verification.hard_cases import read_table
+from verification.hard_cases import read_judged
 from verification.independent import solve
 from verification.work_precision import read_timings
 
@@ -140,7 +140,7 @@ def test_a_dataset(tmp_path, make_dataset, make):
     assert "build it again" in str(refusal.value)
 
 
-TABLES = {"hard cases": read_table, "timings": read_timings, "bands": read_bands}
+TABLES = {"hard cases": read_judged, "timings": read_timings, "bands": read_bands}
 
 
 @pytest.mark.parametrize("read", TABLES.values(), ids=list(TABLES))

@@ -3,7 +3,6 @@ import pytest
 
 from benchmarks import modes
 from benchmarks.equations import device
-from benchmarks.problems import W1, W3
 from model import Batch, Parameters, Readings
 from model.physics.compiled import kernel
 from model.physics.motion import motion
@@ -18,6 +17,7 @@ from model.physics.scenes import (
     Mode,
 )
 from model.physics.scenes import RELEASED as CONTACT_RELEASED
+from verification.problems import W1, W3
 
 
 def project_mode(face: int, slip: int) -> Mode:
@@ -45,12 +45,12 @@ def test_the_peers_motion_is_the_projects_in_every_mode(mode: int, case: Paramet
     generator = np.random.default_rng(mode)
     p = np.array(device(case))
     constants = Constants(*Batch.stack([case]).constants(Readings())[0].tolist())
-    rates, functions = np.empty(modes.STATE_SIZE), np.empty(modes.SWITCH_COUNT)
+    rates, functions = np.empty(modes.STATE_SIZE), np.empty(modes.EVENT_COUNT)
     for _ in range(50):
         y = modes.start(case) + generator.normal(scale=0.1, size=modes.STATE_SIZE)
         time = generator.uniform(0.0, 10.0)
         modes.rates(time, y, p, mode, rates)
-        modes.switches(time, y, p, mode, functions)
+        modes.event_functions(time, y, p, mode, functions)
         expected = project_motion(time, State(*y.tolist()), constants, SAME_MODE[mode])
         size = 1.0 + np.abs(rates).max()
         assert np.array_equal(rates[:3], y[3:])

@@ -3,17 +3,20 @@ import json
 import math
 from pathlib import Path
 
-from benchmarks.methods.base import Method
-from benchmarks.precision import Cost, Setting
-from benchmarks.problems import W1, Problem
 from benchmarks.table import rows, text, write
+from model import Settings
+from verification.equal_error import Cost, Setting
+from verification.methods import Method
+from verification.problems import W1, Problem
 
 
 def setting(method: str, problem: str, target: float = 1e-8, reason: str = "") -> Setting:
     made = Method()
     made.name, made.formulation, made.package = method, "as it is", "none"
     number = math.nan if reason else 1e-9
-    return Setting(made, Problem(problem, (W1,), 1.0), target, number, number, reason)
+    return Setting(
+        made, Problem(problem, (W1,), Settings(horizon=1.0)), target, number, number, reason
+    )
 
 
 COSTS = [

@@ -25,12 +25,12 @@ def sets(device):
     return Sets([device] * 4, np.array([2.0, 4.0, 5.0, 10.0]), np.full(4, 1e-9))
 
 
-def found(verdicts):
-    return {verdict.what: verdict for verdict in verdicts}
+def found(checks):
+    return {check.what: check for check in checks}
 
 
-def failing(verdicts):
-    return [verdict.what for verdict in verdicts if verdict.holds is False]
+def failing(checks):
+    return [check.what for check in checks if check.holds is False]
 
 
 def test_agreement_is_told_with_every_set_outside(sets):

@@ -3,10 +3,10 @@
 import pytest
 import xarray as xr
 
-from tests.comparison_data import judged, timed_rungs, wrong_datasets
+from tests.comparison_data import judged, timed_settings, wrong_datasets
 from tests.show.drawn import DURATIONS, grid
 
-__all__ = ["judged", "timed_rungs", "wrong_datasets"]
+__all__ = ["judged", "timed_settings", "wrong_datasets"]
 
 
 @pytest.fixture

@@ -102,7 +102,7 @@ def bases(study, datasets):
 
 
 @pytest.fixture(scope="module")
-def root(study, datasets, lines, bases, timed_rungs, wrong_datasets, judged, tmp_path_factory):
+def root(study, datasets, lines, bases, timed_settings, wrong_datasets, judged, tmp_path_factory):
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
@@ -113,7 +113,7 @@ def root(study, datasets, lines, bases, timed_rungs, wrong_datasets, judged, tmp
     (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
     for folder in ("benchmarks", "figures"):
         (root / folder).mkdir()
-    (root / "benchmarks/precision.csv").write_text(timings_table(timed_rungs), encoding="utf-8")
+    (root / "benchmarks/precision.csv").write_text(timings_table(timed_settings), encoding="utf-8")
     (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
     places = [f"figures/{name}" for name in (*study.figures, "claims", "contact_stiffness")]
     for place in (*places, *PICTURES.values(), *HARD_PICTURES.values()):
@@ -246,12 +246,12 @@ def test_the_moment_of_alignment_of_a_trajectory_is_told(rendered, datasets):
 
 
 def test_speed_against_error_is_told_in_sentences_pictures_and_tables(
-    rendered, study, timed_rungs, wrong_datasets
+    rendered, study, timed_settings, wrong_datasets
 ):
     part = rendered[rendered.index('id="speed"') : rendered.index('id="hard"')]
     text = plain(part)
     titles = {name: case.title for name, case in study.precision.cases.items()}
-    for sentence in advice(timed_rungs, wrong_datasets, titles):
+    for sentence in advice(timed_settings, wrong_datasets, titles):
         assert plain(str(escape(sentence))) in text
     for name, place in PICTURES.items():
         assert CAPTIONS[name] in text

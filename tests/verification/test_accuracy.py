@@ -180,7 +180,7 @@ def test_chunks_that_are_missing_or_different_are_refused(tables):
         read_tables([paths[0], tables["settled"][2][1]])
 
 
-# ----------------------------------------------------------------------------------------- verdicts
+# ----------------------------------------------------------------------------------------- checks
 
 
 def made(**columns):
@@ -204,7 +204,7 @@ def made(**columns):
 
 
 def failing(table):
-    return [verdict.what for verdict in judge_errors(table) if verdict.holds is False]
+    return [check.what for check in judge_errors(table) if check.holds is False]
 
 
 def first(count, value, other):
@@ -262,7 +262,7 @@ def test_what_is_chaotic_may_align_at_one_tolerance_only():
     moving = first(1, Outcome.HORIZON_REACHED, Outcome.ALIGNED)
     chaotic = made(outcome=moving, reason=first(1, Reason.CHAOTIC, Reason.NONE))
     assert failing(chaotic) == []
-    found = {verdict.what: verdict.found for verdict in judge_errors(chaotic)}
+    found = {check.what: check.found for check in judge_errors(chaotic)}
     assert found["sets that are chaotic"] == "1"
     assert found["of those, sets that align at the tight tolerance"] == "1"
 
@@ -293,7 +293,7 @@ def test_a_settled_set_that_goes_elsewhere_is_wrong(later, moved, repeats, wrong
         "repeats": np.array([repeats, -1]),
     }
     assert is_wrong(table).tolist() == [wrong, False]
-    named = {verdict.what: verdict for verdict in judge_settled(table)}["wrongly settled"]
+    named = {check.what: check for check in judge_settled(table)}["wrongly settled"]
     assert named.holds is not wrong
     assert named.found == ("1: sets 0" if wrong else "0")
 

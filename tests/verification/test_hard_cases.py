@@ -12,49 +12,53 @@ from model.study.csv_tables import TableError
 from verification.hard_cases import (
     BATCH,
     DEFAULT,
+    CertainTruth,
     Judged,
     Mark,
-    Run,
-    Truth,
     judge,
     mark_of,
     methods_for,
-    read_table,
+    read_judged,
     table_of,
     true_run,
 )
+from verification.methods import METHODS
 from verification.plans import hard_cases_plan
-from verification.work_precision import METHODS, Passed, Verdict
+from verification.problems import Solution, Verdict
 
 STATE = np.zeros(6)
 NAN = math.nan
-ALIGNS = Truth(Run(Outcome.ALIGNED, 5.0, STATE), 1e-9)
-STAYS = Truth(Run(Outcome.HORIZON_REACHED, NAN, STATE), 1e-9)
-LEAVES = Truth(Run(Outcome.LEFT_SCENE, NAN, STATE), 1e-9)
-WILD = Truth(Run(Outcome.HORIZON_REACHED, NAN, STATE), 0.5)
+ALIGNS = CertainTruth(Outcome.ALIGNED, 5.0, STATE, 1e-9)
+STAYS = CertainTruth(Outcome.HORIZON_REACHED, NAN, STATE, 1e-9)
+LEAVES = CertainTruth(Outcome.LEFT_SCENE, NAN, STATE, 1e-9)
+WILD = CertainTruth(Outcome.HORIZON_REACHED, NAN, STATE, 0.5)
+
+
+def ended(tau, state, evaluations, failure=None):
+    return Solution(np.array([tau]), state.reshape(1, 1, 6), evaluations, failure)
 
 
 @pytest.mark.parametrize(
-    ("passed", "truth", "mark", "verdict", "error"),
+    ("solution", "truth", "mark", "verdict", "error"),
     [
-        (Passed(5.00001, STATE, 1), ALIGNS, Mark.STABLE, Verdict.RIGHT_OUTCOME, 1e-5),
-        (Passed(5.01, STATE, 1), ALIGNS, Mark.INACCURATE, Verdict.RIGHT_OUTCOME, 1e-2),
-        (Passed(NAN, STATE, 1), ALIGNS, Mark.INACCURATE, Verdict.WRONG_OUTCOME, NAN),
-        (Passed(NAN, STATE + 1e-5, 1), STAYS, Mark.STABLE, Verdict.RIGHT_OUTCOME, 1e-5),
-        (Passed(NAN, STATE + 1e-3, 1), STAYS, Mark.INACCURATE, Verdict.RIGHT_OUTCOME, 1e-3),
-        (Passed(3.0, STATE, 1), STAYS, Mark.INACCURATE, Verdict.WRONG_OUTCOME, NAN),
-        (Passed(NAN, STATE * NAN, 1), STAYS, Mark.BROKEN, Verdict.FAILED, NAN),
-        (Passed(NAN, STATE + 1.0, 1), LEAVES, Mark.STABLE, Verdict.RIGHT_OUTCOME, NAN),
-        (Passed(NAN, STATE + 1.0, 1), WILD, Mark.STABLE, Verdict.RIGHT_OUTCOME, NAN),
-        (Passed(NAN, STATE, 1, Verdict.FAILED), STAYS, Mark.BROKEN, Verdict.FAILED, NAN),
+        (ended(5.00001, STATE, 1), ALIGNS, Mark.STABLE, Verdict.RIGHT_OUTCOME, 1e-5),
+        (ended(5.01, STATE, 1), ALIGNS, Mark.INACCURATE, Verdict.RIGHT_OUTCOME, 1e-2),
+        (ended(NAN, STATE, 1), ALIGNS, Mark.INACCURATE, Verdict.WRONG_OUTCOME, NAN),
+        (ended(NAN, STATE + 1e-5, 1), STAYS, Mark.STABLE, Verdict.RIGHT_OUTCOME, 1e-5),
+        (ended(NAN, STATE + 1e-3, 1), STAYS, Mark.INACCURATE, Verdict.RIGHT_OUTCOME, 1e-3),
+        (ended(3.0, STATE, 1), STAYS, Mark.INACCURATE, Verdict.WRONG_OUTCOME, NAN),
+        (ended(NAN, STATE * NAN, 1), STAYS, Mark.BROKEN, Verdict.FAILED, NAN),
+        (ended(NAN, STATE + 1.0, 1), LEAVES, Mark.STABLE, Verdict.RIGHT_OUTCOME, NAN),
+        (ended(NAN, STATE + 1.0, 1), WILD, Mark.STABLE, Verdict.RIGHT_OUTCOME, NAN),
+        (ended(NAN, STATE, 1, Verdict.FAILED), STAYS, Mark.BROKEN, Verdict.FAILED, NAN),
         (
-            Passed(NAN, STATE, 1, Verdict.TOO_MANY_EVALUATIONS), ALIGNS, Mark.BROKEN,
+            ended(NAN, STATE, 1, Verdict.TOO_MANY_EVALUATIONS), ALIGNS, Mark.BROKEN,
             Verdict.TOO_MANY_EVALUATIONS, NAN,
         ),
     ],
 )  # fmt: skip
-def test_a_run_is_marked_by_its_outcome_and_error(passed, truth, mark, verdict, error):
-    found = mark_of(passed, truth, 1e-4)
+def test_a_run_is_marked_by_its_outcome_and_error(solution, truth, mark, verdict, error):
+    found = mark_of(solution, truth, 1e-4)
     assert found[1:] == (verdict, mark)
     assert found[0] == pytest.approx(error, rel=1e-6, nan_ok=True)
 
@@ -105,10 +109,10 @@ def test_a_table_comes_back_as_it_was_written(tmp_path):
     timed, plain = tmp_path / "timed.csv", tmp_path / "plain.csv"
     timed.write_text(table_of(judged, times=True), encoding="utf-8")
     plain.write_text(table_of(judged, times=False), encoding="utf-8")
-    assert [vars(replace(each, error=0.0)) for each in read_table(timed)] == [
+    assert [vars(replace(each, error=0.0)) for each in read_judged(timed)] == [
         vars(replace(each, error=0.0)) for each in judged
     ]
-    assert math.isnan(read_table(plain)[0].microseconds)
+    assert math.isnan(read_judged(plain)[0].microseconds)
     assert "microseconds" not in plain.read_text(encoding="utf-8")
 
 
@@ -117,4 +121,4 @@ def test_what_is_no_such_table_is_refused(tmp_path, text):
     path = tmp_path / "hard_cases.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(TableError, match="build it again"):
-        read_table(path)
+        read_judged(path)

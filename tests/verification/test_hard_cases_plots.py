@@ -6,8 +6,9 @@ import pytest
 
 from model.study.config import load_study, study_path
 from verification.hard_cases import Judged, Mark
+from verification.methods import METHODS
+from verification.problems import Verdict
 from verification.report.hard_cases_plots import _FILLS, cell_text, error_over_stiffness, stability
-from verification.work_precision import METHODS, Verdict
 
 
 def test_every_run_has_a_cell_in_the_colour_of_its_mark(judged):

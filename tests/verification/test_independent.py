@@ -50,7 +50,7 @@ def test_it_agrees_with_the_integrator(device, changes, kinds):
     run = simulate(p, tolerance=1e-13)
     solution = solve(p, run.tau_align + 1.0)
     assert solution.ending == "aligned"
-    assert kinds <= set(solution.switches)
+    assert kinds <= set(solution.events)
     # Both have errors of the order of their tolerance, 1e-13, times an amplification that
     # tau_error shows too.
     assert solution.tau == pytest.approx(run.tau_align, abs=1e-12 + run.tau_error)

@@ -1,4 +1,4 @@
-"""Runs without located switches: what they count, where they stop, what they converge to."""
+"""Runs without event location: what they count, where they stop, what they converge to."""
 
 from math import isnan
 

@@ -1,4 +1,4 @@
-"""The comparison of methods: errors against the truth, rungs that stop, times that are medians."""
+"""The comparison of methods: errors against the truth, settings, times."""
 
 import math
 from pathlib import Path
@@ -13,26 +13,29 @@ from model.study.config import load_study, study_path
 from model.study.csv_tables import TableError
 from model.study.datasets import read_dataset, write_dataset
 from verification import work_precision
+from verification.methods import METHODS
 from verification.plans import PrecisionPlan, precision_plan
+from verification.problems import Floats, Solution, Verdict
 from verification.work_precision import (
-    METHODS,
     CaseError,
-    Passed,
-    Rung,
-    TimedRung,
-    Verdict,
-    climb,
+    Setting,
+    TimedSetting,
+    Truth,
     cpu_microseconds,
     error_of,
+    measured,
     names_of,
     precision_dataset,
-    problem_of,
     read_timings,
     timings_table,
     true_run,
 )
 
 STATE = np.zeros(6)
+
+
+def ended(tau: float, state: Floats, evaluations: int, failure: Verdict | None = None) -> Solution:
+    return Solution(np.array([tau]), state.reshape(1, 1, 6), evaluations, failure)
 
 
 @pytest.fixture(scope="module")
@@ -85,69 +88,61 @@ def test_a_case_that_does_not_do_as_stated_is_refused(plan: PrecisionPlan) -> No
 def test_every_method_comes_near_the_truth_where_the_motion_is_smooth(
     plan: PrecisionPlan, truths: dict[str, Trajectory], method: str
 ) -> None:
-    rungs = list(climb(plan, "aligned", method, truths["aligned"]))
-    assert rungs[0].verdict == Verdict.RIGHT_OUTCOME
-    assert rungs[0].error < 0.1
+    settings = list(measured(plan, "aligned", method, Truth.of(truths["aligned"])))
+    assert settings[0].verdict == Verdict.RIGHT_OUTCOME
+    assert settings[0].error < 0.1
     if METHODS[method].located:
-        assert rungs[-1].error < 1e-5
-    assert [rung.resolution for rung in rungs] == sorted(
-        (rung.resolution for rung in rungs), reverse=True
+        assert settings[-1].error < 1e-5
+    assert [setting.resolution for setting in settings] == sorted(
+        (setting.resolution for setting in settings), reverse=True
     )
 
 
-def test_a_ladder_ends_at_the_first_rung_that_costs_too_much(
+def test_a_ladder_ends_at_the_first_setting_that_costs_too_much(
     plan: PrecisionPlan, truths: dict[str, Trajectory]
 ) -> None:
-    rungs = list(climb(plan, "bouncing", "rk4_fixed", truths["bouncing"]))
-    assert [rung.resolution for rung in rungs] == [0.01, 0.001]
-    assert rungs[0].rhs_evaluations == pytest.approx(4 * 8.01 / 0.01, rel=0.01)
-    assert [rung.verdict for rung in rungs] == [
+    settings = list(measured(plan, "bouncing", "rk4_fixed", Truth.of(truths["bouncing"])))
+    assert [setting.resolution for setting in settings] == [0.01, 0.001]
+    assert settings[0].rhs_evaluations == pytest.approx(4 * 8.01 / 0.01, rel=0.01)
+    assert [setting.verdict for setting in settings] == [
         Verdict.RIGHT_OUTCOME, Verdict.TOO_MANY_EVALUATIONS,
     ]  # fmt: skip
-    (only,) = climb(plan, "sticking", "scipy_rk45", truths["sticking"])
+    (only,) = measured(plan, "sticking", "scipy_rk45", Truth.of(truths["sticking"]))
     assert only.verdict == Verdict.TOO_MANY_EVALUATIONS
     assert only.rhs_evaluations == 2_001
     assert math.isnan(only.error)
 
 
 def test_an_error_is_that_of_the_time_or_of_the_state(truths: dict[str, Trajectory]) -> None:
-    aligned, never = truths["aligned"], truths["never_aligning"]
-    late = Passed(aligned.tau_align + 0.25, STATE, 10)
+    aligned, never = Truth.of(truths["aligned"]), Truth.of(truths["never_aligning"])
+    late = ended(aligned.tau_align + 0.25, STATE, 10)
     assert error_of(late, aligned) == (pytest.approx(0.25), Verdict.RIGHT_OUTCOME)
-    exact, _ = error_of(Passed(aligned.tau_align, STATE, 10), aligned)
+    exact, _ = error_of(ended(aligned.tau_align, STATE, 10), aligned)
     assert 0.0 < exact < 1e-14, "no error is below rounding"
-    off = never.state[-1] + np.array([0.0, 0.0, 0.1, 0.0, -0.3, 0.0])
-    assert error_of(Passed(math.nan, off, 10), never) == (pytest.approx(0.3), 0)
-    for passed, truth in ((Passed(math.nan, STATE, 1), aligned), (late, never)):
-        error, verdict = error_of(passed, truth)
+    off = never.state + np.array([0.0, 0.0, 0.1, 0.0, -0.3, 0.0])
+    assert error_of(ended(math.nan, off, 10), never) == (pytest.approx(0.3), 0)
+    for solution, truth in ((ended(math.nan, STATE, 1), aligned), (late, never)):
+        error, verdict = error_of(solution, truth)
         assert verdict == Verdict.WRONG_OUTCOME
         assert math.isnan(error)
-    failed = Passed(aligned.tau_align, STATE, 10, Verdict.FAILED)
+    failed = ended(aligned.tau_align, STATE, 10, Verdict.FAILED)
     assert error_of(failed, aligned)[1] == Verdict.FAILED
 
 
-def test_neighbours_lie_around_the_case(plan: PrecisionPlan) -> None:
-    problem = problem_of(plan, "sticking")
-    force = problem.parameters.press_force
-    values = problem.neighbours(5).values["press_force"]
-    np.testing.assert_allclose(values, force * np.array([0.99, 0.995, 1.0, 1.005, 1.01]))
-    assert problem.neighbours(1).values["press_force"].tolist() == [force]
-
-
-def rung(case: str, method: str, resolution: float, **changes: object) -> Rung:
+def setting(case: str, method: str, resolution: float, **changes: object) -> Setting:
     values = {"error": 1e-3, "rhs_evaluations": 100, "verdict": Verdict.RIGHT_OUTCOME} | changes
-    return Rung(case, method, resolution, **values)  # type: ignore[arg-type]
+    return Setting(case, method, resolution, **values)  # type: ignore[arg-type]
 
 
-def test_the_dataset_holds_the_rungs(
+def test_the_dataset_holds_the_settings(
     plan: PrecisionPlan, truths: dict[str, Trajectory], tmp_path: Path
 ) -> None:
-    rungs = [
-        rung("aligned", "rk4_fixed", 0.01),
-        rung("aligned", "rk4_fixed", 0.001, error=1e-4, rhs_evaluations=1000),
-        rung("bouncing", "scipy_radau", 1e-4, error=math.nan, verdict=Verdict.WRONG_OUTCOME),
+    settings = [
+        setting("aligned", "rk4_fixed", 0.01),
+        setting("aligned", "rk4_fixed", 0.001, error=1e-4, rhs_evaluations=1000),
+        setting("bouncing", "scipy_radau", 1e-4, error=math.nan, verdict=Verdict.WRONG_OUTCOME),
     ]
-    dataset = precision_dataset(plan, truths, rungs)
+    dataset = precision_dataset(plan, truths, settings)
     assert dataset.sizes == {"case": 4, "method": 9, "rung": 3}
     assert names_of(dataset["case"]) == list(plan.cases)
     assert names_of(dataset["method"]) == list(METHODS)
@@ -203,14 +198,14 @@ def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float])
 
 
 def test_timings_survive_the_disk(tmp_path: Path) -> None:
-    rungs = [
-        TimedRung("aligned", "rk4_fixed", 0.01, 1.234e-3, 100, Verdict.RIGHT_OUTCOME, 12.3),
-        TimedRung("bouncing", "scipy_radau", 1e-4, math.nan, 5, Verdict.FAILED, math.nan),
+    settings = [
+        TimedSetting("aligned", "rk4_fixed", 0.01, 1.234e-3, 100, Verdict.RIGHT_OUTCOME, 12.3),
+        TimedSetting("bouncing", "scipy_radau", 1e-4, math.nan, 5, Verdict.FAILED, math.nan),
     ]
     path = tmp_path / "precision.csv"
-    path.write_text(timings_table(rungs), encoding="utf-8")
+    path.write_text(timings_table(settings), encoding="utf-8")
     first, second = read_timings(path)
-    assert first == rungs[0]
+    assert first == settings[0]
     assert second.verdict == Verdict.FAILED
     assert math.isnan(second.error)
     assert math.isnan(second.microseconds)

@@ -8,7 +8,9 @@ import pytest
 import xarray as xr
 
 from verification.fixed_steps import Wrong
+from verification.methods import METHODS
 from verification.plans import PICTURES
+from verification.problems import Verdict
 from verification.report import work_precision_plots
 from verification.report.work_precision_plots import (
     CAPTIONS,
@@ -18,15 +20,14 @@ from verification.report.work_precision_plots import (
     time_over_error,
     wrong_points,
 )
-from verification.work_precision import METHODS, Verdict
 
 TITLES = {
     "aligned": "slides", "sticking": "sticks", "bouncing": "bounces", "never_aligning": "never",
 }  # fmt: skip
 
 
-def stored(rungs) -> xr.Dataset:
-    """The rungs as the study's dataset holds them."""
+def stored(settings) -> xr.Dataset:
+    """The settings as the study's dataset holds them."""
     cases, methods = list(TITLES), list(METHODS)
     shape = len(cases), len(methods), 4
     columns = {
@@ -36,10 +37,10 @@ def stored(rungs) -> xr.Dataset:
         "verdict": np.full(shape, Verdict.NOT_TRIED),
     }
     filled = np.zeros(shape[:2], int)
-    for rung in rungs:
-        row = cases.index(rung.case), methods.index(rung.method)
+    for setting in settings:
+        row = cases.index(setting.case), methods.index(setting.method)
         for name, column in columns.items():
-            column[(*row, filled[row])] = getattr(rung, name)
+            column[(*row, filled[row])] = getattr(setting, name)
         filled[row] += 1
     return xr.Dataset(
         {name: (("case", "method", "rung"), column) for name, column in columns.items()},
@@ -67,28 +68,28 @@ def test_every_method_and_picture_has_its_look_and_words():
 
 
 @pytest.mark.parametrize("work", ["rhs_evaluations", "microseconds"])
-def test_a_panel_shows_the_right_rungs_of_its_case(timed_rungs, work):
+def test_a_panel_shows_the_right_settings_of_its_case(timed_settings, work):
     if work == "microseconds":
-        figure = time_over_error(timed_rungs, TITLES)
+        figure = time_over_error(timed_settings, TITLES)
     else:
-        figure = evaluations_over_error(stored(timed_rungs), TITLES)
+        figure = evaluations_over_error(stored(timed_settings), TITLES)
     assert len(figure.axes) == len(TITLES)
     points = 0
     for axes, (case, title) in zip(figure.axes, TITLES.items(), strict=True):
         assert title in axes.get_title(loc="left")
         for method in METHODS:
             expected = [
-                (rung.error, getattr(rung, work))
-                for rung in timed_rungs
-                if (rung.case, rung.method) == (case, method)
-                and rung.verdict == Verdict.RIGHT_OUTCOME
+                (setting.error, getattr(setting, work))
+                for setting in timed_settings
+                if (setting.case, setting.method) == (case, method)
+                and setting.verdict == Verdict.RIGHT_OUTCOME
             ]
             assert drawn(axes, method) == expected
             points += len(expected)
     assert points == 19
     assert figure.axes[0].get_xscale() == figure.axes[0].get_yscale() == "log"
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert legend == [METHODS[name].label for name in METHODS if name in PRESENT]
+    assert legend == [METHODS[name].name for name in METHODS if name in PRESENT]
 
 
 PRESENT = {"dop853_located", "rk4_fixed", "scipy_rk45"}
@@ -130,62 +131,62 @@ def test_wrong_points_stand_where_they_are(wrong_datasets):
 # --- What it needs ------------------------------------------------------------------------------
 
 
-def test_what_a_method_needs_is_the_cheapest_rung_that_all_finer_ones_confirm(timed_rungs):
-    need = needs(timed_rungs, 1e-5)
-    assert need["rk4_fixed", "aligned"].rhs_evaluations == 4000, "the lucky rung does not count"
+def test_what_a_method_needs_is_the_cheapest_setting_that_all_finer_ones_confirm(timed_settings):
+    need = needs(timed_settings, 1e-5)
+    assert need["rk4_fixed", "aligned"].rhs_evaluations == 4000, "the lucky setting does not count"
     assert ("rk4_fixed", "sticking") not in need
     assert ("scipy_rk45", "bouncing") not in need
     assert need["dop853_located", "bouncing"].microseconds == 80.0
-    assert needs(timed_rungs, 1e-8)["dop853_located", "bouncing"].resolution == 1e-9
-    assert needs(timed_rungs, 1e-10) == {}
+    assert needs(timed_settings, 1e-8)["dop853_located", "bouncing"].resolution == 1e-9
+    assert needs(timed_settings, 1e-10) == {}
 
 
-def test_a_wrong_outcome_at_a_finer_rung_takes_the_coarser_ones_away(timed_rungs):
-    rungs = [
-        replace(rung, verdict=Verdict.WRONG_OUTCOME, error=math.nan)
-        if (rung.method, rung.resolution) == ("dop853_located", 1e-9)
-        else rung
-        for rung in timed_rungs
+def test_a_wrong_outcome_at_a_finer_setting_takes_the_coarser_ones_away(timed_settings):
+    settings = [
+        replace(setting, verdict=Verdict.WRONG_OUTCOME, error=math.nan)
+        if (setting.method, setting.resolution) == ("dop853_located", 1e-9)
+        else setting
+        for setting in timed_settings
     ]
-    assert ("dop853_located", "aligned") not in needs(rungs, 1e-5)
+    assert ("dop853_located", "aligned") not in needs(settings, 1e-5)
 
 
 # --- Advice -------------------------------------------------------------------------------------
 
 
-def test_advice_names_what_was_measured(timed_rungs, wrong_datasets):
-    numbers, scans, fixed = advice(timed_rungs, wrong_datasets, TITLES)
-    label = METHODS["dop853_located"].label
+def test_advice_names_what_was_measured(timed_settings, wrong_datasets):
+    numbers, scans, fixed = advice(timed_settings, wrong_datasets, TITLES)
+    label = METHODS["dop853_located"].name
     assert f"choose {label}: it keeps the true error below 10⁻⁸ in every case, at 160 µs" in (
         numbers
     )
-    assert "no method without located switches gets there in any case" in numbers
+    assert "no method without event location gets there in any case" in numbers
     assert "choose the same at a looser tolerance, 80 µs" in scans
     assert "scipy's solvers takes 50 times as long, and gets there in 1 of 4 cases" in scans
-    assert "no method without located switches is faster in any case" in scans
+    assert "no method without event location is faster in any case" in scans
     assert fixed.endswith(
         "RK4 gets wrong 38 % of Fig. 6 and 38 % of Fig. 13 with h = 0.01, "
         "12 % of Fig. 6 and 12 % of Fig. 13 with h = 0.001."
     )
 
 
-def test_advice_changes_with_what_was_measured(timed_rungs, wrong_datasets):
+def test_advice_changes_with_what_was_measured(timed_settings, wrong_datasets):
     """Another method is named where it is better, and rivals where they are faster."""
     better = [
-        replace(rung, method="dormand_prince_located", microseconds=10.0)
-        for rung in timed_rungs
-        if (rung.method, rung.resolution) == ("dop853_located", 1e-6)
+        replace(setting, method="dormand_prince_located", microseconds=10.0)
+        for setting in timed_settings
+        if (setting.method, setting.resolution) == ("dop853_located", 1e-6)
     ]
     quick = [
-        replace(rung, microseconds=5.0)
-        if (rung.method, rung.resolution) == ("rk4_fixed", 0.001)
-        else rung
-        for rung in timed_rungs
+        replace(setting, microseconds=5.0)
+        if (setting.method, setting.resolution) == ("rk4_fixed", 0.001)
+        else setting
+        for setting in timed_settings
     ]
     _, scans, _ = advice(quick + better, wrong_datasets, TITLES)
-    assert f"choose {METHODS['dormand_prince_located'].label} at a looser" in scans
+    assert f"choose {METHODS['dormand_prince_located'].name} at a looser" in scans
     assert "RK4, fixed steps is faster where it slides" in scans
-    none = [rung for rung in timed_rungs if rung.case != "bouncing"]
+    none = [setting for setting in timed_settings if setting.case != "bouncing"]
     numbers, scans, _ = advice(none, wrong_datasets, TITLES)
     assert numbers == "No method keeps the true error below 10⁻⁸ in every case."
     assert scans == "No method keeps the true error below 10⁻⁵ in every case."

@@ -1,43 +1,49 @@
-"""An independent solution of the alignment runs, to judge the integrator by.
+"""Runs of the independent solution: events, and the modes that follow them.
 
-Everything is stated a second time and shares no code with the floors below: vectors of the plane
-are complex numbers, a contact is a place, a tangent and a normal, forces act by r × F, and the
-switches are sought on scipy's dense output of its own DOP853, in many more places of a step, and
-then met by integrating up to them. Slow, and for the consistent readings and the full scene only.
+It shares no code with ``model``. Events are sought on the dense output of scipy's DOP853, at many
+more places of a step, and then met by integrating up to them. Slow; for the consistent readings and
+the full scene only.
 """
 
-import cmath
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
 from model.physics.parameters import Parameters
+from verification.independent.motion import (
+    LEFT,
+    RIGHT,
+    Body,
+    Device,
+    Mode,
+    State,
+    Touch,
+    body,
+    highest,
+)
 
-State = NDArray[np.float64]
 Function = Callable[[Any, State], Any]
 
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
-RIGHT, LEFT = 1, -1
 _NODES = np.concatenate([[0.0, 1e-4, 1e-3, 1e-2], np.linspace(1 / 24, 1.0, 24)])
-_ON_ZERO = 1e-9  # a switching function below this, as a mode begins, begins on its zero
+_ON_ZERO = 1e-9  # a event function below this, as a mode begins, begins on its zero
 _AT_REST = 1e-11
 _NO_LOAD = 1e-11
 _FLAT = 1e-8  # a part tilted by less stands on its edge
 _MOMENT = 1e-5
 _FIRST_STEP = 1e-3
-_MOST_SWITCHES = 100_000
+_MOST_EVENTS = 100_000
 
 
 class Solution(NamedTuple):
-    """How the independent run ended: ``tau`` of alignment, else NaN; the switches met, in order.
+    """Result of a run: ``tau`` of alignment, else NaN; the events met, in order.
 
     ``ending`` is "aligned", "horizon", or what made the part leave the scene.
     """
@@ -45,56 +51,10 @@ class Solution(NamedTuple):
     ending: str
     time: float
     tau: float
-    switches: tuple[str, ...]
+    events: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Mode:
-    """States of the contacts, "on", "off" or "released", and signs of the slips (0 sticks)."""
-
-    edge: int = RIGHT
-    face: str = "on"
-    corner: str = "off"
-    offset: float = 0.0
-    slip_at_corner: bool = False
-    slides: int = 0
-    side: str = "off"
-    side_slides: int = 0
-
-
-class _Body(NamedTuple):
-    """Mass centre, direction e_t of the bottom face, their rates: complex, scalar or arrays."""
-
-    centre: Any
-    along: Any
-    velocity: Any
-    turn: Any
-
-
-class _Touch(NamedTuple):
-    """A contact: place from the centre, tangent, normal, load, slip, and its free drift."""
-
-    place: Any
-    tangent: Any
-    normal: Any
-    depth: Any
-    load: Any
-    slip: Any
-    drift: Any
-
-
-def _dot(a: Any, b: Any) -> Any:
-    return (a * b.conjugate()).real
-
-
-def _body(z: State) -> _Body:
-    if z.ndim == 1:
-        x, y, tilt, x_rate, y_rate, turn = z.tolist()
-        return _Body(complex(x, y), cmath.exp(1j * tilt), complex(x_rate, y_rate), turn)
-    return _Body(z[0] + 1j * z[1], np.exp(1j * z[2]), z[3] + 1j * z[4], z[5])
-
-
-def _with(mode: _Mode, what: str, state: str) -> _Mode:
+def _with(mode: Mode, what: str, state: str) -> Mode:
     """The mode with another state of one contact; a corner that opens forgets its offset."""
     if what == "face":
         return replace(mode, face=state)
@@ -103,161 +63,21 @@ def _with(mode: _Mode, what: str, state: str) -> _Mode:
     return replace(mode, corner=state, offset=mode.offset if state != "off" else 0.0)
 
 
-def _highest(*values: Any) -> Any:
-    return np.maximum.reduce(values)
-
-
-class _Device:
-    """The device and its equations of motion, for one parameter set."""
-
-    def __init__(self, p: Parameters) -> None:
-        self.p = p
-        self.a, self.b, self.l = p.half_width, p.half_height, p.slot_half_width
-        self.rest = complex(
-            p.misalignment if p.rest_x is None else p.rest_x,
-            p.half_height if p.rest_y is None else p.rest_y,
-        )
-
-    def edge_on_face(self, side: int, at: _Body) -> _Touch:
-        place = side * self.l - at.centre
-        return self._touch(at, place, at.along, 1j * at.along, self.b, fixed_to_base=True)
-
-    def edge_on_side(self, at: _Body) -> _Touch:
-        place = -self.l - at.centre
-        return self._touch(at, place, 1j * at.along, at.along, self.a, fixed_to_base=True)
-
-    def corner_on_flat(self, side: int, at: _Body, offset: float) -> _Touch:
-        place = complex(side * self.a, -self.b) * at.along
-        depth = -at.centre.imag - offset
-        return self._touch(at, place, 1.0 + 0.0j, 1.0j, depth, fixed_to_base=False)
-
-    def _touch(
-        self, at: _Body, place: Any, tangent: Any, normal: Any, reach: Any, *, fixed_to_base: bool
-    ) -> _Touch:
-        """Depth is how far the base's point lies inside; an edge stays while the part moves by."""
-        of_part = at.velocity + 1j * at.turn * place
-        depth = reach + _dot(place, normal) if fixed_to_base else reach - _dot(place, normal)
-        load = self.p.contact_stiffness * depth - self.p.contact_damping * _dot(of_part, normal)
-        if fixed_to_base:
-            drift = at.turn * (_dot(of_part, 1j * tangent) - _dot(1j * at.velocity, tangent))
-        else:
-            drift = -at.turn * at.turn * _dot(place, tangent)
-        return _Touch(place, tangent, normal, depth, load, _dot(of_part, tangent), drift)
-
-    def corner(self, side: int, at: _Body) -> Any:
-        return at.centre + complex(side * self.a, -self.b) * at.along
-
-    def depths(self, side: int, at: _Body) -> tuple[Any, Any, Any, Any]:
-        """How deep an edge is behind the bottom, left, right and top face."""
-        place = (side * self.l - at.centre) * at.along.conjugate()
-        return self.b + place.imag, self.a + place.real, self.a - place.real, self.b - place.imag
-
-    def not_aligned(self, at: _Body) -> Any:
-        """Negative with A1 beyond B1 and B2 in the slot."""
-        corner = self.corner(LEFT, at)
-        return _highest(self.depths(RIGHT, at)[2], -corner.real - self.l, corner.imag)
-
-    def rates(self, time: Any, z: State, mode: _Mode) -> tuple[Any, ...]:
-        """(acceleration, angular one, support, side, their frictions, their slip accelerations).
-
-        ``support`` is a list of (contact, share of the friction); the first one's slip counts.
-        """
-        p, at = self.p, _body(z)
-        support = []
-        if mode.face == "on":
-            support.append(self.edge_on_face(mode.edge, at))
-        if mode.corner == "on":
-            support.append(self.corner_on_flat(mode.edge, at, mode.offset))
-        total = sum(touch.load for touch in support)
-        shares = [touch.load / total if len(support) > 1 else 1.0 for touch in support]
-        if mode.slip_at_corner:
-            support.reverse()
-            shares.reverse()
-        side = [self.edge_on_side(at)] if mode.side == "on" else []
-        beside = side[0].load if side else 0.0
-        groups = [
-            (support, shares, mode.slides, total),
-            (side, [1.0] * len(side), mode.side_slides, beside),
-        ]
-
-        spring = self.rest - at.centre
-        force = (
-            p.lateral_stiffness * spring.real
-            - p.lateral_damping * at.velocity.real
-            + 1j
-            * (
-                spring.imag
-                - p.axial_damping * at.velocity.imag
-                - p.press_force
-                - np.sin(p.frequency * time + p.phase)
-            )
-        )
-        moment = p.tilt_stiffness * (p.rest_tilt - z[2]) - p.tilt_damping * at.turn
-        frictions: list[Any] = [0.0, 0.0]
-        for i, (touches, weights, slides, load) in enumerate(groups):
-            frictions[i] = -slides * p.friction * load
-            for touch, weight in zip(touches, weights, strict=True):
-                push = touch.load * touch.normal + frictions[i] * weight * touch.tangent
-                force = force + push
-                moment = moment + (touch.place.conjugate() * push).imag
-
-        def slip_rate(i: int, force: Any, moment: Any) -> Any:
-            first = groups[i][0][0]
-            return _dot(force + 1j * first.place * moment / p.inertia, first.tangent)
-
-        def unit(i: int) -> tuple[Any, Any]:
-            touches, weights = groups[i][0], groups[i][1]
-            pairs = list(zip(touches, weights, strict=True))
-            return (
-                sum(weight * touch.tangent for touch, weight in pairs),
-                sum(weight * (touch.place.conjugate() * touch.tangent).imag
-                    for touch, weight in pairs),
-            )  # fmt: skip
-
-        stuck = [i for i in (0, 1) if groups[i][0] and groups[i][2] == 0 and p.friction > 0.0]
-        drives = {i: slip_rate(i, force, moment) + groups[i][0][0].drift
-                  for i in (0, 1) if groups[i][0]}  # fmt: skip
-        if len(stuck) == 1:
-            (i,) = stuck
-            extra = {i: -drives[i] / slip_rate(i, *unit(i))}
-        elif stuck:
-            g00, g01 = slip_rate(0, *unit(0)), slip_rate(0, *unit(1))
-            g10, g11 = slip_rate(1, *unit(0)), slip_rate(1, *unit(1))
-            det = g00 * g11 - g01 * g10
-            extra = {
-                0: (g01 * drives[1] - g11 * drives[0]) / det,
-                1: (g10 * drives[0] - g00 * drives[1]) / det,
-            }
-        else:
-            extra = {}
-        for i, friction in extra.items():
-            one_force, one_moment = unit(i)
-            force = force + friction * one_force
-            moment = moment + friction * one_moment
-            frictions[i] = frictions[i] + friction
-        drives = {i: slip_rate(i, force, moment) + groups[i][0][0].drift for i in drives}
-        return force, moment / p.inertia, groups, frictions, drives
-
-    def derivative(self, time: float, z: State, mode: _Mode) -> State:
-        force, turn, *_ = self.rates(time, z, mode)
-        return np.array([z[3], z[4], z[5], force.real, force.imag, turn])
-
-
 class _Run:
     """One run of a device: its modes one after the other."""
 
-    def __init__(self, device: _Device, tolerance: float) -> None:
+    def __init__(self, device: Device, tolerance: float) -> None:
         self.device, self.tolerance = device, tolerance
 
-    def functions(self, mode: _Mode) -> dict[str, Function]:
-        """Switching functions of the mode by name, positive while it holds; arrays are fine."""
+    def functions(self, mode: Mode) -> dict[str, Function]:
+        """Return the event functions of the mode by name, positive while it holds."""
         d = self.device
         found: dict[str, Function] = {}
 
-        def add(name: str, function: Callable[[Any, State, _Body], Any]) -> None:
-            found[name] = lambda time, z: function(time, z, _body(z))
+        def add(name: str, function: Callable[[Any, State, Body], Any]) -> None:
+            found[name] = lambda time, z: function(time, z, body(z))
 
-        def contact(name: str, state: str, touch: Callable[[_Body], _Touch]) -> None:
+        def contact(name: str, state: str, touch: Callable[[Body], Touch]) -> None:
             if state == "on":
                 add(f"{name} load", lambda _t, _z, at: touch(at).load)
             elif state == "released":
@@ -289,24 +109,24 @@ class _Run:
         add("overturned", lambda _t, z, _at: 0.5 * math.pi - 1e-3 - abs(z[2]))
         return found
 
-    def _add_corner(self, side: int, name: str, faced: bool, mode: _Mode, add: Any) -> None:
+    def _add_corner(self, side: int, name: str, faced: bool, mode: Mode, add: Any) -> None:
         d = self.device
 
-        def beside(at: _Body) -> tuple[Any, Any]:
+        def beside(at: Body) -> tuple[Any, Any]:
             corner = d.corner(side, at)
             return d.l - side * corner.real, corner.imag
 
-        def lands(_time: Any, z: State, at: _Body) -> Any:
+        def lands(_time: Any, z: State, at: Body) -> Any:
             place = complex(side * d.a, -d.b) * at.along
             rising = (at.velocity + 1j * at.turn * place).imag
-            return _highest(*beside(at), side * z[2] + _FLAT, rising)
+            return highest(*beside(at), side * z[2] + _FLAT, rising)
 
         if side == RIGHT or mode.side == "off":  # else B2 has come through the slot's wall
             add(f"{name} lands", lands)
         if not faced:
-            add(f"{name} wall", lambda _t, z, at: _highest(*beside(at), -side * z[2] - _FLAT))
+            add(f"{name} wall", lambda _t, z, at: highest(*beside(at), -side * z[2] - _FLAT))
 
-    def _add_friction(self, mode: _Mode, found: dict[str, Function]) -> None:
+    def _add_friction(self, mode: Mode, found: dict[str, Function]) -> None:
         mu = self.device.p.friction
         if mu == 0.0:
             return
@@ -323,9 +143,9 @@ class _Run:
             found[name] = margin
 
     def first(
-        self, sol: Any, start: float, end: float, mode: _Mode, muted: str
+        self, sol: Any, start: float, end: float, mode: Mode, muted: str
     ) -> tuple[str, float] | None:
-        """The earliest switch on the dense output ``sol`` between two times.
+        """Return the earliest event on the dense output ``sol`` between two times.
 
         The ``muted`` one changed nothing where the mode began: it counts once it has been positive.
         """
@@ -345,10 +165,10 @@ class _Run:
         reach = self.device.l - p.misalignment
         y = (self.device.b - reach * math.sin(p.initial_tilt)) / math.cos(p.initial_tilt)
         z = np.array([p.misalignment, y, p.initial_tilt, 0.0, 0.0, 0.0])
-        mode, time = self.decided(0.0, z, _Mode(), True, False), 0.0
+        mode, time = self.decided(0.0, z, Mode(), True, False), 0.0
         met: list[str] = []
         muted = ""
-        while len(met) < _MOST_SWITCHES:
+        while len(met) < _MOST_EVENTS:
             began = time
             name, time, z = self.segment(time, z, mode, horizon, muted)
             if not name:
@@ -363,9 +183,9 @@ class _Run:
         return Solution("endless", time, math.nan, tuple(met))
 
     def segment(
-        self, time: float, z: State, mode: _Mode, end: float, muted: str
+        self, time: float, z: State, mode: Mode, end: float, muted: str
     ) -> tuple[str, float, State]:
-        """Integrate in one mode up to its switch: (name or "", time, state)."""
+        """Integrate in one mode up to its event: (name or "", time, state)."""
 
         def derivative(t: float, y: State) -> State:
             return self.device.derivative(t, y, mode)
@@ -390,7 +210,7 @@ class _Run:
             state = solve_ivp(
                 derivative, (solver.t_old, met), before, method="DOP853", **options
             ).y[:, -1]
-            # What the dense output leaves of the switching function: one step of Newton's.
+            # One step of Newton's method takes out the error of the dense output.
             function, near = self.functions(mode)[name], 1e-4 * (solver.t - solver.t_old)
             slope = float(function(met + near, sol(met + near)) - function(met, sol(met))) / near
             move = -float(function(met, state)) / slope if slope else 0.0
@@ -400,11 +220,11 @@ class _Run:
         return "", end, solver.y
 
     def decided(
-        self, time: float, z: State, mode: _Mode, support_rests: bool, side_rests: bool
-    ) -> _Mode:
-        """The mode with friction that fits the slips: at rest the first that is consistent."""
+        self, time: float, z: State, mode: Mode, support_rests: bool, side_rests: bool
+    ) -> Mode:
+        """Return the mode whose friction fits the slips: at rest the first that is consistent."""
         at_corner = mode.corner == "on" and (mode.slip_at_corner or mode.face != "on")
-        # What stuck at one place may slip at the other.
+        # A contact that stuck at one place may slip at the other.
         support_rests = support_rests and at_corner == mode.slip_at_corner
         mode = replace(mode, slip_at_corner=at_corner)
         mu = self.device.p.friction
@@ -426,7 +246,7 @@ class _Run:
             trial = replace(mode, slides=slides, side_slides=side_slides)
             at, now = z, time
             holds = True
-            if unloaded:  # nothing decides yet: look a moment ahead
+            if unloaded:  # decide by the state a moment ahead
                 at, now = z.copy(), time + _MOMENT
                 rate = self.device.derivative(time, z, trial)
                 at[:3] += _MOMENT * (z[3:] + 0.5 * _MOMENT * rate[3:])
@@ -434,7 +254,7 @@ class _Run:
                 frictions = self.device.rates(time, z, trial)[3]
                 for i, slide in enumerate((slides, side_slides)):
                     if rests[i] and not slide and groups[i][3] <= _NO_LOAD:
-                        holds &= abs(frictions[i]) <= _NO_LOAD  # it holds nothing
+                        holds &= abs(frictions[i]) <= _NO_LOAD  # an unloaded contact
             _, _, ahead, frictions, drives = self.device.rates(now, at, trial)
             for i, slide in enumerate((slides, side_slides)):
                 if rests[i] and slide:
@@ -446,14 +266,14 @@ class _Run:
                 return trial
         raise ArithmeticError("no friction fits the slips")
 
-    def _next(self, time: float, z: State, was: _Mode, mode: _Mode) -> _Mode:
-        """A contact that sticks goes on sticking if friction still suffices."""
+    def _next(self, time: float, z: State, was: Mode, mode: Mode) -> Mode:
+        """Return ``decided`` where a contact that sticks goes on if friction still suffices."""
         rests = was.slides == 0 and "on" in (was.face, was.corner)
         return self.decided(time, z, mode, rests, was.side == "on" and was.side_slides == 0)
 
-    def after(self, name: str, time: float, z: State, mode: _Mode) -> _Mode | str:
-        """What follows a switch: a mode, or the end's name."""
-        d, at = self.device, _body(z)
+    def after(self, name: str, time: float, z: State, mode: Mode) -> Mode | str:
+        """Return the mode that follows an event, or the name of the end."""
+        d, at = self.device, body(z)
         if name in ("aligned", "overturned", "left wall", "right wall", "face far"):
             return name
         if name == "face end":
@@ -480,10 +300,10 @@ class _Run:
         return changed if name in ("face gap", "side gap") else self._next(time, z, mode, changed)
 
     def _after_meeting(
-        self, event: str, side: int, time: float, z: State, mode: _Mode
-    ) -> _Mode | str:
+        self, event: str, side: int, time: float, z: State, mode: Mode
+    ) -> Mode | str:
         """An edge enters through the face behind which it is least deep, or a corner lands."""
-        d, at = self.device, _body(z)
+        d, at = self.device, body(z)
         elsewhere = mode.edge != side and (mode.face != "off" or mode.corner != "off")
         bottom, left, right, top = d.depths(side, at)
         if event == "lands":
@@ -496,7 +316,7 @@ class _Run:
             return "other face"
         return "both sides" if elsewhere else self._next(time, z, mode, met)
 
-    def _after_slip(self, beside: bool, time: float, z: State, mode: _Mode) -> _Mode:
+    def _after_slip(self, beside: bool, time: float, z: State, mode: Mode) -> Mode:
         sticks = (mode.side_slides if beside else mode.slides) == 0
         if sticks:
             frictions = self.device.rates(time, z, mode)[3]
@@ -514,7 +334,7 @@ def _at(function: Function, sol: Any, time: float) -> float:
 def _crossing(
     function: Callable[[float], float], times: State, values: State, muted: bool
 ) -> float | None:
-    """The first time at which a sampled function falls through zero."""
+    """Return the time of the first down-crossing of a sampled function, or None."""
     first = 0
     if values[0] <= _ON_ZERO:  # a mode may begin on a zero of its own functions, or beyond it
         if not muted and values[1] < min(values[0], 0.0) and values[2] < values[1]:
@@ -543,7 +363,7 @@ def _crossing(
 def solve(
     parameters: Parameters, horizon: float, tolerance: float = SMALLEST_TOLERANCE
 ) -> Solution:
-    """The independent solution for one parameter set (consistent readings, alignment scene).
+    """Solve for one parameter set (consistent readings, alignment scene).
 
     Args:
         parameters: the device, tilted toward the slot at the start or upright.
@@ -559,4 +379,4 @@ def solve(
             f"initial_tilt = {parameters.initial_tilt!r}: must be >= 0 for the independent "
             "solution, which starts on the edge"
         )
-    return _Run(_Device(parameters), tolerance).align(horizon)
+    return _Run(Device(parameters), tolerance).align(horizon)

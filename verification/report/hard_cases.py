@@ -8,10 +8,10 @@ from markupsafe import Markup
 
 from model.show.report.section import Results, Section, settings_of, subscripts
 from model.study.config import HardCase
-from verification.hard_cases import BATCH, DEFAULT, Judged, Mark, read_table
+from verification.hard_cases import BATCH, DEFAULT, Judged, Mark, read_judged
+from verification.methods import METHODS
 from verification.plans import HARD_PICTURES
 from verification.report.hard_cases_plots import CAPTIONS
-from verification.work_precision import METHODS
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def section(results: Results) -> Section:
     """Return the section on hard cases."""
     spec = results.study.hard_cases
     cases = spec.all_cases
-    judged = read_table(results.file("benchmarks/hard_cases.csv"))
+    judged = read_judged(results.file("benchmarks/hard_cases.csv"))
     content = {
         "spec": spec,
         "sentences": [_counted(name, judged) for name in METHODS],
@@ -51,8 +51,8 @@ def section(results: Results) -> Section:
             for case in cases.values()
             if case.max_evaluations
         ],
-        "labels": {name: method.label for name, method in METHODS.items()}
-        | {BATCH: "batch engine (Taylor series), switches located"},
+        "labels": {name: method.name for name, method in METHODS.items()}
+        | {BATCH: "batch engine (Taylor series), events located"},
     }
     return Section("hard", "Hard cases", Path(__file__).with_suffix(".html.j2"), content)
 
@@ -60,7 +60,7 @@ def section(results: Results) -> Section:
 def _counted(method: str, judged: Sequence[Judged]) -> str:
     marks = [each.mark for each in judged if each.method == method]
     counts = ", ".join(f"{marks.count(mark)} {mark.value}" for mark in Mark)
-    return f"{METHODS[method].label}: {counts}."
+    return f"{METHODS[method].name}: {counts}."
 
 
 def _row(name: str, case: HardCase, judged: Sequence[Judged]) -> CaseRow:

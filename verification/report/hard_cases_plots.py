@@ -11,11 +11,12 @@ from matplotlib.patches import Patch, Rectangle
 from model.show import style
 from model.study.config import HardCases
 from verification.hard_cases import Judged, Mark
+from verification.methods import METHODS
+from verification.problems import Verdict
 from verification.report.work_precision_plots import LOOKS
-from verification.work_precision import METHODS, Verdict
 
 CAPTIONS: Mapping[str, str] = {
-    "stability": "What each method makes of each hard case. A number is the power of ten of the "
+    "stability": "Result of each method on each hard case. A number is the power of ten of the "
     "error; W a wrong outcome, N more evaluations than it may, F a failure; a dot a right outcome "
     "without an error to measure.",
     "stiffness": "Error at the end over the stiffness of the base, by its damping. A method that "
@@ -42,7 +43,7 @@ _WORDS: Mapping[Verdict, str] = {
 
 
 def cell_text(judged: Judged) -> str:
-    """What stands in a cell of the picture."""
+    """Return the text of a cell of the picture."""
     if judged.verdict != Verdict.RIGHT_OUTCOME:
         return _WORDS[judged.verdict]
     if math.isnan(judged.error):
@@ -75,7 +76,7 @@ def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
             )  # fmt: skip
         axes.set_xlim(0.0, len(methods))
         axes.set_ylim(len(cases), 0.0)
-        labels = [METHODS[method].label.replace(", ", ",\n") for method in methods]
+        labels = [METHODS[method].name.replace(", ", ",\n") for method in methods]
         axes.set_xticks([i + 0.5 for i in range(len(methods))], labels, fontsize=7.0, rotation=60)
         axes.set_yticks(
             [i + 0.5 for i in range(len(cases))],
@@ -124,7 +125,7 @@ def error_over_stiffness(judged: Sequence[Judged], spec: HardCases) -> Figure:
         corner.set_ylabel(f"error at τ = {base.until:g}")
         figure.supxlabel("stiffness of the base $k_a$", fontsize=9.0)
         handles = [
-            Line2D([], [], label=METHODS[method].label, **look)
+            Line2D([], [], label=METHODS[method].name, **look)
             for method, look in LOOKS.items()
             if method in met
         ]

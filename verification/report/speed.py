@@ -10,9 +10,10 @@ from model.show.report.section import Results, Section, Table, link, settings_of
 from model.show.words import figure_title, number
 from model.study.config import Study
 from verification.fixed_steps import wrong_counts
+from verification.methods import METHODS
 from verification.plans import PICTURES
 from verification.report.work_precision_plots import CAPTIONS, COARSE, FINE, Need, advice, needs
-from verification.work_precision import METHODS, TimedRung, read_timings
+from verification.work_precision import TimedSetting, read_timings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,17 +24,17 @@ _SCHEME_WORDS = {"rk4": "RK4", "semi_implicit_euler": "semi-implicit Euler"}
 def section(results: Results) -> Section:
     """Return the section on speed against error."""
     study = results.study
-    rungs = read_timings(results.file("benchmarks/precision.csv"))
+    settings = read_timings(results.file("benchmarks/precision.csv"))
     wrong = {
         name: results.dataset(f"data/fixed_steps/{name}.nc")
         for name in study.precision.fixed_steps.figures
     }
     titles = {name: case.title for name, case in study.precision.cases.items()}
     content = {
-        "sentences": advice(rungs, wrong, titles),
+        "sentences": advice(settings, wrong, titles),
         "cases": _cases(study),
         "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
-        "tables": [(target, _needed(rungs, target, titles)) for target in (COARSE, FINE)],
+        "tables": [(target, _needed(settings, target, titles)) for target in (COARSE, FINE)],
         "wrong": _wrong(wrong),
         "tau_tolerance": study.precision.fixed_steps.tau_tolerance,
     }
@@ -55,12 +56,12 @@ def _cases(study: Study) -> Table:
     )
 
 
-def _needed(rungs: Sequence[TimedRung], target: float, titles: Mapping[str, str]) -> Table:
-    need = needs(rungs, target)
+def _needed(settings: Sequence[TimedSetting], target: float, titles: Mapping[str, str]) -> Table:
+    need = needs(settings, target)
     return Table(
         ("method", *(f">{title}" for title in titles.values())),
         [
-            (method.label, *(_cell(need.get((name, case))) for case in titles))
+            (method.name, *(_cell(need.get((name, case))) for case in titles))
             for name, method in METHODS.items()
         ],
     )

@@ -18,7 +18,9 @@ from model.show import style
 from model.show.axes import axis_label, cell_edges
 from model.show.words import percent, power, short
 from verification.fixed_steps import Wrong, wrong_counts
-from verification.work_precision import METHODS, Rung, Scipy, TimedRung, Verdict, names_of
+from verification.methods import METHODS
+from verification.problems import Verdict
+from verification.work_precision import Setting, TimedSetting, names_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,26 +45,26 @@ LOOKS: Mapping[str, Mapping[str, Any]] = {
 
 CAPTIONS: Mapping[str, str] = {
     "evaluations": "Evaluations of the equations of motion over the true error. A method that does "
-    "not locate its switches needs ever more of them for each digit as soon as the part sticks or "
-    "bounces.",
+    "not locate events needs ever more of them for each digit as soon as the part sticks or "
+    "lifts off.",
     "times": "CPU time of one trajectory over the true error, as measured in this build on this "
     "machine: neighbouring parameter sets on one core, median of repeats.",
-    "wrong_points": "What fixed steps make of two figures: points at which RK4 without located "
-    "switches ends otherwise, or aligns at another time, than with all switches located.",
+    "wrong_points": "Fixed steps on two figures: points at which RK4 without event "
+    "location ends otherwise, or aligns at another time, than with all events located.",
 }
 
 
 # --- Work over error ----------------------------------------------------------------------------
 
 
-def rungs_of(dataset: "xr.Dataset") -> list[Rung]:
-    """The rungs that a dataset of the comparison holds, in order."""
+def settings_of(dataset: "xr.Dataset") -> list[Setting]:
+    """The settings that a dataset of the comparison holds, in order."""
     cases, methods = names_of(dataset["case"]), names_of(dataset["method"])
     columns = {
         name: dataset[name].values for name in ("resolution", "error", "rhs_evaluations", "verdict")
     }
     return [
-        Rung(
+        Setting(
             case=cases[place[0]],
             method=methods[place[1]],
             resolution=float(columns["resolution"][place]),
@@ -78,18 +80,20 @@ def rungs_of(dataset: "xr.Dataset") -> list[Rung]:
 def evaluations_over_error(dataset: "xr.Dataset", titles: Mapping[str, str]) -> Figure:
     """Right-hand-side evaluations over true error, a panel for each case."""
     label = "evaluations of the equations of motion"
-    rungs = rungs_of(dataset)
-    return _work_over_error(rungs, [rung.rhs_evaluations for rung in rungs], titles, label)
+    settings = settings_of(dataset)
+    return _work_over_error(
+        settings, [setting.rhs_evaluations for setting in settings], titles, label
+    )
 
 
-def time_over_error(rungs: Sequence[TimedRung], titles: Mapping[str, str]) -> Figure:
+def time_over_error(settings: Sequence[TimedSetting], titles: Mapping[str, str]) -> Figure:
     """CPU time of a trajectory over true error, a panel for each case."""
     label = "CPU time of a trajectory (µs)"
-    return _work_over_error(rungs, [rung.microseconds for rung in rungs], titles, label)
+    return _work_over_error(settings, [setting.microseconds for setting in settings], titles, label)
 
 
 def _work_over_error(
-    rungs: Sequence[Rung], work: Sequence[float], titles: Mapping[str, str], label: str
+    settings: Sequence[Setting], work: Sequence[float], titles: Mapping[str, str], label: str
 ) -> Figure:
     with style.context():
         rows = math.ceil(len(titles) / 2)
@@ -98,8 +102,8 @@ def _work_over_error(
         for place, (case, title) in enumerate(titles.items()):
             axes = panels.flat[place]
             axes.set_title(f"$\\bf{{{ascii_lowercase[place]}}}$  {title}", loc="left")
-            chosen = [rung.case == case for rung in rungs]
-            _draw_case(axes, list(compress(rungs, chosen)), list(compress(work, chosen)))
+            chosen = [setting.case == case for setting in settings]
+            _draw_case(axes, list(compress(settings, chosen)), list(compress(work, chosen)))
         for axes in panels.flat[len(titles) :]:
             axes.set_visible(False)
         corner = panels[0, 0]
@@ -108,22 +112,25 @@ def _work_over_error(
         corner.invert_xaxis()
         figure.supxlabel("true error (more accurate to the right)", fontsize=9.0)
         figure.supylabel(label, fontsize=9.0)
-        figure.legend(handles=_handles(rungs), loc="outside upper center", ncols=2)
+        figure.legend(handles=_handles(settings), loc="outside upper center", ncols=2)
         return figure
 
 
-def _draw_case(axes: Axes, rungs: Sequence[Rung], work: Sequence[float]) -> None:
-    """A line for each method; a rung with the wrong outcome has no error and no point."""
+def _draw_case(axes: Axes, settings: Sequence[Setting], work: Sequence[float]) -> None:
+    """A line for each method; a setting with the wrong outcome has no error and no point."""
     for method, look in LOOKS.items():
-        drawn = [rung.method == method and rung.verdict == Verdict.RIGHT_OUTCOME for rung in rungs]
-        errors = [rung.error for rung in compress(rungs, drawn)]
+        drawn = [
+            setting.method == method and setting.verdict == Verdict.RIGHT_OUTCOME
+            for setting in settings
+        ]
+        errors = [setting.error for setting in compress(settings, drawn)]
         axes.plot(errors, list(compress(work, drawn)), label=method, **look)
 
 
-def _handles(rungs: Iterable[Rung]) -> list[Line2D]:
-    met = {rung.method for rung in rungs}
+def _handles(settings: Iterable[Setting]) -> list[Line2D]:
+    met = {setting.method for setting in settings}
     return [
-        Line2D([], [], label=METHODS[method].label, **look)
+        Line2D([], [], label=METHODS[method].name, **look)
         for method, look in LOOKS.items()
         if method in met
     ]
@@ -133,7 +140,7 @@ def _handles(rungs: Iterable[Rung]) -> list[Line2D]:
 
 
 def wrong_points(datasets: Sequence["xr.Dataset"]) -> Figure:
-    """Which points of each figure come out wrong with RK4: a row for each step."""
+    """Draw the points of each figure that come out wrong with RK4: a row for each step."""
     steps = datasets[0]["step"].values
     with style.context():
         figure = style.new_figure(height=(1.5 + 6.5 * len(steps)) * style.CENTIMETRE)
@@ -212,7 +219,7 @@ def _wrong_handles(tau_tolerance: float) -> list[Line2D | Patch]:
     return [
         Line2D([], [], label=f"$τ$ off by more than {tau_tolerance:g}", **_TIME_LOOK),
         Line2D([], [], label=WRONG_OUTCOME_LABEL, **_OUTCOME_LOOK),
-        Line2D([], [], label="right, all switches located", **_LOCATED_LOOK),
+        Line2D([], [], label="right, all events located", **_LOCATED_LOOK),
         Patch(facecolor=_NOT_ALIGNED_SHADE, label="does not align"),
     ]
 
@@ -222,35 +229,35 @@ def _wrong_handles(tau_tolerance: float) -> list[Line2D | Patch]:
 
 @dataclass(frozen=True)
 class Need:
-    """The cheapest rung from which on a method keeps within an error, on one case."""
+    """The cheapest setting from which on a method keeps within an error, on one case."""
 
     rhs_evaluations: int
     microseconds: float
     resolution: float
 
 
-def needs(rungs: Sequence[TimedRung], target: float) -> dict[tuple[str, str], Need]:
+def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, str], Need]:
     """By (method, case), what it takes to keep the true error at ``target`` or below.
 
-    A rung counts only if all finer ones keep within the target too: an error that passes through
+    A setting counts only if all finer ones keep within the target too: an error that passes through
     zero is luck. Where a method does not get there, it has no entry.
     """
     found: dict[tuple[str, str], Need] = {}
     for method in METHODS:
-        for case in dict.fromkeys(rung.case for rung in rungs):
+        for case in dict.fromkeys(setting.case for setting in settings):
             ladder = [
-                rung
-                for rung in rungs
-                if (rung.method, rung.case) == (method, case)
-                and rung.verdict != Verdict.TOO_MANY_EVALUATIONS
+                setting
+                for setting in settings
+                if (setting.method, setting.case) == (method, case)
+                and setting.verdict != Verdict.TOO_MANY_EVALUATIONS
             ]
-            kept: list[TimedRung] = []
-            for rung in reversed(ladder):
-                if not rung.error <= target:  # NaN where the outcome is wrong
+            kept: list[TimedSetting] = []
+            for setting in reversed(ladder):
+                if not setting.error <= target:  # NaN where the outcome is wrong
                     break
-                kept.append(rung)
+                kept.append(setting)
             if kept:
-                least = min(kept, key=lambda rung: rung.rhs_evaluations)
+                least = min(kept, key=lambda setting: setting.rhs_evaluations)
                 found[method, case] = Need(
                     least.rhs_evaluations, least.microseconds, least.resolution
                 )
@@ -263,16 +270,16 @@ FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared
 
 
 def advice(
-    rungs: Sequence[TimedRung], wrong: Mapping[str, "xr.Dataset"], titles: Mapping[str, str]
+    settings: Sequence[TimedSetting], wrong: Mapping[str, "xr.Dataset"], titles: Mapping[str, str]
 ) -> tuple[str, str, str]:
     """Three sentences that say what to choose when, from what was measured.
 
     Args:
-        rungs: every method on every case.
+        settings: every method on every case.
         wrong: by figure, its dataset with fixed steps.
         titles: of the cases.
     """
-    fine, coarse = needs(rungs, FINE), needs(rungs, COARSE)
+    fine, coarse = needs(settings, FINE), needs(settings, COARSE)
     cases = list(titles)
     best_fine, best_coarse = _fastest(fine, cases), _fastest(coarse, cases)
     without = [name for name, method in METHODS.items() if not method.located]
@@ -282,20 +289,20 @@ def advice(
     else:
         numbers = (
             f"For numbers that are compared, fitted or differentiated, choose "
-            f"{METHODS[best_fine].label}: it keeps the true error below {power(FINE)} in every "
+            f"{METHODS[best_fine].name}: it keeps the true error below {power(FINE)} in every "
             f"case, at {_range(fine, best_fine, cases)} µs a trajectory, "
         )
         if reached:
             numbers += (
-                f"where methods without located switches get there in {len(reached)} of "
+                f"where methods without event location get there in {len(reached)} of "
                 f"{len(cases)} cases ({', '.join(reached)})"
             )
         else:
-            numbers += "where no method without located switches gets there in any case"
+            numbers += "where no method without event location gets there in any case"
     if best_coarse is None:
         scans = f"No method keeps the true error below {power(COARSE)} in every case"
     else:
-        same = "the same" if best_coarse == best_fine else METHODS[best_coarse].label
+        same = "the same" if best_coarse == best_fine else METHODS[best_coarse].name
         scans = (
             f"For scans and maps, where {power(COARSE)} will do, choose {same} at a looser "
             f"tolerance, {_range(coarse, best_coarse, cases)} µs a trajectory; "
@@ -321,7 +328,7 @@ def _range(need: Mapping[tuple[str, str], Need], method: str, cases: Sequence[st
 
 
 def _against_scipy(need: Mapping[tuple[str, str], Need], best: str, cases: Sequence[str]) -> str:
-    solvers = [name for name, method in METHODS.items() if isinstance(method, Scipy)]
+    solvers = [name for name, method in METHODS.items() if method.package == "scipy"]
     ratios = []
     for case in cases:
         costs = [need[name, case].microseconds for name in solvers if (name, case) in need]
@@ -340,14 +347,14 @@ def _faster_without(
     need: Mapping[tuple[str, str], Need], best: str, titles: Mapping[str, str]
 ) -> str:
     faster = [
-        f"{method.label} is faster where it {title}"
+        f"{method.name} is faster where it {title}"
         for name, method in METHODS.items()
         for case, title in titles.items()
         if not method.located
         and (name, case) in need
         and need[name, case].microseconds < need[best, case].microseconds
     ]
-    return "; ".join(faster) or "no method without located switches is faster in any case"
+    return "; ".join(faster) or "no method without event location is faster in any case"
 
 
 def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:
@@ -362,6 +369,6 @@ def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:
             shares.append(f"{percent(share)} of Fig. {int(figure.removeprefix('fig'))}")
         parts.append(f"{' and '.join(shares)} with h = {step:g}")
     return (
-        "Choose fixed steps without located switches for a first look only: of the points, RK4 "
+        "Choose fixed steps without event location for a first look only: of the points, RK4 "
         f"gets wrong {', '.join(parts)}"
     )

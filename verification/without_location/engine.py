@@ -1,14 +1,13 @@
-"""What a code without located switches does: the rival that the study measures itself against.
+"""Engine without event location: runs as a code has them that knows no modes.
 
-One right-hand side for every state, without modes: a contact presses wherever its depth is
-positive, with n = max(0, load), and rubs with -μ n sign(slip). It has kinks where a contact begins
-or ends and jumps where a slip reverses, and the integrator steps across them unaware. It cannot
-stick: at rest the friction force flips sign from step to step.
+One right-hand side holds for every state: a contact presses wherever its depth is positive, with
+n = max(0, load), and its friction is -μ n sign(slip). It has kinks where a contact begins or ends
+and jumps where a slip reverses, and the integrator steps across them. It cannot stick: at rest the
+friction force changes its sign from step to step.
 
-Contacts and forces are those of the physics floor. Where the located mode remembers how a contact
-began, this must guess from the state: A1 inside the part presses on the bottom face, A2 on the
-nearer of bottom and left side, and a corner on the flat takes up what goes deeper than its edge
-already does.
+Contacts and forces are those of ``model.physics``. A mode holds how a contact began; this engine
+infers it from the state: A1 inside the part presses on the bottom face, A2 on the nearer of bottom
+and left side, and a corner on the flat only by the depth beyond that of its edge.
 """
 
 from math import isfinite, nan
@@ -49,7 +48,7 @@ _BISECTIONS = 60
 
 
 class Passage(NamedTuple):
-    """How an unlocated run ended.
+    """Result of a run.
 
     ``tau_align`` is NaN unless the part fell in by ``time``, the end; ``evaluations`` counts
     right-hand sides; ``finished`` is 0.0 where the evaluations ran out first.
@@ -145,7 +144,7 @@ def outside(y, p):
 
 @kernel
 def _has_left(y, p):
-    """Whether the part is off the edge A1, away from the slot, or overturned."""
+    """Return whether the part is off the edge A1, away from the slot, or overturned."""
     q = state_of(y)
     _, left, _, _ = edge_inside(RIGHT_EDGE, outline(q, p), p)
     return left < 0.0 or abs(q.tilt) > LARGEST_TILT or not isfinite(q.x + q.y + q.tilt)
@@ -210,7 +209,7 @@ def _copy(state, into):
 
 @kernel
 def _fixed_steps(scheme, h, p, method, horizon, max_evaluations, y, k, y_end):
-    """Equal steps; whether the part has fallen in is looked at when a step has ended."""
+    """Take equal steps; the fall into the slot is noticed at the end of a step."""
     cost = method.stages if scheme == RK4_STEPS else 1
     time, steps = 0.0, 0
     while horizon - time > 1e-9 * h:
@@ -234,7 +233,7 @@ def _fixed_steps(scheme, h, p, method, horizon, max_evaluations, y, k, y_end):
 
 @kernel
 def _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y, k, y_end):
-    """Steps to a tolerance; only the fall is located, on the continuous extension."""
+    """Take steps to a tolerance; only the fall is located, on the continuous extension."""
     time, h, evaluations = 0.0, _FIRST_STEP, 1
     while time < horizon:
         if evaluations + method.stages > max_evaluations:

@@ -1,7 +1,4 @@
-"""Runs without located switches, and their right-hand side for other solvers.
-
-The study measures its own runs against these; see solver/unlocated.py for what they do.
-"""
+"""Runs without event location, and their right-hand side for other solvers; see ``engine``."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -38,7 +35,7 @@ _PASSAGE = len(Passage._fields)
 
 @dataclass(frozen=True)
 class Runs:
-    """Results of a batch without located switches; dimensionless, in the order of the batch.
+    """Results of a batch without event location; dimensionless, in the order of the batch.
 
     ``tau_align``, ``time`` (of the end), ``rhs_evaluations`` and ``finished`` have shape (n,),
     ``state`` (n, 6). ``tau_align`` is NaN where the part did not fall in; ``finished`` is False
@@ -61,14 +58,14 @@ def align(
     horizon: float = 300.0,
     max_evaluations: int = 20_000_000,
 ) -> Runs:
-    """Run every parameter set of ``batch`` without locating any switch but the fall.
+    """Run every parameter set of ``batch`` without locating any event but the fall.
 
     Args:
         batch: a ``Batch``, or a sequence of ``Parameters``.
         scheme: "rk4" and "semi_implicit_euler" take equal steps and look for the fall at their
             ends; "dormand_prince" adapts its steps and locates the fall within one.
         resolution: length of a fixed step, or tolerance relative to 1 + |state|.
-        readings: how the paper's equations are read, consistently by default.
+        readings: variant of the equations, the consistent one by default.
         horizon: latest time.
         max_evaluations: most right-hand-side evaluations of a run.
 
@@ -114,7 +111,7 @@ class InitialValueProblem:
 def initial_value_problem(
     parameters: Parameters, readings: Readings | None = None
 ) -> InitialValueProblem:
-    """``parameters`` as a problem whose right-hand side does not depend on a mode."""
+    """Return ``parameters`` as a problem whose right-hand side does not depend on a mode."""
     row = Batch.stack([parameters]).constants(readings or Readings())[0]
     # A run that may evaluate nothing ends where it starts.
     start = align([parameters], "rk4", 1.0, readings=readings, max_evaluations=0).state[0]

@@ -5,7 +5,7 @@ from typing import Literal
 
 from model.show.style import save
 from model.study.config import HardCases
-from verification.hard_cases import read_table
+from verification.hard_cases import read_judged
 from verification.report.hard_cases_plots import error_over_stiffness, stability
 
 
@@ -13,7 +13,7 @@ def run(
     picture: Literal["stability", "stiffness"], spec: HardCases, judged: Path, pictures: list[Path]
 ) -> None:
     """Draw ``picture`` from the table of all methods and cases."""
-    rows = read_table(judged)
+    rows = read_judged(judged)
     if picture == "stability":
         figure = stability(rows, {name: case.title for name, case in spec.all_cases.items()})
     else:

@@ -5,24 +5,31 @@ from typing import Any
 
 from model.study.datasets import write_dataset
 from model.tracking.provenance import write_text
+from verification.methods import METHODS
 from verification.plans import PrecisionPlan
-from verification.work_precision import METHODS, climb, precision_dataset, timings_table, true_run
+from verification.work_precision import (
+    Truth,
+    measured,
+    precision_dataset,
+    timings_table,
+    true_run,
+)
 
 
 def run(plan: PrecisionPlan, data: Path, times: Path) -> dict[str, Any]:
     """Run every method on every case with every setting."""
     truths = {case: true_run(plan, case) for case in plan.cases}
-    rungs = [
-        rung
+    settings = [
+        each
         for case in plan.cases
         for method in METHODS
-        for rung in climb(plan, case, method, truths[case])
+        for each in measured(plan, case, method, Truth.of(truths[case]))
     ]
-    write_dataset(precision_dataset(plan, truths, rungs), data)
-    write_text(timings_table(rungs), times)
+    write_dataset(precision_dataset(plan, truths, settings), data)
+    write_text(timings_table(settings), times)
     counts = {
-        "trajectories": len(rungs),
-        "rhs_evaluations": sum(rung.rhs_evaluations for rung in rungs),
+        "trajectories": len(settings),
+        "rhs_evaluations": sum(each.rhs_evaluations for each in settings),
     }
-    settings = plan.settings.model_dump(mode="json")
-    return {"sweep": plan.identity, "settings": settings, "counts": counts}
+    stated = plan.settings.model_dump(mode="json")
+    return {"sweep": plan.identity, "settings": stated, "counts": counts}

@@ -1,4 +1,4 @@
-"""Run random sets over the whole domain of the parameters and report every property they break."""
+"""Campaign of `make fuzz`: run random sets and print every property that they break."""
 
 import argparse
 import sys

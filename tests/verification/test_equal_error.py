@@ -3,9 +3,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from benchmarks.methods.base import Method, NotReachedError, Solution, drive
-from benchmarks.modes import FACE_END, OPEN, SLIDE_NEGATIVE
-from benchmarks.precision import (
+from model import Parameters, Settings
+from verification.equal_error import (
     LOOSEST,
     TIGHTEST,
     Cost,
@@ -16,8 +15,8 @@ from benchmarks.precision import (
     time_in_turn,
     tolerance_of,
 )
-from benchmarks.problems import W1, W2, Problem
-from model import Parameters
+from verification.methods import Method, NotReachedError
+from verification.problems import W1, W2, Problem, Solution
 
 
 def proportional(factor: float) -> Callable[[int], float]:
@@ -65,21 +64,21 @@ class Pretended(Method):
 
     def solve(
         self,
-        problem: Problem,  # noqa: ARG002 - the interface
+        problem: Problem,
         cases: Sequence[Parameters],
         tolerance: float,
-        deadline: float,  # noqa: ARG002
+        deadline: float,  # noqa: ARG002 - the interface
     ) -> Solution:
         if self.fails:
             raise NotReachedError("out of time")
         self.calls.append((len(cases), tolerance))
-        return Solution(np.full((len(cases), 1), 5.0 + tolerance), 10 * len(cases))
+        return problem.solution(np.full((len(cases), 1), 5.0 + tolerance), 10 * len(cases))
 
 
 @pytest.fixture
 def problem(monkeypatch: pytest.MonkeyPatch) -> Problem:
     monkeypatch.setattr(Problem, "truth", property(lambda _: np.full((2, 1), 5.0)))
-    return Problem("p", (W1, W2), 1.0)
+    return Problem("p", (W1, W2), Settings(horizon=1.0))
 
 
 def test_a_setting_holds_the_error_measured_at_its_tolerance(problem: Problem) -> None:
@@ -118,36 +117,12 @@ def test_a_method_that_fails_on_the_batch_is_told_apart_and_keeps_its_place(
     assert second.microseconds > 0.0
 
 
-def test_the_shared_loop_switches_and_stops_at_alignment() -> None:
-    modes = []
-
-    def segment(mode, t, y, *_):
-        modes.append(mode)
-        if t == 0.0:  # slides, then the load vanishes with the gap open
-            y = y.copy()
-            y[1] += 0.1
-            return 0.5, y, 0, 3
-        y = y.copy()
-        y[0], y[1], y[2] = 0.0, 0.9, 0.0  # inside the slot
-        return 0.75, y, FACE_END, 4
-
-    solution = drive(segment, Problem("p", (W1,), 10.0), [W1], deadline=np.inf)
-    assert modes == [SLIDE_NEGATIVE, OPEN]
-    assert solution.answers.tolist() == [[0.75]]
-    assert solution.evaluations == 7
-
-
-def test_the_shared_loop_gives_up_on_endless_switching() -> None:
-    def segment(_, t, y, *__):
-        return t, y, 0, 1
-
-    with pytest.raises(NotReachedError, match="endless"):
-        drive(segment, Problem("p", (W1,), 10.0), [W1], deadline=np.inf)
-
-
 def test_what_keeps_a_tighter_target_at_less_cost_keeps_the_looser_one() -> None:
     one, other = Pretended(), Pretended()
-    first, second = Problem("first", (W1,), 10.0), Problem("second", (W2,), 10.0)
+    first, second = (
+        Problem("first", (W1,), Settings(horizon=10.0)),
+        Problem("second", (W2,), Settings(horizon=10.0)),
+    )
 
     def cost(method: Method, problem: Problem, target: float, microseconds: float) -> Cost:
         return Cost(Setting(method, problem, target, target, target / 2.0), microseconds, 1.0)

@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 
-from benchmarks.methods.base import typical_error
-from benchmarks.problems import (
+from model import Outcome, Parameters, Scene, Settings, align, simulate
+from model.study.config import load_study, study_path
+from verification.methods import typical_error
+from verification.problems import (
     W1,
     W2,
     W3,
@@ -11,8 +13,6 @@ from benchmarks.problems import (
     neighbours,
     only_right_edge,
 )
-from model import Outcome, Parameters, Scene, align, simulate
-from model.study.config import load_study, study_path
 
 EDGE_ONLY = Scene("edge_only", frozenset({"edge_on_face"}))
 
@@ -62,11 +62,11 @@ def test_neighbours_begin_with_the_cases_themselves_and_differ() -> None:
 
 
 def test_a_batch_has_as_many_neighbours_of_each_case() -> None:
-    assert len(Problem("p", (W1, W2, W3), 1.0).batch(256)) == 258
+    assert len(Problem("p", (W1, W2, W3), Settings(horizon=1.0)).batch(256)) == 258
 
 
 def test_a_case_stands_in_for_neighbours_that_ask_for_other_work() -> None:
-    batch = Problem("p", (W1, W2), 10.0).batch(6)
+    batch = Problem("p", (W1, W2), Settings(horizon=10.0)).batch(6)
     assert len(set(batch[::2])) == 3
     assert batch[1::2] == (W2, W2, W2)  # which does not align
 

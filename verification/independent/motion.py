@@ -1,0 +1,212 @@
+"""The model stated a second time, to judge the package by: contacts, forces and friction.
+
+It shares no code with ``model``. Vectors of the plane are complex numbers, a contact is a place, a
+tangent and a normal, and forces act by r × F. Consistent readings and the full scene only.
+"""
+
+import cmath
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.physics.parameters import Parameters
+
+State = NDArray[np.float64]
+RIGHT, LEFT = 1, -1
+
+
+@dataclass(frozen=True)
+class Mode:
+    """States of the contacts, "on", "off" or "released", and signs of the slips (0 sticks)."""
+
+    edge: int = RIGHT
+    face: str = "on"
+    corner: str = "off"
+    offset: float = 0.0
+    slip_at_corner: bool = False
+    slides: int = 0
+    side: str = "off"
+    side_slides: int = 0
+
+
+class Body(NamedTuple):
+    """Mass centre, direction e_t of the bottom face, their rates: complex, scalar or arrays."""
+
+    centre: Any
+    along: Any
+    velocity: Any
+    turn: Any
+
+
+class Touch(NamedTuple):
+    """A contact: place from the centre, tangent, normal, load, slip, and its free drift."""
+
+    place: Any
+    tangent: Any
+    normal: Any
+    depth: Any
+    load: Any
+    slip: Any
+    drift: Any
+
+
+def dot(a: Any, b: Any) -> Any:
+    """Return the scalar product of two vectors."""
+    return (a * b.conjugate()).real
+
+
+def body(z: State) -> Body:
+    """Return the part in a state, shape (6,), or in many, shape (6, n)."""
+    if z.ndim == 1:
+        x, y, tilt, x_rate, y_rate, turn = z.tolist()
+        return Body(complex(x, y), cmath.exp(1j * tilt), complex(x_rate, y_rate), turn)
+    return Body(z[0] + 1j * z[1], np.exp(1j * z[2]), z[3] + 1j * z[4], z[5])
+
+
+def highest(*values: Any) -> Any:
+    """Return the largest of the values, element by element."""
+    return np.maximum.reduce(values)
+
+
+class Device:
+    """The device and its equations of motion, for one parameter set."""
+
+    def __init__(self, p: Parameters) -> None:
+        self.p = p
+        self.a, self.b, self.l = p.half_width, p.half_height, p.slot_half_width
+        self.rest = complex(
+            p.misalignment if p.rest_x is None else p.rest_x,
+            p.half_height if p.rest_y is None else p.rest_y,
+        )
+
+    def edge_on_face(self, side: int, at: Body) -> Touch:
+        """Return the contact of an edge with the bottom face."""
+        place = side * self.l - at.centre
+        return self._touch(at, place, at.along, 1j * at.along, self.b, fixed_to_base=True)
+
+    def edge_on_side(self, at: Body) -> Touch:
+        """Return the contact of A2 with the left side face."""
+        place = -self.l - at.centre
+        return self._touch(at, place, 1j * at.along, at.along, self.a, fixed_to_base=True)
+
+    def corner_on_flat(self, side: int, at: Body, offset: float) -> Touch:
+        """Return the contact of a bottom corner with the flat, ``offset`` below it."""
+        place = complex(side * self.a, -self.b) * at.along
+        depth = -at.centre.imag - offset
+        return self._touch(at, place, 1.0 + 0.0j, 1.0j, depth, fixed_to_base=False)
+
+    def _touch(
+        self, at: Body, place: Any, tangent: Any, normal: Any, reach: Any, *, fixed_to_base: bool
+    ) -> Touch:
+        """Return a contact; an edge is fixed to the base and a corner to the part."""
+        of_part = at.velocity + 1j * at.turn * place
+        depth = reach + dot(place, normal) if fixed_to_base else reach - dot(place, normal)
+        load = self.p.contact_stiffness * depth - self.p.contact_damping * dot(of_part, normal)
+        if fixed_to_base:
+            drift = at.turn * (dot(of_part, 1j * tangent) - dot(1j * at.velocity, tangent))
+        else:
+            drift = -at.turn * at.turn * dot(place, tangent)
+        return Touch(place, tangent, normal, depth, load, dot(of_part, tangent), drift)
+
+    def corner(self, side: int, at: Body) -> Any:
+        """Return the place of a bottom corner."""
+        return at.centre + complex(side * self.a, -self.b) * at.along
+
+    def depths(self, side: int, at: Body) -> tuple[Any, Any, Any, Any]:
+        """Return the depth of an edge behind the bottom, left, right and top face."""
+        place = (side * self.l - at.centre) * at.along.conjugate()
+        return self.b + place.imag, self.a + place.real, self.a - place.real, self.b - place.imag
+
+    def not_aligned(self, at: Body) -> Any:
+        """Return a level that is negative with A1 beyond B1 and B2 in the slot."""
+        corner = self.corner(LEFT, at)
+        return highest(self.depths(RIGHT, at)[2], -corner.real - self.l, corner.imag)
+
+    def rates(self, time: Any, z: State, mode: Mode) -> tuple[Any, ...]:
+        """Return (acceleration, angular one, contacts, frictions, slip accelerations).
+
+        Contacts are two groups, support and side: (contacts, their shares of the friction, sign of
+        the slip, load); the slip of the first contact counts.
+        """
+        p, at = self.p, body(z)
+        support = []
+        if mode.face == "on":
+            support.append(self.edge_on_face(mode.edge, at))
+        if mode.corner == "on":
+            support.append(self.corner_on_flat(mode.edge, at, mode.offset))
+        total = sum(touch.load for touch in support)
+        shares = [touch.load / total if len(support) > 1 else 1.0 for touch in support]
+        if mode.slip_at_corner:
+            support.reverse()
+            shares.reverse()
+        side = [self.edge_on_side(at)] if mode.side == "on" else []
+        beside = side[0].load if side else 0.0
+        groups = [
+            (support, shares, mode.slides, total),
+            (side, [1.0] * len(side), mode.side_slides, beside),
+        ]
+
+        spring = self.rest - at.centre
+        force = (
+            p.lateral_stiffness * spring.real
+            - p.lateral_damping * at.velocity.real
+            + 1j
+            * (
+                spring.imag
+                - p.axial_damping * at.velocity.imag
+                - p.press_force
+                - np.sin(p.frequency * time + p.phase)
+            )
+        )
+        moment = p.tilt_stiffness * (p.rest_tilt - z[2]) - p.tilt_damping * at.turn
+        frictions: list[Any] = [0.0, 0.0]
+        for i, (touches, weights, slides, load) in enumerate(groups):
+            frictions[i] = -slides * p.friction * load
+            for touch, weight in zip(touches, weights, strict=True):
+                push = touch.load * touch.normal + frictions[i] * weight * touch.tangent
+                force = force + push
+                moment = moment + (touch.place.conjugate() * push).imag
+
+        def slip_rate(i: int, force: Any, moment: Any) -> Any:
+            first = groups[i][0][0]
+            return dot(force + 1j * first.place * moment / p.inertia, first.tangent)
+
+        def unit(i: int) -> tuple[Any, Any]:
+            touches, weights = groups[i][0], groups[i][1]
+            pairs = list(zip(touches, weights, strict=True))
+            return (
+                sum(weight * touch.tangent for touch, weight in pairs),
+                sum(weight * (touch.place.conjugate() * touch.tangent).imag
+                    for touch, weight in pairs),
+            )  # fmt: skip
+
+        stuck = [i for i in (0, 1) if groups[i][0] and groups[i][2] == 0 and p.friction > 0.0]
+        drives = {i: slip_rate(i, force, moment) + groups[i][0][0].drift
+                  for i in (0, 1) if groups[i][0]}  # fmt: skip
+        if len(stuck) == 1:
+            (i,) = stuck
+            extra = {i: -drives[i] / slip_rate(i, *unit(i))}
+        elif stuck:
+            g00, g01 = slip_rate(0, *unit(0)), slip_rate(0, *unit(1))
+            g10, g11 = slip_rate(1, *unit(0)), slip_rate(1, *unit(1))
+            det = g00 * g11 - g01 * g10
+            extra = {
+                0: (g01 * drives[1] - g11 * drives[0]) / det,
+                1: (g10 * drives[0] - g00 * drives[1]) / det,
+            }
+        else:
+            extra = {}
+        for i, friction in extra.items():
+            one_force, one_moment = unit(i)
+            force = force + friction * one_force
+            moment = moment + friction * one_moment
+            frictions[i] = frictions[i] + friction
+        drives = {i: slip_rate(i, force, moment) + groups[i][0][0].drift for i in drives}
+        return force, moment / p.inertia, groups, frictions, drives
+
+    def derivative(self, time: float, z: State, mode: Mode) -> State:
+        """Return dz/dτ, shape (6,)."""
+        force, turn, *_ = self.rates(time, z, mode)
+        return np.array([z[3], z[4], z[5], force.real, force.imag, turn])
