@@ -49,6 +49,7 @@ class Result:
         line: makes the printed line of a value; None where none is printed.
         estimated: it comes from a comparison of several runs, not from one of them.
         stored: datasets hold it.
+        wide: a count that datasets hold in eight bytes.
     """
 
     explanation: str
@@ -59,6 +60,7 @@ class Result:
     line: Callable[[Any], str] | None = "{:.7g}".format
     estimated: bool = False
     stored: bool = True
+    wide: bool = False
 
     @property
     def meaning(self) -> str:
@@ -154,7 +156,7 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
     rhs_evaluations: Annotated[
         Count,
         Result("evaluations of the equations of motion; of all runs of a parameter set",
-               line="{} (of the equations of motion)".format),
+               line="{} (of the equations of motion)".format, wide=True),
     ]  # fmt: skip
     period: Annotated[
         Count,
@@ -167,7 +169,10 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
 
 _TABLE = {each.name: get_args(each.type) for each in fields(Results)}
 RESULTS: Mapping[str, Result] = {name: described for name, (_, described) in _TABLE.items()}
-KINDS: Mapping[str, Kind] = {name: _KINDS[kind] for name, (kind, _) in _TABLE.items()}
+KINDS: Mapping[str, Kind] = {
+    name: _KINDS[kind]._replace(stored=np.int64) if result.wide else _KINDS[kind]
+    for name, (kind, result) in _TABLE.items()
+}
 
 # What engines tell of a run besides: the time of its end, steps rejected, rows of a full track.
 _BESIDES = ("time", "rejected", "tracked")

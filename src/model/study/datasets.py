@@ -76,17 +76,12 @@ def parameter_attributes(name: str) -> dict[str, Any]:
     return {"long_name": field.description, "symbol": field.symbol, "units": "1"}
 
 
-def _stored(name: str) -> type[np.generic]:
-    """Return the type in which a result is stored: one-byte flags, four-byte counts."""
-    return np.int64 if name == "rhs_evaluations" else KINDS[name].stored
-
-
 def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.Dataset:
     """Run one chunk of a sweep; its variables lie over ``point``, the flat index into the grid."""
     points = sweep.points_of_chunk(chunk, chunks)
     results = align(sweep.batch(points), sweep.settings.settings, cores=cores)
     return xr.Dataset(
-        {name: (POINT, getattr(results, name).astype(_stored(name))) for name in VARIABLES},
+        {name: (POINT, getattr(results, name).astype(KINDS[name].stored)) for name in VARIABLES},
         coords={POINT: points},
         attrs={"figure": sweep.figure, "sweep": sweep.identity, "chunk": chunk, "chunks": chunks},
     )
