@@ -1,4 +1,4 @@
-"""``vibralign assess``: what it says of a device, in which units, and what it refuses."""
+"""``vibralign assess``: output, its units, and refusals."""
 
 import json
 from pathlib import Path
@@ -46,7 +46,7 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     assert record["leeways"][0]["high"] == 5.0
 
 
-def test_a_start_that_fails_is_named_with_what_to_do(capsys):
+def test_a_failing_start_is_named_with_a_remedy(capsys):
     assert assess(*COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8") == cli.DONE
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("not reliable    aligns from 0 of 32 starts")

@@ -1,4 +1,4 @@
-"""``vibralign map``: what it writes, what it refuses before it computes, and its bar."""
+"""``vibralign map``: output, refusals before anything is computed, and progress bar."""
 
 import sys
 from pathlib import Path
@@ -113,7 +113,7 @@ def test_bad_input_is_refused_in_one_line_before_anything_is_computed(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_map_that_is_interrupted_leaves_the_old_one(tmp_path, capsys, monkeypatch):
+def test_an_interrupted_map_leaves_the_old_file(tmp_path, capsys, monkeypatch):
     old = tmp_path / "map.nc"
     old.write_text("old")
 
@@ -133,7 +133,7 @@ def test_a_missing_package_is_named(tmp_path, capsys, monkeypatch):
     assert "map needs no_such_package, not installed" in capsys.readouterr().err
 
 
-def test_the_bar_shows_at_a_terminal_how_much_of_a_wave_is_left(capsys, monkeypatch):
+def test_the_bar_shows_the_rest_of_a_wave_at_a_terminal(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     bar = map_commands._Bar()
     bar("paper", 0, 400)

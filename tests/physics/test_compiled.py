@@ -1,4 +1,4 @@
-"""The folder of compiled kernels."""
+"""Compiled kernels: their cache folder, and the numba that they need."""
 
 import gc
 import os
@@ -64,7 +64,7 @@ def test_a_kernel_becomes_machine_code_where_python_calls_it(empty, monkeypatch)
 
 
 @pytest.mark.usefixtures("empty")
-def test_another_process_would_find_it(monkeypatch):
+def test_cached_machine_code_is_loaded_without_compiling(monkeypatch):
     monkeypatch.setitem(globals(), "part", compiled.inlined_kernel(halved))
     assert compiled.kernel(quartered)(8.0) == 2.0
     monkeypatch.setitem(globals(), "part", None)  # compiling would fail
@@ -84,7 +84,7 @@ print(sine, set_up, norm(numpy.ones(4)))
 """
 
 
-def test_a_kernel_from_the_cache_asks_for_nothing_that_compiling_needs(tmp_path):
+def test_loading_from_the_cache_sets_up_no_compiler(tmp_path):
     printed = [
         subprocess.run(
             [sys.executable, "-c", SINE], env=os.environ | {"VIBRALIGN_CACHE": str(tmp_path)},
@@ -98,7 +98,7 @@ def test_a_kernel_from_the_cache_asks_for_nothing_that_compiling_needs(tmp_path)
     assert [each[2] for each in printed] == ["2.0", "2.0"]  # others compile as they did
 
 
-def test_threads_that_call_a_kernel_first_at_once_leave_numbas_setting_alone(empty, monkeypatch):
+def test_threads_calling_a_kernel_at_once_keep_the_cache_setting_of_numba(empty, monkeypatch):
     folders = {compiled.config.CACHE_DIR}
     monkeypatch.setitem(globals(), "part", compiled.kernel(halved))
     for _ in range(20):
@@ -116,7 +116,7 @@ def test_threads_that_call_a_kernel_first_at_once_leave_numbas_setting_alone(emp
 
 
 def wide_registers(dispatcher):
-    """How often the machine code of a dispatcher's only version names a register of 512 bits."""
+    """Count the registers of 512 bits in the machine code of a dispatcher's only version."""
     (assembler,) = dispatcher.inspect_asm().values()
     return assembler.count("zmm")
 
@@ -137,7 +137,7 @@ def test_kernels_use_the_widest_vectors_and_others_keep_theirs(empty):
 
 
 @pytest.mark.usefixtures("empty")
-def test_constants_do_not_make_versions_of_a_kernel(monkeypatch):
+def test_constant_arguments_compile_no_further_versions(monkeypatch):
     monkeypatch.setitem(globals(), "part", compiled.kernel(times))
     assert compiled.kernel(six_times)(1.5) == 9.0
     assert len(part.signatures) == 1
@@ -145,7 +145,7 @@ def test_constants_do_not_make_versions_of_a_kernel(monkeypatch):
 
 @pytest.mark.usefixtures("empty")
 @pytest.mark.parametrize("collects", [True, False])
-def test_the_garbage_collector_is_as_it_was(monkeypatch, collects):
+def test_the_garbage_collector_is_restored(monkeypatch, collects):
     monkeypatch.setitem(globals(), "part", compiled.kernel(halved))
     before = gc.isenabled()
     (gc.enable if collects else gc.disable)()
@@ -187,7 +187,7 @@ def test_the_folder_can_be_moved(tmp_path, monkeypatch, variable, below):
     assert expected.is_dir()
 
 
-def test_a_folder_that_cannot_be_made_gives_way_to_a_temporary_one(tmp_path, monkeypatch):
+def test_a_temporary_folder_replaces_one_that_cannot_be_created(tmp_path, monkeypatch):
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("VIBRALIGN_CACHE", str(blocked))
@@ -204,6 +204,13 @@ def test_a_numba_beyond_the_bound_is_refused_with_version_bound_and_remedy():
     for version in ("0.69.0rc1", "0.100.0", "1.0.0"):
         with pytest.raises(ImportError, match=message.replace(r"0\.69\.0rc1", version)):
             compiled.check_numba(version)
+
+
+def test_the_import_is_refused_with_a_numba_beyond_the_bound():
+    words = "import numba; numba.__version__ = '0.69.0'; import model"
+    run = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=False)
+    assert run.returncode == 1
+    assert "ImportError: numba 0.69.0 is installed" in run.stderr.splitlines()[-1]
 
 
 def test_the_bound_on_numba_is_that_of_the_package():

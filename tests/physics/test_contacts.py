@@ -94,7 +94,7 @@ def along(state, time):
 
 
 def point_velocity(kind, side, state, p):
-    """Velocity of the part's own point that touches, by following it."""
+    """Velocity of the part's touching point, by following it."""
     own = Part(state, p).own(touching_point(kind, side, Part(state, p)))
     ahead = Part(along(state, STEP), p).place(own)
     behind = Part(along(state, -STEP), p).place(own)

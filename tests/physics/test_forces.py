@@ -1,4 +1,4 @@
-"""Each force that acts without contact, against its formula with round numbers."""
+"""Each force besides contact, against its formula with round numbers."""
 
 from math import pi, sin
 

@@ -81,7 +81,7 @@ def test_face_coordinate_is_the_edge_place_when_the_face_passes_through_the_edge
         assert on_face.along_face == pytest.approx(q, abs=10 * EXACT)
 
 
-def test_off_the_face_the_edge_stands_at_q_plus_depth_times_tangent(square, random_states):
+def test_off_the_face_the_edge_coordinate_is_q_plus_depth_times_tangent(square, random_states):
     for x, y, tilt, *_ in random_states(20):
         place = edge_place(RIGHT_EDGE, x, y, tilt, square)
         depth = square.half_height + place.along_axis

@@ -28,7 +28,7 @@ NOTHING = Parameters(
     lateral_damping=0.0, axial_damping=0.0, tilt_damping=0.0, friction=0.0, press_force=0.0,
     frequency=0.0, clearance=0.1, misalignment=0.2, rest_y=5.0,
 )  # fmt: skip
-"""No force at all at y = 5: k_y = 1 by scaling, so the axial spring is only ever relaxed."""
+"""No force at y = 5: k_y = 1 by scaling, so the axial spring can only be relaxed."""
 SWITCHES = [field.name for field in fields(Readings)]
 
 
@@ -289,7 +289,7 @@ def test_sum_of_forces_on_the_sliding_corner(device, constants, random_states, r
         assert accelerations(at) == pytest.approx(here.accelerations(corner), rel=1e-11, abs=1e-11)
 
 
-def test_corner_that_began_pressing_below_the_plane_carries_only_what_is_deeper(device, constants):
+def test_a_corner_with_an_offset_carries_only_the_depth_beyond_it(device, constants):
     # The corner stands 0.05 deep and began at 0.03: n = 100 (0.05 - 0.03) = 2, upright and at rest.
     p = constants(device.replace(friction=0.0))
     q = State(1.0, p.half_height - 0.05, 0.0, 0.0, 0.0, 0.0)
@@ -314,7 +314,7 @@ def test_edge_and_corner_under_one_face_share_friction_by_their_loads(device, co
 
 
 @pytest.mark.parametrize("slip_at_corner", [False, True])
-def test_under_one_face_the_slip_is_that_of_the_contact_that_counts(
+def test_under_one_face_the_slip_is_that_of_the_deciding_contact(
     device, constants, random_states, slip_at_corner
 ):
     p = constants(device)

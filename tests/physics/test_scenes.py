@@ -1,4 +1,4 @@
-"""What a scene declares."""
+"""Contacts that a scene declares."""
 
 import pytest
 

@@ -25,7 +25,7 @@ def on_bases(parts: list[xr.Dataset], kind: str) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def datasets() -> dict[str, xr.Dataset]:
-    """Fig. 6, of which the durations fall on soft bases only; Fig. 13, the same on all."""
+    """Fig. 6 with durations that fall on soft bases only, and Fig. 13 the same on all bases."""
     soft, stiff = curves("fig06", falling)["fig06"], curves("fig06", lambda _, f: 1.0 + f)["fig06"]
     area = plane("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN, cells=8)["fig13"]
     return {
@@ -34,7 +34,7 @@ def datasets() -> dict[str, xr.Dataset]:
     }
 
 
-def test_sentences_say_what_is_the_parts_and_what_the_bases(datasets) -> None:
+def test_sentences_name_the_features_that_depend_on_the_base(datasets) -> None:
     changing, same, *damping, claims = sentences(datasets, claims_on_bases(datasets))
     assert "Fig. 6: at the device's k_a = 100, 0 % of the runs end otherwise" in changing
     assert "depends in part on the base" in changing
@@ -46,7 +46,7 @@ def test_sentences_say_what_is_the_parts_and_what_the_bases(datasets) -> None:
     assert "F13 " not in claims
 
 
-def test_every_base_has_a_row_and_every_claim_a_sign_on_it(datasets) -> None:
+def test_tables_have_a_row_for_each_base_and_a_sign_for_each_claim(datasets) -> None:
     judged = claims_on_bases(datasets)
     for name, dataset in datasets.items():
         rows = numbers(name, dataset).rows
@@ -74,6 +74,6 @@ def test_bases_are_drawn_by_stiffness_and_by_damping(datasets) -> None:
     assert any("$ζ$ = 1" in each for each in words)
 
 
-def test_without_other_dampings_there_is_no_word_of_them(datasets) -> None:
+def test_without_other_dampings_no_sentence_mentions_them(datasets) -> None:
     plain = {name: each.isel({VARIATION: [0, 1, 2]}) for name, each in datasets.items()}
     assert not any("damping" in each for each in sentences(plain, claims_on_bases(plain)))

@@ -79,7 +79,7 @@ def test_without_reliability_there_is_no_outline():
     assert RELIABLE_LABEL not in words(draw(without))
 
 
-def test_operating_points_stand_where_the_other_figures_have_them():
+def test_operating_points_are_those_of_the_other_figures():
     marks = [
         ("fig05", [20.0], [1.5]),
         ("fig06", [10.0], [0.25, 10.0]),
@@ -101,7 +101,7 @@ def test_operating_points_stand_where_the_other_figures_have_them():
     assert "_swept fig05" not in swept
 
 
-def test_numbers_of_ranges_give_way_along_their_lines():
+def test_numbers_of_ranges_move_along_their_lines_to_free_places():
     marks = [
         ("fig06", [10.0], [0.25, 10.0]),
         ("fig12", [9.7], [0.25, 10.0]),
@@ -138,13 +138,13 @@ def test_the_map_of_the_largest_misalignment_is_drawn():
         (np.linspace(-3.0, 3.0, 500), (-3.0, 3.0)),
     ],
 )
-def test_contours_stand_at_round_numbers_inside_the_values(values, within):
+def test_contours_are_at_round_numbers_inside_the_values(values, within):
     levels = round_levels(values)
     assert 2 <= len(levels) <= 9
     assert all(within[0] < level < within[1] for level in levels)
     assert all(float(f"{level:.2g}") == level for level in levels)
 
 
-def test_nothing_to_contour():
+def test_without_values_there_are_no_contours():
     assert round_levels(np.array([])) == []
     assert round_levels(np.array([2.0, 2.0])) == []

@@ -1,4 +1,4 @@
-"""How far a device may be off: against an oracle, and against runs of the model."""
+"""Leeways of a device, against an oracle and against runs of the model."""
 
 import numpy as np
 import pytest
@@ -50,9 +50,7 @@ def test_a_leeway_ends_at_the_last_value_that_is_reliable(device, monkeypatch):
     assert (friction.bounded_below, friction.bounded_above) == (False, True)
 
 
-def test_only_one_parameter_is_off_at_a_time_and_nothing_is_tried_beyond_a_failure(
-    device, monkeypatch
-):
+def test_one_parameter_varies_at_a_time_and_trials_stop_at_a_failure(device, monkeypatch):
     calls = oracle(monkeypatch, press_force=(0.99 * device.press_force, np.inf))
     found = assess(device, COARSE, ENSEMBLE)
     assert {each.parameter for each in found.leeways} == set(assessment.VARIED)
@@ -65,7 +63,7 @@ def test_only_one_parameter_is_off_at_a_time_and_nothing_is_tried_beyond_a_failu
     assert all((values >= device.press_force).all() for values in later)
 
 
-def test_a_parameter_goes_no_farther_than_its_rule(device, monkeypatch):
+def test_trials_stop_at_the_bound_of_a_parameter(device, monkeypatch):
     device = device.replace(misalignment=0.9 * device.half_width * (2.0 + device.clearance))
     oracle(monkeypatch)
     found = assess(device, COARSE, ENSEMBLE)
@@ -82,7 +80,7 @@ def test_a_device_that_is_not_reliable_has_no_leeway(device, monkeypatch):
     assert found.failing_start == starts_of(device, ENSEMBLE)[1]
 
 
-def test_a_parameter_that_is_zero_has_none(device, monkeypatch):
+def test_a_parameter_of_zero_has_no_leeway(device, monkeypatch):
     oracle(monkeypatch)
     found = assess(device.replace(friction=0.0), COARSE, ENSEMBLE)
     assert {each.parameter for each in found.leeways} == set(assessment.VARIED) - {"friction"}

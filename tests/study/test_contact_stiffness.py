@@ -1,4 +1,4 @@
-"""Figures on other bases: what is varied, and what is said of the difference."""
+"""Figures on other bases: the bases, and the differences found."""
 
 import math
 from dataclasses import replace
@@ -50,7 +50,7 @@ def test_critical_damping_is_where_the_contact_stops_oscillating(study: Study) -
     stiffness = 1e6  # then what is not the contact hardly moves during one oscillation
 
     def swings(ratio: float) -> bool:
-        """Whether the edge passes the depth of its rest on the way into the face."""
+        """Return True if the edge passes its depth at rest on the way into the face."""
         damping = ratio * critical_damping(device, stiffness)
         given = device.replace(contact_stiffness=stiffness, contact_damping=damping)
         run = simulate(given, horizon=0.02)
@@ -62,7 +62,7 @@ def test_critical_damping_is_where_the_contact_stops_oscillating(study: Study) -
     assert not swings(1.1)
 
 
-def test_the_own_base_comes_first_and_stands_once(study: Study) -> None:
+def test_the_devices_own_base_comes_first_and_only_once(study: Study) -> None:
     variations = variations_of(study, "fig06")
     own = study.parameters("fig06")
     assert variations[0].stiffness == own.contact_stiffness
@@ -134,7 +134,7 @@ def test_differences_are_counted_against_the_stiffest_base() -> None:
     assert settled_from(on_bases(dataset)) == 1e3
 
 
-def test_sensitive_points_count_on_neither_side() -> None:
+def test_sensitive_points_are_left_out() -> None:
     dataset = made_up((100.0, 0.05, 5.0), (1e4, 0.05, 5.0))
     dataset["tau_align"].values[0, :, :10] = NAN
     dataset["outcome"].values[0, :, :10] = 1
@@ -143,7 +143,7 @@ def test_sensitive_points_count_on_neither_side() -> None:
     assert on_bases(dataset)[0].other_end == 0.0
 
 
-def test_nothing_is_settled_while_the_last_step_changes_something() -> None:
+def test_no_stiffness_is_sufficient_while_the_last_one_changes_runs() -> None:
     row = OnBase(100.0, 0.05, 1.0, 1.0, 0.0, 0.0, 0.0)
     rows = [row, replace(row, stiffness=1e4, other_time=0.5), replace(row, stiffness=1e6)]
     assert math.isinf(settled_from(rows))

@@ -1,4 +1,4 @@
-"""A device's file: what is read, and what is refused."""
+"""Device files: read or refused."""
 
 from pathlib import Path
 
@@ -42,7 +42,7 @@ def test_changes_are_in_the_units_of_the_file():
         ("mas: 1", "unknown quantity of a device 'mas'. Did you mean 'mass'"),
     ],
 )
-def test_what_is_no_device_is_refused_in_one_line(tmp_path, text, message):
+def test_an_invalid_device_is_refused_in_one_line(tmp_path, text, message):
     path = tmp_path / "peg.yaml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(DeviceError) as refusal:
@@ -52,6 +52,6 @@ def test_what_is_no_device_is_refused_in_one_line(tmp_path, text, message):
     assert "\n" not in str(refusal.value)
 
 
-def test_a_file_that_is_not_there_is_named(tmp_path):
+def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(DeviceError, match=r"peg\.yaml: cannot be read"):
         load_device(tmp_path / "peg.yaml", {})

@@ -1,4 +1,4 @@
-"""Stability maps: what is computed where, how sure they are, and that parts make the whole."""
+"""Stability maps: computed nodes, reliability, and assembly from parts."""
 
 import math
 from types import SimpleNamespace
@@ -38,7 +38,7 @@ def plan(device) -> MapPlan:
 
 @pytest.fixture(scope="module", autouse=True)
 def _coarse_cells():
-    """Coarse cells of 4: small enough a map that the full one is computed beside it."""
+    """Use coarse cells of 4, so that the full map is small enough to compute as well."""
     changed = pytest.MonkeyPatch()
     changed.setattr(maps, "COARSE", 4)
     changed.setattr(maps, "LINES", 2)
@@ -49,7 +49,7 @@ def _coarse_cells():
 
 @pytest.fixture(scope="module")
 def known(plan):
-    """Of every layer, what the whole map computes."""
+    """The nodes of every layer that the whole map computes."""
     return compute_part(plan)
 
 
@@ -65,7 +65,7 @@ def full(plan):
     return align(batch, plan.settings.settings)
 
 
-def test_the_map_is_the_full_grid_where_it_does_not_say_that_it_may_not_be(found, full):
+def test_unflagged_nodes_equal_the_full_grid(found, full):
     outcome = areas(full.outcome).reshape(found.outcome.shape)
     wrong = areas(found.outcome) != outcome
     assert not (wrong & (found.flagged == 0)).any()
@@ -77,7 +77,7 @@ def test_the_map_is_the_full_grid_where_it_does_not_say_that_it_may_not_be(found
     assert np.array_equal(found.outcome[computed], full.outcome.reshape(tau.shape)[computed])
 
 
-def test_what_is_stored_says_what_was_computed(found, plan):
+def test_counts_and_levels_match_the_computed_nodes(found, plan):
     starts = len(plan.starts())
     assert starts == 6
     assert (found.trajectories[found.computed] >= 1).all()
@@ -91,8 +91,8 @@ def test_what_is_stored_says_what_was_computed(found, plan):
     assert not found.sensitive[~found.computed].any()
 
 
-def test_reliable_is_what_aligns_from_every_start(found, plan):
-    """Each node of the ensemble's lattice by itself, start by start."""
+def test_a_reliable_node_aligns_from_every_start(found, plan):
+    """Compute single nodes of the ensemble's lattice, start by start."""
     for row, column in ((0, 16), (8, 8), (16, 0), (4, 12)):
         point = {name: float(value[0]) for name, value in
                  plan.swept(np.array([row]), np.array([column])).items()}  # fmt: skip
@@ -106,7 +106,7 @@ def test_reliable_is_what_aligns_from_every_start(found, plan):
             assert found.tau_worst[row, column] == pytest.approx(runs.tau_align.max(), abs=1e-6)
 
 
-def test_reliable_is_within_aligned_and_its_worst_duration_is_the_longest(found):
+def test_reliable_nodes_align_and_their_worst_duration_is_the_longest(found):
     reliable = found.reliable == 1
     assert reliable.any()
     assert not reliable.all()
@@ -120,7 +120,7 @@ def test_reliable_is_within_aligned_and_its_worst_duration_is_the_longest(found)
     assert (found.tau_worst[at] >= found.tau_align[at] - 1e-6).all()
 
 
-def test_the_margin_is_the_distance_to_what_is_not_reliable(found):
+def test_the_margin_is_the_distance_to_the_nearest_unreliable_node(found):
     reliable = found.reliable == 1
     rows, columns = np.nonzero(~reliable)
     for row, column in ((0, 16), (3, 9), (16, 0)):
@@ -131,7 +131,7 @@ def test_the_margin_is_the_distance_to_what_is_not_reliable(found):
     assert distance_transform_edt(reliable).max() > 1.0
 
 
-def test_between_nodes_of_the_ensemble_the_worst_counts():
+def test_between_nodes_of_the_ensemble_the_worse_value_holds():
     values = np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]])
     finer = maps._between(np.minimum, values, 2)
     assert finer.shape == (5, 5)
@@ -165,7 +165,7 @@ def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
         compute_part(plan, 2, 2)
 
 
-def test_the_dataset_is_an_ordinary_grid_in_pieces_and_compressed(plan, known, tmp_path):
+def test_the_dataset_is_a_chunked_and_compressed_grid(plan, known, tmp_path):
     dataset = map_dataset(plan, known, "title", "summary", [("fig06", [3.0], [1.0, 2.0])])
     path = tmp_path / "map.nc"
     write_dataset(dataset, path)
@@ -197,7 +197,7 @@ def test_bad_maps_are_refused(device):
         MapPlan.model_validate({**plan.model_dump(), "y": uneven.model_dump()})
 
 
-def test_without_an_ensemble_reliability_is_not_known(device):
+def test_a_map_without_an_ensemble_has_no_reliable_share(device):
     phases = Span(parameter="phase", start=0.0, stop=6.0)
     plan = plan_of("trial", device, SETTINGS, (X, phases), 4, ENSEMBLE)
     assert plan.ensemble is None
@@ -207,7 +207,7 @@ def test_without_an_ensemble_reliability_is_not_known(device):
     assert np.array_equal(found["reliable"] == 1, found["outcome"] == Outcome.ALIGNED)
 
 
-def test_the_maps_of_the_study_stand_on_the_ranges_of_its_figures():
+def test_the_maps_of_the_study_cover_the_ranges_of_its_figures():
     study = load_study(study_path())
     for name in study.map_names[:-1]:
         plan = map_plan(study, name)
@@ -228,8 +228,8 @@ def test_the_maps_of_the_study_stand_on_the_ranges_of_its_figures():
 # --- The largest misalignment -------------------------------------------------------------------
 
 
-def test_the_limit_is_the_last_before_the_first_failure_and_bisected():
-    """Limits: 0.33, none within what is tried, at once, and one beyond which it aligns again."""
+def test_the_limit_is_bisected_below_the_first_failure():
+    """Limits: 0.33, none among the trials, below the first trial, and one with an island beyond."""
     limit = np.array([0.33, 9.0, 0.0, 0.5])
     tried = np.linspace(0.1, 1.0, 10)
 
@@ -246,8 +246,8 @@ def test_the_limit_is_the_last_before_the_first_failure_and_bisected():
     assert runs.tolist() == [4 + BISECTIONS, 10, 1 + BISECTIONS, 6 + BISECTIONS]
 
 
-def test_what_aligns_around_a_node_is_not_tried_unless_its_first_trial_fails():
-    """Of neighbours that align to 0.62, two trials are left; one that fails there starts anew."""
+def test_trials_begin_below_the_limits_around_a_node_unless_the_first_fails():
+    """Beside neighbours that align to 0.62, two trials are left; a node that fails starts anew."""
     limit = np.array([0.58, 0.33, 0.85])
     tried = np.linspace(0.1, 1.0, 10)
 

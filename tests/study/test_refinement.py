@@ -18,7 +18,7 @@ def plane(cells: int = CELLS) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Map:
-    """A known map that counts what is asked of it, and refuses to be asked twice."""
+    """A known map that records the nodes asked for, and refuses to be asked twice."""
 
     def __init__(self, kind: np.ndarray, value: np.ndarray | None = None) -> None:
         self.kind = np.asarray(kind, dtype=np.int64)
@@ -89,7 +89,7 @@ def test_three_areas_that_meet_in_a_point():
 @pytest.mark.parametrize("angle", [0.0, 0.1, 0.5, 0.785398, 1.2, np.pi / 2])
 @pytest.mark.parametrize("offset", [0.013, 0.0503, 0.121])
 def test_a_stripe_one_node_wide_across_a_line_is_found_whole(angle, offset):
-    """It is narrower than any coarse cell; a node of it on a line is enough to find the rest.
+    """The stripe is narrower than any coarse cell; one of its nodes on a line finds the rest.
 
     1.5 cells are the least width at which a slanting stripe is one connected set of nodes.
     """
@@ -104,7 +104,7 @@ def test_without_lines_such_a_stripe_is_missed():
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_an_island_that_holds_a_coarse_cell_is_found_wherever_it_lies(seed):
+def test_an_island_that_holds_a_coarse_cell_is_found_anywhere(seed):
     x0, y0 = np.random.default_rng(seed).uniform(0.1, 0.9, 2)
     kind = disc(x0, y0, np.sqrt(0.5) * COARSE / CELLS)
     assert wrong(refined(kind, lines=0), kind) == 0
@@ -125,7 +125,7 @@ def test_cells_that_touch_differ_in_size_by_a_factor_of_two_at_most(kind):
         assert ratio.min() >= 0.5
 
 
-def test_a_dot_beside_a_larger_island_is_found_where_a_lone_one_is_not():
+def test_a_dot_is_found_beside_a_larger_island_but_not_alone():
     x0, y0 = 99.0 / CELLS, 90.0 / CELLS
     dot = np.zeros((CELLS + 1, CELLS + 1), dtype=np.bool_)
     dot[90:92, 107:109] = True
@@ -135,8 +135,8 @@ def test_a_dot_beside_a_larger_island_is_found_where_a_lone_one_is_not():
     assert wrong(refined(both, **always), both) == 0
 
 
-def test_islands_are_missed_as_often_as_they_hold_no_node_that_is_computed():
-    """The share of coarse cells and lines that small discs miss, by counting positions."""
+def test_an_island_is_missed_only_if_it_holds_no_node_computed_in_any_case():
+    """Small discs are found if they hold a corner of a coarse cell or a node on a line."""
     lattice = Lattice(cells=CELLS, coarse=COARSE, lines=LINES)
     always = lattice.watched()
     always[::COARSE, ::COARSE] = True
@@ -158,7 +158,7 @@ def test_a_fractal_border_is_followed_and_islands_are_found_once_met():
     assert found.computed.mean() < 0.5
 
 
-def test_what_is_not_computed_beside_a_border_is_marked():
+def test_filled_nodes_near_a_border_are_marked():
     kind = half()
     found = refined(kind)
     beside = found.beside(2)
@@ -230,6 +230,6 @@ REFUSED: list[tuple[dict[str, int], str]] = [
 
 
 @pytest.mark.parametrize(("rule", "words"), REFUSED)
-def test_a_lattice_that_cannot_be_is_refused(rule: dict[str, int], words: str):
+def test_an_invalid_lattice_is_refused(rule: dict[str, int], words: str):
     with pytest.raises(ValueError, match=words):
         Lattice(**rule)

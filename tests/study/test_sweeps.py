@@ -35,7 +35,7 @@ def test_chunks_hold_each_point_once(study, chunks: int) -> None:
         sweep.points_of_chunk(chunks, chunks)
 
 
-def test_identity_follows_the_numbers_and_not_the_wording(study) -> None:
+def test_identity_depends_on_numbers_and_not_on_wording(study) -> None:
     sweep = sweep_of(study, "fig06")
     assert Sweep.model_validate_json(sweep.model_dump_json()) == sweep
     figure = study.figures["fig06"]
