@@ -1,1 +1,1 @@
-"""Ground floor: what the device is. Notation, parameters, contact geometry, forces, scenes."""
+"""Ground floor, the device: notation, parameters, contact geometry, forces, scenes."""

@@ -1,4 +1,4 @@
-"""Datasets of maps: ordinary grids over two parameters, and what their variables mean."""
+"""Datasets of maps: grids over two parameters, and the meaning of their variables."""
 
 import json
 from collections.abc import Collection, Mapping, Sequence

@@ -169,7 +169,7 @@ class _Level:
 
 
 def _balance(levels: list[_Level]) -> list[Bools]:
-    """Halve what touches cells of a quarter of its size; return the new cells of levels 1, 2, ….
+    """Halve cells beside cells of a quarter of their size; return the new cells of levels 1, 2, ….
 
     A cell may be halved before it exists: then its parent is halved as well.
     """

@@ -54,7 +54,7 @@ def section(results: Results) -> Section:
 def sentences(
     datasets: "Mapping[str, xr.Dataset]", judged: Sequence[ClaimOnBases]
 ) -> tuple[str, ...]:
-    """Say what follows from the figures on all bases: by figure, by damping, and of the claims.
+    """Return the findings on all bases as sentences: by figure, by damping, and on the claims.
 
     Args:
         datasets: figures on several bases, by name; all on the same bases.
