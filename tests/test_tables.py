@@ -42,7 +42,7 @@ EDITS = [
     ),
     (
         "engines/course.py",
-        "    q, mode = start(p, declared)\n",
+        "    q, mode = start(p, scene.declared)\n",
         "    runs[i, FIRST_HEIGHT] = q.y\n",
     ),
     (

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.batch.scheduling import integrate_all, new_many
 from model.engines.queue import new_queue
 from model.engines.record import STATE
@@ -119,8 +120,10 @@ def run_once(parameters: Parameters, settings: Settings, *, batch: bool = False)
     tolerances, queue = np.array([settings.tolerance]), new_queue(waiting=1, threads=1)
     results = np.empty((1, len(RunResult._fields)))
     if batch:
-        many = new_many(settings.may_settle)
-        integrate_all(rows, tolerances, *settings.for_kernels, queue, results, many)
+        _, method, control = settings.for_kernels
+        scene = in_vector_kernels(settings.scene)
+        many = new_many(scene, settings.may_settle)
+        integrate_all(rows, tolerances, scene, method, control, queue, results, many)
         runs = many.runs
     else:
         single = new_single(settings.method.method)

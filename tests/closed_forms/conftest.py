@@ -17,6 +17,7 @@ from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single
 from model.engines.scalar.step import dense_output, interpolate, right_hand_side, take_step
 from model.engines.scalar.tableaux import DOP853
+from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
 from model.events.transitions import CONTINUES
 from model.physics.motion import motion
@@ -63,15 +64,15 @@ class Course:
         single = new_single(DOP853.method)
         control = Control(horizon, 50_000_000, may_settle=0.0, alignment_only=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
-        begin(row, tolerance, ALIGNMENT.declared, control, runs, 0)
+        begin(row, tolerance, in_kernels(ALIGNMENT), control, runs, 0)
         if state is not None:
             runs[0, OUTCOME], runs[0, REASON] = CONTINUES, 0.0
             runs[0, STATE : STATE + 6] = state
-            runs[0, MODE : MODE + 9] = mode
+            runs[0, MODE : MODE + len(mode)] = mode
         while runs[0, OUTCOME] == CONTINUES:
             time, before, mode = runs[0, TIME], runs[0, STATE : STATE + 6].copy(), _mode(runs)
             advance(
-                ALIGNMENT.declared, DOP853.method, control, track, single.history, single.work,
+                in_kernels(ALIGNMENT), DOP853.method, control, track, single.history, single.work,
                 runs, 0,
             )  # fmt: skip
             after = runs[0, STATE : STATE + 6].copy()
@@ -126,11 +127,10 @@ class Course:
 
 
 def _mode(runs) -> Mode:
-    edge, face, corner, offset, at_corner, slip, side, side_slip, dropped = runs[0, MODE : MODE + 9]
-    return Mode(
-        float(edge), int(face), int(corner), float(offset), bool(at_corner), int(slip), int(side),
-        int(side_slip), bool(dropped),
-    )  # fmt: skip
+    kinds = zip(
+        Mode.__annotations__.values(), runs[0, MODE : MODE + len(Mode._fields)], strict=True
+    )
+    return Mode(*(kind(value) for kind, value in kinds))
 
 
 @pytest.fixture(scope="session")

@@ -10,9 +10,12 @@ import pytest
 from scipy.optimize import brentq
 
 from model import ALIGNMENT
+from model.events.friction import decide_friction
+from model.events.kernels import ALIGNMENT_EVENTS
+from model.events.levels import FLAT
 from model.events.outcomes import Outcome, Reason
-from model.events.table import CORNER_END, FLAT
-from model.events.transitions import CONTINUES, decide_friction, switch
+from model.events.table import CORNER_END
+from model.events.transitions import CONTINUES
 from model.physics.notation import LEFT_EDGE, State
 from model.physics.scenes import CLOSED, OPEN, START, STICKING
 
@@ -101,7 +104,9 @@ def test_a_corner_that_slides_into_the_slot_past_the_edge_aligns(device, constan
     for off in (-1e-16, 0.0, 1e-16):
         x = p.half_width * cos(tilt) - p.half_height * sin(tilt) - p.slot_half_width + off
         q = State(x, p.half_height - 2e-3, tilt, 1.0, -0.1, 0.0)
-        after, outcome, reason = switch(CORNER_END, 0.1, q, p, mode, ALIGNMENT.declared)
+        after, outcome, reason = ALIGNMENT_EVENTS.follow(
+            CORNER_END, 0.1, q, p, mode, ALIGNMENT.declared
+        )
         assert (outcome, reason) == (Outcome.ALIGNED, Reason.NONE)
         assert after.dropped
         assert after.corner == OPEN

@@ -76,7 +76,7 @@ def in_bases(q, p, mode):
     """(stored, dissipated per time) at every contact together."""
     face = edge_on_face(mode.edge, q, p)
     corner = corner_on_flat(mode.edge, q, p)
-    side = edge_on_side(q, p)
+    side = edge_on_side(mode.side_edge, q, p)
     a = in_base(mode.face, face.depth, face.closing_rate, p)
     b = in_base(mode.corner, corner.depth - mode.corner_offset, corner.closing_rate, p)
     c = in_base(mode.side, side.depth, side.closing_rate, p)
@@ -106,12 +106,12 @@ def powers(time, q, p, mode):
 
 @kernel
 def balance_of(
-    row, judged, tolerance, declared, method, control, track, single, apart, nodes, weights,
+    row, judged, tolerance, scene, method, control, track, single, apart, nodes, weights,
 ):  # fmt: skip
     """Run ``row`` and account for every step as a part with the constants ``judged`` would."""
     runs, history, work = single.runs, single.history, single.work
     i = runs.shape[0] - 1
-    begin(row, tolerance, declared, control, runs, i)
+    begin(row, tolerance, scene, control, runs, i)
     p = constants_in(judged)
     start = stored(state_in(runs, STATE, i), p, mode_of(runs, i))
     y, k, end, trial, dense = apart.y, apart.k, apart.y_end, apart.trial, apart.dense
@@ -120,7 +120,7 @@ def balance_of(
     while runs[i, OUTCOME] == CONTINUES and np.isnan(runs[i, TAU_ALIGN]):
         time, mode = runs[i, TIME], mode_of(runs, i)
         keep_in(state_in(runs, STATE, i), y)
-        advance(declared, method, control, track, history, work, runs, i)
+        advance(scene, method, control, track, history, work, runs, i)
         length = runs[i, TIME] - time
         if length > 0.0:
             right_hand_side(time, y, p, mode, k[0])
@@ -147,11 +147,11 @@ def balance(
     parameters: Parameters, settings: Settings, judged: Parameters | None = None
 ) -> Balance:
     rows = Batch.stack([parameters, judged or parameters]).constants(Readings.consistent())
-    declared, method, control = settings.for_kernels
+    scene, method, control = settings.for_kernels
     track, single = np.empty((0, TRACK_COLUMNS)), new_single(method)
     return Balance(
         *balance_of(
-            *rows, settings.tolerance, declared, method, control, track, single,
+            *rows, settings.tolerance, scene, method, control, track, single,
             new_workspace(method), NODES, WEIGHTS,
         )
     )  # fmt: skip

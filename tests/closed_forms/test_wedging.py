@@ -23,11 +23,11 @@ import pytest
 from scipy.optimize import brentq
 
 from model import Outcome, Parameters, simulate
-from model.events.table import edge_inside, outline
-from model.events.transitions import decide_friction
+from model.events.friction import decide_friction
+from model.events.levels import edge_inside, outline
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
-from model.physics.notation import RIGHT_EDGE, State
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
 from model.study.config import load_study, study_path
@@ -194,7 +194,7 @@ def test_the_study_has_no_paradox():
             assert contact.depth == pytest.approx(0.0, abs=1e-12)
             found = inverse_mass(contact, p.friction, p.inertia)
             assert found >= worst - 1e-12
-            for other in (corner_on_flat(RIGHT_EDGE, q, p), edge_on_side(q, p)):
+            for other in (corner_on_flat(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)):
                 assert inverse_mass(other, p.friction, p.inertia) > 0.0
         least = min(least, worst)
     assert least > 0.5

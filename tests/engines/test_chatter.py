@@ -27,10 +27,10 @@ def standing(device):
 
     def make(at_once):
         settings = Settings(horizon=1.0)
-        declared, method, control = settings.for_kernels
+        scene, method, control = settings.for_kernels
         runs = new_single(method).runs
         row = Batch.stack([device]).constants(Readings())[0]
-        begin(row, settings.tolerance, declared, control, runs, 0)
+        begin(row, settings.tolerance, scene, control, runs, 0)
         runs[0, SWITCHES_AT_ONCE] = at_once
         return runs
 

@@ -5,18 +5,18 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from model import ALIGNMENT, Outcome, Reason, align, simulate
-from model.engines.scalar.location import NO_SWITCH, NODES, first_switch, sample_step
+from model.engines.scalar.location import NO_EVENT, NODES, first_event, sample_step
 from model.engines.scalar.step import dense_output, right_hand_side, state_of, take_step
 from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE
+from model.events.friction import hold_sticking
+from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
 from model.events.table import (
     FACE_GAP,
     FACE_LOAD,
     RIGHT_CORNER_LANDS,
     RIGHT_EDGE_ENTERS,
-    SAMPLE_SIZE,
-    switching_functions,
 )
-from model.events.transitions import CONTINUES, hold_sticking, switch, without_residual_slip
+from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.notation import RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, START
@@ -44,10 +44,12 @@ class Flight:
         """(which, when) of the first switch in a step from τ = 0."""
         self.state(y, length, mode)
         dense_output(0.0, length, y, self.p, mode, self.method, self.k, self.trial, self.dense)
-        nodes, samples = np.empty((NODES, 6)), np.empty((NODES, SAMPLE_SIZE))
-        sample_step(0.0, length, y, self.dense, self.p, mode, nodes, samples)
-        which, theta = first_switch(0.0, length, y, self.dense, self.p, mode, samples)
-        return which, theta if theta == NO_SWITCH else theta * length
+        nodes, samples = np.empty((NODES, 6)), np.empty((NODES, MOST_SAMPLES))
+        sample_step(ALIGNMENT_EVENTS, 0.0, length, y, self.dense, self.p, mode, nodes, samples)
+        which, theta = first_event(
+            ALIGNMENT_EVENTS, 0.0, length, y, self.dense, self.p, mode, samples
+        )
+        return which, theta if theta == NO_EVENT else theta * length
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +86,7 @@ def rebound(device, constants):
 def test_a_part_that_just_does_not_touch_goes_on(rebound, height, where):
     flight, make = rebound
     y, _ = make(height, where)
-    assert flight.first(y) == (-1, NO_SWITCH)
+    assert flight.first(y) == (-1, NO_EVENT)
 
 
 @pytest.mark.parametrize("where", [0.2, 0.33, 0.5, 0.8])
@@ -117,12 +119,14 @@ def through(flight, y, mode, until):
     time, met = 0.0, []
     while time < until:
         which, when = flight.first(y, mode, until - time)
-        if when == NO_SWITCH:
+        if when == NO_EVENT:
             y, time = flight.state(y, until - time, mode), until
         else:
             y, time = (flight.state(y, when, mode) if when > 0.0 else y), time + when
-            q = without_residual_slip(which, state_of(y), flight.p, mode)
-            mode, outcome, _ = switch(which, time, q, flight.p, mode, ALIGNMENT.declared)
+            q = ALIGNMENT_EVENTS.adjust(which, state_of(y), flight.p, mode)
+            mode, outcome, _ = ALIGNMENT_EVENTS.follow(
+                which, time, q, flight.p, mode, ALIGNMENT.declared
+            )
             assert outcome == CONTINUES
             y, met = np.array(q), [*met, which]
             assert len(met) < 50  # no chatter
@@ -163,11 +167,13 @@ def test_edge_and_corner_that_meet_the_part_at_once_both_carry_it(device, consta
 
 def test_the_earliest_of_nearly_simultaneous_switches_comes_first(device, constants):
     flight = Flight(constants(device.replace(frequency=0.0)))
-    scratch = np.empty(SAMPLE_SIZE)
+    scratch = np.empty(MOST_SAMPLES)
     for tilt in (1e-4, -1e-4):
         y = landing(flight.p, tilt)
         which, when = flight.first(y)
-        switching_functions(when, state_of(flight.state(y, when)), flight.p, FLIGHT, scratch)
+        ALIGNMENT_EVENTS.sample_into(
+            when, state_of(flight.state(y, when)), flight.p, FLIGHT, scratch
+        )
         others = np.delete(scratch[[RIGHT_EDGE_ENTERS, RIGHT_CORNER_LANDS]],
                            [RIGHT_EDGE_ENTERS, RIGHT_CORNER_LANDS].index(which))  # fmt: skip
         assert abs(scratch[which]) < 1e-11  # the dense output's error

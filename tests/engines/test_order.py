@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from model import ALIGNMENT
-from model.engines.scalar.location import NO_SWITCH, NODES, first_switch, sample_step
+from model.engines.scalar.location import NO_EVENT, NODES, first_event, sample_step
 from model.engines.scalar.step import (
     dense_output,
     error_estimate,
@@ -21,23 +21,14 @@ from model.engines.scalar.step import (
     take_step,
 )
 from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE, RK4
-from model.events import table as switching
-from model.events.table import SAMPLE_SIZE, switching_function
-from model.events.transitions import (
-    CONTINUES,
-    decide_friction,
-    hold_sticking,
-    switch,
-    without_residual_slip,
-)
+from model.events.friction import decide_friction, hold_sticking
+from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
+from model.events.table import EVENTS
+from model.events.transitions import CONTINUES
 from model.physics.geometry import resting_height
 from model.physics.scenes import START, Mode
 
-NAMES = {
-    value: name
-    for name, value in vars(switching).items()
-    if name.isupper() and isinstance(value, int) and not name.endswith("_COUNT")
-}
+NAMES = [event.name.upper() for event in EVENTS]
 
 
 class Met(NamedTuple):
@@ -57,14 +48,14 @@ class FixedSteps:
         m, degree = tableau.dense.shape
         self.k, self.end, self.trial = np.empty((m, 6)), np.empty(6), np.empty(6)
         self.dense = np.empty((6, degree))
-        self.nodes, self.samples = np.empty((NODES, 6)), np.empty((NODES, SAMPLE_SIZE))
+        self.nodes, self.samples = np.empty((NODES, 6)), np.empty((NODES, MOST_SAMPLES))
 
     def step(self, time, h, y, mode):
         take_step(time, h, y, self.p, mode, self.method, self.k, self.end)
         return self.end.copy()
 
     def value(self, which, time, y, mode):
-        return switching_function(which, time, state_of(y), self.p, mode)
+        return ALIGNMENT_EVENTS.level(which, time, state_of(y), self.p, mode)
 
     def to_switch(self, which, theta, time, h, y, mode):
         """(length, state): Newton's iteration on whole steps, slope from the dense output."""
@@ -92,16 +83,23 @@ class FixedSteps:
                 dense_output(
                     time, length, y, self.p, mode, self.method, self.k, self.trial, self.dense
                 )
-                sample_step(time, length, y, self.dense, self.p, mode, self.nodes, self.samples)
-                which, theta = first_switch(time, length, y, self.dense, self.p, mode, self.samples)
-                if theta == NO_SWITCH:
+                sample_step(
+                    ALIGNMENT_EVENTS, time, length, y, self.dense, self.p, mode, self.nodes,
+                    self.samples,
+                )  # fmt: skip
+                which, theta = first_event(
+                    ALIGNMENT_EVENTS, time, length, y, self.dense, self.p, mode, self.samples
+                )
+                if theta == NO_EVENT:
                     time, y = stop, whole
                 else:
                     if theta > 0.0:
                         length, y = self.to_switch(which, theta, time, length, y, mode)
                         time += length
-                    q = without_residual_slip(which, state_of(y), self.p, mode)
-                    after, outcome, _ = switch(which, time, q, self.p, mode, ALIGNMENT.declared)
+                    q = ALIGNMENT_EVENTS.adjust(which, state_of(y), self.p, mode)
+                    after, outcome, _ = ALIGNMENT_EVENTS.follow(
+                        which, time, q, self.p, mode, ALIGNMENT.declared
+                    )
                     assert len(met) < 1000, met[-3:]
                     met.append(Met(time, NAMES[which], mode, after))
                     y, mode = np.array(q), after

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from model.events.kernels import ALIGNMENT_EVENTS, MOST_EVENTS
+from model.events.levels import NEVER
 from model.events.steady_state import HISTORY, LONGEST_PERIOD, record_period, settled_period
-from model.events.table import ALIGNED, FACE_LOAD, NEVER, SWITCH_COUNT
+from model.events.table import ALIGNED, FACE_LOAD
 
 NOISE = 1e-8
 FAR = 1.0
@@ -17,12 +19,12 @@ def first_settled(device, constants):
 
     def make(states, closest=FAR, which=ALIGNED):
         history = np.full((HISTORY, 6), np.nan)
-        lowest = np.full((HISTORY, SWITCH_COUNT), NEVER)
-        functions = np.full(SWITCH_COUNT, NEVER)
+        lowest = np.full((HISTORY, MOST_EVENTS), NEVER)
+        functions = np.full(MOST_EVENTS, NEVER)
         functions[which] = closest
         for count, state in enumerate(states, start=1):
             record_period(count, np.ones(6) * state, functions, history, lowest)
-            period = settled_period(count, 1.0, history, lowest, p, NOISE)
+            period = settled_period(ALIGNMENT_EVENTS, count, 1.0, history, lowest, p, NOISE)
             if period:
                 return count, period
         return None

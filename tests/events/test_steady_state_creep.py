@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from model import Outcome, Parameters, simulate
+from model.events.kernels import ALIGNMENT_EVENTS, MOST_EVENTS
+from model.events.levels import NEVER
 from model.events.steady_state import LONGEST_PERIOD, record_period, settled_period
-from model.events.table import ALIGNED, NEVER, SWITCH_COUNT
+from model.events.table import ALIGNED
 from model.physics.parameters import Batch, Constants
 from model.physics.readings import Readings
 
@@ -30,12 +32,12 @@ def settled(device):
 
     def make(sequence, distance):
         size = 3 * LONGEST_PERIOD + 1
-        states, lowest = np.full((size, 6), np.nan), np.full((size, SWITCH_COUNT), NEVER)
-        closest = np.full(SWITCH_COUNT, NEVER)
+        states, lowest = np.full((size, 6), np.nan), np.full((size, MOST_EVENTS), NEVER)
+        closest = np.full(MOST_EVENTS, NEVER)
         closest[ALIGNED] = distance
         for count, state in enumerate(sequence, start=1):
             record_period(count, state, closest, states, lowest)
-            period = settled_period(count, 1.0, states, lowest, p, 1e-8)
+            period = settled_period(ALIGNMENT_EVENTS, count, 1.0, states, lowest, p, 1e-8)
             if period:
                 return count, period
         return None

@@ -9,14 +9,9 @@ from math import cos, sin
 import numpy as np
 import pytest
 
-from model.events import table as switching
-from model.events.table import (
-    NEVER,
-    SAMPLE_SIZE,
-    SWITCH_COUNT,
-    switching_function,
-    switching_functions,
-)
+from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
+from model.events.levels import NEVER
+from model.events.table import EVENTS
 from model.physics.contacts import contact_load, edge_on_face
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
@@ -32,16 +27,7 @@ from model.physics.scenes import (
 ROUNDING = 1e-13
 FREE = START._replace(face=OPEN)
 ON_CORNER = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
-INDEX = {
-    name: getattr(switching, name)
-    for name in (
-        "ALIGNED", "CORNERS_INSIDE", "RIGHT_EDGE_ENTERS", "LEFT_EDGE_ENTERS", "RIGHT_CORNER_LANDS",
-        "LEFT_CORNER_LANDS", "RIGHT_WALL", "LEFT_WALL", "FACE_LOAD", "FACE_GAP", "FACE_RELOAD",
-        "FACE_END", "FACE_FAR_END", "SIDE_LOAD", "SIDE_GAP", "SIDE_RELOAD", "SIDE_END",
-        "CORNER_LOAD", "CORNER_GAP", "CORNER_RELOAD", "CORNER_END", "SUPPORT_SLIP", "SIDE_SLIP",
-        "OVERTURNED",
-    )
-}  # fmt: skip
+INDEX = {event.name.upper(): number for number, event in enumerate(EVENTS)}
 
 
 @pytest.fixture(scope="module")
@@ -55,8 +41,8 @@ def sample(p):
 
     def make(mode, time=0.0, **changes):
         q = State(0.0, p.half_height + 1.0, 0.0, 0.0, 0.0, 0.0)._replace(**changes)
-        out = np.empty(SAMPLE_SIZE)
-        switching_functions(time, q, p, mode, out)
+        out = np.empty(MOST_SAMPLES)
+        ALIGNMENT_EVENTS.sample_into(time, q, p, mode, out)
         return {name: out[index] for name, index in INDEX.items()}
 
     return make
@@ -67,7 +53,7 @@ def applying(sample):
 
 
 def test_every_function_has_its_own_index():
-    assert sorted(INDEX.values()) == list(range(SWITCH_COUNT))
+    assert sorted(INDEX.values()) == list(range(len(EVENTS)))
 
 
 # ---------------------------------------------------------------------------- which apply in a mode
@@ -121,25 +107,25 @@ def test_only_functions_of_the_mode_apply(sample, mode, expected):
 
 
 def test_one_function_alone_is_as_in_the_sample(device, constants, random_states):
-    p, out, compared = constants(device), np.empty(SAMPLE_SIZE), set()
+    p, out, compared = constants(device), np.empty(MOST_SAMPLES), set()
     released = START._replace(face=RELEASED, side=RELEASED, corner=RELEASED)
     for mode in (FREE, START, ON_CORNER._replace(side=CLOSED), released):
         for q in (State(*y) for y in random_states(20)):
-            switching_functions(0.3, q, p, mode, out)
-            for which in np.flatnonzero(out[:SWITCH_COUNT] != NEVER).tolist():
-                alone = switching_function(which, 0.3, q, p, mode)
+            ALIGNMENT_EVENTS.sample_into(0.3, q, p, mode, out)
+            for which in np.flatnonzero(out[: len(EVENTS)] != NEVER).tolist():
+                alone = ALIGNMENT_EVENTS.level(which, 0.3, q, p, mode)
                 assert alone == pytest.approx(out[which], rel=1e-13, abs=1e-13), which
                 compared.add(which)
-    assert compared == set(range(SWITCH_COUNT)) - {INDEX["CORNERS_INSIDE"]}  # once it has dropped
+    assert compared == set(range(len(EVENTS))) - {INDEX["CORNERS_INSIDE"]}  # once it has dropped
 
 
 def test_printed_friction_never_switches(device, constants):
     from model import Readings  # noqa: PLC0415
 
-    out = np.empty(SAMPLE_SIZE)
+    out = np.empty(MOST_SAMPLES)
     q = State(0.2, device.half_height - 0.01, 0.0, 0.1, 0.0, 0.0)
     p = constants(device, Readings(friction_law="printed"))
-    switching_functions(0.0, q, p, START._replace(support_slip=SLIP_NEGATIVE), out)
+    ALIGNMENT_EVENTS.sample_into(0.0, q, p, START._replace(support_slip=SLIP_NEGATIVE), out)
     assert out[INDEX["SUPPORT_SLIP"]] == NEVER
 
 

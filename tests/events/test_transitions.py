@@ -5,6 +5,8 @@ from math import atan, cos, sin
 import pytest
 
 from model import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Outcome, Reason
+from model.events.friction import decide_friction, hold_sticking
+from model.events.kernels import ALIGNMENT_EVENTS
 from model.events.table import (
     FACE_FAR_END,
     FACE_GAP,
@@ -18,7 +20,7 @@ from model.events.table import (
     RIGHT_WALL,
     SUPPORT_SLIP,
 )
-from model.events.transitions import CONTINUES, decide_friction, hold_sticking, switch
+from model.events.transitions import CONTINUES
 from model.physics.contacts import edge_on_face, edge_on_side
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
@@ -43,7 +45,7 @@ def p(device, constants):
 
 def follows(which, q, p, mode, scene=ALIGNMENT):
     """(mode, outcome, reason) after a switch at τ = 0."""
-    return switch(which, 0.0, q, p, mode, scene.declared)
+    return ALIGNMENT_EVENTS.follow(which, 0.0, q, p, mode, scene.declared)
 
 
 def pressed(p, tilt=0.0, x=0.3, depth=0.02, **rates):
@@ -117,7 +119,7 @@ def test_held_sticking_removes_the_slip_by_friction_impulses(p, random_states, b
         assert held[:3] == q[:3]
         assert edge_on_face(RIGHT_EDGE, held, p).slip == pytest.approx(0.0, abs=1e-13)
         if both:
-            assert edge_on_side(held, p).slip == pytest.approx(0.0, abs=1e-12)
+            assert edge_on_side(LEFT_EDGE, held, p).slip == pytest.approx(0.0, abs=1e-12)
         else:  # the change of momentum is along the tangent row of the contact
             row = edge_on_face(RIGHT_EDGE, q, p).tangent
             impulse = (held.x_rate - q.x_rate) / row[0]

@@ -85,7 +85,7 @@ def contact_of(kind, side, state, p):
     q = State(*state)
     if kind == "face":
         return edge_on_face(side, q, p)
-    return edge_on_side(q, p) if kind == "side" else corner_on_flat(side, q, p)
+    return edge_on_side(LEFT_EDGE, q, p) if kind == "side" else corner_on_flat(side, q, p)
 
 
 def along(state, time):
@@ -130,7 +130,7 @@ def test_signs_of_the_depths_by_hand(p):
         assert edge_on_face(side, state, p).depth == pytest.approx(0.1, abs=ROUNDING)
         assert corner_on_flat(side, state, p).depth == pytest.approx(0.1, abs=ROUNDING)
     overlap = 0.25 - (p.slot_half_width - p.half_width)
-    assert edge_on_side(state, p).depth == pytest.approx(overlap, abs=ROUNDING)
+    assert edge_on_side(LEFT_EDGE, state, p).depth == pytest.approx(overlap, abs=ROUNDING)
 
 
 @each_contact
@@ -271,7 +271,7 @@ def test_printed_d2_is_the_side_gap_as_printed_and_no_distance(device, constants
     p = constants(device, Readings(side_gap="printed"))
     furthest = 0.0
     for state in random_states(20):
-        depth = edge_on_side(State(*state), p).depth
+        depth = edge_on_side(LEFT_EDGE, State(*state), p).depth
         assert depth == pytest.approx(-printed_d2(Part(state, p)), abs=ROUNDING)
         furthest = max(furthest, abs(depth - depth_of("side", LEFT_EDGE, state, p)))
     assert furthest > 0.1  # the misprint matters
@@ -282,7 +282,9 @@ def test_printed_side_gap_closes_at_its_own_rate(device, constants, random_state
     for state in random_states(20):
         gaps = [-printed_d2(Part(along(state, time), p)) for time in (STEP, -STEP)]
         rate = (gaps[0] - gaps[1]) / (2 * STEP)
-        assert edge_on_side(State(*state), p).closing_rate == pytest.approx(rate, abs=DIFFERENCE)
+        assert edge_on_side(LEFT_EDGE, State(*state), p).closing_rate == pytest.approx(
+            rate, abs=DIFFERENCE
+        )
 
 
 def test_printed_u1_u2_u3_are_the_rows_of_the_sliding_contact(device, constants, random_states):
@@ -333,7 +335,7 @@ def test_printed_side_force_enters_as_at_a1_with_the_mirrored_q(
         def q(x, tilt):
             return (device.slot_half_width - x) / cos(tilt) - device.half_height * tan(tilt)
 
-        contact = edge_on_side(State(*state), p)
+        contact = edge_on_side(LEFT_EDGE, State(*state), p)
         mirrored_q = -q(-x, -tilt)  # a moment changes sign in the mirror
         expected = (-flip * sin(tilt), cos(tilt), mirrored_q)
         assert contact.normal == pytest.approx(expected, abs=ROUNDING)

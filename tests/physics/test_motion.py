@@ -382,7 +382,7 @@ def test_two_contacts_sticking_keep_both_slips(device, constants, random_states,
         mode = START._replace(side=CLOSED, side_slip=side_state)
         at = motion(0.6, State(*state), p, mode)
         face = slip_acceleration(lambda q: edge_on_face(RIGHT_EDGE, q, p).slip, state, at)
-        side = slip_acceleration(lambda q: edge_on_side(q, p).slip, state, at)
+        side = slip_acceleration(lambda q: edge_on_side(LEFT_EDGE, q, p).slip, state, at)
         # Both tangents are nearly perpendicular: G is far from singular, but forces reach 100.
         assert face == pytest.approx(0.0, abs=1e-4)
         assert at.support_drive == pytest.approx(0.0, abs=1e-9)

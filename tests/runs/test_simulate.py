@@ -71,7 +71,7 @@ def test_side_force_is_the_base_s_law_on_the_side(device, constants):
     assert len(pressed) > 20
     for i in pressed:
         q = State(*run.state[i])
-        side = edge_on_side(q, c)
+        side = edge_on_side(LEFT_EDGE, q, c)
         load = contact_load(side.depth, side.closing_rate, q, c)
         assert run.side_force[i] == pytest.approx(load, abs=1e-9)
         along = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, c).along_axis

@@ -8,7 +8,7 @@ import pytest
 from model import Readings
 from model.engines.scalar.step import state_of
 from model.engines.scalar.tableaux import RK4
-from model.events.table import edge_inside, outline
+from model.events.levels import edge_inside, outline
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.motion import motion
@@ -121,7 +121,7 @@ def located_mode(kinds, y, p):
     if slips:
         mode = mode._replace(support_slip=slip_state(slips[0], p))
     if "left_side" in kinds:
-        contact = edge_on_side(q, p)
+        contact = edge_on_side(LEFT_EDGE, q, p)
         pulls = contact_load(contact.depth, contact.closing_rate, q, p) <= 0.0
         mode = mode._replace(
             side=RELEASED if pulls else CLOSED, side_slip=slip_state(contact.slip, p)

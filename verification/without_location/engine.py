@@ -16,7 +16,7 @@ from typing import NamedTuple
 from model.engines.course import start
 from model.engines.record import constants_in
 from model.engines.scalar.step import error_estimate, keep_in, state_of
-from model.events.table import (
+from model.events.levels import (
     FLAT,
     LARGEST_TILT,
     corners_outside,
@@ -37,7 +37,7 @@ from model.physics.forces import (
 from model.physics.geometry import bottom_corner
 from model.physics.motion import never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE
-from model.physics.scenes import Declared
+from model.physics.scenes import START, Declared
 
 # How to step.
 RK4_STEPS, SEMI_IMPLICIT_EULER_STEPS, ADAPTIVE_STEPS = 0, 1, 2
@@ -117,7 +117,7 @@ def _left_force(q, p):
         face = _force(edge_on_face(LEFT_EDGE, q, p), bottom, q, p)
         x, y, moment = x + face[0], y + face[1], moment + face[2]
     elif inside:
-        side = _force(edge_on_side(q, p), left, q, p)
+        side = _force(edge_on_side(LEFT_EDGE, q, p), left, q, p)
         x, y, moment = x + side[0], y + side[1], moment + side[2]
     return x, y, moment
 
@@ -138,8 +138,8 @@ def outside(y, p):
     """Positive until the part has fallen in, by the alignment criterion in force (R8)."""
     q = state_of(y)
     if p.printed_alignment_criterion != 0.0:
-        return largest(corners_outside(outline(q, p), p))[0]
-    return largest(not_fallen_in(outline(q, p), p))[0]
+        return largest(corners_outside(outline(q, p), p, START))[0]
+    return largest(not_fallen_in(outline(q, p), p, START))[0]
 
 
 @kernel

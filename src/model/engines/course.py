@@ -1,6 +1,6 @@
-"""What happens to a run between its steps: its start, its switches, its periods and its end.
+"""The course of a run between its steps: its start, its events, its periods and its end.
 
-Both engines, one run at a time and many side by side, share what stands here.
+Both engines use it.
 """
 
 from math import isfinite, isnan, nan, pi
@@ -40,29 +40,14 @@ from model.engines.record import (
     state_in,
 )
 from model.engines.scalar.step import short_step
+from model.events.friction import decide_friction, hold_sticking
+from model.events.kernels import MOST_EVENTS
+from model.events.levels import FLAT, NEVER
+from model.events.modes import with_corner, with_face
 from model.events.outcomes import Outcome, Reason
 from model.events.steady_state import HISTORY, record_period, settled_period
-from model.events.table import (
-    CORNERS_INSIDE,
-    FACE_END,
-    FACE_FAR_END,
-    FLAT,
-    LEFT_EDGE_ENTERS,
-    LEFT_WALL,
-    NEVER,
-    OVERTURNED,
-    SWITCH_COUNT,
-    switching_sample,
-)
-from model.events.transitions import (
-    CONTINUES,
-    decide_friction,
-    hold_sticking,
-    switch,
-    with_corner,
-    with_face,
-    without_residual_slip,
-)
+from model.events.table import CORNERS_INSIDE, FACE_END
+from model.events.transitions import CONTINUES
 from model.physics.compiled import kernel
 from model.physics.geometry import bottom_corner, edge_place, resting_height
 from model.physics.motion import is_supported
@@ -80,15 +65,14 @@ _CHATTER = int(Reason.CHATTER)
 _NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
 
 _FIRST_STEP = 1e-2
-_SHORTEST_STEP = 1e-12  # after a switch
-_SEVERAL_AT_ONCE = 16  # from which on rounding may be all that switches
+_SHORTEST_STEP = 1e-12  # after an event
+_SEVERAL_AT_ONCE = 16  # events from which on rounding may be their only cause
 _MOST_SWITCHES_AT_ONCE = 64
-_START_TOLERANCE = 1e-9
-_FALL_TIME = 20.0  # how long to wait for the corners to be inside once the contact is lost
+_FALL_TIME = 20.0  # longest fall until the corners are inside, once the contact is lost
 
 
 class Control(NamedTuple):
-    """What a run is allowed.
+    """Limits of a run.
 
     Attributes:
         horizon: latest time.
@@ -104,18 +88,18 @@ class Control(NamedTuple):
 
 
 class History(NamedTuple):
-    """What runs did in their last periods, as rings by period; see settling.py.
+    """States and lowest levels of the last periods of runs, as rings; see steady_state.py.
 
-    Shapes: states (lanes, HISTORY, 6), lowest (lanes, HISTORY, SWITCH_COUNT).
+    Shapes: states (runs, HISTORY, 6), lowest (runs, HISTORY, MOST_EVENTS).
     """
 
     states: np.ndarray
     lowest: np.ndarray
 
 
-def new_history(lanes: int) -> History:
-    """The ``History`` of ``lanes`` runs."""
-    return History(np.zeros((lanes, HISTORY, STATE_SIZE)), np.zeros((lanes, HISTORY, SWITCH_COUNT)))
+def new_history(count: int) -> History:
+    """Return the ``History`` of so many runs."""
+    return History(np.zeros((count, HISTORY, STATE_SIZE)), np.zeros((count, HISTORY, MOST_EVENTS)))
 
 
 @kernel
@@ -137,17 +121,6 @@ def start(p, declared):
 
 
 @kernel
-def _start_is_impossible(q, p, mode):
-    functions = switching_sample(0.0, q, p, mode)
-    return (
-        functions[LEFT_EDGE_ENTERS] < -_START_TOLERANCE
-        or functions[LEFT_WALL] < -_START_TOLERANCE
-        or functions[FACE_FAR_END] < -_START_TOLERANCE
-        or functions[OVERTURNED] < 0.0
-    )
-
-
-@kernel
 def period_length(p):
     """The excitation's period; 2π where the excitation is constant."""
     return 2.0 * pi / p.frequency if p.frequency > 0.0 else 2.0 * pi
@@ -155,7 +128,7 @@ def period_length(p):
 
 @kernel
 def _note_end_of_period(runs, i):
-    """When the present period ends, or the run."""
+    """Enter the time at which the present period ends, or the run."""
     next_period = (runs[i, PERIODS] + 1.0) * period_length(constants_of(runs, i))
     runs[i, STOP] = min(next_period, runs[i, DEADLINE])
 
@@ -174,7 +147,7 @@ def fail(runs, i, reason):
 
 
 @kernel
-def begin(row, tolerance, declared, control, runs, i):
+def begin(row, tolerance, scene, control, runs, i):
     """Put the parameter set ``row``, shape (constants,), at its start into row ``i``.
 
     ``tolerance`` is the local error admitted in a step, relative to 1 + |state|.
@@ -189,10 +162,10 @@ def begin(row, tolerance, declared, control, runs, i):
         runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # and stay so; see note_step
     else:
         runs[i, TILT_MAX] = abs(p.initial_tilt)
-    for which in range(SWITCH_COUNT):
+    for which in range(MOST_EVENTS):
         runs[i, CLOSEST + which] = NEVER
-    q, mode = start(p, declared)
-    if _start_is_impossible(q, p, mode):
+    q, mode = start(p, scene.declared)
+    if scene.events.start_is_impossible(q, p, mode):
         fail(runs, i, _IMPOSSIBLE_START)
     else:
         mode, possible = decide_friction(0.0, q, p, mode, True, True)
@@ -202,12 +175,12 @@ def begin(row, tolerance, declared, control, runs, i):
     keep_mode(mode, runs, i)
     _note_end_of_period(runs, i)
     if runs[i, OUTCOME] == CONTINUES and _starts_past_the_end(q, p, mode):
-        make_switch(FACE_END, 0.0, _FIRST_STEP, declared, control, runs, i)
+        make_event(FACE_END, 0.0, _FIRST_STEP, scene, control, runs, i)
 
 
 @kernel
 def _starts_past_the_end(q, p, mode):
-    """Whether A1 already stands beyond the corner B1, which comes before any load."""
+    """Return whether A1 already stands beyond the corner B1, which comes before any load."""
     if mode.face != CLOSED:
         return False
     return edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p).along_face > p.half_width
@@ -215,7 +188,7 @@ def _starts_past_the_end(q, p, mode):
 
 @kernel
 def is_counted(mode, p):
-    """Whether the run is still on its way to alignment, and not in the fall that follows."""
+    """Return whether the run is still on its way to alignment, and not in the fall that follows."""
     return not mode.dropped or p.printed_alignment_criterion != 0.0
 
 
@@ -236,7 +209,7 @@ def note_step(length, tilt, force, runs, i):
 
 @kernel
 def _opened(before, after):
-    """Whether a switch left the part without support: a separation."""
+    """Return whether an event left the part without support: a lift-off."""
     return (before.face != OPEN or before.corner != OPEN) and (
         after.face == OPEN and after.corner == OPEN
     )
@@ -244,7 +217,7 @@ def _opened(before, after):
 
 @kernel
 def _note_alignment(which, tilt, printed_criterion, alignment_only, runs, i):
-    """Alignment by the criterion in force, and the four corners inside; whether the run ends.
+    """Enter alignment or the four corners inside; return whether the run ends.
 
     The first instant counts (R8): a part that is lifted again and falls once more has aligned.
     """
@@ -261,7 +234,7 @@ def _note_alignment(which, tilt, printed_criterion, alignment_only, runs, i):
 
 @kernel
 def _pass_over(before, runs, i):
-    """Move on by a moment without looking for switches, if it makes no difference which mode holds.
+    """Move on by a moment without event location, if it makes no difference which mode holds.
 
     On a hard base a length's rounding is a load: a contact or a slip that is only just there comes
     and goes with it, and no time passes. The moment is twice as long each time; where the two modes
@@ -286,10 +259,10 @@ def _pass_over(before, runs, i):
 
 
 @kernel
-def make_switch(which, length, step, declared, control, runs, i):
-    """Let the run, now on its switch ``which``, go on in the mode that follows, or end.
+def make_event(which, length, step, scene, control, runs, i):
+    """Continue the run, which is at the event ``which``, in the mode that follows, or end it.
 
-    ``length`` is what the run moved to get there, ``step`` the step it would have made.
+    ``length`` is the time from the last step to the event, ``step`` that of the step cut short.
     """
     time, p, before = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     runs[i, SWITCHES] += 1.0
@@ -299,8 +272,8 @@ def make_switch(which, length, step, declared, control, runs, i):
     # Where no time passes, the step was too long for what happens in it (friction that only just
     # reaches its limit, for instance): its dense output is not that exact.
     runs[i, NEXT_STEP] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
-    q = without_residual_slip(which, state_in(runs, STATE, i), p, before)
-    mode, outcome, reason = switch(which, time, q, p, before, declared)
+    q = scene.events.adjust(which, state_in(runs, STATE, i), p, before)
+    mode, outcome, reason = scene.events.follow(which, time, q, p, before, scene.declared)
     if outcome == CONTINUES and is_counted(before, p) and _opened(before, mode):
         runs[i, SEPARATIONS] += 1.0
     keep_state(hold_sticking(q, p, mode), runs, i)
@@ -317,44 +290,45 @@ def make_switch(which, length, step, declared, control, runs, i):
 
 
 @kernel
-def _compare_periods(periods, history, runs, i):
-    """Enter what the period that ends brought; the run ends if its motion repeats itself."""
+def _compare_periods(scene, periods, history, runs, i):
+    """Enter the state and the approaches of a period; end the run in a periodic steady state."""
     states, lowest = history.states[i], history.lowest[i]
-    for which in range(SWITCH_COUNT):  # a switch that was made is no switch to keep clear of
+    for which in range(MOST_EVENTS):  # an event that happened is none to keep clear of
         if runs[i, MADE + which] != 0.0:
             runs[i, CLOSEST + which] = NEVER
             runs[i, MADE + which] = 0.0
     record_period(
         periods,
         runs[i, STATE : STATE + STATE_SIZE],
-        runs[i, CLOSEST : CLOSEST + SWITCH_COUNT],
+        runs[i, CLOSEST : CLOSEST + MOST_EVENTS],
         states,
         lowest,
     )
-    for which in range(SWITCH_COUNT):
+    for which in range(MOST_EVENTS):
         runs[i, CLOSEST + which] = NEVER
     if mode_of(runs, i).dropped:
         return
     noise, p = 100.0 * runs[i, TOLERANCE], constants_of(runs, i)
-    period = settled_period(periods, period_length(p), states, lowest, p, noise)
+    length = period_length(p)
+    period = settled_period(scene.events, periods, length, states, lowest, p, noise)
     if period > 0:
         runs[i, SETTLED_PERIOD] = period
         _end(runs, i, _SETTLED, _NONE)
 
 
 @kernel
-def end_period(history, may_settle, runs, i):
+def end_period(scene, history, may_settle, runs, i):
     """Enter a completed period; the run ends if it ``may_settle`` and its motion repeats itself."""
     periods = int(runs[i, PERIODS]) + 1
     runs[i, PERIODS] = periods
     _note_end_of_period(runs, i)
     if may_settle:
-        _compare_periods(periods, history, runs, i)
+        _compare_periods(scene, periods, history, runs, i)
 
 
 @kernel
-def end_step(reached_stop, history, control, runs, i):
-    """What every step ends with: the limits of the run, and its periods."""
+def end_step(scene, reached_stop, history, control, runs, i):
+    """End a step: check the limits of the run, and count its periods."""
     if runs[i, OUTCOME] != CONTINUES:
         return
     if runs[i, SWITCHES_AT_ONCE] > _MOST_SWITCHES_AT_ONCE:
@@ -364,4 +338,4 @@ def end_step(reached_stop, history, control, runs, i):
     elif runs[i, TIME] >= runs[i, DEADLINE]:
         _end(runs, i, _HORIZON_REACHED, _NONE)
     elif reached_stop:
-        end_period(history, control.may_settle != 0.0, runs, i)
+        end_period(scene, history, control.may_settle != 0.0, runs, i)

@@ -8,7 +8,7 @@ A batch of runs is an array ``runs`` of shape (runs, SIZE): ``runs[i, TIME]`` is
 from math import isnan
 
 from model.engines.results import RunResult
-from model.events.table import SWITCH_COUNT
+from model.events.kernels import MOST_EVENTS
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE, State
 from model.physics.parameters import Constants
@@ -63,9 +63,9 @@ _STICKING_SHARE = column("sticking_share")
 
 STATE = len(_COLUMNS)
 MODE = STATE + STATE_SIZE
-CLOSEST = MODE + len(Mode._fields)  # lowest switching functions in this period
-MADE = CLOSEST + SWITCH_COUNT  # whether a switch was made in this period
-SIZE = MADE + SWITCH_COUNT
+CLOSEST = MODE + len(Mode._fields)  # lowest levels of the events in this period
+MADE = CLOSEST + MOST_EVENTS  # whether an event happened in this period
+SIZE = MADE + MOST_EVENTS
 
 # (runs, i): the ``Constants`` of run ``i``.
 constants_of = reader(Constants, "runs, i", "runs[i, {}]".format)

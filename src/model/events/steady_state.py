@@ -1,24 +1,14 @@
-"""When a run that will never align may stop: its motion repeats itself.
+"""Periodic steady state: when a run that will never align may stop.
 
 Once an excitation period the state is compared with the state n periods back. If these differences
-are small and contract, by a ratio ρ < 1 over n periods, twice in a row, what is left of the motion
-is at most Δ/(1 - ρ). What of the last difference is not the one before it times ρ may be a creep
-that does not contract: it is taken to last. The run has settled when neither, taken fivefold, can
-reach alignment or any switch that the last n periods did not make.
+are small and contract, by a ratio ρ < 1 over n periods, twice in a row, the rest of the transient
+is at most Δ/(1 - ρ). The part of the last difference that is not ρ times the one before may be a
+creep that does not contract: it is taken to last. The steady state is reached when neither, taken
+fivefold, can reach alignment or any event that did not happen in the last n periods.
 """
 
-from model.events.table import (
-    CORNER_LOAD,
-    CORNER_RELOAD,
-    FACE_LOAD,
-    FACE_RELOAD,
-    NEVER,
-    SIDE_LOAD,
-    SIDE_RELOAD,
-    SIDE_SLIP,
-    SUPPORT_SLIP,
-    SWITCH_COUNT,
-)
+from model.events.levels import NEVER
+from model.events.table import FRICTION, LOAD
 from model.physics.compiled import kernel
 from model.physics.notation import STATE_SIZE, State
 
@@ -33,20 +23,20 @@ _LASTING = 3000.0  # time for which a creep is taken to last: ten times the usua
 
 @kernel
 def record_period(count, y, closest, states, lowest):
-    """Store the state at the end of period ``count`` and the lowest switching functions in it.
+    """Store the state at the end of period ``count`` and the lowest levels of the events in it.
 
-    ``states``, shape (HISTORY, 6), and ``lowest``, shape (HISTORY, SWITCH_COUNT), are rings.
+    ``states``, shape (HISTORY, 6), and ``lowest``, shape (HISTORY, MOST_EVENTS), are rings.
     """
     row = count % HISTORY
     for i in range(STATE_SIZE):
         states[row, i] = y[i]
-    for which in range(SWITCH_COUNT):
+    for which in range(closest.size):
         lowest[row, which] = closest[which]
 
 
 @kernel
 def _difference(count, n, states):
-    """The state at period ``count`` less that at ``count - n``."""
+    """Difference of the state at period ``count`` from that at ``count - n``."""
     now, then = states[count % HISTORY], states[(count - n) % HISTORY]
     return State(
         now[0] - then[0], now[1] - then[1], now[2] - then[2],
@@ -64,7 +54,7 @@ def _largest(vector):
 
 @kernel
 def _ratio(later, earlier):
-    """What ``later`` is of ``earlier``, by least squares."""
+    """Ratio of ``later`` to ``earlier``, by least squares."""
     product, square = 0.0, 0.0
     for i in range(STATE_SIZE):
         product += later[i] * earlier[i]
@@ -74,7 +64,7 @@ def _ratio(later, earlier):
 
 @kernel
 def _reach(d0, d1, d2, cycles, noise):
-    """How far each component may still move, as a ``State``; whether the differences contract.
+    """Bounds of the further motion, as a ``State``, and whether the differences contract.
 
     ``d0``, ``d1``, ``d2`` are the differences over one cycle, the last one first; a creep is taken
     to last so many ``cycles``.
@@ -109,8 +99,8 @@ def _reach(d0, d1, d2, cycles, noise):
 
 
 @kernel
-def _change(which, r, p):
-    """How much a switching function can change while the state's components change by ``r``.
+def _change(kind, r, p):
+    """Bound of the change of a level of this kind while the state's components change by ``r``.
 
     Lengths and slips are those of points of the part, at most half its diagonal from the centre;
     loads are depths and closing rates times the base's stiffness and damping; a friction margin is
@@ -120,23 +110,16 @@ def _change(which, r, p):
     length = r[0] + r[1] + arm * r[2]
     rate = r[3] + r[4] + arm * r[5]
     load = p.contact_stiffness * length + p.contact_damping * rate
-    if which == SUPPORT_SLIP or which == SIDE_SLIP:
+    if kind == FRICTION:
         return 2.0 * load + length + rate
-    if (
-        which == FACE_LOAD
-        or which == FACE_RELOAD
-        or which == SIDE_LOAD
-        or which == SIDE_RELOAD
-        or which == CORNER_LOAD
-        or which == CORNER_RELOAD
-    ):
+    if kind == LOAD:
         return load
     return length + rate
 
 
 @kernel
-def settled_period(count, period, states, lowest, p, noise):
-    """Period (in excitation periods) of the motion the run has settled on, or 0.
+def settled_period(events, count, period, states, lowest, p, noise):
+    """Period (in excitation periods) of the periodic steady state, or 0 if there is none yet.
 
     ``count`` excitation periods of length ``period`` are over; ``noise`` is the size of a
     difference that is the integrator's own.
@@ -153,9 +136,9 @@ def settled_period(count, period, states, lowest, p, noise):
             continue
         clear = True
         for i in range(n):
-            for which in range(SWITCH_COUNT):
+            for which in range(events.count):
                 distance = lowest[(count - i) % HISTORY, which]
-                if distance != NEVER and _SAFETY * _change(which, reach, p) > distance:
+                if distance != NEVER and _SAFETY * _change(events.kind(which), reach, p) > distance:
                     clear = False
         if clear:
             return n

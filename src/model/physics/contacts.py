@@ -1,7 +1,7 @@
 """The three kinds of contact in the alignment scene: depth, closing rate, slip, and force rows.
 
 1. edge on the bottom face: A1 from the start, A2 after the part has jumped over the slot;
-2. A2 on the left side face;
+2. A2 on the left side face, and by the same law A1 on the right one;
 3. a bottom corner on the flat base: B1 right of the slot, B2 left of it.
 
 A row is a triple (x, y, moment). Times a force it is that force's share of the generalized force;
@@ -74,24 +74,24 @@ def edge_on_face(side, q, p):
 
 
 @inlined_kernel
-def edge_on_side(q, p):
-    """Return the contact of edge A2 with the left side face in state ``q``.
+def edge_on_side(edge, q, p):
+    """Return the contact of A2 with the left side face, or of A1 with the right one.
 
-    w = s + a, force n e_t + T e_n, torque r × F. Printed readings: w from D2 as printed (R4), and
-    the force enters (3) as at A1, with A2's q (R5).
+    w = s + a at A2 and a - s at A1, force ±(n e_t + T e_n), torque r × F. Printed readings of A2:
+    D2 as printed for w (R4), and the force entering (3) as at A1 with A2's q (R5).
     """
-    place = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    place = edge_place(edge, q.x, q.y, q.tilt, p)
     c, s = place.cos, place.sin
     along = q.x_rate * c + q.y_rate * s
     across = -q.x_rate * s + q.y_rate * c
-    depth = place.along_face + p.half_width
-    closing_rate = q.tilt_rate * place.along_axis - along
-    if p.printed_side_gap != 0.0:
+    depth = -edge * place.along_face + p.half_width
+    closing_rate = -edge * (q.tilt_rate * place.along_axis - along)
+    if p.printed_side_gap != 0.0 and edge == LEFT_EDGE:
         corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
         gap = corner_x + p.slot_half_width - corner_y
         gap_rate = q.x_rate - q.y_rate - q.tilt_rate * (corner_y - q.y + corner_x - q.x)
         depth, closing_rate = -gap * c, gap * s * q.tilt_rate - gap_rate * c
-    if p.printed_side_force != 0.0:
+    if p.printed_side_force != 0.0 and edge == LEFT_EDGE:
         # The tangent, too, is then the bottom face's, so that friction opposes its own slip.
         as_face = edge_on_face(LEFT_EDGE, q, p)
         x_sign = -1.0 if p.printed_normal_sign != 0.0 else 1.0
@@ -101,12 +101,13 @@ def edge_on_side(q, p):
             depth, closing_rate, as_face.along, as_face.slip, as_face.slip_drift, normal, tangent,
             as_face.slip_row,
         )  # fmt: skip
-    normal = (c, s, -place.along_axis)
-    tangent = (-s, c, place.along_face)
-    slip = across + q.tilt_rate * place.along_face
+    normal = (-edge * c, -edge * s, edge * place.along_axis)
+    tangent = (edge * s, -edge * c, -edge * place.along_face)
+    slip = -edge * (across + q.tilt_rate * place.along_face)
     true_closing_rate = q.tilt_rate * place.along_axis - along
-    drift = q.tilt_rate * (true_closing_rate - along)
-    return Contact(depth, closing_rate, place.along_axis, slip, drift, normal, tangent, tangent)
+    drift = -edge * (q.tilt_rate * (true_closing_rate - along))
+    away = -edge * place.along_axis
+    return Contact(depth, closing_rate, away, slip, drift, normal, tangent, tangent)
 
 
 @inlined_kernel

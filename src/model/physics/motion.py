@@ -101,10 +101,10 @@ def support_contact(q, p, mode):
 
 @inlined_kernel
 def side_contact(q, p, mode):
-    """Return the contact of A2 with the left side face."""
+    """Return the contact of an edge with a side face."""
     if mode.side != CLOSED:
         return Support(0.0, 0.0, 0.0, 0.0, NO_ROW, 0.0, NO_ROW, 0.0)
-    side = edge_on_side(q, p)
+    side = edge_on_side(mode.side_edge, q, p)
     load = contact_load(side.depth, side.closing_rate, q, p)
     normal = side.normal
     x, y, moment = load * normal[0], load * normal[1], load * normal[2]

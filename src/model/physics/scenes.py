@@ -5,9 +5,9 @@ continued with missing physics.
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
-from model.physics.notation import RIGHT_EDGE
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 ContactName = Literal["edge_on_face", "edge_on_side", "corner_on_flat"]
 CONTACT_NAMES: tuple[ContactName, ...] = get_args(ContactName)
@@ -17,12 +17,18 @@ CONTACT_NAMES: tuple[ContactName, ...] = get_args(ContactName)
 class Scene:
     """A named set of declared contacts.
 
+    Attributes:
+        name: of the scene.
+        contacts: that it declares.
+        events: table of events (model.events.table); None: that of the alignment scene.
+
     Raises:
         ValueError: a contact name that is not in ``CONTACT_NAMES``.
     """
 
     name: str
     contacts: frozenset[ContactName]
+    events: tuple[Any, ...] | None = None
 
     def __post_init__(self) -> None:
         unknown = set(self.contacts) - set(CONTACT_NAMES)
@@ -78,9 +84,11 @@ class Mode(NamedTuple):
             changes only when the deciding contact stops pressing, so that friction stays continuous
             while the other one opens and closes.
         support_slip: friction state of edge and corner.
-        side: normal state of A2 on the left side face.
-        side_slip: friction state of A2 on the left side face.
+        side: normal state of ``side_edge`` on its side face.
+        side_slip: friction state of that edge on that face.
         dropped: True after the part lost the edge past its corner B1 and falls into the slot.
+        side_edge: LEFT_EDGE, or RIGHT_EDGE in a scene with A1 on the right side face: the edge that
+            touches a side face, or last did. Between both edges the part is wedged, and leaves.
     """
 
     edge: float
@@ -92,6 +100,7 @@ class Mode(NamedTuple):
     side: int
     side_slip: int
     dropped: bool
+    side_edge: float = LEFT_EDGE
 
 
 START = Mode(RIGHT_EDGE, CLOSED, OPEN, 0.0, False, STICKING, OPEN, STICKING, False)

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.batch.scheduling import integrate_all, new_many
 from model.engines.queue import Queue, new_queue
 from model.engines.results import RunResult
@@ -35,11 +36,12 @@ def scalar_engine(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -
 
 def batch_engine(settings: Settings, cores: int = 1) -> Run:
     """Return the batch engine: many runs at a time."""
-    declared, method, control = settings.for_kernels
+    _, method, control = settings.for_kernels
+    scene = in_vector_kernels(settings.scene)
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
-        many = new_many(settings.may_settle)
-        integrate_all(rows, tolerances, declared, method, control, queue, results, many)
+        many = new_many(scene, settings.may_settle)
+        integrate_all(rows, tolerances, scene, method, control, queue, results, many)
 
     return _on_cores(fill, cores)
 

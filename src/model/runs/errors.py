@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import RunResult
+from model.events.levels import FLAT
 from model.events.outcomes import Outcome, Reason
-from model.events.table import FLAT
 from model.physics.parameters import Constants
 from model.runs.engines import Array, Run
 

@@ -7,9 +7,10 @@ from typing import Any
 
 from model.engines.course import Control
 from model.engines.scalar.tableaux import DOP853, Method, Tableau
+from model.events.kernels import SceneKernels, in_kernels
 from model.physics.parameters import check_name
 from model.physics.readings import Readings
-from model.physics.scenes import ALIGNMENT, Declared, Scene
+from model.physics.scenes import ALIGNMENT, Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,9 +61,9 @@ class Settings:
             raise ValueError(f"method {self.method.name} has no error estimate: choose another")
 
     @property
-    def for_kernels(self) -> tuple[Declared, Method, Control]:
-        """Declared contacts, method and control, as the kernels take them."""
-        return self.scene.declared, self.method.method, self.control
+    def for_kernels(self) -> tuple[SceneKernels, Method, Control]:
+        """Scene, method and control, as the kernels take them."""
+        return in_kernels(self.scene), self.method.method, self.control
 
     @property
     def control(self) -> Control:

@@ -1,37 +1,43 @@
-"""The series that lanes step by: they solve the equations of motion, and hold what is watched."""
+"""The series of the batch engine: they solve the equations of motion, and hold what is watched."""
 
 import numpy as np
 import pytest
 
 from model import Settings
-from model.engines.batch import lanes
-from model.engines.batch.event_search import (
-    QUANTITIES,
-    TERMS,
-    _fall,
-    _values,
-    enter_series,
-    largest_until,
+from model.engines.batch import workspace
+from model.engines.batch.event_kernels import TERMS, in_vector_kernels
+from model.engines.batch.event_search import QUANTITIES, crossing, values_at
+from model.engines.batch.peaks import largest_until
+from model.engines.batch.series import (
+    CONSISTENT,
+    FREE,
+    GIVEN,
+    SLIDES,
+    STICKS,
+    Watched,
+    recurrences,
 )
-from model.engines.batch.lanes import COEFFICIENTS, LANE_ROWS, is_corner, new_lanes, step_all
-from model.engines.batch.series import CONSISTENT, FREE, GIVEN, SLIDES, STICKS, recurrences
 from model.engines.batch.series_code import (
     FRACTIONS,
     KINDS,
+    NODES,
     ORDER,
     ORDERS_THERE,
     ROWS,
     SINES,
+    TILT,
     WIDTH,
     operations,
 )
+from model.engines.batch.step import step_all
+from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, new_workspace
 from model.engines.record import SIZE
-from model.events.table import COMBINED_COUNT, NEVER, Outline, outline
+from model.events.levels import NEVER, Outline, outline
 from model.physics.contacts import contact_load, edge_on_face, edge_on_side
 from model.physics.motion import motion
-from model.physics.notation import RIGHT_EDGE, State
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
+from model.physics.scenes import ALIGNMENT, CLOSED, OPEN, STICKING, Mode
 
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
 each_kind = pytest.mark.parametrize(
@@ -42,28 +48,34 @@ each_kind = pytest.mark.parametrize(
 NORMAL = {FREE: OPEN, SLIDES: CLOSED, STICKS: CLOSED}
 
 
+EVENTS = in_vector_kernels(ALIGNMENT).events
+WATCHED = [k for k in range(EVENTS.count) if f"enter_{k}" in EVENTS.members]
+PLACES = [name for name in Watched._fields if name in Outline._fields]
+
+
 class Step:
     """One step of WIDTH random runs in the same kind of mode, of at most ``longest``."""
 
     def __init__(self, support: int, side: int, longest: float, tolerance: float = 1e-300) -> None:
         rng = np.random.default_rng(8 * support + side)
-        flat = new_lanes()
-        self.w = flat.reshape(LANE_ROWS, WIDTH)
+        flat = new_workspace(EVENTS.rows)
+        self.w = flat.reshape(EVENTS.rows, WIDTH)
         self.w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
         named = dict(zip(np.array(Constants._fields)[CONSISTENT].tolist(), self.w, strict=False))
         named["contact_stiffness"][:] = 50.0
         named["friction"][:] = 0.3
         self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
-        self.w[lanes.TIME], self.w[lanes.DEADLINE] = 0.3, 10.0
-        self.w[lanes.TOLERANCE], self.w[lanes.LONGEST] = tolerance, longest
-        self.w[lanes.FACE], self.w[lanes.SIDE] = NORMAL[support], NORMAL[side]
+        self.w[workspace.TIME], self.w[workspace.DEADLINE] = 0.3, 10.0
+        self.w[workspace.TOLERANCE], self.w[workspace.LONGEST] = tolerance, longest
+        self.w[workspace.FACE], self.w[workspace.SIDE] = NORMAL[support], NORMAL[side]
         signs = self.w[GIVEN - 2 : GIVEN]
-        self.w[lanes.SUPPORT_SLIP_STATE] = 0.0 if support == STICKS else signs[0]
-        self.w[lanes.SIDE_SLIP_STATE] = 0.0 if side == STICKS else signs[1]
+        self.w[workspace.SUPPORT_SLIP_STATE] = 0.0 if support == STICKS else signs[0]
+        self.w[workspace.SIDE_SLIP_STATE] = 0.0 if side == STICKS else signs[1]
         self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH))
         _, _, control = Settings().for_kernels
-        step_all(len(KINDS) * support + side, support == FREE, side != FREE, control, flat)
-        self.series = self.w[COEFFICIENTS:].reshape(ORDER + 1, ROWS, WIDTH)
+        step_all(EVENTS, len(KINDS) * support + side, support == FREE, side != FREE, control, flat)
+        coefficients = self.w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * ROWS]
+        self.series = coefficients.reshape(ORDER + 1, ROWS, WIDTH)
 
     def constants(self, lane: int) -> Constants:
         values = np.zeros(len(Constants._fields))
@@ -74,7 +86,8 @@ class Step:
         face, slip, side, side_slip = (
             int(self.w[row, lane])
             for row in (
-                lanes.FACE, lanes.SUPPORT_SLIP_STATE, lanes.SIDE, lanes.SIDE_SLIP_STATE,
+                workspace.FACE, workspace.SUPPORT_SLIP_STATE, workspace.SIDE,
+                workspace.SIDE_SLIP_STATE,
             )
         )  # fmt: skip
         return Mode(RIGHT_EDGE, face, OPEN, 0.0, False, slip, side, side_slip, False)
@@ -90,7 +103,7 @@ class Step:
 
 
 def residual(step: Step, time: float) -> float:
-    """By how much the series miss the equations of motion, largest of all lanes."""
+    """By how much the series miss the equations of motion, largest of all workspace."""
     missed = 0.0
     for lane in range(WIDTH):
         q = State(*step.at(time, lane)[:6].tolist())
@@ -119,14 +132,13 @@ def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: in
         for time in (0.0, 1e-3):
             values = step.at(time, lane)
             q, p, mode = State(*values[:6].tolist()), step.constants(lane), step.mode(lane)
-            assert values[6 : 6 + len(Outline._fields)] == pytest.approx(
-                list(outline(q, p)), rel=1e-11, abs=1e-11
-            )
+            places = [getattr(outline(q, p), name) for name in PLACES]
+            assert values[6 : 6 + len(PLACES)] == pytest.approx(places, rel=1e-11, abs=1e-11)
             at = motion(0.3 + time, q, p, mode)
-            face, beside = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(q, p)
+            face, beside = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)
             sticks = mode.support_slip == STICKING and mode.face == CLOSED
             side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
-            assert values[6 + len(Outline._fields) :] == pytest.approx(
+            assert values[6 + len(PLACES) :] == pytest.approx(
                 [
                     contact_load(face.depth, face.closing_rate, q, p),
                     at.support_friction if sticks else face.slip,
@@ -138,15 +150,15 @@ def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: in
             )
 
 
-FOLLOWED = [lanes.TILT, *range(lanes.OUTLINE_AT, SINES)]  # rows that are sampled at every node
+FOLLOWED = [TILT, *range(6, SINES)]  # rows that are sampled at every node
 
 
 @each_kind
-def test_bends_bound_the_distance_from_a_line(support: int, side: int) -> None:
+def test_curvature_bounds_bound_the_distance_from_a_line(support: int, side: int) -> None:
     step = Step(support, side, 0.05, tolerance=1e-6)
     for lane in range(WIDTH):
-        length = step.w[lanes.LENGTH, lane]
-        bends = step.w[lanes.VALUES + lanes.NODES * SINES :][FOLLOWED, lane]
+        length = step.w[workspace.LENGTH, lane]
+        bends = step.w[workspace.VALUES + NODES * SINES :][FOLLOWED, lane]
         for start in (0.0, 0.25, 0.5, 0.75):
             left, middle, right = (
                 step.at((start + part) * length, lane)[FOLLOWED] for part in (0.0, 0.125, 0.25)
@@ -167,29 +179,29 @@ def test_a_sliding_part_takes_ten_products() -> None:
 def sampled(
     which: int, places: np.ndarray, series: np.ndarray, w: np.ndarray, lane: int, last: int = ORDER
 ) -> np.ndarray:
-    """A switching function from the series of its quantities, of either sign, to the last order."""
-    functions, count = [], QUANTITIES if which < COMBINED_COUNT else 1
+    """A level from the series of its quantities, of either sign, to the last order."""
+    functions, count = [], QUANTITIES if which < EVENTS.combined else 1
     for sign in (1.0, -1.0):
-        enter_series(which, sign, series, w, lane)
+        EVENTS.enter_series(which, sign, series, w, lane)
         series.reshape(QUANTITIES, TERMS)[:, last + 1 :] = 0.0
-        functions.append([max(_values(count, place, series)) for place in places])
+        functions.append([max(values_at(count, place, series)) for place in places])
     return np.min(functions, axis=0)
 
 
 @each_kind
-def test_series_of_switching_functions_are_those_of_the_functions(support: int, side: int) -> None:
+def test_series_of_levels_are_those_of_the_levels(support: int, side: int) -> None:
     step, compared = Step(support, side, 0.4, tolerance=1e-6), 0
     series = np.zeros(QUANTITIES * TERMS)
-    assert (step.w[lanes.LENGTH] > 0.03).all()
+    assert (step.w[workspace.LENGTH] > 0.03).all()
     nodes, orders = (0.0, *FRACTIONS), (ORDER, *ORDERS_THERE)
-    rows = lanes.SAMPLES + lanes.SWITCH_COUNT * np.arange(lanes.NODES)
+    rows = EVENTS.samples + EVENTS.count * np.arange(NODES)
     for lane in range(WIDTH):
-        for which in lanes.WATCHED_SWITCHES:
+        for which in WATCHED:
             expected = step.w[rows + which, lane]
             if expected[0] != NEVER:
                 flat = step.w.reshape(-1)
                 found = np.concatenate([
-                    sampled(int(which), np.array([node]), series, flat, lane, last)
+                    sampled(which, np.array([node]), series, flat, lane, last)
                     for node, last in zip(nodes, orders, strict=True)
                 ])  # fmt: skip
                 assert found == pytest.approx(expected, rel=1e-10, abs=1e-11)
@@ -200,22 +212,22 @@ def test_series_of_switching_functions_are_those_of_the_functions(support: int, 
 @each_kind
 def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> None:
     step, runs = Step(support, side, 0.4, tolerance=1e-6), np.zeros((1, SIZE))
-    assert (step.w[lanes.LENGTH] > 0.03).all()
+    assert (step.w[workspace.LENGTH] > 0.03).all()
     for lane in range(WIDTH):
-        length = step.w[lanes.LENGTH, lane]
+        length = step.w[workspace.LENGTH, lane]
         for until in (1.0, 0.6, 0.1):
             course = np.array(
                 [step.at(theta * length, lane) for theta in np.linspace(0, until, 3001)]
             )
-            presses = [step.w[row, lane] == CLOSED for row in (lanes.FACE, lanes.SIDE)]
-            forces = course[:, [lanes.CONTACTS_AT, lanes.CONTACTS_AT + 2]] * presses
+            presses = [step.w[row, lane] == CLOSED for row in (workspace.FACE, workspace.SIDE)]
+            forces = course[:, [CONTACTS_AT, CONTACTS_AT + 2]] * presses
             tilt, force = largest_until(until, step.w.reshape(-1), lane, runs, 0)
-            assert tilt == pytest.approx(np.abs(course[:, lanes.TILT]).max(), rel=1e-6)
+            assert tilt == pytest.approx(np.abs(course[:, TILT]).max(), rel=1e-6)
             assert force == pytest.approx(max(forces.max(), 0.0), rel=1e-6)
 
 
 def test_the_first_fall_is_found_however_short_what_follows() -> None:
-    # Against 1,001 samples of every function that applies, on steps ten times as long as usual.
+    # Against 1,001 samples of every level that applies, on steps ten times as long as usual.
     places, short, fell = np.linspace(0.0, 1.0, 1001), 0, 0
     series = np.zeros(QUANTITIES * TERMS)
     for support in KINDS:
@@ -223,18 +235,18 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
             step = Step(support, side, 0.4, tolerance=1e-2)
             flat = step.w.reshape(-1)
             for lane in range(WIDTH):
-                for which in lanes.WATCHED_SWITCHES:
-                    if step.w[lanes.SAMPLES + which, lane] == NEVER or is_corner(int(which)):
+                for which in WATCHED:
+                    if step.w[EVENTS.samples + which, lane] == NEVER or EVENTS.is_partial(which):
                         continue
-                    values = sampled(int(which), places, series, flat, lane)
+                    values = sampled(which, places, series, flat, lane)
                     if values[0] <= 1e-6:
                         continue
                     below = np.flatnonzero(values < 0.0)
-                    quarters = int(step.w[lanes.MAY_SWITCH + which, lane])
+                    quarters = int(step.w[EVENTS.subintervals + which, lane])
                     if below.size == 0:
                         continue
                     assert quarters & 1 << min(int(4.0 * places[below[0] - 1]), 3)
-                    theta = _fall(int(which), 1.0, series, flat, lane)
+                    theta = crossing(EVENTS, which, 1.0, series, flat, lane)
                     fell += 1
                     assert places[below[0] - 1] <= theta <= places[below[0]]
                     nodes = values[:: (places.size - 1) // 4]

@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from model.engines.scalar.location import NO_SWITCH, NODE_PLACES, first_switch, sample_step
-from model.events.table import OVERTURNED, SAMPLE_SIZE, switching_functions
+from model.engines.scalar.location import NO_EVENT, NODE_PLACES, first_event, sample_step
+from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
+from model.events.table import OVERTURNED
 from model.physics.notation import State
 from model.physics.scenes import OPEN, START
 
@@ -27,8 +28,8 @@ ROUNDING = 1e-14
 def locate(device, constants):
     """(which, θ) for limit - φ = g(θ), g given as a ``numpy.poly1d``."""
     p = constants(device)
-    upright = np.empty(SAMPLE_SIZE)
-    switching_functions(0.0, State(0.0, 100.0, 0.0, 0.0, 0.0, 0.0), p, FREE, upright)
+    upright = np.empty(MOST_SAMPLES)
+    ALIGNMENT_EVENTS.sample_into(0.0, State(0.0, 100.0, 0.0, 0.0, 0.0, 0.0), p, FREE, upright)
     limit = upright[OVERTURNED]
     assert limit == pytest.approx(0.5 * pi, abs=0.01)
 
@@ -38,10 +39,10 @@ def locate(device, constants):
         dense = np.zeros((6, DEGREE))
         dense[2, : coefficients.size - 1] = -coefficients[1:] / h
         count = len(NODE_PLACES)
-        nodes, samples = np.empty((count, 6)), np.empty((count, SAMPLE_SIZE))
-        sample_step(time, h, y, dense, p, FREE, nodes, samples)
+        nodes, samples = np.empty((count, 6)), np.empty((count, MOST_SAMPLES))
+        sample_step(ALIGNMENT_EVENTS, time, h, y, dense, p, FREE, nodes, samples)
         assert samples[:, OVERTURNED] == pytest.approx(g(NODE_PLACES), abs=1e-15)
-        return first_switch(time, h, y, dense, p, FREE, samples)
+        return first_event(ALIGNMENT_EVENTS, time, h, y, dense, p, FREE, samples)
 
     return make
 
@@ -60,7 +61,7 @@ def test_a_single_crossing_is_found(locate, root, other):
 
 
 def test_no_crossing_is_no_switch(locate):
-    assert locate(with_roots(1.0 + 1e-9, 1.5)) == (-1, NO_SWITCH)
+    assert locate(with_roots(1.0 + 1e-9, 1.5)) == (-1, NO_EVENT)
 
 
 @pytest.mark.parametrize("h", [1e-3, 0.2])
@@ -90,7 +91,7 @@ def test_a_double_crossing_beside_an_end_of_the_step_is_found(locate, first, sec
 @pytest.mark.parametrize("where", [0.3, 0.5, 0.62])
 def test_a_graze_that_stays_above_zero_is_no_switch(locate, lowest, where):
     graze = with_roots(where, where) + lowest
-    assert locate(graze) == (-1, NO_SWITCH)
+    assert locate(graze) == (-1, NO_EVENT)
 
 
 @pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9])
@@ -103,7 +104,7 @@ def test_a_graze_that_goes_below_zero_is_a_switch(locate, depth, where):
 
 
 def test_a_function_that_starts_on_its_zero_and_rises_does_not_switch_there(locate):
-    assert locate(with_roots(0.0, -1.0, scale=0.5)) == (-1, NO_SWITCH)
+    assert locate(with_roots(0.0, -1.0, scale=0.5)) == (-1, NO_EVENT)
     which, theta = locate(with_roots(0.0, 0.4, scale=-1.0))  # up, and down again at 0.4
     assert (which, theta) == (OVERTURNED, pytest.approx(0.4, abs=ROUNDING))
     which, theta = locate(with_roots(0.0, 0.1, scale=-1.0))  # the same within the first sample

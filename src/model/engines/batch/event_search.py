@@ -1,86 +1,52 @@
-"""Inside the step of one lane: the state at a place, the first switch, and the largest values.
+"""Event search inside the step of one lane: the first event, and its state.
 
-Every switching function is a constant plus multiples of places and forces, or the largest of four
-such quantities; so the quantities' series follow from those of places and forces, and tell where a
-function falls. A function of an absolute value is asked twice, once with each sign.
+Every level is a constant plus multiples of watched quantities, or the largest of four such levels;
+the series of its quantities therefore follow from those of the watched ones, and its zeros from
+them. A level of an absolute value is searched twice, once with each sign of its argument.
 """
 
 from math import inf
 
 import numpy as np
 
-from model.engines.batch import lanes
-from model.engines.batch.lanes import (
-    COEFFICIENTS,
-    CONTACTS_AT,
+from model.engines.batch.event_kernels import TERMS
+from model.engines.batch.series_code import FRACTIONS, NODES, ORDER, ROWS, WIDTH
+from model.engines.batch.step import (
     TOO_FLAT_TO_TELL,
-    Sizes,
-    constants_of_lane,
-    contacts_in,
-    is_corner,
-    mode_of_lane,
     one_stays_above,
-    outline_in,
-    single_functions,
     stays_above,
 )
-from model.engines.batch.series_code import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
-from model.engines.record import FORCE_MAX, STATE, TILT_MAX, TIME, constants_of, mode_of
-from model.engines.scalar import location as locate
-from model.engines.scalar.location import NO_SWITCH, sample_step
-from model.events.table import (
-    ALIGNED,
-    COMBINED_COUNT,
-    CORNERS_INSIDE,
-    FACE_END,
-    FACE_FAR_END,
-    FACE_GAP,
-    FACE_LOAD,
-    FACE_RELOAD,
-    LEFT_CORNER_LANDS,
-    LEFT_EDGE_ENTERS,
-    LEFT_WALL,
-    NOTHING,
-    ON_A_SWITCH,
-    OVERTURNED,
-    RIGHT_CORNER_LANDS,
-    RIGHT_EDGE_ENTERS,
-    RIGHT_WALL,
-    SIDE_END,
-    SIDE_GAP,
-    SIDE_LOAD,
-    SIDE_RELOAD,
-    SIDE_SLIP,
-    SUPPORT_SLIP,
-    SWITCH_COUNT,
-    is_wall,
-    largest,
-    quantities,
-    quantities_at,
+from model.engines.batch.workspace import (
+    CANDIDATES,
+    COEFFICIENTS,
+    LENGTH,
+    constants_of_lane,
+    mode_of_lane,
 )
-from model.events.transitions import REST_SLIP
+from model.engines.record import STATE, TIME, constants_of, mode_of
+from model.engines.scalar import location
+from model.engines.scalar.location import NO_EVENT, sample_step
+from model.events.friction import REST_SLIP
+from model.events.levels import NOTHING, ON_AN_EVENT, largest
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE, State
-from model.physics.scenes import CLOSED, STICKING
 
-QUANTITIES = 4  # of a switching function
-TERMS = ORDER + 1  # of the series of each
-_QUARTER = FRACTIONS[0]
+QUANTITIES = 4  # of a level
+_SUBINTERVAL = FRACTIONS[0]
 _FINEST = 2.0**-24  # part of a step that is not divided
-_MOST_PARTS = 64  # of a quarter; then parts of a sixteenth of the step are not divided
-_LEAVING = 2.0**-4  # part in which a function that begins on its switch is taken to go one way
+_MOST_PARTS = 64  # of a subinterval; then parts of a sixteenth of the step are not divided
+_LEAVING = 2.0**-4  # part in which a level that begins on its event is taken to be monotonic
 _ROOT_ITERATIONS = 60
 _CLOSE = 1e-8  # to a root: the next iteration is as close as its square
-_PEAK_ITERATIONS = 2
 
 
 @inlined_kernel
-def _at(row, theta, w, lane):
-    """One of the states, or of what is watched, at the fraction ``theta`` of the step.
+def row_at(row, theta, w, lane):
+    """One of the states, or of the watched quantities, at the fraction ``theta`` of the step.
 
     Even and odd orders by themselves: twice as many operations at a time.
     """
-    time = theta * w[lanes.LENGTH * WIDTH + lane]
+    time = theta * w[LENGTH * WIDTH + lane]
     square, odd = time * time, 0.0
     even = w[(COEFFICIENTS + ORDER * ROWS + row) * WIDTH + lane]
     for order in range(ORDER - 2, -2, -2):
@@ -93,91 +59,9 @@ def _at(row, theta, w, lane):
 def state_at(theta, w, lane):
     """The ``State`` at the fraction ``theta`` of the step."""
     return State(
-        _at(0, theta, w, lane), _at(1, theta, w, lane), _at(2, theta, w, lane),
-        _at(3, theta, w, lane), _at(4, theta, w, lane), _at(5, theta, w, lane),
+        row_at(0, theta, w, lane), row_at(1, theta, w, lane), row_at(2, theta, w, lane),
+        row_at(3, theta, w, lane), row_at(4, theta, w, lane), row_at(5, theta, w, lane),
     )  # fmt: skip
-
-
-@inlined_kernel
-def _quantities_of(which, sign, at, contacts, tilt, p, mode):
-    """The quantities of function ``which``, if what it asks the size of has this sign."""
-    if which < COMBINED_COUNT:
-        return quantities_at(which, at, tilt, p)
-    sizes = Sizes(
-        sign * at.left_along_axis, sign * contacts.support_friction,
-        sign * contacts.side_friction, sign * tilt,
-    )  # fmt: skip
-    functions = single_functions(at, contacts, sizes, p, mode)
-    place = which - (FACE_LOAD if which <= SIDE_END else SUPPORT_SLIP - (SIDE_END - FACE_LOAD + 1))
-    return functions[place], NOTHING, NOTHING, NOTHING
-
-
-@inlined_kernel
-def _enter(which, sign, series, w, lane):
-    """As ``enter_series``, of a function known to the compiler."""
-    p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
-    constant = _quantities_of(which, sign, lanes.NOWHERE, lanes.UNLOADED, 0.0, p, mode)
-    count = QUANTITIES if which < COMBINED_COUNT else 1
-    scale = 1.0
-    for order in range(ORDER + 1):
-        row = COEFFICIENTS + order * ROWS
-        at, contacts = outline_in(row, scale, w, lane), contacts_in(row, scale, w, lane)
-        tilt = scale * w[(row + TILT) * WIDTH + lane]
-        g = _quantities_of(which, sign, at, contacts, tilt, p, mode)
-        if order > 0:
-            g = (g[0] - constant[0], g[1] - constant[1], g[2] - constant[2], g[3] - constant[3])
-        for each in range(count):
-            series[each * TERMS + order] = g[each]
-        scale *= w[lanes.LENGTH * WIDTH + lane]
-
-
-@kernel
-def enter_series(which, sign, series, w, lane):
-    """Enter the series of a function's quantities in the step's fraction.
-
-    Into ``series``, shape (QUANTITIES * TERMS,), of function ``which``, if what it asks the size of
-    has this sign. Each function has a loop of its own, which takes no more than it needs.
-    """
-    if which == ALIGNED:
-        _enter(ALIGNED, 1.0, series, w, lane)
-    elif which == CORNERS_INSIDE:
-        _enter(CORNERS_INSIDE, 1.0, series, w, lane)
-    elif which == RIGHT_EDGE_ENTERS:
-        _enter(RIGHT_EDGE_ENTERS, 1.0, series, w, lane)
-    elif which == LEFT_EDGE_ENTERS:
-        _enter(LEFT_EDGE_ENTERS, 1.0, series, w, lane)
-    elif which == RIGHT_CORNER_LANDS:
-        _enter(RIGHT_CORNER_LANDS, 1.0, series, w, lane)
-    elif which == LEFT_CORNER_LANDS:
-        _enter(LEFT_CORNER_LANDS, 1.0, series, w, lane)
-    elif which == RIGHT_WALL:
-        _enter(RIGHT_WALL, 1.0, series, w, lane)
-    elif which == LEFT_WALL:
-        _enter(LEFT_WALL, 1.0, series, w, lane)
-    elif which == FACE_LOAD:
-        _enter(FACE_LOAD, 1.0, series, w, lane)
-    elif which == FACE_GAP:
-        _enter(FACE_GAP, 1.0, series, w, lane)
-    elif which == FACE_RELOAD:
-        _enter(FACE_RELOAD, 1.0, series, w, lane)
-    elif which == FACE_END:
-        _enter(FACE_END, 1.0, series, w, lane)
-    elif which == FACE_FAR_END:
-        _enter(FACE_FAR_END, 1.0, series, w, lane)
-    elif which == SIDE_LOAD:
-        _enter(SIDE_LOAD, 1.0, series, w, lane)
-    elif which == SIDE_GAP:
-        _enter(SIDE_GAP, 1.0, series, w, lane)
-    elif which == SIDE_RELOAD:
-        _enter(SIDE_RELOAD, 1.0, series, w, lane)
-    elif which == SIDE_END:
-        _enter(SIDE_END, sign, series, w, lane)
-    elif which == SUPPORT_SLIP:
-        _enter(SUPPORT_SLIP, sign, series, w, lane)
-    elif which == SIDE_SLIP:
-        _enter(SIDE_SLIP, sign, series, w, lane)
-    else:
-        _enter(OVERTURNED, sign, series, w, lane)
 
 
 @inlined_kernel
@@ -206,7 +90,7 @@ def _slope(each, theta, series):
 
 
 @inlined_kernel
-def _values(count, theta, series):
+def values_at(count, theta, series):
     """The quantities, of which only the first, or all, are something."""
     if count == 1:
         return _value(0, theta, series), NOTHING, NOTHING, NOTHING
@@ -218,7 +102,7 @@ def _values(count, theta, series):
 
 @kernel
 def _root(each, low, f_low, high, f_high, series):
-    """Where a quantity that has other signs at ``low`` and at ``high`` is zero.
+    """Zero of a quantity that has other signs at ``low`` and at ``high``.
 
     By Newton's method from the secant's root, kept between the two by bisection.
     """
@@ -237,8 +121,8 @@ def _root(each, low, f_low, high, f_high, series):
 
 
 @inlined_kernel
-def _fall_of_all(count, left, before, right, after, series):
-    """Where the largest of quantities that each go one way falls through zero, or NO_SWITCH.
+def _crossing_of_all(count, left, before, right, after, series):
+    """Zero at which the largest of monotonic quantities falls, or NO_EVENT.
 
     That is where the last of those that fall does, if none of the others has risen by then. In a
     part too small to be divided they need not go one way, if all end below zero.
@@ -250,28 +134,28 @@ def _fall_of_all(count, left, before, right, after, series):
     for each in range(count):
         if before[each] <= 0.0 < after[each]:
             first = min(first, _root(each, left, before[each], right, after[each], series))
-    return last if last < first else NO_SWITCH
+    return last if last < first else NO_EVENT
 
 
 @inlined_kernel
-def _goes_one_way(left, right, bend):
-    """Whether a quantity stays below zero between two places, or falls or rises all the way."""
-    return abs(left - right) > 4.0 * bend or stays_above(-left, -right, bend)
+def _is_monotonic(left, right, bound):
+    """Return whether a quantity stays below zero between two places, or is monotonic."""
+    return abs(left - right) > 4.0 * bound or stays_above(-left, -right, bound)
 
 
 @inlined_kernel
-def _all_go_one_way(before, after, bends):
+def _all_are_monotonic(before, after, bounds):
     return (
-        _goes_one_way(before[0], after[0], bends[0])
-        and _goes_one_way(before[1], after[1], bends[1])
-        and _goes_one_way(before[2], after[2], bends[2])
-        and _goes_one_way(before[3], after[3], bends[3])
+        _is_monotonic(before[0], after[0], bounds[0])
+        and _is_monotonic(before[1], after[1], bounds[1])
+        and _is_monotonic(before[2], after[2], bounds[2])
+        and _is_monotonic(before[3], after[3], bounds[3])
     )
 
 
 @inlined_kernel
-def _bend(each, left, right, series):
-    """How far a quantity may be from the line through its values at two places."""
+def _bound(each, left, right, series):
+    """Bound of the distance of a quantity from the line through its values at two places."""
     square = right * right
     even, odd = abs(series[each * TERMS + ORDER]), abs(series[each * TERMS + ORDER - 1])
     for order in range(ORDER - 2, 0, -2):
@@ -284,103 +168,97 @@ def _bend(each, left, right, series):
 
 
 @inlined_kernel
-def _bends(count, left, right, series):
+def _bounds(count, left, right, series):
     """The same of the quantities, of which only the first, or all, are something."""
     if count == 1:
-        return _bend(0, left, right, series), 0.0, 0.0, 0.0
+        return _bound(0, left, right, series), 0.0, 0.0, 0.0
     return (
-        _bend(0, left, right, series), _bend(1, left, right, series),
-        _bend(2, left, right, series), _bend(3, left, right, series),
+        _bound(0, left, right, series), _bound(1, left, right, series),
+        _bound(2, left, right, series), _bound(3, left, right, series),
     )  # fmt: skip
 
 
 @inlined_kernel
-def _fall_between(which, count, left, end, series):
-    """Where between two places the largest of ``series`` first falls through zero, or NO_SWITCH.
+def _crossing_between(is_partial, count, left, end, series):
+    """First zero between two places at which the largest of ``series`` falls, or NO_EVENT.
 
-    The stretch is divided until in each part the function stays above zero by its bend, or each of
-    the quantities goes one way.
+    The stretch is divided until in each part the level stays above zero by its curvature bound, or
+    each of the quantities is monotonic.
     """
-    right, before, parts = end, _values(count, left, series), 0
+    right, before, parts = end, values_at(count, left, series), 0
     while left < end:
         parts += 1
-        after, width = _values(count, right, series), right - left
-        most = _bends(count, left, right, series)
+        after, width = values_at(count, right, series), right - left
+        most = _bounds(count, left, right, series)
         if not one_stays_above(before, after, most):
             f, g = largest(before)[0], largest(after)[0]
-            on_switch = ON_A_SWITCH if left == 0.0 and not is_corner(which) else REST_SLIP
-            begins = abs(f) <= on_switch and g > -REST_SLIP
+            on_event = ON_AN_EVENT if left == 0.0 and not is_partial else REST_SLIP
+            begins = abs(f) <= on_event and g > -REST_SLIP
             # Of a function that is zero to rounding all along, no part is fine enough.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
             # What is below zero and rises does not fall, nor what begins on zero and stays there.
             may_fall = (f > 0.0 or g < 0.0) and not (left == 0.0 and begins)
-            decided = may_fall and _all_go_one_way(before, after, most)
+            decided = may_fall and _all_are_monotonic(before, after, most)
             if decided or (may_fall and g < 0.0 and width <= finest):
-                theta = _fall_of_all(count, left, before, right, after, series)
-                if theta != NO_SWITCH:
+                theta = _crossing_of_all(count, left, before, right, after, series)
+                if theta != NO_EVENT:
                     return theta
             if not decided and width > (_LEAVING if begins else finest):
                 right = left + 0.5 * width
                 continue
         left, before, right = right, after, min(end, right + 2.0 * width)
-    return NO_SWITCH
+    return NO_EVENT
 
 
 @inlined_kernel
-def _fall_in(which, count, quarters, until, series):
-    for quarter in range(NODES - 1):
-        left, end = quarter * _QUARTER, min((quarter + 1) * _QUARTER, until)
-        if quarters & (1 << quarter) != 0 and left < end:
-            theta = _fall_between(which, count, left, end, series)
-            if theta != NO_SWITCH:
+def _crossing_in(is_partial, count, subintervals, until, series):
+    for each in range(NODES - 1):
+        left, end = each * _SUBINTERVAL, min((each + 1) * _SUBINTERVAL, until)
+        if subintervals & (1 << each) != 0 and left < end:
+            theta = _crossing_between(is_partial, count, left, end, series)
+            if theta != NO_EVENT:
                 return theta
-    return NO_SWITCH
+    return NO_EVENT
 
 
 @kernel
-def first_fall(which, quarters, until, series):
-    """``_fall_between`` in the first of the ``quarters``, given as bits, in which there is one."""
-    if which < COMBINED_COUNT:
-        return _fall_in(which, QUANTITIES, quarters, until, series)
-    return _fall_in(which, 1, quarters, until, series)
-
-
-@inlined_kernel
-def _asks_size(which, mode):
-    """Whether a function is of an absolute value."""
-    sticks = (which == SUPPORT_SLIP and mode.support_slip == STICKING) or (
-        which == SIDE_SLIP and mode.side_slip == STICKING
-    )
-    return sticks or which == SIDE_END or which == OVERTURNED
+def first_crossing(events, which, subintervals, until, series):
+    """``_crossing_between`` in the first of the ``subintervals`` in which there is one."""
+    if which < events.combined:
+        is_partial = events.is_partial(which)
+        return _crossing_in(is_partial, QUANTITIES, subintervals, until, series)
+    return _crossing_in(False, 1, subintervals, until, series)
 
 
 @kernel
-def _fall_of(which, sign, until, series, w, lane):
-    """``first_fall`` of a lane's function ``which``, if what it asks the size of has this sign.
+def _crossing_of(events, which, sign, until, series, w, lane):
+    """``first_crossing`` of level ``which``, if the argument of its absolute value has this sign.
 
-    What begins at zero is divided by the fraction of the step: its other zeros stay.
+    A level that begins at zero is divided by the fraction of the step: its other zeros stay.
     """
-    quarters = int(w[(lanes.MAY_SWITCH + which) * WIDTH + lane])
-    enter_series(which, sign, series, w, lane)
-    if which < COMBINED_COUNT or series[0] != 0.0:
-        return first_fall(which, quarters, until, series)
+    subintervals = int(w[(events.subintervals + which) * WIDTH + lane])
+    events.enter_series(which, sign, series, w, lane)
+    several = which < events.combined
+    if several or series[0] != 0.0:
+        return first_crossing(events, which, subintervals, until, series)
     series[TERMS] = 0.0
-    return first_fall(which, quarters, until, series[1:])
+    return first_crossing(events, which, subintervals, until, series[1:])
 
 
 @inlined_kernel
-def _fall(which, until, series, w, lane):
-    """The same of either sign."""
-    first = _fall_of(which, 1.0, until, series, w, lane)
-    if _asks_size(which, mode_of_lane(w, lane)):
-        first = min(first, _fall_of(which, -1.0, min(until, first), series, w, lane))
+def crossing(events, which, until, series, w, lane):
+    """The first down-crossing of level ``which`` before ``until``, or NO_EVENT."""
+    first = _crossing_of(events, which, 1.0, until, series, w, lane)
+    if events.takes_size(which, constants_of_lane(w, lane), mode_of_lane(w, lane)):
+        other = _crossing_of(events, which, -1.0, min(until, first), series, w, lane)
+        first = min(first, other)
     return first
 
 
 @kernel
-def _searched(w, lane, runs, work, i):
-    """(which, θ) of the first switch, by the reference engine's search on the dense output."""
-    time, h = runs[i, TIME], w[lanes.LENGTH * WIDTH + lane]
+def _searched(events, w, lane, runs, work, i):
+    """(which, θ) of the first event, by the reference engine's location on the dense output."""
+    time, h = runs[i, TIME], w[LENGTH * WIDTH + lane]
     p, mode = constants_of(runs, i), mode_of(runs, i)
     for n in range(STATE_SIZE):
         work.y[n] = runs[i, STATE + n]
@@ -389,28 +267,29 @@ def _searched(w, lane, runs, work, i):
             coefficient = w[(COEFFICIENTS + order * ROWS + n) * WIDTH + lane]
             work.dense[n, order - 1] = power * coefficient
             power *= h
-    sample_step(time, h, work.y, work.dense, p, mode, work.nodes, work.samples)
-    return locate.first_switch(time, h, work.y, work.dense, p, mode, work.samples)
+    sample_step(events, time, h, work.y, work.dense, p, mode, work.nodes, work.samples)
+    return location.first_event(events, time, h, work.y, work.dense, p, mode, work.samples)
 
 
 @inlined_kernel
-def _is_flat(which, until, series, w, lane):
-    """Whether a corner's function comes so low that its tilt may be that of a flat part."""
+def _is_flat(events, which, until, series, w, lane):
+    """Return whether a corner's level comes so low that its tilt may be that of a flat part."""
     until = min(until, 1.0)
-    lowest = largest(_values(QUANTITIES, until, series))[0]
-    lowest = min(lowest, w[(lanes.SAMPLES + which) * WIDTH + lane])
+    lowest = largest(values_at(QUANTITIES, until, series))[0]
+    lowest = min(lowest, w[(events.samples + which) * WIDTH + lane])
     for node, fraction in enumerate(FRACTIONS):
         if fraction < until:
-            sample = lanes.SAMPLES + (node + 1) * SWITCH_COUNT + which
+            sample = events.samples + (node + 1) * events.count + which
             lowest = min(lowest, w[sample * WIDTH + lane])
     return lowest < TOO_FLAT_TO_TELL
 
 
 @kernel
-def _moves_down(which, theta, w, lane):
-    """Whether a corner that stands below the plane presses, as it moves down."""
-    _, _, _, rising = quantities(which, state_at(theta, w, lane), constants_of_lane(w, lane))
-    return rising < 0.0
+def _is_met(events, which, theta, w, lane):
+    """Return whether the quantities that lanes do not hold are negative, too."""
+    p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
+    _, _, _, other = events.quantities(which, 0.0, state_at(theta, w, lane), p, mode)
+    return other < 0.0
 
 
 @inlined_kernel
@@ -420,98 +299,25 @@ def _lowest_bit(bits):
 
 
 @kernel
-def first_switch(w, lane, runs, work, series, i):
-    """(which, θ) of the first switch in the step; θ is ``NO_SWITCH`` if there is none."""
-    first, which_first, search = NO_SWITCH, -1, False
-    shown = int(w[lanes.SHOWN * WIDTH + lane])
-    while shown != 0:
-        which = _lowest_bit(shown)
-        shown &= shown - 1
-        theta = _fall(which, first, series, w, lane)
-        if is_corner(which) and (theta == NO_SWITCH or not _moves_down(which, theta, w, lane)):
-            search = search or theta != NO_SWITCH or _is_flat(which, first, series, w, lane)
-        elif is_wall(which):
-            search = search or theta != NO_SWITCH
+def first_event(events, w, lane, runs, work, series, i):
+    """(which, θ) of the first event in the step; θ is ``NO_EVENT`` if there is none."""
+    first, which_first, search = NO_EVENT, -1, False
+    candidates = int(w[CANDIDATES * WIDTH + lane])
+    while candidates != 0:
+        which = _lowest_bit(candidates)
+        candidates &= candidates - 1
+        theta = crossing(events, which, first, series, w, lane)
+        if events.is_partial(which) and (
+            theta == NO_EVENT or not _is_met(events, which, theta, w, lane)
+        ):
+            may_be_flat = theta != NO_EVENT or _is_flat(events, which, first, series, w, lane)
+            search = search or may_be_flat
+        elif events.is_conditional(which):
+            search = search or theta != NO_EVENT
         elif theta < first:
             first, which_first = theta, which
     if search:
-        which, theta = _searched(w, lane, runs, work, i)
-        if theta < first and (is_wall(which) or which < COMBINED_COUNT):
+        which, theta = _searched(events, w, lane, runs, work, i)
+        if theta < first and which < events.combined:
             first, which_first = theta, which
     return which_first, first
-
-
-@inlined_kernel
-def _with_slope(row, sign, time, w, lane):
-    """A row, times ``sign``, a time after the step's start, and its first two time derivatives."""
-    value, slope, half = w[(COEFFICIENTS + ORDER * ROWS + row) * WIDTH + lane], 0.0, 0.0
-    for order in range(ORDER - 1, -1, -1):
-        half = half * time + slope
-        slope = slope * time + value
-        value = value * time + w[(COEFFICIENTS + order * ROWS + row) * WIDTH + lane]
-    return sign * value, sign * slope, 2.0 * sign * half
-
-
-@inlined_kernel
-def _slopes(g):
-    """Derivatives of a function at five equidistant places, from its values there."""
-    return (
-        (-25.0 * g[0] + 48.0 * g[1] - 36.0 * g[2] + 16.0 * g[3] - 3.0 * g[4]) / 12.0,
-        (-3.0 * g[0] - 10.0 * g[1] + 18.0 * g[2] - 6.0 * g[3] + g[4]) / 12.0,
-        (g[0] - 8.0 * g[1] + 8.0 * g[3] - g[4]) / 12.0,
-        (-g[0] + 6.0 * g[1] - 18.0 * g[2] + 10.0 * g[3] + 3.0 * g[4]) / 12.0,
-        (3.0 * g[0] - 16.0 * g[1] + 36.0 * g[2] - 48.0 * g[3] + 25.0 * g[4]) / 12.0,
-    )
-
-
-@kernel
-def _peak(row, sign, theta, until, w, lane):
-    """Value of the peak of a row, times ``sign``, near ``theta``, if it is before ``until``."""
-    length = w[lanes.LENGTH * WIDTH + lane]
-    time, value, slope, second = theta * length, 0.0, 0.0, -1.0
-    for _ in range(_PEAK_ITERATIONS):
-        time -= slope / second
-        value, slope, second = _with_slope(row, sign, time, w, lane)
-    time -= slope / second
-    rises_to_it = second < 0.0 and 0.0 < time < until * length
-    return value - 0.5 * slope * slope / second if rises_to_it else -inf
-
-
-@kernel
-def _highest(row, sign, until, known, w, lane):
-    """The larger of ``known`` and the highest value of a row, times ``sign``, before ``until``."""
-    first, node = (lanes.VALUES + row) * WIDTH + lane, SINES * WIDTH
-    bend = lanes.bend_of(row, w, lane)
-    g = (
-        sign * w[first], sign * w[first + node], sign * w[first + 2 * node],
-        sign * w[first + 3 * node], sign * w[first + 4 * node],
-    )  # fmt: skip
-    if max(max(g[0], g[1]), max(max(g[2], g[3]), g[4])) + bend <= known:
-        return known
-    highest = max(known, g[0])
-    for n in range(1, NODES):
-        if n * _QUARTER <= until:
-            highest = max(highest, g[n])
-    if until < 1.0:
-        highest = max(highest, sign * _at(row, until, w, lane))
-    slope = _slopes(g)
-    for n in range(1, NODES):
-        if slope[n - 1] > 0.0 > slope[n] and (n - 1) * _QUARTER < until:
-            theta = (n - 1 + slope[n - 1] / (slope[n - 1] - slope[n])) * _QUARTER
-            highest = max(highest, _peak(row, sign, theta, until, w, lane))
-    return highest
-
-
-@kernel
-def largest_until(until, w, lane, runs, i):
-    """Largest |tilt| and normal force so far, with those of a part of the step."""
-    tilt, force, mode = runs[i, TILT_MAX], runs[i, FORCE_MAX], mode_of_lane(w, lane)
-    if w[lanes.STEP_TILT * WIDTH + lane] > tilt:
-        tilt = _highest(TILT, 1.0, until, tilt, w, lane)
-        tilt = _highest(TILT, -1.0, until, tilt, w, lane)
-    if w[lanes.STEP_FORCE * WIDTH + lane] > force:
-        if mode.face == CLOSED:
-            force = _highest(CONTACTS_AT, 1.0, until, force, w, lane)
-        if mode.side == CLOSED:
-            force = _highest(CONTACTS_AT + 2, 1.0, until, force, w, lane)
-    return tilt, force

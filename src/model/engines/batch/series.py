@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.events.table import Outline, outline
+from model.events.levels import outline
 from model.physics.compiled import Symbol
 from model.physics.contacts import Contact, contact_load, edge_on_face, edge_on_side
 from model.physics.motion import motion
-from model.physics.notation import RIGHT_EDGE, State
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.physics.trigonometry import sine_cosine
@@ -184,12 +184,22 @@ def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
     return _of(Row("sine", key)), _of(Row("cosine", key))
 
 
-class Contacts(NamedTuple):
-    """The loads under the edge A1 and at the side, and what friction does at each of the two.
+class Watched(NamedTuple):
+    """Quantities that levels of events are functions of, in modes that lanes hold.
 
-    That is the slip, or the friction force of a contact that sticks.
+    Places as in ``Outline``, and of A1 on the face and A2 on the side the load and the slip, or the
+    friction force of a contact that sticks.
     """
 
+    right_along_face: Any
+    right_along_axis: Any
+    left_along_face: Any
+    left_along_axis: Any
+    left_behind_side: Any
+    right_corner_x: Any
+    right_corner_y: Any
+    left_corner_x: Any
+    left_corner_y: Any
     face_load: Any
     support_friction: Any
     side_load: Any
@@ -197,18 +207,13 @@ class Contacts(NamedTuple):
 
 
 class Recurrences(NamedTuple):
-    """The series of one kind of mode: accelerations, and what switching functions are made of.
-
-    ``watched`` are the fields of ``Outline`` and ``Contacts``.
-    """
+    """The series of one kind of mode: accelerations, and the quantities of ``Watched``."""
 
     accelerations: tuple[Sum, Sum, Sum]
     watched: tuple[Sum, ...]
 
 
-WATCHED = len(Outline._fields) + len(Contacts._fields)
-
-FREE, SLIDES, STICKS = range(3)  # what a contact does for the motion
+FREE, SLIDES, STICKS = range(3)  # kinds of a contact, with equations of motion of their own
 
 
 def recurrences(support: int, side: int) -> Recurrences:
@@ -229,12 +234,14 @@ def recurrences(support: int, side: int) -> Recurrences:
     ]
     mode = Mode(RIGHT_EDGE, face_state, OPEN, 0.0, False, slips[0], side_state, slips[1], False)
     at = motion(_of(TIME_ROW), q, p, mode)
-    face, side_face = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(q, p)
-    contacts = Contacts(
-        contact_load(face.depth, face.closing_rate, q, p),
-        at.support_friction if support == STICKS else face.slip,
-        contact_load(side_face.depth, side_face.closing_rate, q, p),
-        at.side_friction if side == STICKS else side_face.slip,
+    face, side_face = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)
+    places = outline(q, p)._asdict()
+    watched = Watched(
+        **{name: place for name, place in places.items() if name in Watched._fields},
+        face_load=contact_load(face.depth, face.closing_rate, q, p),
+        support_friction=at.support_friction if support == STICKS else face.slip,
+        side_load=contact_load(side_face.depth, side_face.closing_rate, q, p),
+        side_friction=at.side_friction if side == STICKS else side_face.slip,
     )
-    watched = tuple(map(_as_sum, (*outline(q, p), *contacts)))
-    return Recurrences((_as_sum(at.x), _as_sum(at.y), _as_sum(at.tilt)), watched)
+    accelerations = _as_sum(at.x), _as_sum(at.y), _as_sum(at.tilt)
+    return Recurrences(accelerations, tuple(map(_as_sum, watched)))

@@ -19,11 +19,11 @@ from model.engines.batch.series import (
     SLIDES,
     STATES,
     STICKS,
-    WATCHED,
     Constant,
     Recurrences,
     Row,
     Sum,
+    Watched,
     recurrences,
 )
 from model.physics.compiled import kernel
@@ -32,7 +32,7 @@ WIDTH = 8  # runs in a vector
 ORDER = 16  # of the series
 STATE_ROWS = len(STATES)
 TILT = 2  # row of the tilt
-SINES = STATE_ROWS + WATCHED  # sine and cosine of the tilt, and of the excitation
+SINES = STATE_ROWS + len(Watched._fields)  # sine and cosine of the tilt, and of the excitation
 _OTHERS = SINES + 4
 ROWS = _OTHERS + 16  # as many as any kind of mode needs
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
@@ -403,7 +403,7 @@ class _SamplesWriter(_Writer):
             for order in range(2, ORDER + 1)
         }
         self.repeat(_INDEX(STATE_ROWS), self._end_of_state)
-        self.repeat(_INDEX(1 + WATCHED), self._one_row)
+        self.repeat(_INDEX(1 + len(Watched._fields)), self._one_row)
         self.code.ret_void()
 
     def _coefficient(self, row: ir.Value, order: int) -> ir.Value:

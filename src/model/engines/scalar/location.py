@@ -1,35 +1,21 @@
-"""Where, inside a step, a switching function first falls through zero.
+"""Event location: the first down-crossing of a level inside a step.
 
 The step's dense output is sampled at its quarters, and close to its ends, where the slope is
-wanted. A sign change between two samples brackets a switch; a sampled minimum that could hide a
-double crossing is followed down. The switch is first found on the dense output; the loop then
-repeats the step up to it, so that the switched state has the step's full order.
+wanted. A sign change between two samples brackets an event; a sampled minimum that could hide a
+double crossing is followed down. The event is first found on the dense output; the loop then
+repeats the step up to it, so that the state at the event has the step's full order.
 """
 
 import numpy as np
 
 from model.engines.scalar.step import interpolate, keep_in
-from model.events.table import (
-    COMBINED_COUNT,
-    FLAT,
-    NEVER,
-    ON_A_SWITCH,
-    SWITCH_COUNT,
-    edge_of_wall,
-    edge_outside,
-    is_wall,
-    largest,
-    outline,
-    quantities,
-    switching_function,
-    switching_functions,
-)
+from model.events.levels import NEVER, ON_AN_EVENT, largest
 from model.physics.compiled import inlined_kernel, kernel
 
 NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
 NODES = len(NODE_PLACES)
-WHOLE = -1  # a switching function, and not one of its quantities
-NO_SWITCH = 2.0  # a fraction of the step beyond its end
+WHOLE = -1  # a level, and not one of its quantities
+NO_EVENT = 2.0  # a fraction of the step beyond its end
 
 _ROOT_ITERATIONS = 60
 _DIP_ITERATIONS = 12
@@ -39,37 +25,37 @@ _STRETCHES = 4  # in which each quantity of a condition is taken to go one way
 
 
 @inlined_kernel
-def sample_step(time, h, y, dense, p, mode, nodes, samples):
+def sample_step(events, time, h, y, dense, p, mode, nodes, samples):
     """Sample the step at ``NODE_PLACES``.
 
-    Fills ``nodes``, shape (NODES, 6), with states and ``samples``, shape (NODES, SAMPLE_SIZE), with
-    switching functions.
+    Fills ``nodes``, shape (NODES, 6), with states and ``samples``, shape (NODES, MOST_SAMPLES),
+    with the levels of ``events``.
     """
     for i in range(NODES):
         q = interpolate(NODE_PLACES[i], h, y, dense)
         keep_in(q, nodes[i])
-        switching_functions(time + NODE_PLACES[i] * h, q, p, mode, samples[i])
+        events.sample_into(time + NODE_PLACES[i] * h, q, p, mode, samples[i])
 
 
 @kernel
-def _value(which, part, theta, time, h, y, dense, p, mode):
-    """Function ``which`` at a place of the step; one of its quantities if ``part`` is not WHOLE."""
+def _value(events, which, part, theta, time, h, y, dense, p, mode):
+    """Level ``which`` at a place of the step; one of its quantities if ``part`` is not WHOLE."""
     q = interpolate(theta, h, y, dense)
     if part != WHOLE:
-        return quantities(which, q, p)[part]
-    return switching_function(which, time + theta * h, q, p, mode)
+        return events.quantities(which, time, q, p, mode)[part]
+    return events.level(which, time + theta * h, q, p, mode)
 
 
 @kernel
-def _after_start(which, part, high, f_high, time, h, y, dense, p, mode):
-    """A bracket (low, f, high, f) for a function that starts at zero, to rounding, and ends below.
+def _after_start(events, which, part, high, f_high, time, h, y, dense, p, mode):
+    """A bracket (low, f, high, f) for a level that starts at zero, to rounding, and ends below.
 
-    A mode often starts on a zero of its own functions. If the function rises first, its fall lies
+    A mode often starts on a zero of its own levels. If the level rises first, its fall lies
     behind the rise; if it never does, the mode ends where it starts: the bracket is empty.
     """
     for _ in range(_HALVINGS):
         theta = 0.5 * high
-        f = _value(which, part, theta, time, h, y, dense, p, mode)
+        f = _value(events, which, part, theta, time, h, y, dense, p, mode)
         if f > 0.0:
             return theta, f, high, f_high
         high, f_high = theta, f
@@ -77,7 +63,7 @@ def _after_start(which, part, high, f_high, time, h, y, dense, p, mode):
 
 
 @kernel
-def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
+def _root(events, which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
     """A root in [low, high] with f(low) >= 0 > f(high), by the Illinois variant of false position.
 
     Where f(low) < 0 < f(high) both signs are turned. The last step is a bisection's worth of
@@ -94,7 +80,7 @@ def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
         theta = high - f_high * (high - low) / (f_high - f_low)
         if i % 3 == 2 or not low < theta < high:
             theta = 0.5 * (low + high)
-        f = sign * _value(which, part, theta, time, h, y, dense, p, mode)
+        f = sign * _value(events, which, part, theta, time, h, y, dense, p, mode)
         if f == 0.0:
             return theta
         if f < 0.0:
@@ -111,8 +97,8 @@ def _root(which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
 
 
 @kernel
-def _dip(which, left, middle, right, f_left, f_middle, f_right, time, h, y, dense, p, mode):
-    """Follow a sampled minimum down: a place where f < 0, or ``NO_SWITCH``.
+def _dip(events, which, left, middle, right, f_left, f_middle, f_right, time, h, y, dense, p, mode):
+    """Follow a sampled minimum down: a place where f < 0, or ``NO_EVENT``.
 
     Parabolas through the three lowest points; given up when they no longer point below zero. Of
     points too uneven to tell, the far one is drawn nearer first.
@@ -123,15 +109,15 @@ def _dip(which, left, middle, right, f_left, f_middle, f_right, time, h, y, dens
         slope = ((f_middle - f_left) / d1 * d2 + (f_right - f_middle) / d2 * d1) / (d1 + d2)
         curvature = ((f_right - f_middle) / d2 - (f_middle - f_left) / d1) / (0.5 * (d1 + d2))
         if curvature <= 0.0:
-            return NO_SWITCH
+            return NO_EVENT
         move = -slope / curvature
         lowest = f_middle + 0.5 * slope * move
         if even and (lowest > 0.5 * f_middle or abs(move) < 1e-9):
-            return NO_SWITCH
+            return NO_EVENT
         theta = min(max(middle + move, left + 0.05 * d1), right - 0.05 * d2)
         if not even:
             theta = middle + 2.0 * d1 if d1 < d2 else middle - 2.0 * d2
-        f = _value(which, WHOLE, theta, time, h, y, dense, p, mode)
+        f = _value(events, which, WHOLE, theta, time, h, y, dense, p, mode)
         if f < 0.0:
             return theta
         if theta < middle:
@@ -143,12 +129,12 @@ def _dip(which, left, middle, right, f_left, f_middle, f_right, time, h, y, dens
             left, f_left, middle, f_middle = middle, f_middle, theta, f
         else:
             right, f_right = theta, f
-    return NO_SWITCH
+    return NO_EVENT
 
 
 @kernel
-def _all_met(which, leaves, low, before, high, after, time, h, y, dense, p, mode):
-    """Where in [low, high] all quantities of ``which`` are first negative, or ``NO_SWITCH``.
+def _all_met(events, which, leaves, low, before, high, after, time, h, y, dense, p, mode):
+    """Place in [low, high] where all quantities of ``which`` are first negative, or ``NO_EVENT``.
 
     Each goes one way between its values ``before`` and ``after``, so that all are negative from the
     last root at which one turns so to the first at which another turns positive. The number
@@ -159,94 +145,94 @@ def _all_met(which, leaves, low, before, high, after, time, h, y, dense, p, mode
         g_low, g_high = before[part], after[part]
         if g_high > 0.0:
             if g_low > 0.0 or part == leaves:
-                return NO_SWITCH
-            theta = _root(which, part, low, g_low, high, g_high, time, h, y, dense, p, mode)
+                return NO_EVENT
+            theta = _root(events, which, part, low, g_low, high, g_high, time, h, y, dense, p, mode)
             last = min(last, theta)
         elif g_low > 0.0 or part == leaves:
             left, right = low, high
             if part == leaves:
                 left, g_low, right, g_high = _after_start(
-                    which, part, right, g_high, time, h, y, dense, p, mode
+                    events, which, part, right, g_high, time, h, y, dense, p, mode
                 )
-            theta = _root(which, part, left, g_low, right, g_high, time, h, y, dense, p, mode)
+            theta = _root(
+                events, which, part, left, g_low, right, g_high, time, h, y, dense, p, mode
+            )
             first = max(first, theta)
-    return first if first < last else NO_SWITCH
+    return first if first < last else NO_EVENT
 
 
 @kernel
-def _instant(which, f_low, low, high, time, h, y, dense, p, mode):
-    """Where between two samples a combined function first falls through zero, or ``NO_SWITCH``.
+def _instant(events, which, f_low, low, high, time, h, y, dense, p, mode):
+    """First zero between two samples at which a level of several quantities falls, or ``NO_EVENT``.
 
     It is not negative at either, or starts on zero, and another of its quantities is the largest at
     each: it may be negative in between.
     """
-    left, before = low, quantities(which, interpolate(low, h, y, dense), p)
+    left, before = low, events.quantities(which, time, interpolate(low, h, y, dense), p, mode)
     for i in range(1, _STRETCHES + 1):
         right = low + (high - low) * i / _STRETCHES
-        after = quantities(which, interpolate(right, h, y, dense), p)
+        after = events.quantities(which, time, interpolate(right, h, y, dense), p, mode)
         leaves = int(largest(before)[1]) if i == 1 and f_low <= 0.0 else WHOLE
-        theta = _all_met(which, leaves, left, before, right, after, time, h, y, dense, p, mode)
-        if theta != NO_SWITCH:
+        theta = _all_met(
+            events, which, leaves, left, before, right, after, time, h, y, dense, p, mode
+        )
+        if theta != NO_EVENT:
             return theta
         left, before = right, after
-    return NO_SWITCH
+    return NO_EVENT
 
 
 @inlined_kernel
-def _fall(i, which, time, h, y, dense, p, mode, samples):
-    """Where function ``which`` falls through zero between nodes ``i`` - 1 and ``i``, if it does.
+def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
+    """Place where level ``which`` falls through zero between nodes ``i`` - 1 and ``i``, if it does.
 
     A sampled minimum at node ``i`` is followed to both sides.
     """
     low, high = NODE_PLACES[i - 1], NODE_PLACES[i]
     f_low, f_high = samples[i - 1, which], samples[i, which]
-    if f_low < -ON_A_SWITCH and (i > 1 or (is_wall(which) and f_high > f_low)):
-        return NO_SWITCH  # behind the wall: in the mode from its start, or passed over
+    if f_low < -ON_AN_EVENT and (i > 1 or (events.is_conditional(which) and f_high > f_low)):
+        return NO_EVENT  # behind the wall: in the mode from its start, or passed over
     if f_high < 0.0:
         if f_low <= 0.0:
             low, f_low, high, f_high = _after_start(
-                which, WHOLE, high, f_high, time, h, y, dense, p, mode
+                events, which, WHOLE, high, f_high, time, h, y, dense, p, mode
             )
-        return _root(which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode)
-    turning = SWITCH_COUNT + which
-    if which < COMBINED_COUNT and samples[i - 1, turning] != samples[i, turning]:
-        return _instant(which, f_low, low, high, time, h, y, dense, p, mode)
+        return _root(events, which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode)
+    turning = events.count + which
+    if which < events.combined and samples[i - 1, turning] != samples[i, turning]:
+        return _instant(events, which, f_low, low, high, time, h, y, dense, p, mode)
     if i == NODES - 1 or f_high > f_low or f_high > samples[i + 1, which]:
-        return NO_SWITCH
+        return NO_EVENT
     theta = _dip(
-        which, low, high, NODE_PLACES[i + 1], f_low, f_high, samples[i + 1, which],
+        events, which, low, high, NODE_PLACES[i + 1], f_low, f_high, samples[i + 1, which],
         time, h, y, dense, p, mode,
     )  # fmt: skip
-    if theta == NO_SWITCH or f_low <= 0.0:
+    if theta == NO_EVENT or f_low <= 0.0:
         return theta
-    f = _value(which, WHOLE, theta, time, h, y, dense, p, mode)
-    return _root(which, WHOLE, low, f_low, theta, f, time, h, y, dense, p, mode)
+    f = _value(events, which, WHOLE, theta, time, h, y, dense, p, mode)
+    return _root(events, which, WHOLE, low, f_low, theta, f, time, h, y, dense, p, mode)
 
 
 @kernel
-def _counts(which, theta, h, y, dense, p):
-    """Whether function ``which`` may end the mode at θ, a zero of it; see ``corner_off_wall``."""
-    if theta == NO_SWITCH or not is_wall(which):
-        return theta != NO_SWITCH
-    q = interpolate(theta, h, y, dense)
-    _, place = largest(quantities(which, q, p))
-    gap, _ = largest(edge_outside(edge_of_wall(which), outline(q, p), p))
-    # A part that is flat to FLAT reaches its edge and its corner together.
-    return place == 0.0 or gap > ON_A_SWITCH + 2.0 * FLAT * p.half_width
+def _happens(events, which, theta, time, h, y, dense, p, mode):
+    """Return whether a zero of level ``which`` at θ is the event."""
+    if theta == NO_EVENT or not events.is_conditional(which):
+        return theta != NO_EVENT
+    return events.happens(which, time + theta * h, interpolate(theta, h, y, dense), p, mode)
 
 
 @inlined_kernel
-def first_switch(time, h, y, dense, p, mode, samples):
-    """(which, θ) of the earliest switch in the step; θ = ``NO_SWITCH`` if there is none."""
-    first, which_first = NO_SWITCH, -1
-    for which in range(SWITCH_COUNT):
+def first_event(events, time, h, y, dense, p, mode, samples):
+    """(which, θ) of the earliest event in the step; θ = ``NO_EVENT`` if there is none."""
+    first, which_first = NO_EVENT, -1
+    for which in range(events.count):
         if samples[0, which] == NEVER:
             continue
         for i in range(1, NODES):
             if NODE_PLACES[i - 1] >= first:
                 break
-            theta = _fall(i, which, time, h, y, dense, p, mode, samples)
-            if _counts(which, theta, h, y, dense, p):
+            theta = _down_crossing(events, i, which, time, h, y, dense, p, mode, samples)
+            if _happens(events, which, theta, time, h, y, dense, p, mode):
                 if theta < first:
                     first, which_first = theta, which
                 break

@@ -1,4 +1,4 @@
-"""The reference engine: one run at a time, step, locate the first switch, switch, go on."""
+"""The reference engine: one run at a time; step, locate the first event, follow it, continue."""
 
 from math import isfinite, sqrt
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from model.engines.course import (
     begin,
     end_step,
     fail,
-    make_switch,
+    make_event,
     new_history,
     note_step,
 )
@@ -34,7 +34,7 @@ from model.engines.record import (
     state_in,
 )
 from model.engines.results import COURSE
-from model.engines.scalar.location import NO_SWITCH, NODE_PLACES, NODES, first_switch, sample_step
+from model.engines.scalar.location import NO_EVENT, NODE_PLACES, NODES, first_event, sample_step
 from model.engines.scalar.step import (
     CAUTION,
     LEAST_GROWTH,
@@ -52,19 +52,11 @@ from model.engines.scalar.step import (
     take_step,
 )
 from model.engines.scalar.tableaux import Method
+from model.events.friction import hold_sticking
+from model.events.kernels import MOST_SAMPLES
+from model.events.levels import NEVER, ON_AN_EVENT
 from model.events.outcomes import Reason
-from model.events.table import (
-    CORNER_LOAD,
-    FACE_LOAD,
-    NEVER,
-    ON_A_SWITCH,
-    SAMPLE_SIZE,
-    SIDE_LOAD,
-    SWITCH_COUNT,
-    switching_function,
-    switching_functions,
-)
-from model.events.transitions import CONTINUES, hold_sticking
+from model.events.transitions import CONTINUES
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE
 
@@ -73,14 +65,14 @@ _NOT_FINITE = int(Reason.NOT_FINITE)
 
 TRACK_COLUMNS = 1 + len(COURSE)  # time and the course
 _MOST_SECANTS = 6
-SWITCH_RESOLUTION = 3e-3  # a switch's last correction over the tolerance's square root
+EVENT_RESOLUTION = 3e-3  # an event's last correction over the tolerance's square root
 
 
 class Workspace(NamedTuple):
     """Arrays of one step.
 
     Shapes: y, y_end, trial (6,), k (m, 6), dense (6, degree), nodes and samples as in locate,
-    scratch (SAMPLE_SIZE,).
+    scratch (MOST_SAMPLES,).
     """
 
     y: np.ndarray
@@ -97,13 +89,13 @@ def new_workspace(method: Method) -> Workspace:
     """The ``Workspace`` that ``method`` needs."""
     m, degree = method.dense.shape
     shapes = (STATE_SIZE,), (STATE_SIZE,), (STATE_SIZE,), (m, STATE_SIZE), (STATE_SIZE, degree)
-    samples = (NODES, STATE_SIZE), (NODES, SAMPLE_SIZE), (SAMPLE_SIZE,)
+    samples = (NODES, STATE_SIZE), (NODES, MOST_SAMPLES), (MOST_SAMPLES,)
     return Workspace(*(np.zeros(shape) for shape in (*shapes, *samples)))
 
 
 @inlined_kernel
 def _accepted_step(time, h, y, p, mode, method, tolerance, work):
-    """Shrink ``h`` until a step stands: (h, next h, steps rejected); h = 0 if none does."""
+    """Shrink ``h`` until a step is accepted: (h, next h, steps rejected); h = 0 if none is."""
     rejected = 0
     while True:
         take_step(time, h, y, p, mode, method, work.k, work.y_end)
@@ -121,11 +113,11 @@ def _accepted_step(time, h, y, p, mode, method, tolerance, work):
 
 
 @kernel
-def _secant_to_switch(which, f, by, time, length, h, y, p, mode, method, resolution, work):
-    """From the step just made, further by ``by``, as long as that comes nearer to the switch.
+def _secant_to_event(events, which, f, by, time, length, h, y, p, mode, method, resolution, work):
+    """From the step just made, further by ``by``, as long as that comes nearer to the event.
 
-    The secant method, for a function so level that the dense output does not tell where it falls.
-    Returns and leaves what ``_step_to_switch`` does.
+    The secant method, for a level so flat that the dense output does not show its zero.
+    Returns and leaves what ``_step_to_event`` does.
     """
     taken = 0
     for _ in range(_MOST_SECANTS):
@@ -133,7 +125,7 @@ def _secant_to_switch(which, f, by, time, length, h, y, p, mode, method, resolut
             break
         take_step(time, length + by, y, p, mode, method, work.k, work.y_end)
         taken += 1
-        g = switching_function(which, time + length + by, state_of(work.y_end), p, mode)
+        g = events.level(which, time + length + by, state_of(work.y_end), p, mode)
         if not abs(g) < 0.5 * abs(f):
             break
         length, by, f = length + by, -g * by / (g - f), g
@@ -146,10 +138,10 @@ def _secant_to_switch(which, f, by, time, length, h, y, p, mode, method, resolut
 
 
 @kernel
-def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work):
-    """Repeat the step up to the switch: (length, steps taken), the state in ``work.y_end``.
+def _step_to_event(events, which, theta, time, h, y, p, mode, method, resolution, work):
+    """Repeat the step up to the event: (length, steps taken), the state in ``work.y_end``.
 
-    Newton's iteration on whole steps, so that the switch is as accurate as a step, whatever the
+    Newton's iteration on whole steps, so that the event is as accurate as a step, whatever the
     order of the dense output that gives the slope. A last correction below ``resolution`` moves
     along the tangent instead.
     """
@@ -160,18 +152,18 @@ def _step_to_switch(which, theta, time, h, y, p, mode, method, resolution, work)
     near = 1e-3
     low, high = max(theta - near, 0.0), min(theta + near, 1.0)
     before, after = interpolate(low, h, y, work.dense), interpolate(high, h, y, work.dense)
-    f_low = switching_function(which, time + low * h, before, p, mode)
-    f_high = switching_function(which, time + high * h, after, p, mode)
+    f_low = events.level(which, time + low * h, before, p, mode)
+    f_high = events.level(which, time + high * h, after, p, mode)
     slope = (f_high - f_low) / ((high - low) * h)
     taken = 0
     for _ in range(4):
         take_step(time, length, y, p, mode, method, work.k, work.y_end)
         taken += 1
-        f = switching_function(which, time + length, state_of(work.y_end), p, mode)
+        f = events.level(which, time + length, state_of(work.y_end), p, mode)
         correction = -f / slope if slope < 0.0 else 0.0
         if abs(correction) > near * h:
-            length, more = _secant_to_switch(
-                which, f, correction, time, length, h, y, p, mode, method, resolution, work
+            length, more = _secant_to_event(
+                events, which, f, correction, time, length, h, y, p, mode, method, resolution, work
             )
             return length, taken + more
         better = min(max(length + correction, 0.0), h)
@@ -197,70 +189,55 @@ def _peak(i, left, middle, right):
 
 
 @inlined_kernel
-def support_force(sample):
-    """Normal force under the part in a sample of the switching functions; may be below zero."""
-    face = sample[FACE_LOAD] if sample[FACE_LOAD] != NEVER else 0.0
-    corner = sample[CORNER_LOAD] if sample[CORNER_LOAD] != NEVER else 0.0
-    return face + corner
-
-
-@inlined_kernel
-def side_force(sample):
-    """Normal force on the side face in a sample of the switching functions; may be below zero."""
-    return sample[SIDE_LOAD] if sample[SIDE_LOAD] != NEVER else 0.0
-
-
-@inlined_kernel
-def _largest(nodes, samples, last):
+def _largest(events, nodes, samples, last):
     """(largest |tilt|, largest normal force) over samples 0..``last`` of a step."""
     tilt, force = 0.0, 0.0
     for i in range(last + 1):
         tilt = max(tilt, abs(nodes[i, 2]))
-        force = max(force, max(support_force(samples[i]), side_force(samples[i])))
+        force = max(force, max(events.support_force(samples[i]), events.side_force(samples[i])))
         if 0 < i < last:
             tilt = max(tilt, _peak(i, abs(nodes[i - 1, 2]), abs(nodes[i, 2]), abs(nodes[i + 1, 2])))
+            before, here, after = samples[i - 1], samples[i], samples[i + 1]
             support = _peak(
-                i,
-                support_force(samples[i - 1]),
-                support_force(samples[i]),
-                support_force(samples[i + 1]),
-            )
+                i, events.support_force(before), events.support_force(here),
+                events.support_force(after),
+            )  # fmt: skip
             side = _peak(
-                i, side_force(samples[i - 1]), side_force(samples[i]), side_force(samples[i + 1])
+                i, events.side_force(before), events.side_force(here), events.side_force(after)
             )
             force = max(force, max(support, side))
     return tilt, force
 
 
 @kernel
-def track_sample(track, time, q, sample, runs, i):
+def track_sample(events, track, time, q, sample, runs, i):
     """Write a row of the track, as far as it has rows, and count it."""
     row = int(runs[i, TRACKED])
     if row < track.shape[0]:
         track[row, 0] = time
         keep_in(q, track[row, 1 : 1 + STATE_SIZE])
-        track[row, 7] = max(support_force(sample), 0.0)
-        track[row, 8] = max(side_force(sample), 0.0)
+        track[row, 7] = max(events.support_force(sample), 0.0)
+        track[row, 8] = max(events.side_force(sample), 0.0)
     runs[i, TRACKED] = row + 1
 
 
 @kernel
-def track_run(track, scratch, runs, i):
+def track_run(events, track, scratch, runs, i):
     """Write where the run stands, with the forces of its mode."""
     time, q = runs[i, TIME], state_in(runs, STATE, i)
     if runs[i, TRACKED] < track.shape[0]:
-        switching_functions(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
-    track_sample(track, time, q, scratch, runs, i)
+        events.sample_into(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
+    track_sample(events, track, time, q, scratch, runs, i)
 
 
 @inlined_kernel
-def note_closest(samples, last, runs, i):
-    """Lower the run's closest approaches to those of a step; functions that leave zero in it apart.
+def note_closest(events, samples, last, runs, i):
+    """Lower the run's closest approaches to those of a step; levels that leave zero in it apart.
 
-    A mode starts on zeros of its own functions: that it leaves them is no approach to a switch.
+    A mode starts on zeros of its own levels: leaving its own zero is no approach to an event.
     """
-    for which in range(SWITCH_COUNT):
-        if samples[0, which] != NEVER and samples[0, which] > ON_A_SWITCH:
+    for which in range(events.count):
+        if samples[0, which] != NEVER and samples[0, which] > ON_AN_EVENT:
             lowest = runs[i, CLOSEST + which]
             for node in range(1, last + 1):
                 lowest = min(lowest, samples[node, which])
@@ -268,8 +245,8 @@ def note_closest(samples, last, runs, i):
 
 
 @kernel
-def advance(declared, method, control, track, history, work, runs, i):
-    """Advance run ``i`` by one step, or up to the first switch in it."""
+def advance(scene, method, control, track, history, work, runs, i):
+    """Advance run ``i`` by one step, or up to the first event in it."""
     time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     y, tolerance, h = work.y, runs[i, TOLERANCE], runs[i, NEXT_STEP]
     keep_in(state_in(runs, STATE, i), y)
@@ -284,14 +261,15 @@ def advance(declared, method, control, track, history, work, runs, i):
         return
     dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
     runs[i, EVALUATIONS] += method.c.size - method.stages - 1
-    sample_step(time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
-    which, theta = first_switch(time, h_step, y, work.dense, p, mode, work.samples)
-    switches = theta != NO_SWITCH
+    sample_step(scene.events, time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
+    which, theta = first_event(scene.events, time, h_step, y, work.dense, p, mode, work.samples)
+    found = theta != NO_EVENT
     length, last = h_step, NODES - 1
-    if switches:
+    if found:
         while NODE_PLACES[last] > theta:
             last -= 1
-        length, taken = _step_to_switch(
+        length, taken = _step_to_event(
+            scene.events,
             which,
             theta,
             time,
@@ -300,29 +278,29 @@ def advance(declared, method, control, track, history, work, runs, i):
             p,
             mode,
             method,
-            SWITCH_RESOLUTION * sqrt(tolerance),
+            EVENT_RESOLUTION * sqrt(tolerance),
             work,
         )
         runs[i, EVALUATIONS] += taken * method.stages
-    tilt, force = _largest(work.nodes, work.samples, last)
+    tilt, force = _largest(scene.events, work.nodes, work.samples, last)
     note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
-    note_closest(work.samples, last, runs, i)
-    for node in range(1, last + (0 if switches else 1)):
+    note_closest(scene.events, work.samples, last, runs, i)
+    for node in range(1, last + (0 if found else 1)):
         at, q = time + NODE_PLACES[node] * h_step, state_of(work.nodes[node])
-        track_sample(track, at, q, work.samples[node], runs, i)
+        track_sample(scene.events, track, at, q, work.samples[node], runs, i)
 
     keep_state(state_of(work.y_end), runs, i)
-    reached_stop = not switches and h_step == h_try and h_try == stop - time
+    reached_stop = not found and h_step == h_try and h_try == stop - time
     runs[i, TIME] = stop if reached_stop else time + length
     # A step cut short by a stop says nothing against the length it was cut from.
     runs[i, NEXT_STEP] = max(h, h_next) if h_step == h_try and h_try != h else h_next
-    if switches:
-        track_run(track, work.scratch, runs, i)
-        make_switch(which, length, h_step, declared, control, runs, i)
-        track_run(track, work.scratch, runs, i)
+    if found:
+        track_run(scene.events, track, work.scratch, runs, i)
+        make_event(which, length, h_step, scene, control, runs, i)
+        track_run(scene.events, track, work.scratch, runs, i)
     else:
         keep_state(hold_sticking(state_in(runs, STATE, i), p, mode), runs, i)
-    end_step(reached_stop, history, control, runs, i)
+    end_step(scene, reached_stop, history, control, runs, i)
 
 
 class Single(NamedTuple):
@@ -339,13 +317,13 @@ def new_single(method: Method) -> Single:
 
 
 @kernel
-def integrate(row, tolerance, declared, method, control, track, single):
+def integrate(row, tolerance, scene, method, control, track, single):
     """Run one parameter set to its end.
 
     Args:
         row: shape (constants,), the fields of ``Constants``.
         tolerance: local error admitted in a step, relative to 1 + |state|.
-        declared: ``Declared`` contacts of the scene.
+        scene: ``SceneKernels``.
         method: ``Method``.
         control: ``Control``.
         track: shape (rows, 9), filled as far as it goes with time, state and normal forces of the
@@ -354,17 +332,17 @@ def integrate(row, tolerance, declared, method, control, track, single):
     """
     runs, history, work = single.runs, single.history, single.work
     i = runs.shape[0] - 1  # the only one; as 0, all that takes it would be compiled for 0 alone
-    begin(row, tolerance, declared, control, runs, i)
-    track_run(track, work.scratch, runs, i)
+    begin(row, tolerance, scene, control, runs, i)
+    track_run(scene.events, track, work.scratch, runs, i)
     while runs[i, OUTCOME] == CONTINUES:
-        advance(declared, method, control, track, history, work, runs, i)
+        advance(scene, method, control, track, history, work, runs, i)
 
 
 @kernel
-def integrate_each(rows, tolerances, declared, method, control, track, queue, endings, single):
+def integrate_each(rows, tolerances, scene, method, control, track, queue, endings, single):
     """``integrate`` for the rows of ``rows`` from ``queue``; shapes as in ``integrate_all``."""
     row = next_in(queue)
     while row < rows.shape[0]:
-        integrate(rows[row], tolerances[row], declared, method, control, track, single)
+        integrate(rows[row], tolerances[row], scene, method, control, track, single)
         keep_result(single.runs, 0, endings, row)
         row = next_in(queue)

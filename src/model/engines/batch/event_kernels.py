@@ -1,0 +1,294 @@
+"""Kernels of the batch engine that loop over events, generated from the table of a scene.
+
+numba makes vectors of loops over lanes only where every level is written out with places known to
+the compiler; the code is therefore generated, a line for each event, from the forms of the levels
+(traced.py). Events that apply in no mode that lanes hold are left out.
+"""
+
+from functools import cache, cached_property
+from itertools import product
+from typing import Any, NamedTuple
+
+from model.engines.batch import step, workspace
+from model.engines.batch.series_code import NODES, ORDER, ROWS, SINES, WIDTH
+from model.engines.batch.traced import MODE, Form, P, forms_of, is_nothing, rendered
+from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
+from model.engines.record import CLOSEST
+from model.events.kernel_set import KernelSet
+from model.events.kernels import Lines, SceneKernels, Writer, combined_count, kernels_of, python_of
+from model.events.levels import NEVER, NOTHING
+from model.events.table import EVENTS, Event, Table
+from model.physics.compiled import inlined_kernel, kernel
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+from model.physics.scenes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING, Mode, Scene
+
+TERMS = ORDER + 1  # of the series of each quantity
+_STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
+# An unused field that is a symbol makes kernels run as Python when they are called with it.
+_HELD = [
+    Mode(RIGHT_EDGE, face, OPEN, MODE.corner_offset, False, slip, side, side_slip, drop, LEFT_EDGE)
+    for face, slip, side, side_slip, drop in product(
+        _STATES, _SLIPS, _STATES, _SLIPS, (False, True)
+    )
+]
+_RUBS = P._replace(friction=1.0)
+
+
+class Case(NamedTuple):
+    """A level in the modes where it applies: (p, mode) -> bool, and its quantities as forms."""
+
+    applies: Any
+    forms: tuple[Form, ...]
+
+
+class Watched:
+    """An event of which a level applies in a mode that lanes hold."""
+
+    def __init__(self, number: int, event: Event) -> None:
+        self.number = number
+        self.cases: list[Case] = []
+        self.modes: list[Mode] = []
+        for applies, level in event.level:
+            modes = [mode for mode in _HELD if python_of(applies)(_RUBS, mode)]
+            if not modes:
+                continue
+            forms = forms_of(event.source, level)
+            if forms is None:
+                raise ValueError(f"{event.name}: lanes hold its modes, but not what it depends on")
+            self.cases.append(Case(applies, forms))
+            self.modes += modes
+
+    @cached_property
+    def only_in_flight(self) -> bool:
+        """Whether it applies only where no edge is under the face."""
+        return all(mode.face == OPEN for mode in self.modes)
+
+    @cached_property
+    def only_beside(self) -> bool:
+        """Whether it applies only where A2 is behind the side face."""
+        return all(mode.side != OPEN for mode in self.modes)
+
+    @cached_property
+    def is_partial(self) -> bool:
+        """Whether lanes do not hold all of its quantities, and cannot tell by themselves."""
+        return any(not form.is_known for case in self.cases for form in case.forms)
+
+
+def _loads(forms: tuple[Form, ...], row: str, scale: str = "") -> Lines:
+    """Lines that load the rows of which forms are made, from ``row`` on."""
+    names = dict.fromkeys(name for form in forms for name in form.factors)
+    for name in names:
+        yield f"{name} = {scale}w[({row} + {ROW[name]}) * {WIDTH} + i]"
+
+
+def _value(form: Form, size: str = "abs({})") -> str:
+    """A quantity, from rows that are loaded."""
+    return rendered(form, str, size) if form.is_known else "NOTHING"
+
+
+def _constant(form: Form) -> str:
+    """The same where all rows are zero."""
+    return rendered(form, lambda _: "0.0") if form.is_known else "NOTHING"
+
+
+def _bound(form: Form) -> str:
+    """The curvature bound of a quantity, from those of rows."""
+    terms = []
+    for name, factor in form.factors.items():
+        is_one = isinstance(factor, float) and abs(factor) == 1.0
+        terms.append(name if is_one else f"abs({factor}) * {name}")
+    return " + ".join(terms) if form.is_known and terms else "0.0"
+
+
+def _all_forms(events: list[Watched]) -> tuple[Form, ...]:
+    return tuple(form for event in events for case in event.cases for form in case.forms)
+
+
+def _selected(event: Watched, texts: list[str], otherwise: str, write: Writer) -> str:
+    """The text of the case that applies."""
+    text = otherwise
+    for case, each in zip(reversed(event.cases), reversed(texts), strict=True):
+        text = f"({each} if {write.name(case.applies)}(p, mode) else {text})"
+    return text
+
+
+_LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
+
+
+def _sample_lanes(singles: list[Watched], samples: int, count: int, write: Writer) -> Lines:
+    """Levels of one quantity at every node. Each node has its own constant offsets."""
+    for node in range(NODES):
+        yield f"for i in range({WIDTH}):"
+        lines = [*_LANE, *_loads(_all_forms(singles), str(VALUES + node * SINES))]
+        for event in singles:
+            values = [_value(case.forms[0]) for case in event.cases]
+            row = samples + node * count + event.number
+            lines.append(f"w[{row * WIDTH} + i] = {_selected(event, values, 'NEVER', write)}")
+        yield from (f"    {each}" for each in lines)
+
+
+def _enter_bounds(singles: list[Watched], bounds: int, write: Writer) -> Lines:
+    """Curvature bounds of levels of one quantity."""
+    row, factor = str(VALUES + NODES * SINES), f"{step._CURVATURE!r} * "
+    yield f"for i in range({WIDTH}):"
+    lines = [*_LANE, *_loads(_all_forms(singles), row, factor)]
+    for event in singles:
+        values = [_bound(case.forms[0]) for case in event.cases]
+        selected = _selected(event, values, "0.0", write)
+        lines.append(f"w[{(bounds + event.number) * WIDTH} + i] = {selected}")
+    yield from (f"    {each}" for each in lines)
+
+
+def _of_four(combined: list[Watched], row: str, scale: str, text: Any, missing: str) -> Lines:
+    """A choice of four quantities, or of numbers that belong to them."""
+    yield "p, mode = constants_of_lane(w, i), mode_of_lane(w, i)"
+    for event in combined:
+        forms = event.cases[0].forms
+        values = [
+            missing if is_nothing(form) or not form.is_known else text(form) for form in forms
+        ]
+        last = event is combined[-1]
+        yield "if True:" if last else f"if which == {event.number}:"
+        yield from (f"    {each}" for each in _loads(forms, row, scale))
+        yield f"    return {', '.join(values)}"
+
+
+def _screen(events: list[Watched], combined: int, samples: int) -> Lines:
+    """Screening of every event that may apply; others are entered as NEVER."""
+    for condition, chosen in (
+        ("beside", [each for each in events if each.only_beside and not each.only_in_flight]),
+        ("flies", [each for each in events if each.only_in_flight]),
+        ("", [each for each in events if not (each.only_beside or each.only_in_flight)]),
+    ):
+        if not chosen:
+            continue
+        yield f"if {condition or 'True'}:"
+        singles = [each.number for each in chosen if each.number >= combined]
+        if singles:  # in one loop: the compiler unrolls short ones, and makes no vectors of them
+            yield f"    for i in range({WIDTH}):"
+            bits = " + ".join(f"screen_single(events, {k}, w, i)" for k in singles)
+            yield f"        w[CANDIDATES * {WIDTH} + i] += {bits}"
+        for each in chosen:
+            if each.number < combined:
+                yield f"    screen_combined(events, {each.number}, w)"
+        if condition:
+            yield "else:"
+            yield f"    for i in range({WIDTH}):"
+            for each in chosen:
+                yield f"        w[{(samples + each.number) * WIDTH} + i] = NEVER"
+
+
+def _enter(event: Watched, write: Writer) -> Lines:
+    """Series of the quantities of one event in the step's fraction."""
+    yield "p, mode, length = constants_of_lane(w, i), mode_of_lane(w, i), w[LENGTH * WIDTH + i]"
+    for case in event.cases:
+        last = case is event.cases[-1]
+        yield "if True:" if last else f"if {write.name(case.applies)}(p, mode):"
+        yield "    scale = 1.0"
+        yield f"    for order in range({TERMS}):"
+        yield f"        row = {COEFFICIENTS} + order * {ROWS}"
+        yield from (f"        {each}" for each in _loads(case.forms, "row", "scale * "))
+        for n, form in enumerate(case.forms):
+            yield f"        g{n} = {_value(form, '(sign * {})')}"
+            yield f"        if order > 0: g{n} = g{n} - {_constant(form)}"
+            yield f"        series[{n * TERMS} + order] = g{n}"
+        yield "        scale *= length"
+        yield "    return"
+
+
+def _note_lowest(events: list[Watched]) -> Lines:
+    """Lower the closest approaches of a run to the lowest levels that stand from a row on."""
+    for event in events:
+        yield f"lowest = w[(row + {event.number}) * {WIDTH} + i]"
+        yield f"at = CLOSEST + {event.number}"
+        yield "runs[run, at] = min(runs[run, at], lowest)"
+
+
+@cache
+def vector_kernels_of(table: Table) -> KernelSet:
+    """Return the kernels of a table, those of ``kernels_of`` and those of the batch engine.
+
+    Members:
+        rows: of the workspace; samples, bounds, lowest, subintervals: first rows of the levels at
+            the nodes, of their curvature bounds, of their lowest samples up to the end of each
+            subinterval, and of the masks of subintervals in which they may fall through zero.
+        sample_lanes(w), enter_bounds(w): enter levels of one quantity, and their bounds.
+        quantities_in(which, row, w, i), bounds_of(which, w, i): of a level of several quantities.
+        applies(which, p, mode): of such a level.
+        screen(events, flies, beside, w), find(events, candidates, w): enter the candidates.
+        enter_all_lowest(events, w), note_lowest(row, w, i, runs, run): closest approaches.
+        enter_series(which, sign, series, w, i): enter the series of a level's quantities; sign is
+            that of the argument of its absolute value.
+        takes_size(which, p, mode), is_partial(which): see ``Form`` and ``Watched``.
+    """
+    combined, count, base = combined_count(table), len(table), kernels_of(table)
+    samples = EVENT_ROWS
+    bounds = samples + NODES * count
+    lowest = bounds + count
+    subintervals = lowest + (NODES - 1) * count
+    numbers = {
+        "samples": samples, "bounds": bounds, "lowest": lowest, "subintervals": subintervals,
+        "rows": subintervals + count,
+    }  # fmt: skip
+    watched = [each for k, event in enumerate(table) if (each := Watched(k, event)).cases]
+    several = [each for each in watched if each.number < combined]
+    singles = [each for each in watched if each.number >= combined]
+    write = Writer(
+        base.name, NEVER=NEVER, NOTHING=NOTHING, WIDTH=WIDTH, CANDIDATES=workspace.CANDIDATES,
+        LENGTH=workspace.LENGTH, CLOSEST=CLOSEST, constants_of_lane=workspace.constants_of_lane,
+        mode_of_lane=workspace.mode_of_lane, screen_single=step.screen_single,
+        screen_combined=step.screen_combined, find_single=step.find_single,
+        find_combined=step.find_combined, enter_lowest=step.enter_lowest,
+    )  # fmt: skip
+    write.write(kernel, "sample_lanes(w)", _sample_lanes(singles, samples, count, write))
+    write.write(kernel, "enter_bounds(w)", _enter_bounds(singles, bounds, write))
+    write.write(
+        inlined_kernel, "quantities_in(which, row, w, i)",
+        _of_four(several, "row", "", _value, "NOTHING"),
+    )  # fmt: skip
+    write.write(
+        inlined_kernel, "bounds_of(which, w, i)",
+        _of_four(several, str(VALUES + NODES * SINES), f"{step._CURVATURE!r} * ", _bound, "0.0"),
+    )  # fmt: skip
+    write.choose(
+        "applies(which, p, mode)",
+        ((k.number, f"{write.name(k.cases[0].applies)}(p, mode)") for k in several),
+        "False",
+    )
+    write.write(kernel, "screen(events, flies, beside, w)", _screen(watched, combined, samples))
+    write.write(kernel, "find(events, candidates, w)", iter([
+        f"find_{'combined' if k.number < combined else 'single'}(events, {k.number}, candidates, w)"
+        for k in watched
+    ]))  # fmt: skip
+    write.write(kernel, "enter_all_lowest(events, w)", iter([
+        f"for i in range({WIDTH}):",
+        *(f"    enter_lowest(events, {k.number}, w, i)" for k in watched),
+    ]))  # fmt: skip
+    write.write(inlined_kernel, "note_lowest(row, w, i, runs, run)", _note_lowest(watched))
+    for each in watched:
+        head = f"enter_{each.number}(sign, series, w, i)"
+        write.write(inlined_kernel, head, _enter(each, write))
+    write.write(kernel, "enter_series(which, sign, series, w, i)", iter([
+        f"{'if' if k is watched[0] else 'elif'} which == {k.number}: "
+        f"enter_{k.number}(sign, series, w, i)"
+        for k in watched
+    ]))  # fmt: skip
+    write.choose(
+        "takes_size(which, p, mode)",
+        (
+            (k.number, f"{write.name(case.applies)}(p, mode)")
+            for k in singles
+            for case in k.cases
+            if case.forms[0].takes_size
+        ),
+        "False",
+    )
+    write.choose(
+        "is_partial(which)", ((k.number, "True") for k in several if k.is_partial), "False"
+    )
+    return KernelSet(f"{base.name}-lanes", base.members | write.members | numbers, write.sources)
+
+
+def in_vector_kernels(scene: Scene) -> SceneKernels:
+    """Return the scene in the form that the kernels of the batch engine take."""
+    return SceneKernels(scene.declared, vector_kernels_of(scene.events or EVENTS))

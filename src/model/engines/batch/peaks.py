@@ -1,0 +1,98 @@
+"""Largest tilt and normal force inside the step of one lane."""
+
+from math import inf
+
+from model.engines.batch.event_search import row_at
+from model.engines.batch.series_code import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.batch.step import curvature_bound
+from model.engines.batch.workspace import (
+    COEFFICIENTS,
+    CONTACTS_AT,
+    LENGTH,
+    STEP_FORCE,
+    STEP_TILT,
+    VALUES,
+    mode_of_lane,
+)
+from model.engines.record import FORCE_MAX, TILT_MAX
+from model.physics.compiled import inlined_kernel, kernel
+from model.physics.scenes import CLOSED
+
+_SUBINTERVAL = FRACTIONS[0]
+_PEAK_ITERATIONS = 2
+
+
+@inlined_kernel
+def _with_slope(row, sign, time, w, lane):
+    """A row, times ``sign``, a time after the step's start, and its first two time derivatives."""
+    value, slope, half = w[(COEFFICIENTS + ORDER * ROWS + row) * WIDTH + lane], 0.0, 0.0
+    for order in range(ORDER - 1, -1, -1):
+        half = half * time + slope
+        slope = slope * time + value
+        value = value * time + w[(COEFFICIENTS + order * ROWS + row) * WIDTH + lane]
+    return sign * value, sign * slope, 2.0 * sign * half
+
+
+@inlined_kernel
+def _slopes(g):
+    """Derivatives of a quantity at five equidistant places, from its values there."""
+    return (
+        (-25.0 * g[0] + 48.0 * g[1] - 36.0 * g[2] + 16.0 * g[3] - 3.0 * g[4]) / 12.0,
+        (-3.0 * g[0] - 10.0 * g[1] + 18.0 * g[2] - 6.0 * g[3] + g[4]) / 12.0,
+        (g[0] - 8.0 * g[1] + 8.0 * g[3] - g[4]) / 12.0,
+        (-g[0] + 6.0 * g[1] - 18.0 * g[2] + 10.0 * g[3] + 3.0 * g[4]) / 12.0,
+        (3.0 * g[0] - 16.0 * g[1] + 36.0 * g[2] - 48.0 * g[3] + 25.0 * g[4]) / 12.0,
+    )
+
+
+@kernel
+def _peak(row, sign, theta, until, w, lane):
+    """Value of the peak of a row, times ``sign``, near ``theta``, if it is before ``until``."""
+    length = w[LENGTH * WIDTH + lane]
+    time, value, slope, second = theta * length, 0.0, 0.0, -1.0
+    for _ in range(_PEAK_ITERATIONS):
+        time -= slope / second
+        value, slope, second = _with_slope(row, sign, time, w, lane)
+    time -= slope / second
+    rises_to_it = second < 0.0 and 0.0 < time < until * length
+    return value - 0.5 * slope * slope / second if rises_to_it else -inf
+
+
+@kernel
+def _highest(row, sign, until, known, w, lane):
+    """The larger of ``known`` and the highest value of a row, times ``sign``, before ``until``."""
+    first, node = (VALUES + row) * WIDTH + lane, SINES * WIDTH
+    bound = curvature_bound(row, w, lane)
+    g = (
+        sign * w[first], sign * w[first + node], sign * w[first + 2 * node],
+        sign * w[first + 3 * node], sign * w[first + 4 * node],
+    )  # fmt: skip
+    if max(max(g[0], g[1]), max(max(g[2], g[3]), g[4])) + bound <= known:
+        return known
+    highest = max(known, g[0])
+    for n in range(1, NODES):
+        if n * _SUBINTERVAL <= until:
+            highest = max(highest, g[n])
+    if until < 1.0:
+        highest = max(highest, sign * row_at(row, until, w, lane))
+    slope = _slopes(g)
+    for n in range(1, NODES):
+        if slope[n - 1] > 0.0 > slope[n] and (n - 1) * _SUBINTERVAL < until:
+            theta = (n - 1 + slope[n - 1] / (slope[n - 1] - slope[n])) * _SUBINTERVAL
+            highest = max(highest, _peak(row, sign, theta, until, w, lane))
+    return highest
+
+
+@kernel
+def largest_until(until, w, lane, runs, i):
+    """Largest |tilt| and normal force so far, with those of a part of the step."""
+    tilt, force, mode = runs[i, TILT_MAX], runs[i, FORCE_MAX], mode_of_lane(w, lane)
+    if w[STEP_TILT * WIDTH + lane] > tilt:
+        tilt = _highest(TILT, 1.0, until, tilt, w, lane)
+        tilt = _highest(TILT, -1.0, until, tilt, w, lane)
+    if w[STEP_FORCE * WIDTH + lane] > force:
+        if mode.face == CLOSED:
+            force = _highest(CONTACTS_AT, 1.0, until, force, w, lane)
+        if mode.side == CLOSED:
+            force = _highest(CONTACTS_AT + 2, 1.0, until, force, w, lane)
+    return tilt, force

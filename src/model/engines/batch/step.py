@@ -1,0 +1,320 @@
+"""One step of a power series in every lane, and the candidates for events in it.
+
+Between two of its samples a level g of the step's fraction θ stays above the line through them less
+its curvature bound, an eighth of their distance squared times the largest |g''|, which follows from
+the series' coefficients. A level that stays above zero by this bound has no event in between. The
+kernels that loop over events are generated from the table (event_kernels.py).
+"""
+
+from math import floor
+
+import numpy as np
+
+from model.engines.batch.series_code import (
+    FRACTIONS,
+    NODES,
+    ORDER,
+    ROWS,
+    SINES,
+    TILT,
+    WIDTH,
+    fill_series,
+    follow_series,
+)
+from model.engines.batch.workspace import (
+    CANDIDATES,
+    COEFFICIENTS,
+    CONTACTS_AT,
+    DEADLINE,
+    END,
+    FACE,
+    LENGTH,
+    LONGEST,
+    SIDE,
+    STEP_FORCE,
+    STEP_TILT,
+    TIME,
+    TOLERANCE,
+    VALUES,
+    constants_of_lane,
+    mode_of_lane,
+    state_in_lane,
+)
+from model.events.friction import hold_sticking
+from model.events.levels import FLAT, NEVER, ON_AN_EVENT, largest
+from model.physics.compiled import inlined_kernel, kernel
+from model.physics.scenes import CLOSED
+from model.physics.trigonometry import sine_cosine
+
+ALL_SUBINTERVALS = 15
+LAST_TERMS = 4.0  # of a series, over the tolerance: what follows them is smaller
+TOO_FLAT_TO_TELL = 10.0 * FLAT
+# The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
+_CURVATURE = FRACTIONS[0] ** 2 / 8.0
+
+
+@kernel
+def _turn(w):
+    """Sine and cosine of the tilt and of the excitation's angle, at the start of the step."""
+    first = COEFFICIENTS + SINES
+    for i in range(WIDTH):
+        p = constants_of_lane(w, i)
+        s, c = sine_cosine(w[(COEFFICIENTS + TILT) * WIDTH + i])
+        w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
+        s, c = sine_cosine(p.frequency * w[TIME * WIDTH + i] + p.phase)
+        w[(first + 2) * WIDTH + i], w[(first + 3) * WIDTH + i] = s, c
+
+
+@inlined_kernel
+def _root(value, order):
+    """The root of this order of a positive number, to half a percent.
+
+    The bits of a number, its exponent before its mantissa, are nearly its logarithm.
+    """
+    logarithm = np.float64(value).view(np.int64) * 2.0**-52 - 1023.0
+    power = logarithm * (1.0 / order)
+    whole = floor(power)
+    part = power - whole
+    octave = np.int64((np.int64(whole) + 1023) << 52).view(np.float64)
+    return octave * (1.0 + part * (0.6565 + 0.3435 * part))
+
+
+@inlined_kernel
+def _step_of(order, admitted, w, i):
+    """The step at which the terms of an order, over 1 + |value|, come to what is admitted.
+
+    Those of states and places: in flight the states' series end sooner than those of the places,
+    which turn with the tilt. Ratios are compared by products, which take less than divisions.
+    """
+    largest_size, its_scale = 1e-200, 1.0
+    for n in range(CONTACTS_AT):
+        size = abs(w[(COEFFICIENTS + order * ROWS + n) * WIDTH + i])
+        scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
+        is_larger = size * its_scale > largest_size * scale
+        largest_size = size if is_larger else largest_size
+        its_scale = scale if is_larger else its_scale
+    return _root(admitted * its_scale / largest_size, order)
+
+
+@kernel
+def _set_lengths(w):
+    """The steps at which the larger of the series' last two terms comes to what is admitted."""
+    for i in range(WIDTH):
+        admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
+        step = min(_step_of(ORDER, admitted, w, i), _step_of(ORDER - 1, admitted, w, i))
+        step = min(step, w[LONGEST * WIDTH + i])
+        time, deadline = w[TIME * WIDTH + i], w[DEADLINE * WIDTH + i]
+        w[LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
+
+
+@inlined_kernel
+def curvature_bound(row, w, i):
+    """Return the bound of a row's distance from the line through two of its samples."""
+    return _CURVATURE * w[(VALUES + NODES * SINES + row) * WIDTH + i]
+
+
+@inlined_kernel
+def stays_above(left, right, bound):
+    """Return whether a level with this curvature bound stays above zero between two places.
+
+    Also where it is zero at one of them and leaves it.
+    """
+    rise = right - left
+    return (
+        (min(left, right) > bound)
+        | ((left >= -ON_AN_EVENT) & (rise > 4.0 * bound))
+        | ((right > 0.0) & (rise < -4.0 * bound))
+    )
+
+
+@inlined_kernel
+def one_stays_above(left, right, bounds):
+    """Return whether one of four quantities ``stays_above``, and with it the largest of them."""
+    return (
+        stays_above(left[0], right[0], bounds[0])
+        | stays_above(left[1], right[1], bounds[1])
+        | stays_above(left[2], right[2], bounds[2])
+        | stays_above(left[3], right[3], bounds[3])
+    )
+
+
+@inlined_kernel
+def _subintervals(first, second, third, fourth):
+    """Mask of the subintervals in which a level does not stay above zero."""
+    early = (0.0 if first else 1.0) + (0.0 if second else 2.0)
+    return early + (0.0 if third else 4.0) + (0.0 if fourth else 8.0)
+
+
+@inlined_kernel
+def _samples_of(events, which, w, i):
+    """A level at each node."""
+    at, n = (events.samples + which) * WIDTH + i, events.count * WIDTH
+    return w[at], w[at + n], w[at + 2 * n], w[at + 3 * n], w[at + 4 * n]
+
+
+@inlined_kernel
+def _lowest_of(samples):
+    inner = min(min(samples[1], samples[2]), samples[3])
+    return min(min(samples[0], samples[4]), inner)
+
+
+@inlined_kernel
+def screen_single(events, which, w, i):
+    """Return the bit of an event whose level, of one quantity, may come to zero."""
+    above = _lowest_of(_samples_of(events, which, w, i)) - w[(events.bounds + which) * WIDTH + i]
+    return 0.0 if above > 0.0 else float(1 << which)
+
+
+@inlined_kernel
+def _enter_subintervals(events, which, mask, w, i):
+    w[(events.subintervals + which) * WIDTH + i] = mask
+    w[CANDIDATES * WIDTH + i] += float(1 << which) if mask > 0.0 else 0.0
+
+
+@inlined_kernel
+def find_single(events, which, candidates, w):
+    """Enter the subintervals in which a candidate's single quantity may fall through zero."""
+    if candidates & (1 << which) == 0:
+        return
+    for i in range(WIDTH):
+        g = _samples_of(events, which, w, i)
+        bound = w[(events.bounds + which) * WIDTH + i]
+        mask = _subintervals(
+            stays_above(g[0], g[1], bound), stays_above(g[1], g[2], bound),
+            stays_above(g[2], g[3], bound), stays_above(g[3], g[4], bound),
+        )  # fmt: skip
+        _enter_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
+
+
+@inlined_kernel
+def _quantities(events, which, w, i):
+    """The quantities of a level at each node."""
+    return (
+        events.quantities_in(which, VALUES, w, i),
+        events.quantities_in(which, VALUES + SINES, w, i),
+        events.quantities_in(which, VALUES + 2 * SINES, w, i),
+        events.quantities_in(which, VALUES + 3 * SINES, w, i),
+        events.quantities_in(which, VALUES + 4 * SINES, w, i),
+    )
+
+
+@inlined_kernel
+def screen_combined(events, which, w):
+    """Sample the largest of several quantities, and screen it.
+
+    It stays clear of zero if one of the quantities does.
+    """
+    n, node = WIDTH, events.count * WIDTH
+    first = (events.samples + which) * n
+    least = TOO_FLAT_TO_TELL if events.is_partial(which) else 0.0
+    for i in range(WIDTH):
+        applies = events.applies(which, constants_of_lane(w, i), mode_of_lane(w, i))
+        bounds = events.bounds_of(which, w, i)
+        q0, q1, q2, q3, q4 = _quantities(events, which, w, i)
+        g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
+        g3, g4 = largest(q3)[0], largest(q4)[0]
+        w[first + i] = g0 if applies else NEVER
+        w[first + node + i], w[first + 2 * node + i] = g1, g2
+        w[first + 3 * node + i], w[first + 4 * node + i] = g3, g4
+        is_clear = (
+            (_lowest_of((q0[0], q1[0], q2[0], q3[0], q4[0])) > max(least, bounds[0]))
+            | (_lowest_of((q0[1], q1[1], q2[1], q3[1], q4[1])) > max(least, bounds[1]))
+            | (_lowest_of((q0[2], q1[2], q2[2], q3[2], q4[2])) > max(least, bounds[2]))
+            | (_lowest_of((q0[3], q1[3], q2[3], q3[3], q4[3])) > max(least, bounds[3]))
+        )
+        bit = 0.0 if is_clear else float(1 << which)
+        w[CANDIDATES * n + i] += bit if applies else 0.0
+
+
+@inlined_kernel
+def find_combined(events, which, candidates, w):
+    """Enter the subintervals in which the largest of several quantities may fall through zero."""
+    if candidates & (1 << which) == 0:
+        return
+    for i in range(WIDTH):
+        bounds = events.bounds_of(which, w, i)
+        q0, q1, q2, q3, q4 = _quantities(events, which, w, i)
+        mask = _subintervals(
+            one_stays_above(q0, q1, bounds), one_stays_above(q1, q2, bounds),
+            one_stays_above(q2, q3, bounds), one_stays_above(q3, q4, bounds),
+        )  # fmt: skip
+        # Near flat, a level that is on its event to rounding may be beyond it.
+        g = _samples_of(events, which, w, i)
+        flat = events.is_partial(which) & (_lowest_of(g) < TOO_FLAT_TO_TELL)
+        mask = float(ALL_SUBINTERVALS) if flat else mask
+        _enter_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
+
+
+@inlined_kernel
+def enter_lowest(events, which, w, i):
+    """Enter how low a level comes up to the end of each subinterval; NEVER where it leaves zero."""
+    at, node = (events.lowest + which) * WIDTH + i, events.count * WIDTH
+    g = _samples_of(events, which, w, i)
+    second = min(g[1], g[2])
+    third = min(second, g[3])
+    counts = (g[0] > ON_AN_EVENT) & (g[0] != NEVER)
+    w[at] = g[1] if counts else NEVER
+    w[at + node] = second if counts else NEVER
+    w[at + 2 * node] = third if counts else NEVER
+    w[at + 3 * node] = min(third, g[4]) if counts else NEVER
+
+
+@inlined_kernel
+def _at_most(row, w, i):
+    """Upper bound of |row| in the step, by its samples and its curvature bound."""
+    first, node = (VALUES + row) * WIDTH + i, SINES * WIDTH
+    ends, inner = max(abs(w[first]), abs(w[first + 4 * node])), abs(w[first + 2 * node])
+    inner = max(inner, max(abs(w[first + node]), abs(w[first + 3 * node])))
+    return max(ends, inner) + curvature_bound(row, w, i)
+
+
+@kernel
+def _enter_largest(w):
+    """Enter upper bounds of |tilt| and of normal forces in the step."""
+    for i in range(WIDTH):
+        w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
+        face = _at_most(CONTACTS_AT, w, i) if w[FACE * WIDTH + i] == CLOSED else 0.0
+        side = _at_most(CONTACTS_AT + 2, w, i) if w[SIDE * WIDTH + i] == CLOSED else 0.0
+        w[STEP_FORCE * WIDTH + i] = max(face, side)
+
+
+@kernel
+def _end_steps(w):
+    """Enter the state at the end of every step, with sticking contacts at rest."""
+    for i in range(WIDTH):
+        end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
+        end = hold_sticking(end, constants_of_lane(w, i), mode_of_lane(w, i))
+        n = WIDTH
+        w[END * n + i], w[(END + 1) * n + i], w[(END + 2) * n + i] = end.x, end.y, end.tilt
+        w[(END + 3) * n + i], w[(END + 4) * n + i] = end.x_rate, end.y_rate
+        w[(END + 5) * n + i] = end.tilt_rate
+
+
+@kernel
+def step_all(events, kind, flies, beside, control, w):
+    """Make one step in every lane, and enter the candidates for events in it.
+
+    ``flies`` and ``beside``: whether in any lane the edge is not under the face, and whether A2 is
+    behind the side. Lowest levels, and upper bounds of tilt and forces, are entered where
+    ``control`` asks for them.
+    """
+    _turn(w)
+    fill_series(kind, w, COEFFICIENTS, 0)
+    _set_lengths(w)
+    follow_series(w, COEFFICIENTS, LENGTH, VALUES)
+    events.sample_lanes(w)
+    events.enter_bounds(w)
+    for i in range(WIDTH):
+        w[CANDIDATES * WIDTH + i] = 0.0
+    events.screen(events, flies, beside, w)
+    candidates = 0
+    for i in range(WIDTH):
+        candidates |= int(w[CANDIDATES * WIDTH + i])
+    for i in range(WIDTH):
+        w[CANDIDATES * WIDTH + i] = 0.0
+    events.find(events, candidates, w)
+    if control.may_settle != 0.0:
+        events.enter_all_lowest(events, w)
+    if control.alignment_only == 0.0:
+        _enter_largest(w)
+    _end_steps(w)

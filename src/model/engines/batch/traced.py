@@ -1,0 +1,179 @@
+"""Level functions as expressions of the rows of a SIMD workspace, found by calling them.
+
+A level is called once with symbols in place of numbers. The expression that comes back is written
+into kernels in the forms that the batch engine needs, and tells the factor of each row, whether the
+level takes an absolute value, and which of its quantities no row holds.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from model.events.kernels import python_of
+from model.events.levels import NOTHING, Outline, Touch
+from model.events.table import FACE, FORCES, PLACES, SIDE, Source
+from model.physics.compiled import Symbol
+from model.physics.motion import Motion
+from model.physics.notation import RIGHT_EDGE
+from model.physics.parameters import Constants
+from model.physics.scenes import Mode
+
+Number = float | str  # or an expression of the constants of a run
+
+
+def _times(a: Number, b: Number) -> Number:
+    if isinstance(a, float) and isinstance(b, float):
+        return a * b
+    return f"({a} * {b})"
+
+
+@dataclass(frozen=True, eq=False)
+class Form(Symbol):
+    """A constant plus multiples of rows, or of the absolute value of such a sum.
+
+    Attributes:
+        tree: the expression: (operation, operands), ("row", name), ("constant", text or number).
+        factors: of each row, up to the sign.
+        takes_size: whether there is an absolute value.
+        is_known: False for a quantity that no row holds, or that is not linear in them.
+    """
+
+    tree: tuple[Any, ...]
+    factors: dict[str, Number]
+    takes_size: bool = False
+    is_known: bool = True
+
+    def _with(self, operation: str, other: Any, factors: dict[str, Number]) -> "Form":
+        return Form(
+            (operation, self.tree, other.tree), factors, self.takes_size or other.takes_size,
+            self.is_known and other.is_known,
+        )  # fmt: skip
+
+    def _sum(self, operation: str, other: Any) -> "Form":
+        other = _as_form(other)
+        factors = dict(self.factors)
+        for row, factor in other.factors.items():
+            factors[row] = f"({factors[row]} + {factor})" if row in factors else factor
+        return self._with(operation, other, factors)
+
+    def __add__(self, other: Any) -> "Form":
+        return self._sum("+", other)
+
+    def __sub__(self, other: Any) -> "Form":
+        return self._sum("-", other)
+
+    def __rsub__(self, other: Any) -> "Form":
+        return _as_form(other) - self
+
+    def __radd__(self, other: Any) -> "Form":
+        return _as_form(other) + self
+
+    def __rmul__(self, other: Any) -> "Form":
+        return _as_form(other) * self
+
+    def __mul__(self, other: Any) -> "Form":
+        other = _as_form(other)
+        if self.factors and other.factors:
+            return UNKNOWN
+        one, constant = (self, other) if self.factors else (other, self)
+        kind, *value = constant.tree
+        number = kind == "constant" and isinstance(value[0], float)
+        by: Number = value[0] if number else rendered(constant, str)
+        factors = {row: _times(factor, by) for row, factor in one.factors.items()}
+        return self._with("*", other, factors)
+
+    def __neg__(self) -> "Form":
+        return Form(("neg", self.tree), self.factors, self.takes_size, self.is_known)
+
+    def __abs__(self) -> "Form":
+        return Form(("abs", self.tree), self.factors, True, self.is_known and not self.takes_size)
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError("a level must not branch on what it is a function of: state another case")
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+UNKNOWN = Form(("constant", "NOTHING"), {}, is_known=False)
+
+
+def _as_form(value: Any) -> Form:
+    return value if isinstance(value, Form) else Form(("constant", float(value)), {})
+
+
+def _constant(text: str) -> Any:
+    return Form(("constant", text), {})
+
+
+def _row(name: str) -> Any:
+    return Form(("row", name), {name: 1.0})
+
+
+def rendered(form: Form, row: Callable[[str], str], size: str = "abs({})") -> str:
+    """Return the expression with other texts for rows and absolute values."""
+
+    def text(tree: tuple[Any, ...]) -> str:
+        kind, *of = tree
+        if kind == "constant":
+            return of[0] if isinstance(of[0], str) else repr(of[0])
+        if kind == "row":
+            return row(of[0])
+        if kind == "abs":
+            return size.format(text(of[0]))
+        if kind == "neg":
+            return f"(-{text(of[0])})"
+        return f"({text(of[0])} {kind} {text(of[1])})"
+
+    return text(form.tree)
+
+
+P: Any = Constants(
+    *(
+        0.0 if name.startswith("printed_") else _constant(f"p.{name}")
+        for name in Constants._fields
+    )
+)  # fmt: skip
+_MODE: list[Any] = [
+    RIGHT_EDGE if name == "edge" else _constant(f"mode.{name}") for name in Mode._fields
+]
+MODE: Any = Mode(*_MODE)
+
+
+def _quantities() -> dict[Source, Any]:
+    """Quantities of the sources that the workspace holds, as forms of its rows.
+
+    That is the edge A1 on the face, A2 on the left side face, and the places of all.
+    """
+    places = {name: _row(name) for name in Outline._fields if not name.endswith("_rise")}
+    unknown = dict.fromkeys(Outline._fields, UNKNOWN)
+    forces: dict[str, Any] = dict.fromkeys(Motion._fields, UNKNOWN)
+    for place, load in (("support", "face_load"), ("side", "side_load")):
+        friction = _row(f"{place}_friction")  # or the slip of what slides
+        forces |= {f"{place}_slip": friction, f"{place}_friction": friction}
+        forces[f"{place}_load"] = _row(load)
+    face_depth = P.half_height + places["right_along_axis"]
+    return {
+        PLACES: Outline(**(unknown | places)),
+        FACE: Touch(face_depth, _row("face_load"), places["right_along_face"]),
+        SIDE: Touch(places["left_behind_side"], _row("side_load"), places["left_along_axis"]),
+        FORCES: Motion(**forces),
+    }
+
+
+QUANTITIES = _quantities()
+
+
+def forms_of(source: Source, level: Callable[..., Any]) -> tuple[Form, ...] | None:
+    """Return the quantities of a level as forms; None if the workspace does not hold its source.
+
+    A quantity that a level of several does not have is NOTHING, and so is one that is not known.
+    """
+    if source not in QUANTITIES:
+        return None
+    found = python_of(level)(QUANTITIES[source], P, MODE)
+    return tuple(map(_as_form, found if isinstance(found, tuple) else (found,)))
+
+
+def is_nothing(form: Form) -> bool:
+    """Return whether a level of several quantities does not have this one."""
+    return form.tree == ("constant", NOTHING)

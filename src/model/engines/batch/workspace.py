@@ -1,0 +1,89 @@
+"""The SIMD workspace: WIDTH runs in the same kind of mode, one in each lane of a vector.
+
+A row of the workspace ``w`` holds one number of every lane: row r of lane i stands at
+``w[r * WIDTH + i]``. Loops over lanes are plain arithmetic, so that a compiler carries eight
+or more runs in one vector register; the series are written for vectors (series_code.py).
+
+Lanes hold the modes in which the part stands on A1 or flies, alone or with A2 on its left side
+face; other modes, and readings of the printed equations, are left to the reference engine.
+"""
+
+import numpy as np
+
+from model.engines.batch.series import CONSISTENT, GIVEN, Watched
+from model.engines.batch.series_code import NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.scalar.tableaux import Array
+from model.physics.compiled import inlined_kernel
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
+from model.physics.parameters import Constants
+from model.physics.scenes import OPEN, Mode
+from model.physics.views import reader
+
+# Rows: the constants and signs of the slips, then numbers of the lanes, and of their step.
+(
+    TIME,
+    DEADLINE,
+    TOLERANCE,
+    LONGEST,  # step
+    FACE,
+    SUPPORT_SLIP_STATE,
+    SIDE,
+    SIDE_SLIP_STATE,
+    DROPPED,
+    LENGTH,
+    CANDIDATES,  # mask of the events that may happen in the step
+    STEP_TILT,  # upper bound of |tilt| in the step
+    STEP_FORCE,  # the same of the normal forces
+) = range(GIVEN, GIVEN + 13)
+END = STEP_FORCE + 1
+VALUES = END + STATE_SIZE  # the tilt and the watched rows at each node, and their curvature bounds
+COEFFICIENTS = VALUES + (NODES + 1) * SINES
+EVENT_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS  # behind these, rows of the events of the scene
+
+CONTACTS_AT = STATE_SIZE + Watched._fields.index("face_load")
+ROW = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(Watched._fields)}
+_CACHE_LINE = 64  # bytes
+
+
+def new_workspace(rows: int) -> Array:
+    """Return a workspace of so many rows, which begin on cache lines."""
+    count, line = rows * WIDTH, _CACHE_LINE // 8
+    numbers = np.zeros(count + line)
+    first = -numbers.ctypes.data % _CACHE_LINE // 8
+    return numbers[first : first + count]
+
+
+# (w, i): ``Constants`` of lane ``i``, consistent readings.
+_PLACES = {row: place for place, row in enumerate(CONSISTENT)}
+constants_of_lane = reader(
+    Constants,
+    "w, i",
+    lambda n: f"w[{_PLACES[n]} * WIDTH + i]" if n in _PLACES else "0.0",
+    WIDTH=WIDTH,
+)
+# (w, row, i): the ``State`` of lane ``i`` that stands from ``row`` on.
+state_in_lane = reader(State, "w, row, i", "w[(row + {}) * WIDTH + i]".format, WIDTH=WIDTH)
+
+
+@inlined_kernel
+def mode_of_lane(w, i):
+    """Return the ``Mode`` of lane ``i``, of those that lanes hold."""
+    return Mode(
+        RIGHT_EDGE,
+        int(w[FACE * WIDTH + i]),
+        OPEN,
+        0.0,
+        False,
+        int(w[SUPPORT_SLIP_STATE * WIDTH + i]),
+        int(w[SIDE * WIDTH + i]),
+        int(w[SIDE_SLIP_STATE * WIDTH + i]),
+        w[DROPPED * WIDTH + i] != 0.0,
+        LEFT_EDGE,
+    )
+
+
+@inlined_kernel
+def lanes_hold(mode):
+    """Return whether lanes can carry this mode."""
+    on_left_side = mode.side == OPEN or mode.side_edge == LEFT_EDGE
+    return mode.edge == RIGHT_EDGE and mode.corner == OPEN and on_left_side

@@ -1,0 +1,260 @@
+"""Kernels made from a table of events: sampling, one level, and what follows an event."""
+
+import hashlib
+from collections.abc import Callable, Iterator
+from functools import cache
+from itertools import groupby
+from typing import Any, NamedTuple
+
+from model.events import levels
+from model.events.kernel_set import KernelSet, generated
+from model.events.table import EVENTS, Event, Source, Table
+from model.physics.compiled import Symbol, inlined_kernel, kernel
+from model.physics.parameters import Constants
+from model.physics.scenes import START, Declared, Scene
+
+MOST_EVENTS = 32  # for which records and histories have room
+MOST_SAMPLES = 2 * MOST_EVENTS
+
+Lines = Iterator[str]
+
+
+class SceneKernels(NamedTuple):
+    """A scene as kernels take it: the contacts that it declares, and the kernels of its events."""
+
+    declared: Declared
+    events: Any
+
+
+def in_kernels(scene: Scene) -> SceneKernels:
+    """Return the scene in the form that kernels take."""
+    return SceneKernels(scene.declared, kernels_of(scene.events or EVENTS))
+
+
+def python_of(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the Python function of a kernel."""
+    python: Callable[..., Any] = getattr(function, "py_func", function)
+    return python
+
+
+class _Any(Symbol):
+    """Stands for every number where only the form of a result matters."""
+
+    def _same(self, _other: Any = None) -> "_Any":
+        return self
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __neg__ = __abs__ = _same
+
+
+def _is_combined(event: Event) -> bool:
+    """Return whether the level is the largest of several quantities."""
+    if event.source.of is not levels.places:
+        return False
+    p, at = Constants(*[_ANY] * len(Constants._fields)), _ANY_PLACES
+    return isinstance(python_of(event.level[0][1])(at, p, START), tuple)
+
+
+_ANY: Any = _Any()
+_ANY_PLACES = levels.Outline(*[_ANY] * len(levels.Outline._fields))
+
+
+def combined_count(table: Table) -> int:
+    """Return how many of the events, the first ones, have a level of several quantities.
+
+    Raises:
+        ValueError: such an event stands behind another one, or there are too many events.
+    """
+    combined = [_is_combined(event) for event in table]
+    if combined != sorted(combined, reverse=True):
+        raise ValueError("events of several quantities must be the first of a table")
+    if len(table) > MOST_EVENTS:
+        raise ValueError(f"{len(table)} events: a table may have {MOST_EVENTS}")
+    return sum(combined)
+
+
+class Writer:
+    """Writes kernels in Python, from kernels that it calls by names of its own.
+
+    Attributes:
+        known: what the code refers to, by name.
+        members: what has been made.
+        sources: files that define the kernels called.
+    """
+
+    def __init__(self, label: str, **known: Any) -> None:
+        self.label = label
+        self.known: dict[str, Any] = known
+        self.members: dict[str, Any] = {}
+        self.sources: set[str] = set()
+
+    def name(self, function: Callable[..., Any]) -> str:
+        """Return the name of a kernel in the code."""
+        for name, known in self.known.items():
+            if known is function:
+                return name
+        name = f"_{len(self.known)}_{python_of(function).__name__.lstrip('_')}"
+        self.known[name] = function
+        self.sources.add(python_of(function).__code__.co_filename)
+        return name
+
+    def write(self, compiled: Callable[..., Any], head: str, lines: Lines) -> None:
+        """Make the kernel that begins with ``head`` and has these lines."""
+        code = "\n".join([f"def {head}:", *(f"    {each}" for each in lines)])
+        name = head[: head.index("(")]
+        self.members[name] = generated(compiled, name, code, self.known, self.label)
+        self.known[name] = self.members[name]
+
+    def choose(self, head: str, choices: Iterator[tuple[int, str]], otherwise: str) -> None:
+        """Make a kernel of ``which`` that returns another expression for each event."""
+
+        def lines() -> Lines:
+            for number, expression in choices:
+                yield f"if which == {number}: return {expression}"
+            yield f"return {otherwise}"
+
+        self.write(inlined_kernel, head, lines())
+
+
+def _sample(table: Table, combined: int, write: Writer) -> Lines:
+    """All levels, and behind them the place of the largest quantity in those of several."""
+    sources: dict[Source, list[int]] = {}
+    for number, event in enumerate(table):
+        sources.setdefault(event.source, []).append(number)
+    for source, numbers in sources.items():
+        yield from (f"f{k} = NEVER" for k in numbers)
+        yield from (f"g{k} = NEVER" for k in numbers if k < combined)
+        yield f"if {write.name(source.exists)}(p, mode):"
+        yield f"    at = {write.name(source.of)}(time, q, p, mode)"
+        for k in numbers:
+            for applies, level in table[k].level:
+                value = f"{write.name(level)}(at, p, mode)"
+                yield f"    if {write.name(applies)}(p, mode):"
+                yield (
+                    f"        f{k}, g{k} = largest({value})"
+                    if k < combined
+                    else (f"        f{k} = {value}")
+                )
+    found = [f"f{k}" for k in range(len(table))] + [f"g{k}" for k in range(combined)]
+    yield f"return {', '.join(found)}"
+
+
+def _level(table: Table, combined: int, write: Writer) -> Lines:
+    """One level that applies, without the others."""
+    for source, group in groupby(enumerate(table), key=lambda each: each[1].source):
+        events = list(group)
+        yield f"if {events[0][0]} <= which <= {events[-1][0]}:"
+        yield f"    at = {write.name(source.of)}(time, q, p, mode)"
+        for k, event in events:
+            yield f"    if which == {k}:"
+            *others, last = event.level
+            for applies, level in others:
+                yield f"        if {write.name(applies)}(p, mode):"
+                yield f"            return {write.name(level)}(at, p, mode)"
+            value = f"{write.name(last[1])}(at, p, mode)"
+            yield (
+                f"        return largest({value})[0]"
+                if k < combined
+                else (f"        return {value}")
+            )
+    yield "return NEVER"
+
+
+def _quantities(table: Table, combined: int, write: Writer) -> Lines:
+    """The four quantities of a level that is the largest of several."""
+    yield f"at = {write.name(levels.places)}(time, q, p, mode)"
+    for k in range(combined):
+        value = f"{write.name(table[k].level[0][1])}(at, p, mode)"
+        yield f"return {value}" if k == combined - 1 else f"if which == {k}: return {value}"
+
+
+def _force(table: Table, place: str) -> Lines:
+    """Normal force at a place, from a sample; may be below zero."""
+    numbers = [k for k, event in enumerate(table) if event.force_on == place]
+    for k in numbers:
+        yield f"f{k} = sample[{k}] if sample[{k}] != NEVER else 0.0"
+    yield f"return {' + '.join(f'f{k}' for k in numbers) or '0.0'}"
+
+
+def _start(table: Table) -> Lines:
+    """Check of the levels at the start."""
+    yield "found = sample(0.0, q, p, mode)"
+    starts = [(k, event.start) for k, event in enumerate(table) if event.start is not None]
+    yield f"return {' or '.join(f'found[{k}] < {start!r}' for k, start in starts) or 'False'}"
+
+
+def _label(table: Table) -> str:
+    """Name of a table that no other one has."""
+    if table is EVENTS:
+        return "alignment"
+    digest = hashlib.sha256()
+    for event in table:
+        cases = (each for case in event.level for each in case)
+        parts = event.source.of, event.source.exists, *cases, event.follow, event.adjust
+        digest.update(repr((event.name, event.kind, event.force_on, event.start)).encode())
+        for part in filter(None, (*parts, event.happens)):
+            code = python_of(part).__code__
+            digest.update(f"{code.co_filename}:{code.co_qualname}".encode() + code.co_code)
+    return f"table-{digest.hexdigest()[:16]}"
+
+
+@cache
+def kernels_of(table: Table) -> KernelSet:
+    """Return the kernels of a table.
+
+    Members:
+        count, combined, sample_size: numbers of events, of those with several quantities, and of
+            numbers in a sample.
+        sample(time, q, p, mode): levels of all events, NEVER for those that do not apply, and for
+            each with several quantities the place of the largest.
+        sample_into(time, q, p, mode, out): the same, written.
+        level(which, time, q, p, mode), quantities(which, time, q, p, mode): of one event.
+        happens(which, time, q, p, mode), is_conditional(which): whether a zero is the event.
+        adjust(which, q, p, mode), follow(which, time, q, p, mode, declared): see ``Event``.
+        kind(which): LENGTH, LOAD or FRICTION.
+        start_is_impossible(q, p, mode), support_force(sample), side_force(sample).
+    """
+    combined, label = combined_count(table), _label(table)
+    write = Writer(label, NEVER=levels.NEVER, largest=levels.largest)
+    events = list(enumerate(table))
+    write.write(inlined_kernel, "sample(time, q, p, mode)", _sample(table, combined, write))
+    size = len(table) + combined
+    write.write(
+        kernel, "sample_into(time, q, p, mode, out)",
+        iter(("found = sample(time, q, p, mode)", f"for i in range({size}): out[i] = found[i]")),
+    )  # fmt: skip
+    write.write(kernel, "level(which, time, q, p, mode)", _level(table, combined, write))
+    write.write(kernel, "quantities(which, time, q, p, mode)", _quantities(table, combined, write))
+    write.write(kernel, "start_is_impossible(q, p, mode)", _start(table))
+    for place in ("support", "side"):
+        write.write(inlined_kernel, f"{place}_force(sample)", _force(table, place))
+    write.choose(
+        "happens(which, time, q, p, mode)",
+        (
+            (
+                k,
+                f"{write.name(each.happens)}({write.name(levels.outline)}(q, p), p, mode)",
+            )
+            for k, each in events
+            if each.happens
+        ),
+        "True",
+    )
+    write.choose(
+        "is_conditional(which)", ((k, "True") for k, each in events if each.happens), "False"
+    )
+    write.choose(
+        "adjust(which, q, p, mode)",
+        ((k, f"{write.name(each.adjust)}(q, p, mode)") for k, each in events if each.adjust),
+        "q",
+    )
+    write.choose(
+        "follow(which, time, q, p, mode, declared)",
+        ((k, f"{write.name(each.follow)}(time, q, p, mode, declared)") for k, each in events[:-1]),
+        f"{write.name(table[-1].follow)}(time, q, p, mode, declared)",
+    )
+    write.choose("kind(which)", ((k, str(each.kind)) for k, each in events if each.kind), "0")
+    numbers = {"count": len(table), "combined": combined, "sample_size": size}
+    return KernelSet(label, write.members | numbers, write.sources)
+
+
+ALIGNMENT_EVENTS = kernels_of(EVENTS)

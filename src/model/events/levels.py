@@ -1,0 +1,318 @@
+"""What the levels of events are functions of, and the level functions themselves.
+
+A level is positive while a mode holds, and its event happens where it falls through zero. It takes
+the quantities of one source (places of edges and corners, or one contact's depth, load and place)
+and is a constant plus multiples of them, or of the absolute value of one: the batch engine bounds
+and searches levels by that. A level does not branch on the mode; where it has another form in other
+modes the table has another case.
+
+A condition that several quantities must meet at once is the largest of them, each negative where
+its part is met. Such a level is not smooth, and may be negative for an instant only, between two
+samples; its largest quantity is therefore sampled with it, so that the event location can look at
+each of them where that changes.
+"""
+
+from math import pi
+from typing import NamedTuple
+
+from model.physics.compiled import inlined_kernel
+from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
+from model.physics.geometry import bottom_corner, edge_place
+from model.physics.motion import is_supported, motion, never_sticks
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+from model.physics.scenes import CLOSED, OPEN
+
+NEVER = 1e300  # the level of an event that does not apply
+NOTHING = -1e300  # a quantity that a condition does not have
+ON_AN_EVENT = 1e-8  # a level below this is on its event
+FLAT = 1e-8  # a part tilted by less is flat: it stands on its edge
+LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
+
+
+@inlined_kernel
+def largest(quantities):
+    """(largest of four, its place)."""
+    a, b, c, d = quantities
+    value, place = a, 0.0
+    if b > value:
+        value, place = b, 1.0
+    if c > value:
+        value, place = c, 2.0
+    if d > value:
+        value, place = d, 3.0
+    return value, place
+
+
+# -------------------------------------------------------------------------------------- quantities
+
+
+class Outline(NamedTuple):
+    """Places of the edges in the frame of the part, and of the bottom corners beside the slot.
+
+    ``along_face`` and ``along_axis`` as in ``EdgePlace``, (X, Y) of the corners and their dY/dτ,
+    how deep A2 is behind the left side, in the reading in force, and the tilt.
+    """
+
+    right_along_face: float
+    right_along_axis: float
+    left_along_face: float
+    left_along_axis: float
+    left_behind_side: float
+    right_corner_x: float
+    right_corner_y: float
+    left_corner_x: float
+    left_corner_y: float
+    tilt: float
+    right_corner_rise: float
+    left_corner_rise: float
+
+
+class Touch(NamedTuple):
+    """One contact: its depth, its load, and where it is along the touched face or the base."""
+
+    depth: float
+    load: float
+    along: float
+
+
+@inlined_kernel
+def outline(q, p):
+    """The ``Outline`` for the state ``q``."""
+    right = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    left = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    behind_side = left.along_face + p.half_width
+    if p.printed_side_gap != 0.0:
+        behind_side = edge_on_side(LEFT_EDGE, q, p).depth
+    right_x, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    left_x, left_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    return Outline(
+        right.along_face, right.along_axis, left.along_face, left.along_axis, behind_side,
+        right_x, right_y, left_x, left_y, q.tilt,
+        q.y_rate + q.tilt_rate * (right_x - q.x), q.y_rate + q.tilt_rate * (left_x - q.x),
+    )  # fmt: skip
+
+
+@inlined_kernel
+def places(_time, q, p, _mode):
+    """The ``Outline``, as the source of levels."""
+    return outline(q, p)
+
+
+@inlined_kernel
+def face_touch(_time, q, p, mode):
+    """``Touch`` of the supporting edge on the bottom face."""
+    face = edge_on_face(mode.edge, q, p)
+    load = contact_load(face.depth, face.closing_rate, q, p)
+    return Touch(face.depth, load, edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face)
+
+
+@inlined_kernel
+def side_touch(_time, q, p, mode):
+    """``Touch`` of an edge on a side face."""
+    side = edge_on_side(mode.side_edge, q, p)
+    load = contact_load(side.depth, side.closing_rate, q, p)
+    return Touch(side.depth, load, edge_place(mode.side_edge, q.x, q.y, q.tilt, p).along_axis)
+
+
+@inlined_kernel
+def corner_touch(_time, q, p, mode):
+    """``Touch`` of the supporting side's corner on the flat base."""
+    corner = corner_on_flat(mode.edge, q, p)
+    depth = corner.depth - mode.corner_offset
+    load = contact_load(depth, corner.closing_rate, q, p)
+    corner_x, _ = bottom_corner(mode.edge, q.x, q.y, q.tilt, p)
+    return Touch(depth, load, corner_x)
+
+
+# -------------------------------------------------------------------------- modes of the quantities
+
+
+@inlined_kernel
+def always(_p, _mode):
+    """Places are there in every mode."""
+    return True
+
+
+@inlined_kernel
+def on_face(_p, mode):
+    """The bottom face and an edge overlap."""
+    return mode.face != OPEN
+
+
+@inlined_kernel
+def on_left_side(_p, mode):
+    """The left side face and A2 overlap."""
+    return mode.side != OPEN and mode.side_edge == LEFT_EDGE
+
+
+@inlined_kernel
+def on_corner(_p, mode):
+    """A bottom corner and the flat base overlap."""
+    return mode.corner != OPEN
+
+
+@inlined_kernel
+def rubs(p, mode):
+    """A contact presses at which the friction state may change."""
+    return not never_sticks(p) and (is_supported(mode) or mode.side == CLOSED)
+
+
+@inlined_kernel
+def forces(time, q, p, mode):
+    """The ``Motion``, for slips, loads and friction forces."""
+    return motion(time, q, p, mode)
+
+
+# ------------------------------------------------------------------------------------------- levels
+
+
+@inlined_kernel
+def not_fallen_in(at, p, _mode):
+    """Negative once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
+    past = p.half_width - at.right_along_face
+    return past, -at.left_corner_x - p.slot_half_width, at.left_corner_y, NOTHING
+
+
+@inlined_kernel
+def corners_outside(at, p, _mode):
+    """Negative once X_B1 <= l, X_B2 >= -l, Y_B1 < 0 and Y_B2 < 0 (paper, sect. 2)."""
+    right, left = at.right_corner_x - p.slot_half_width, -at.left_corner_x - p.slot_half_width
+    return right, left, at.right_corner_y, at.left_corner_y
+
+
+@inlined_kernel
+def edge_inside(edge, at, p):
+    """Depths of an edge in the part: (through bottom, left, right, top), all positive inside.
+
+    On the left edge the depth behind the left side is that of the reading in force.
+    """
+    if edge == RIGHT_EDGE:
+        face, axis = at.right_along_face, at.right_along_axis
+        return p.half_height + axis, face + p.half_width, p.half_width - face, p.half_height - axis
+    face, axis = at.left_along_face, at.left_along_axis
+    return p.half_height + axis, at.left_behind_side, p.half_width - face, p.half_height - axis
+
+
+@inlined_kernel
+def edge_outside(edge, at, p):
+    """Negative once an edge has entered the part."""
+    bottom, left, right, top = edge_inside(edge, at, p)
+    return -bottom, -left, -right, -top
+
+
+@inlined_kernel
+def right_edge_outside(at, p, _mode):
+    """``edge_outside`` of A1."""
+    return edge_outside(RIGHT_EDGE, at, p)
+
+
+@inlined_kernel
+def left_edge_outside(at, p, _mode):
+    """``edge_outside`` of A2."""
+    return edge_outside(LEFT_EDGE, at, p)
+
+
+@inlined_kernel
+def right_corner_above(at, p, _mode):
+    """Negative once B1 presses on the flat beside the slot, from the depth where it starts to.
+
+    It stands there below the plane, is the lower corner, and moves down. Else the edge carries the
+    bottom face.
+    """
+    beside = p.slot_half_width - at.right_corner_x
+    return beside, at.right_corner_y, at.tilt + FLAT, at.right_corner_rise
+
+
+@inlined_kernel
+def left_corner_above(at, p, _mode):
+    """The same of B2."""
+    beside = p.slot_half_width + at.left_corner_x
+    return beside, at.left_corner_y, -at.tilt + FLAT, at.left_corner_rise
+
+
+@inlined_kernel
+def right_corner_off_wall(at, p, _mode):
+    """Negative once B1, not the lower corner, has run into the slot's wall from inside.
+
+    Or has come down beside the slot, with all of the part beside it. Otherwise an edge is in front
+    of a corner that comes down there, and carries the part.
+    """
+    return p.slot_half_width - at.right_corner_x, at.right_corner_y, -at.tilt - FLAT, NOTHING
+
+
+@inlined_kernel
+def left_corner_off_wall(at, p, _mode):
+    """The same of B2."""
+    return p.slot_half_width + at.left_corner_x, at.left_corner_y, at.tilt - FLAT, NOTHING
+
+
+@inlined_kernel
+def load(at, _p, _mode):
+    """Negative where the base would have to pull."""
+    return at.load
+
+
+@inlined_kernel
+def missing_load(at, _p, _mode):
+    """Negative once the base presses again."""
+    return -at.load
+
+
+@inlined_kernel
+def depth(at, _p, _mode):
+    """Negative once a gap has opened."""
+    return at.depth
+
+
+@inlined_kernel
+def before_face_end(at, p, mode):
+    """Negative once the edge has passed the face's end toward the slot."""
+    return p.half_width - mode.edge * at.along
+
+
+@inlined_kernel
+def before_far_end(at, p, mode):
+    """Negative once the edge has passed the face's other end."""
+    return p.half_width + mode.edge * at.along
+
+
+@inlined_kernel
+def before_side_end(at, p, _mode):
+    """Negative once the edge has passed an end of the side face."""
+    return p.half_height - abs(at.along)
+
+
+@inlined_kernel
+def beside_slot(at, p, mode):
+    """Negative once the corner has slid into the slot."""
+    return mode.edge * at.along - p.slot_half_width
+
+
+@inlined_kernel
+def support_slip(at, _p, mode):
+    """Slip in the direction of the sliding."""
+    return mode.support_slip * at.support_slip
+
+
+@inlined_kernel
+def support_reserve(at, p, _mode):
+    """Distance of the friction force of a sticking support from its limit."""
+    return p.friction * at.support_load - abs(at.support_friction)
+
+
+@inlined_kernel
+def side_slip(at, _p, mode):
+    """Slip in the direction of the sliding, at the side face."""
+    return mode.side_slip * at.side_slip
+
+
+@inlined_kernel
+def side_reserve(at, p, _mode):
+    """Distance of the friction force of a sticking side face from its limit."""
+    return p.friction * at.side_load - abs(at.side_friction)
+
+
+@inlined_kernel
+def upright(at, _p, _mode):
+    """Negative once the tilt is 90 degrees."""
+    return LARGEST_TILT - abs(at.tilt)
