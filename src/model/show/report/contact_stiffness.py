@@ -72,7 +72,7 @@ def sentences(
 def numbers(name: str, dataset: "xr.Dataset") -> Table:
     """Return the numbers of a figure on each base."""
     columns = (f"{figure_title(name)}: k_a", ">damping ratio", ">aligned", ">in contact",
-               ">ends otherwise", ">apart")  # fmt: skip
+               ">ends differently", ">difference")  # fmt: skip
     return Table(
         columns,
         [
@@ -109,15 +109,15 @@ def _of_figure(name: str, rows: Sequence[OnBase], limit: int) -> str:
     own, stiff = rows[0], rows[limit]
     words = (
         f"{figure_title(name)}: at the device's k_a = {_stiffness(own.stiffness)}, "
-        f"{percent(own.other_end)} of the runs end otherwise than at {_stiffness(stiff.stiffness)}"
+        f"{percent(own.other_end)} of the runs end differently from {_stiffness(stiff.stiffness)}"
         f", and durations differ by {percent(own.apart)} in the median: "
     )
     same = own.other_end <= SAME and not own.apart > SAME
-    words += f"what it shows {'does not depend' if same else 'depends in part'} on the base. "
+    words += f"the figure {'does not depend' if same else 'depends in part'} on the base. "
     settled = settled_from(rows)
     if math.isinf(settled):
         return words + "Some runs still change between the two stiffest bases."
-    return words + f"From k_a = {_stiffness(settled)} on no change can be seen."
+    return words + f"From k_a = {_stiffness(settled)} upward nothing changes visibly."
 
 
 def _damped(rows: Sequence[OnBase]) -> bool:
@@ -146,7 +146,7 @@ def _of_claims(judged: Sequence[ClaimOnBases], limit: int) -> str:
     same = [row for row in judged if row.findings[0].verdict == row.findings[limit].verdict]
     other = [row for row in judged if row not in same]
     words = (
-        f"Of {len(judged)} claims that these figures let one judge, {len(same)} have the same "
+        f"Of {len(judged)} claims that these figures can decide, {len(same)} have the same "
         "verdict on the device's base and on the stiffest: they do not depend on it."
     )
     if other:
