@@ -82,7 +82,8 @@ def add_model_options(parser: Any) -> None:
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
     words = "variant of all disputed equations of the paper (default: as in the study)"
     add("--readings", choices=_READINGS, help=words)
-    words = f"variant of one equation, as NAME=VALUE; may be repeated: {', '.join(READING_NAMES)}"
+    names = ", ".join(READING_NAMES)
+    words = f"variant of one equation, consistent or printed; may be repeated: {names}"
     add(
         "--reading",
         action="append",

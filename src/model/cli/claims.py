@@ -17,7 +17,8 @@ def add(commands: Any) -> None:
         _claims,
         "list every claim of the paper with its verdict, by the data on disk",
         ": one line a claim, and a last line that counts the verdicts. A claim whose dataset is "
-        "missing is not checkable. Exit code: 0 judged, 2 bad input.",
+        "missing is not checkable.",
+        epilog="exit code: 0 judged; 2 bad input",
     )
     add_root(parser, "results root")
     add_json(parser)

@@ -20,8 +20,8 @@ def add(commands: Any) -> None:
         "diff",
         _diff,
         "say what differs between two runs, results folders or commits",
-        ": parameters, metrics, the largest change of every figure's variables, claims. "
-        "Exit code: 0 nothing differs, 1 something does, 2 bad input.",
+        ": parameters, metrics, the largest change of every figure's variables, claims.",
+        epilog="exit code: 0 nothing differs; 1 something does; 2 bad input",
     )
     add_root(parser)
     add_json(parser)

@@ -28,7 +28,8 @@ def add(commands: Any) -> None:
         "compare a build of the small study with the accepted reference",
         ": every figure's data by variable, within their own estimated errors, then the claims, "
         "then what the figures draw. Pictures that look different are a warning, with a page that "
-        "shows both. Exit code: 0 all agree, 1 something differs, 2 bad input.",
+        "shows both.",
+        epilog="exit code: 0 all agree; 1 something differs; 2 bad input",
     )
     add_folders(parser)
     words = "only this figure, such as fig06 or 6; may be repeated"
