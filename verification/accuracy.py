@@ -48,7 +48,7 @@ FARTHEST = 0.05
 
 
 def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
-    """One chunk of a trial: a table with a row for each set."""
+    """Run one chunk of a trial; return a table with a row for each set."""
     numbers = trial.numbers_of_chunk(chunk, chunks)
     batch = trial.batch(numbers)
     judge = _errors if trial.name == "error" else _settled
@@ -276,7 +276,7 @@ def judge_settled(table: Table) -> list[Check]:
 
 
 def summary(errors: Table, settled: Table) -> str:
-    """Both trials as text, one line for each check."""
+    """Return both trials as text, one line for each check."""
     lines = []
     for title, checks in (
         ("tau_error on random sets", judge_errors(errors)),
@@ -300,7 +300,7 @@ def write_table(table: Mapping[str, NDArray[Any]], path: Path) -> None:
 
 
 def read_tables(paths: Sequence[Path]) -> Table:
-    """The table whose chunks are in ``paths``, in the order of the sets' numbers.
+    """Return the table whose chunks are in ``paths``, in the order of the sets' numbers.
 
     Raises:
         ValueError: chunks whose columns differ, or that do not hold each set once.

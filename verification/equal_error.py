@@ -1,6 +1,6 @@
 """Time at equal true error: the loosest tolerance that keeps a target, then the cost at it.
 
-A tighter target is kept with a looser one: where that costs less, it is what the looser one costs.
+A setting that keeps a tighter target keeps a looser one: the lower of the two costs counts.
 """
 
 import math
@@ -40,14 +40,14 @@ class Cost:
 
 
 def tolerance_of(step: int) -> float:
-    """The tolerance at a step of the half-decade ladder."""
+    """Return the tolerance at a step of the half-decade ladder."""
     return float(f"{10.0 ** (step / 2.0):.3g}")
 
 
 def loosest(
     error_at: Callable[[int], float], target: float, first: int, every: int = 1
 ) -> int | None:
-    """The loosest step of the ladder whose error keeps ``target``, or None.
+    """Return the loosest step of the ladder whose error keeps ``target``, or None.
 
     Walks from ``first`` toward tighter tolerances until one keeps it, or if ``first`` does, toward
     looser ones until one does not: near their limit errors fall with the tolerance.
@@ -65,7 +65,7 @@ def loosest(
 
 
 def find_setting(method: Method, problem: Problem, target: float, budget: float) -> Setting:
-    """The setting of ``method``, found within ``budget`` seconds of CPU time, compiling apart."""
+    """Find the setting of ``method`` within ``budget`` seconds of CPU time, without compilation."""
     if problem.name in method.given_up:
         return Setting(method, problem, target, math.nan, math.nan, "nor was a looser target")
     deadline = cpu_seconds() + budget
@@ -96,7 +96,7 @@ def find_setting(method: Method, problem: Problem, target: float, budget: float)
 
 
 def time_in_turn(settings: Sequence[Setting], rounds: int) -> Iterable[Cost]:
-    """The cost of every setting: medians of ``rounds``, taken in turn so that noise hits all."""
+    """Yield the cost of every setting: medians of ``rounds`` in which the settings take turns."""
     cases: dict[int, tuple[Sequence[Parameters], int]] = {}
     times: dict[int, list[float]] = {}
     failed: dict[int, Setting] = {}
@@ -127,7 +127,7 @@ def time_in_turn(settings: Sequence[Setting], rounds: int) -> Iterable[Cost]:
 
 
 def cheapest(costs: Sequence[Cost]) -> list[Cost]:
-    """Each cost, or that of the same method at a tighter target where it is less."""
+    """Return each cost, or that of the same method at a tighter target where it is less."""
 
     def least(cost: Cost) -> Cost:
         wanted = cost.setting

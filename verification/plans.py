@@ -22,14 +22,14 @@ HARD_PICTURES: Mapping[str, str] = {
 
 
 class CasePlan(Plan):
-    """One case in numbers; ``until`` as in ``config.Case``."""
+    """Numbers of one case; ``until`` as in ``config.Case``."""
 
     parameters: dict[str, float | None]
     until: float | None
 
 
 class PrecisionPlan(Plan):
-    """The whole comparison."""
+    """Plan of the comparison of methods."""
 
     cases: dict[str, CasePlan]
     ladder: Ladder
@@ -46,7 +46,7 @@ def precision_plan(study: Study) -> PrecisionPlan:
 
 
 class HardCasesPlan(Plan):
-    """Every method on every hard case."""
+    """Plan of the hard cases: every method on each."""
 
     parameters: dict[str, float | None]
     spec: HardCases
@@ -61,7 +61,7 @@ def hard_cases_plan(study: Study) -> HardCasesPlan:
 
 
 class FixedStepPlan(Plan):
-    """One figure anew with fixed steps.
+    """Plan of one figure with fixed steps.
 
     ``every`` keeps every n-th value of each axis, and all curves of a family.
     """

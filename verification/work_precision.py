@@ -229,7 +229,7 @@ def _named(what: str, names: Sequence[str]) -> dict[str, Any]:
 
 
 def names_of(coordinate: xr.DataArray) -> list[str]:
-    """The names that a coordinate of the dataset stands for: cases, or methods."""
+    """Return the names that a coordinate of the dataset stands for: cases, or methods."""
     return str(coordinate.attrs["flag_meanings"]).split()
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.equations import device
-from benchmarks.modes import ALIGNED, first_mode, next_mode, start
+from benchmarks.modes import ALIGNED, EVENTS, MODES, event_in, first_mode, next_mode, start
 from model import Parameters
 from verification.methods import NotReachedError, cpu_seconds
 from verification.problems import Problem, Solution
@@ -17,6 +17,25 @@ BATCH = 1024  # trajectories at once of methods that refill their lanes, so that
 _MOST_EVENTS = 20_000  # of one trajectory; W3 has about 1,000
 _AT_ONCE = 1e-12  # events closer than this take no time between them
 CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try then
+
+
+class Event:
+    """An event function as codes take it that step in Python: it ends the run where it falls."""
+
+    terminal = 1
+    direction = -1
+
+    def __init__(self, function: Any) -> None:
+        self.function = function
+
+    def __call__(self, t: float, y: Any, p: Any) -> float:
+        """Return the value of the function."""
+        return float(self.function(t, y, p))
+
+
+def events_of_modes() -> dict[int, list[Event]]:
+    """Return the events of every mode."""
+    return {mode: [Event(event_in(mode, which)) for which in EVENTS[mode]] for mode in MODES}
 
 
 def longest_step(case: Parameters) -> float:

@@ -11,8 +11,8 @@ import numba
 import numpy as np
 from CyRK import pysolve_ivp
 
-from benchmarks.methods.base import Limits, drive
-from benchmarks.modes import EVENTS, MODES, event_in, rates
+from benchmarks.methods.base import Limits, drive, events_of_modes
+from benchmarks.modes import EVENTS, MODES, rates
 from model import Parameters
 from verification.methods import Method, NotReachedError
 from verification.problems import Problem, Solution
@@ -26,19 +26,6 @@ def _rates_in(mode: int) -> Any:
     return rates_of_mode
 
 
-class _Event:
-    """A event function as CyRK takes it: it ends the run where it falls."""
-
-    terminal = 1
-    direction = -1
-
-    def __init__(self, function: Any) -> None:
-        self.function = function
-
-    def __call__(self, t: float, y: Any, p: Any) -> float:
-        return float(self.function(t, y, p))
-
-
 class Cyrk(Method):
     """One of CyRK's methods."""
 
@@ -48,9 +35,7 @@ class Cyrk(Method):
     def __init__(self, name: str) -> None:
         self.name, self.method = f"CyRK {name}", name
         self._rates = {mode: _rates_in(mode) for mode in MODES}
-        self._events = {
-            mode: [_Event(event_in(mode, which)) for which in EVENTS[mode]] for mode in MODES
-        }
+        self._events = events_of_modes()
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float

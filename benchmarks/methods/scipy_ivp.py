@@ -5,25 +5,11 @@ from typing import Any
 
 from scipy.integrate import solve_ivp
 
-from benchmarks.methods.base import CAREFUL, Limits, drive
-from benchmarks.modes import EVENTS, MODES, event_in, rates_in
+from benchmarks.methods.base import CAREFUL, Limits, drive, events_of_modes
+from benchmarks.modes import EVENTS, MODES, rates_in
 from model import Parameters
 from verification.methods import Method, NotReachedError
 from verification.problems import Problem, Solution
-
-
-class Event:
-    """A event function as ``solve_ivp`` takes it: it ends the run where it falls."""
-
-    terminal = True
-    direction = -1.0
-
-    def __init__(self, function: Any) -> None:
-        self.function = function
-
-    def __call__(self, t: float, y: Any, p: Any) -> float:
-        """Its value."""
-        return float(self.function(t, y, p))
 
 
 class ScipyIvp(Method):
@@ -35,9 +21,7 @@ class ScipyIvp(Method):
     def __init__(self, name: str) -> None:
         self.name, self.method = f"scipy {name}", name
         self._rates = {mode: rates_in(mode) for mode in MODES}
-        self._events = {
-            mode: [Event(event_in(mode, which)) for which in EVENTS[mode]] for mode in MODES
-        }
+        self._events = events_of_modes()
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float

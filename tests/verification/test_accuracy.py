@@ -1,4 +1,4 @@
-"""The accuracy trials: their law, their tables, and what they make of them."""
+"""Accuracy trials: their law, tables and checks."""
 
 from dataclasses import replace
 

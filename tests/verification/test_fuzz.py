@@ -1,4 +1,4 @@
-"""What must hold of every run, on random sets over the whole domain of the parameters."""
+"""Properties of every run, on random sets over the whole domain of the parameters."""
 
 from dataclasses import fields, replace
 

@@ -1,4 +1,4 @@
-"""Hard cases: what a method is marked on a case, and that what is marked is what was run."""
+"""Hard cases: the mark of a method on a case, from its runs and from made-up ones."""
 
 import math
 from dataclasses import replace

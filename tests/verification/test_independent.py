@@ -1,4 +1,4 @@
-"""The independent solution agrees with the integrator through every kind of switch."""
+"""The independent solution agrees with the integrator through every kind of event."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from model import Outcome, Parameters, simulate
 from verification.independent import solve
 
-# What differs from the device, and switches that the run must go through.
+# Parameters that differ from the device, and events that the run must meet.
 RUNS = {
     "slides one way": ({"friction": 0.0, "frequency": 1.0}, {"face end"}),
     "reversals and sticking": ({"frequency": 0.5, "press_force": 2.0}, {"slip"}),

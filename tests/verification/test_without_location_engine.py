@@ -1,4 +1,4 @@
-"""Without located switches: the same physics as the located modes, and the order that is left."""
+"""Engine without event location: the physics of the modes, and the order of its steps."""
 
 from math import cos, sin, tan
 

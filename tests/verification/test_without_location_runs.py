@@ -1,4 +1,4 @@
-"""Runs without event location: what they count, where they stop, what they converge to."""
+"""Runs without event location: evaluations, ends, convergence."""
 
 from math import isnan
 
@@ -35,10 +35,10 @@ def test_a_fixed_step_run_ends_with_the_step_in_which_the_part_fell(slow, scheme
 
 
 @pytest.mark.parametrize("scheme", ["rk4", "semi_implicit_euler", "dormand_prince"])
-def test_they_converge_to_the_located_time(device, scheme):
+def test_they_converge_to_the_time_with_event_location(device, scheme):
     bouncing = device.replace(press_force=1.1)
     located = align([bouncing], tolerance=1e-12)
-    assert located.separations[0] > 5, "switches of every kind lie on the way"
+    assert located.separations[0] > 5, "events of every kind lie on the way"
     true = located.tau_align[0]
     finest, coarse = (1e-7, 1e-3) if scheme == "dormand_prince" else (1e-4, 2e-2)
     errors = [

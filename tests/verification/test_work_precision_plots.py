@@ -1,4 +1,4 @@
-"""Speed against error: artists show the dataset's numbers, advice follows from them."""
+"""Speed against error: figures show the numbers of the dataset, and advice follows from them."""
 
 import math
 from dataclasses import replace

@@ -55,7 +55,7 @@ class Solution(NamedTuple):
 
 
 def _with(mode: Mode, what: str, state: str) -> Mode:
-    """The mode with another state of one contact; a corner that opens forgets its offset."""
+    """Return the mode with another state of one contact; a corner that opens forgets its offset."""
     if what == "face":
         return replace(mode, face=state)
     if what == "side":
@@ -302,7 +302,7 @@ class _Run:
     def _after_meeting(
         self, event: str, side: int, time: float, z: State, mode: Mode
     ) -> Mode | str:
-        """An edge enters through the face behind which it is least deep, or a corner lands."""
+        """Return the mode after an edge enters by its nearest face, or after a corner lands."""
         d, at = self.device, body(z)
         elsewhere = mode.edge != side and (mode.face != "off" or mode.corner != "off")
         bottom, left, right, top = d.depths(side, at)

@@ -53,12 +53,12 @@ def cell_text(judged: Judged) -> str:
 
 
 def _set_symbols(title: str) -> str:
-    """A title with its symbols set: k_a gets a subscript."""
+    """Return a title with its symbols as mathematical text: k_a gets a subscript."""
     return re.sub(r"\b(\w)_(\w)\b", r"$\1_\2$", title)
 
 
 def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
-    """A row for each case, a column for each method, coloured by its mark."""
+    """Draw a row for each case, a column for each method, coloured by its mark."""
     cases, methods = list(titles), list(METHODS)
     with style.context():
         figure = style.new_figure(height=(4.5 + 0.5 * len(cases)) * style.CENTIMETRE)
@@ -98,7 +98,7 @@ def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
 
 
 def error_over_stiffness(judged: Sequence[Judged], spec: HardCases) -> Figure:
-    """Error over the stiffness of the base, a panel for each damping."""
+    """Draw the error over the stiffness of the base, a panel for each damping."""
     errors = {(each.case, each.method): each.error for each in judged}
     cases, base = spec.all_cases, spec.base
     with style.context():

@@ -58,7 +58,7 @@ CAPTIONS: Mapping[str, str] = {
 
 
 def settings_of(dataset: "xr.Dataset") -> list[Setting]:
-    """The settings that a dataset of the comparison holds, in order."""
+    """Return the settings that a dataset of the comparison holds, in order."""
     cases, methods = names_of(dataset["case"]), names_of(dataset["method"])
     columns = {
         name: dataset[name].values for name in ("resolution", "error", "rhs_evaluations", "verdict")
@@ -78,7 +78,7 @@ def settings_of(dataset: "xr.Dataset") -> list[Setting]:
 
 
 def evaluations_over_error(dataset: "xr.Dataset", titles: Mapping[str, str]) -> Figure:
-    """Right-hand-side evaluations over true error, a panel for each case."""
+    """Draw right-hand-side evaluations over true error, a panel for each case."""
     label = "evaluations of the equations of motion"
     settings = settings_of(dataset)
     return _work_over_error(
@@ -87,7 +87,7 @@ def evaluations_over_error(dataset: "xr.Dataset", titles: Mapping[str, str]) -> 
 
 
 def time_over_error(settings: Sequence[TimedSetting], titles: Mapping[str, str]) -> Figure:
-    """CPU time of a trajectory over true error, a panel for each case."""
+    """Draw the CPU time of a trajectory over true error, a panel for each case."""
     label = "CPU time of a trajectory (µs)"
     return _work_over_error(settings, [setting.microseconds for setting in settings], titles, label)
 
@@ -117,7 +117,7 @@ def _work_over_error(
 
 
 def _draw_case(axes: Axes, settings: Sequence[Setting], work: Sequence[float]) -> None:
-    """A line for each method; a setting with the wrong outcome has no error and no point."""
+    """Draw a line for each method; a setting with the wrong outcome has no error and no point."""
     for method, look in LOOKS.items():
         drawn = [
             setting.method == method and setting.verdict == Verdict.RIGHT_OUTCOME
@@ -182,7 +182,7 @@ def _dims(dataset: "xr.Dataset") -> tuple[str, str]:
 
 
 def _wrong_on_curves(axes: Axes, part: "xr.Dataset") -> None:
-    """Located curves in grey; what came out instead, or where the outcome is wrong."""
+    """Draw the curves with event location in grey, and wrong times and outcomes as marks."""
     _, x = _dims(part)
     swept, located, tau = part[x].values, part["tau_located"].values, part["tau_align"].values
     axes.plot(swept, located.T, label="_located", **_LOCATED_LOOK)
@@ -196,7 +196,7 @@ def _wrong_on_curves(axes: Axes, part: "xr.Dataset") -> None:
 
 
 def _wrong_on_map(axes: Axes, part: "xr.Dataset") -> None:
-    """The area that does not align in grey; wrong points as marks."""
+    """Draw the area that does not align in grey, wrong points as marks."""
     y, x = _dims(part)
     gaps = np.isnan(part["tau_located"].values)
     area = np.ma.masked_equal(gaps.astype(float), 0.0)
@@ -237,7 +237,7 @@ class Need:
 
 
 def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, str], Need]:
-    """By (method, case), what it takes to keep the true error at ``target`` or below.
+    """Return, by (method, case), the cost of keeping the true error at ``target`` or below.
 
     A setting counts only if all finer ones keep within the target too: an error that passes through
     zero is luck. Where a method does not get there, it has no entry.
@@ -272,7 +272,7 @@ FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared
 def advice(
     settings: Sequence[TimedSetting], wrong: Mapping[str, "xr.Dataset"], titles: Mapping[str, str]
 ) -> tuple[str, str, str]:
-    """Three sentences that say what to choose when, from what was measured.
+    """Return three sentences of advice on the choice of a method, from the measurements.
 
     Args:
         settings: every method on every case.
@@ -313,7 +313,7 @@ def advice(
 
 
 def _fastest(need: Mapping[tuple[str, str], Need], cases: Sequence[str]) -> str | None:
-    """The method that gets there in every case in the least time (geometric mean over cases)."""
+    """Return the method that keeps the error in every case in the least time (geometric mean)."""
     costs = {
         method: math.prod(need[method, case].microseconds for case in cases)
         for method in METHODS
