@@ -26,8 +26,8 @@ SOURCES = sorted((PROJECT / "src" / "model").rglob("*.py"))
 EDITS = [
     (
         "physics/parameters.py",
-        '    press_force: Annotated[float, Field("f0", "initial pressing force", FORCE)]\n',
-        '    side_pull: Annotated[float, Field("f_x", "constant lateral force", FORCE)] = 0.0\n',
+        '    press_force: float = entry("f0", "initial pressing force", FORCE)\n',
+        '    side_pull: float = entry("f_x", "constant lateral force", FORCE, default=0.0)\n',
     ),
     (
         "physics/forces.py",
@@ -38,7 +38,7 @@ EDITS = [
     (
         "engines/results.py",
         "class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):\n",
-        '    first_height: Annotated[Real, Result("height of the centre at the start", LENGTH)]\n',
+        '    first_height: Real = entry("height of the centre at the start", LENGTH)\n',
     ),
     (
         "engines/course.py",

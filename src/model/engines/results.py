@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from enum import IntEnum
-from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args
+from typing import Any, Generic, NamedTuple, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from model.engines.tolerances import (
 from model.events.outcomes import Outcome, Reason
 from model.physics.notation import State
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
+from model.physics.tables import entries, field_of
 from model.physics.views import numbers
 
 
@@ -79,6 +80,7 @@ ReasonT = TypeVar("ReasonT")
 Real = TypeVar("Real")
 Count = TypeVar("Count")
 Flag = TypeVar("Flag")
+Table = TypeVar("Table")
 
 
 class Kind(NamedTuple):
@@ -98,80 +100,73 @@ _KINDS: Mapping[Any, Kind] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+def entry(
+    explanation: str, quantity: Quantity = PLAIN, symbol: str | None = None, **rest: Any
+) -> Any:
+    """Return a field of ``Results``; the arguments are those of ``Result``."""
+    return field_of(Result(explanation, quantity, symbol, **rest))
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(entry,))
+def results_table(table: type[Table]) -> type[Table]:
+    """Make a frozen dataclass of keywords of a table of results."""
+    return dataclass(frozen=True, kw_only=True)(table)
+
+
+@results_table
 class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
     """The table of results, for one run or for arrays of runs; see ``Result``."""
 
-    tau_align: Annotated[
-        Real, Result("alignment duration; NaN where not aligned", TIME, "τ", by_error, line=None)
-    ]
-    tau_error: Annotated[
-        Real,
-        Result(
-            "estimated error of the alignment duration; NaN where unknown", TIME, estimated=True
-        ),
-    ]
-    tau_corners_inside: Annotated[
-        Real,
-        Result(
-            "time at which all four corner conditions hold; NaN if they never do",
-            TIME,
-            tolerance=by_error,
-        ),
-    ]
-    outcome: Annotated[OutcomeT, Result("how the run ended", flags=Outcome, line=None)]
-    reason: Annotated[
-        ReasonT,
-        Result("why it left the scene or failed, or that it is chaotic", flags=Reason, line=None),
-    ]
-    sensitive: Annotated[
-        Flag,
-        Result(
-            "whether another tolerance ends differently or at another time; see runs/errors.py",
-            flags=Sensitivity,
-            line=None,
-            estimated=True,
-        ),
-    ]
-    tilt_at_alignment: Annotated[
-        Real, Result("tilt at alignment; NaN where not aligned", ANGLE, "φ", by_error)
-    ]
-    tilt_max: Annotated[
-        Real,
-        Result("largest tilt, absolute; until alignment or the end", ANGLE, None, of_sampled_tilt),
-    ]
-    separations: Annotated[
-        Count,
-        Result("lift-offs of the part from the base before alignment", PLAIN, None,
-               equal_if_aligned, line="{} (lift-offs)".format),
-    ]  # fmt: skip
-    contact_force_max: Annotated[
-        Real, Result("largest normal force at one place", FORCE, "n", of_sampled_force)
-    ]
-    sticking_share: Annotated[
-        Real,
-        Result("share of the time in which the support sticks", PLAIN, None, of_share,
-               line=lambda share: f"{100.0 * share:.3g} % of the time"),
-    ]  # fmt: skip
-    rhs_evaluations: Annotated[
-        Count,
-        Result("evaluations of the equations of motion; of all runs of a parameter set",
-               line="{} (of the equations of motion)".format, wide=True),
-    ]  # fmt: skip
-    period: Annotated[
-        Count,
-        Result("period of a settled motion, in excitation periods; else 0",
-               line=lambda period: f"{period} of the excitation" if period else ""),
-    ]  # fmt: skip
-    steps: Annotated[Count, Result("steps of the run", line=str, stored=False)]
-    events: Annotated[Count, Result("events located in the run", line=str, stored=False)]
+    tau_align: Real = entry(
+        "alignment duration; NaN where not aligned", TIME, "τ", tolerance=by_error, line=None
+    )
+    tau_error: Real = entry(
+        "estimated error of the alignment duration; NaN where unknown", TIME, estimated=True
+    )
+    tau_corners_inside: Real = entry(
+        "time at which all four corner conditions hold; else NaN", TIME, tolerance=by_error
+    )
+    outcome: OutcomeT = entry("how the run ended", flags=Outcome, line=None)
+    reason: ReasonT = entry(
+        "why it left the scene or failed, or that it is chaotic", flags=Reason, line=None
+    )
+    sensitive: Flag = entry(
+        "whether another tolerance ends differently or at another time; see runs/errors.py",
+        flags=Sensitivity, line=None, estimated=True,
+    )  # fmt: skip
+    tilt_at_alignment: Real = entry(
+        "tilt at alignment; NaN where not aligned", ANGLE, "φ", tolerance=by_error
+    )
+    tilt_max: Real = entry(
+        "largest tilt, absolute; until alignment or the end", ANGLE, tolerance=of_sampled_tilt
+    )
+    separations: Count = entry(
+        "lift-offs of the part from the base before alignment",
+        tolerance=equal_if_aligned, line="{} (lift-offs)".format,
+    )  # fmt: skip
+    contact_force_max: Real = entry(
+        "largest normal force at one place", FORCE, "n", tolerance=of_sampled_force
+    )
+    sticking_share: Real = entry(
+        "share of the time in which the support sticks",
+        tolerance=of_share, line=lambda share: f"{100.0 * share:.3g} % of the time",
+    )  # fmt: skip
+    rhs_evaluations: Count = entry(
+        "evaluations of the equations of motion; of all runs of a parameter set",
+        line="{} (of the equations of motion)".format, wide=True,
+    )  # fmt: skip
+    period: Count = entry(
+        "period of a settled motion, in excitation periods; else 0",
+        line=lambda period: f"{period} of the excitation" if period else "",
+    )
+    steps: Count = entry("steps of the run", line=str, stored=False)
+    events: Count = entry("events located in the run", line=str, stored=False)
 
 
-_TABLE = {each.name: get_args(each.type) for each in fields(Results)}
-RESULTS: Mapping[str, Result] = {name: described for name, (_, described) in _TABLE.items()}
+RESULTS: Mapping[str, Result] = entries(Results)
 KINDS: Mapping[str, Kind] = {
-    name: _KINDS[kind]._replace(stored=np.int64) if result.wide else _KINDS[kind]
-    for name, (kind, result) in _TABLE.items()
+    f.name: _KINDS[f.type]._replace(stored=np.int64) if RESULTS[f.name].wide else _KINDS[f.type]
+    for f in fields(Results)
 }
 
 # What engines tell of a run besides: the time of its end, steps rejected, rows of a full track.

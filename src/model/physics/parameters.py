@@ -7,12 +7,11 @@ configuration and the datasets are made from it through ``FIELDS``.
 
 import dataclasses
 import difflib
-import inspect
 import math
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal, get_args
+from dataclasses import MISSING, dataclass
+from typing import Any, Literal, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,7 +30,11 @@ from model.physics.quantities import (
     Quantity,
 )
 from model.physics.readings import READING_NAMES, Readings
+from model.physics.tables import described, entries, field_of
 from model.physics.views import numbers
+
+Bound = Literal["", "> 0", ">= 0"]
+Table = TypeVar("Table")
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ class Field:
     symbol: str
     description: str
     quantity: Quantity
-    bound: Literal["", "> 0", ">= 0"] = ""
+    bound: Bound = ""
     derived: str | None = None
     measured: bool = False
 
@@ -73,10 +76,22 @@ class Field:
         return inside | (values != values) if self.derived else inside  # noqa: PLR0124 - NaN
 
 
-def described(docstring: str | None, table: Mapping[str, Any]) -> str:
-    """Return ``docstring`` with a section that explains the attributes in ``table``."""
-    attributes = "".join(f"    {name}: {each.explanation}.\n" for name, each in table.items())
-    return f"{inspect.cleandoc(docstring or '')}\n\nAttributes:\n{attributes}"
+def entry(
+    symbol: str,
+    description: str,
+    quantity: Quantity,
+    bound: Bound = "",
+    *,
+    default: Any = MISSING,
+    **rest: Any,
+) -> Any:
+    """Return a field of ``Parameters``: the arguments of its ``Field``, and its default."""
+    return field_of(Field(symbol, description, quantity, bound, **rest), default)
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(entry,))
+def _table(table: type[Table]) -> type[Table]:
+    return dataclass(frozen=True, kw_only=True)(table)
 
 
 def check_name(name: str, valid: Sequence[str], what: str) -> None:
@@ -98,7 +113,7 @@ _MISPLACED_RULE = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
+@_table
 class Parameters:
     """One device, its excitation and its start; every value dimensionless (paper, sect. 2).
 
@@ -110,57 +125,50 @@ class Parameters:
         ValueError: a value outside its rule, named with the rule.
     """
 
-    half_width: Annotated[float, Field("a", "half-width of the part", LENGTH, "> 0")]
-    half_height: Annotated[float, Field("b", "half-height of the part", LENGTH, "> 0")]
-    clearance: Annotated[
-        float, Field("δ", "joining clearance (l - a)/a", PLAIN, "> 0", measured=True)
-    ] = 0.09
-    misalignment: Annotated[
-        float, Field("x(0)", "axial misalignment at the start", LENGTH, ">= 0", measured=True)
-    ] = 0.2
-    initial_tilt: Annotated[float, Field("φ(0)", "tilt at the start", ANGLE)] = 0.001
-    inertia: Annotated[
-        float, Field("I_φ", "moment of inertia about the mass centre", INERTIA, "> 0")
-    ]
-    lateral_stiffness: Annotated[
-        float, Field("k_x", "lateral stiffness of the suspension", STIFFNESS, ">= 0")
-    ]
-    tilt_stiffness: Annotated[
-        float, Field("k_φ", "tilt stiffness of the suspension", TILT_STIFFNESS, ">= 0")
-    ]
-    lateral_damping: Annotated[
-        float, Field("h_x", "lateral damping of the suspension", DAMPING, ">= 0")
-    ]
-    axial_damping: Annotated[
-        float, Field("h_y", "axial damping of the suspension", DAMPING, ">= 0")
-    ]
-    tilt_damping: Annotated[
-        float, Field("h_φ", "tilt damping of the suspension", TILT_DAMPING, ">= 0")
-    ]
-    contact_stiffness: Annotated[
-        float, Field("k_a", "stiffness of the base at a contact", STIFFNESS, "> 0")
-    ] = 100.0
-    contact_damping: Annotated[
-        float, Field("h_a", "damping of the base at a contact", DAMPING, ">= 0")
-    ] = 1.0
-    friction: Annotated[float, Field("μ", "coefficient of dry friction", PLAIN, ">= 0")]
-    press_force: Annotated[float, Field("f0", "initial pressing force", FORCE)]
-    frequency: Annotated[
-        float,
-        Field("ν", "excitation frequency; 0 holds the excitation at sin(phase)", FREQUENCY, ">= 0"),
-    ]
-    phase: Annotated[float, Field("phase", "phase of the excitation at the start", ANGLE)] = 0.0
-    rest_x: Annotated[
-        float | None,
-        Field("x_st", "x at which the lateral spring is relaxed", LENGTH, derived="misalignment"),
-    ] = None
-    rest_y: Annotated[
-        float | None,
-        Field("y_st", "y at which the axial spring is relaxed", LENGTH, derived="half_height"),
-    ] = None
-    rest_tilt: Annotated[
-        float, Field("φ_st", "tilt at which the tilt spring is relaxed", ANGLE)
-    ] = 0.0
+    half_width: float = entry("a", "half-width of the part", LENGTH, "> 0")
+    half_height: float = entry("b", "half-height of the part", LENGTH, "> 0")
+    clearance: float = entry(
+        "δ", "joining clearance (l - a)/a", PLAIN, "> 0", measured=True, default=0.09
+    )
+    misalignment: float = entry(
+        "x(0)", "axial misalignment at the start", LENGTH, ">= 0", measured=True, default=0.2
+    )
+    initial_tilt: float = entry("φ(0)", "tilt at the start", ANGLE, default=0.001)
+    inertia: float = entry("I_φ", "moment of inertia about the mass centre", INERTIA, "> 0")
+    lateral_stiffness: float = entry(
+        "k_x", "lateral stiffness of the suspension", STIFFNESS, ">= 0"
+    )
+    tilt_stiffness: float = entry("k_φ", "tilt stiffness of the suspension", TILT_STIFFNESS, ">= 0")
+    lateral_damping: float = entry("h_x", "lateral damping of the suspension", DAMPING, ">= 0")
+    axial_damping: float = entry("h_y", "axial damping of the suspension", DAMPING, ">= 0")
+    tilt_damping: float = entry("h_φ", "tilt damping of the suspension", TILT_DAMPING, ">= 0")
+    contact_stiffness: float = entry(
+        "k_a", "stiffness of the base at a contact", STIFFNESS, "> 0", default=100.0
+    )
+    contact_damping: float = entry(
+        "h_a", "damping of the base at a contact", DAMPING, ">= 0", default=1.0
+    )
+    friction: float = entry("μ", "coefficient of dry friction", PLAIN, ">= 0")
+    press_force: float = entry("f0", "initial pressing force", FORCE)
+    frequency: float = entry(
+        "ν", "excitation frequency; 0 holds the excitation at sin(phase)", FREQUENCY, ">= 0"
+    )
+    phase: float = entry("phase", "phase of the excitation at the start", ANGLE, default=0.0)
+    rest_x: float | None = entry(
+        "x_st",
+        "x at which the lateral spring is relaxed",
+        LENGTH,
+        derived="misalignment",
+        default=None,
+    )
+    rest_y: float | None = entry(
+        "y_st",
+        "y at which the axial spring is relaxed",
+        LENGTH,
+        derived="half_height",
+        default=None,
+    )
+    rest_tilt: float = entry("φ_st", "tilt at which the tilt spring is relaxed", ANGLE, default=0.0)
 
     def __post_init__(self) -> None:
         row = []
@@ -197,14 +205,10 @@ class Parameters:
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
 
 
-FIELDS: Mapping[str, Field] = {
-    each.name: get_args(each.type)[1] for each in dataclasses.fields(Parameters)
-}
+FIELDS: Mapping[str, Field] = entries(Parameters)
 PARAMETER_NAMES: tuple[str, ...] = tuple(FIELDS)
-# The parameters that no default stands for.
-REQUIRED_NAMES: tuple[str, ...] = tuple(
-    each.name for each in dataclasses.fields(Parameters) if each.default is dataclasses.MISSING
-)
+# The parameters without a default.
+REQUIRED_NAMES = tuple(f.name for f in dataclasses.fields(Parameters) if f.default is MISSING)
 Parameters.__doc__ = described(Parameters.__doc__, FIELDS)
 _ROW = struct.Struct(f"{len(FIELDS)}d")
 

@@ -2,20 +2,20 @@
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import KINDS, RESULTS, Results, RunResult
-from model.physics.parameters import Batch, Parameters, described
+from model.engines.results import KINDS, RESULTS, Results, RunResult, results_table
+from model.physics.parameters import Batch, Parameters
+from model.physics.tables import described
 from model.runs.engines import Array, Engine, engine_for
 from model.runs.errors import estimate
 from model.runs.settings import Settings, settings_with
 
 
-@dataclass(frozen=True, kw_only=True)
+@results_table
 class Alignments(
     Results[
         NDArray[np.int8],

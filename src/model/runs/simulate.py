@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import COURSE, KINDS, RESULTS, Results, RunResult
+from model.engines.results import COURSE, KINDS, RESULTS, Results, RunResult, results_table
 from model.engines.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.notation import STATE_SIZE
-from model.physics.parameters import Batch, Parameters, described
+from model.physics.parameters import Batch, Parameters
+from model.physics.tables import described
 from model.runs.engines import Array, scalar_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings, settings_with
@@ -20,7 +20,7 @@ from model.runs.settings import Settings, settings_with
 _USUAL_TRACK = 4096  # rows; a longer trajectory is run again with as many as it has
 
 
-@dataclass(frozen=True, kw_only=True)
+@results_table
 class Trajectory(Results[Outcome, Reason, float, int, bool]):
     """One run; dimensionless, tilts in radians.
 

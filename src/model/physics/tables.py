@@ -1,0 +1,22 @@
+"""Dataclasses whose fields are a table: each carries an entry that explains it."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import MISSING, field, fields
+from typing import Any
+
+
+def field_of(entry: Any, default: Any = MISSING) -> Any:
+    """Return a dataclass field that carries an ``entry``."""
+    return field(default=default, metadata={"entry": entry})
+
+
+def entries(table: Any) -> dict[str, Any]:
+    """Return the entries of a dataclass's fields by name, of those that have one."""
+    return {f.name: f.metadata["entry"] for f in fields(table) if "entry" in f.metadata}
+
+
+def described(docstring: str | None, table: Mapping[str, Any]) -> str:
+    """Return ``docstring`` with a section of attributes: the ``explanation`` of each entry."""
+    attributes = "".join(f"    {name}: {each.explanation}.\n" for name, each in table.items())
+    return f"{inspect.cleandoc(docstring or '')}\n\nAttributes:\n{attributes}"
