@@ -6,7 +6,8 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from model.show.report.section import Results, Section, settings_of, subscripts
+from model.show.report.section import Results, Section, Table, settings_of, subscripts
+from model.show.words import power
 from model.study.config import HardCase
 from verification.hard_cases import BATCH, DEFAULT, Judged, Mark, read_judged
 from verification.methods import METHODS
@@ -24,15 +25,6 @@ class CaseRow:
     judged: tuple[Judged, ...]
 
 
-@dataclass(frozen=True)
-class Gain:
-    """A base on which the default method and the batch engine are compared."""
-
-    title: Markup
-    default: Judged
-    batch: Judged
-
-
 def section(results: Results) -> Section:
     """Return the section on hard cases."""
     spec = results.study.hard_cases
@@ -45,7 +37,7 @@ def section(results: Results) -> Section:
             results.picture(place, CAPTIONS[name]) for name, place in HARD_PICTURES.items()
         ],
         "rows": [_row(name, case, judged) for name, case in cases.items()],
-        "gains": _gains(cases, judged),
+        "bases": _bases(cases, judged),
         "longer": [
             f"{case.title}, {case.max_evaluations:,}"
             for case in cases.values()
@@ -72,10 +64,22 @@ def _row(name: str, case: HardCase, judged: Sequence[Judged]) -> CaseRow:
     )
 
 
-def _gains(cases: Mapping[str, HardCase], judged: Sequence[Judged]) -> list[Gain]:
+def _bases(cases: Mapping[str, HardCase], judged: Sequence[Judged]) -> Table:
+    """Return the bases on which the default method and the batch engine are compared."""
     found = {(each.case, each.method): each for each in judged}
-    return [
-        Gain(subscripts(cases[case].title), found[case, DEFAULT], batch)
-        for (case, method), batch in found.items()
-        if method == BATCH
+    columns = [
+        f">{name}: {of}" for name in ("DOP853", "batch") for of in ("error", "evaluations", "ms")
     ]
+    return Table(
+        ("case", *columns),
+        [
+            (subscripts(cases[case].title), *_cells(found[case, DEFAULT]), *_cells(batch))
+            for (case, method), batch in found.items()
+            if method == BATCH
+        ],
+    )
+
+
+def _cells(judged: Judged) -> tuple[str, str, str]:
+    milliseconds = 0.001 * judged.microseconds
+    return power(judged.error), f"{judged.rhs_evaluations:,}", f"{milliseconds:,.1f}"
