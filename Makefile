@@ -13,6 +13,7 @@
 # make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
+# make schema     the JSON schemas of config/ anew, which editors complete and check its files by
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
@@ -34,9 +35,8 @@ SHELL := /bin/sh
 in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
 unexport PYTHONHOME PYTHONPATH
 
-FIGURES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14,fig$(n))
-.PHONY: all $(FIGURES) smoke maps accuracy identification
-.PHONY: test lint types floors workflow unit environment python lock
+.PHONY: all smoke maps accuracy identification
+.PHONY: test lint types floors workflow unit environment python lock schema
 .PHONY: fuzz truth bench nightly same-bytes export-test docs clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -51,7 +51,7 @@ run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
 all: environment
 	$(call run_study,)
 
-$(FIGURES): environment
+fig%: environment
 	$(call run_study,$@)
 
 smoke: environment
@@ -186,6 +186,10 @@ python:
 # The extras and the build backend, with the hashes of all platforms, valid for Python 3.11 and newer;
 # the peers of `make bench` at the study's versions of what is common. `fewest` keeps to one version of
 # a package where newer Pythons would allow another.
+# The JSON schemas of config/, made from the models that check it.
+schema: environment
+	$(in_env) python -m model.study.config.schema config/schema
+
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)

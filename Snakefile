@@ -4,8 +4,8 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
-from model.study.config import CURVES, FIGURES, HISTORIES, MAPS, SCHEMATICS
-from model.study.config import ConfigError, check_study
+from model.study.config import COMPUTED, FIGURES, GRIDDED, HISTORIES, MAPS, SCHEMATICS
+from model.study.config import ConfigError, check_study, study_files
 
 min_version("9.0")
 
@@ -13,7 +13,9 @@ min_version("9.0")
 include: "workflow/rules/recording.smk"
 
 
-configfile: "config/config.yaml"
+for file in study_files(Path("config/config.yaml")):
+
+    configfile: file
 
 
 try:
@@ -24,8 +26,6 @@ except ConfigError as fault:
 
 root = invocation.root = Path(study.results_root)
 invocation.state(study=study.model_dump(mode="json"))
-gridded = CURVES + MAPS
-computed = HISTORIES + gridded
 
 
 wildcard_constraints:

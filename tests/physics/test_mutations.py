@@ -223,7 +223,9 @@ def small_study(folder: Path) -> Path:
     """The study on grids of 8 values a curve and 6 × 6 a map, in one file."""
     import yaml  # noqa: PLC0415
 
-    study = yaml.safe_load((PROJECT / "config/config.yaml").read_text(encoding="utf-8"))
+    from model.study.config import read_study  # noqa: PLC0415
+
+    study = read_study(PROJECT / "config/config.yaml")
     for figure in study["figures"].values():
         for axis, count in {"swept": 8, "x": 6, "y": 6}.items():
             if axis in figure:

@@ -1,10 +1,12 @@
 """The configuration is refused with the key's path, the value and the rule."""
 
 import copy
+import json
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 import yaml
 
@@ -17,8 +19,10 @@ from model.study.config import (
     baseline,
     check_study,
     load_study,
+    read_study,
     study_path,
 )
+from model.study.config.schema import schemas
 from model.study.sweeps import sweep_of
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -26,7 +30,7 @@ PROJECT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture
 def mapping() -> dict[str, Any]:
-    return yaml.safe_load(study_path().read_text(encoding="utf-8"))
+    return read_study(study_path())
 
 
 def changed(mapping: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
@@ -161,6 +165,54 @@ def test_every_fault_is_reported_at_once(mapping: dict[str, Any]) -> None:
     with pytest.raises(ConfigError) as refused:
         check_study(mapping)
     assert len(str(refused.value).splitlines()) == 2
+
+
+def test_a_section_is_read_from_the_file_of_its_name_beside(
+    mapping: dict[str, Any], tmp_path: Path
+) -> None:
+    maps = mapping.pop("maps")
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(mapping))
+    with pytest.raises(ConfigError, match="maps: missing"):
+        load_study(tmp_path / "study.yaml")
+    (tmp_path / "maps.yaml").write_text(yaml.safe_dump({"maps": maps}))
+    assert load_study(tmp_path / "study.yaml") == load_study(study_path())
+    (tmp_path / "maps.yaml").write_text(yaml.safe_dump({"maps": maps, "accuracy": {}}))
+    with pytest.raises(ConfigError, match="must state 'maps', and no other"):
+        load_study(tmp_path / "study.yaml")
+
+
+def schema_of(file: Path) -> Path:
+    first = file.read_text(encoding="utf-8").splitlines()[0]
+    return file.parent / first.removeprefix("# yaml-language-server: $schema=")
+
+
+def test_the_schemas_are_those_of_the_models() -> None:
+    """`make schema` makes them anew."""
+    for name, text in schemas().items():
+        assert (PROJECT / "config/schema" / name).read_text(encoding="utf-8") == text
+
+
+@pytest.mark.parametrize("file", sorted(PROJECT.glob("config/*.yaml")), ids=lambda file: file.name)
+def test_every_file_names_a_schema_that_takes_it_and_refuses_a_typing_error(file: Path) -> None:
+    schema = json.loads(schema_of(file).read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    stated = yaml.safe_load(file.read_text(encoding="utf-8"))
+    jsonschema.validate(stated, schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({**stated, "figurs": {}}, schema)
+
+
+@pytest.mark.parametrize(("path", "value"), [
+    ("figures.fig06.held", {"frction": 0.1}), ("figures.fig06.swept.count", 1),
+    ("maps.planes.stiffnesses.x.count", 3), ("precision.ladder.steps", []),
+])  # fmt: skip
+def test_the_schema_refuses_what_the_study_refuses(
+    mapping: dict[str, Any], path: str, value: Any
+) -> None:
+    schema = json.loads((PROJECT / "config/schema/study.json").read_text(encoding="utf-8"))
+    jsonschema.validate(mapping, schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(changed(mapping, path, value), schema)
 
 
 def test_a_file_that_is_no_study_is_refused(tmp_path: Path) -> None:

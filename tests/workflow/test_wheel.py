@@ -7,6 +7,8 @@ import sys
 import zipfile
 from pathlib import Path
 
+from model.study.config import study_files, study_path
+
 PROJECT = Path(__file__).resolve().parents[2]
 NEEDED = ("pyproject.toml", "README.md", "LICENSE", "config", "src")
 
@@ -22,7 +24,8 @@ def test_a_wheel_runs_without_the_checkout(tmp_path: Path) -> None:
     subprocess.run([*build, "--wheel-dir", str(tmp_path), str(source)], check=True)
     wheel = next(tmp_path.glob("*.whl"))
     with zipfile.ZipFile(wheel) as archive:
-        assert "model/study/config.yaml" in archive.namelist()
+        for file in study_files(study_path()):
+            assert f"model/study/config/{file.name}" in archive.namelist()
         archive.extractall(tmp_path / "installed")
     shutil.rmtree(source)
     code = (

@@ -23,7 +23,7 @@ job(
 job(
     "claims",
     dict(table=root / "claims.csv"),
-    dict(figures=expand(root / "data/{figure}.nc", figure=computed), runs=claims_data),
+    dict(figures=expand(root / "data/{figure}.nc", figure=COMPUTED), runs=claims_data),
     message="judging the claims of the paper",
 )
 

@@ -43,7 +43,7 @@ job(
         )
     ),
     {**sweep, **wording},
-    wildcards=dict(figure="|".join(gridded)),
+    wildcards=dict(figure="|".join(GRIDDED)),
     message="{wildcards.figure}: merging its chunks",
 )
 
@@ -76,7 +76,7 @@ job(
         / ("data/maps" if wildcards.figure in MAPS else "data")
         / f"{wildcards.figure}.nc"
     ),
-    wildcards=dict(figure="|".join(computed)),
+    wildcards=dict(figure="|".join(COMPUTED)),
     message="{wildcards.figure}: plotting",
 )
 

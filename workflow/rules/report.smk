@@ -7,7 +7,7 @@ page_pictures = [
     *identified_pictures,
 ]
 page_data = [
-    *expand(root / "data/{figure}.nc", figure=computed),
+    *expand(root / "data/{figure}.nc", figure=COMPUTED),
     *fixed_steps,
     *contact_data,
     *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),

@@ -1,0 +1,70 @@
+"""The study as data: config/, checked strictly before anything is computed.
+
+The structural baseline stands in the configuration only; ``baseline`` reads it from there.
+"""
+
+from model.study.config.accuracy import Range
+from model.study.config.base import Axis, ConfigError, Family, Span
+from model.study.config.checks import check_plane
+from model.study.config.claims import ClaimRun
+from model.study.config.figures import (
+    COMPUTED,
+    CURVES,
+    FIGURES,
+    GRIDDED,
+    HISTORIES,
+    LARGEST_MISALIGNMENT,
+    MAPS,
+    SCHEMATICS,
+    Curves,
+    Ensemble,
+    History,
+    Map,
+)
+from model.study.config.identification import Evolution, Pool, SearchLaw
+from model.study.config.load import (
+    baseline,
+    check_study,
+    load_study,
+    read_study,
+    study_files,
+    study_path,
+)
+from model.study.config.methods import HardCase, HardCases, Ladder
+from model.study.config.study import RunSettings, Study
+
+__all__ = [
+    "COMPUTED",
+    "CURVES",
+    "FIGURES",
+    "GRIDDED",
+    "HISTORIES",
+    "LARGEST_MISALIGNMENT",
+    "MAPS",
+    "SCHEMATICS",
+    "Axis",
+    "ClaimRun",
+    "ConfigError",
+    "Curves",
+    "Ensemble",
+    "Evolution",
+    "Family",
+    "HardCase",
+    "HardCases",
+    "History",
+    "Ladder",
+    "Map",
+    "Pool",
+    "Range",
+    "RunSettings",
+    "SearchLaw",
+    "Span",
+    "Study",
+    "baseline",
+    "check_plane",
+    "check_study",
+    "load_study",
+    "read_study",
+    "study_files",
+    "study_path",
+]

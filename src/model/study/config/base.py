@@ -1,0 +1,124 @@
+"""What every section is made of: strict models, parameters' names and values, ranges."""
+
+import itertools
+from typing import Annotated, Any, TypeVar
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, WithJsonSchema, model_validator
+
+from model.physics.parameters import PARAMETER_NAMES, check_name
+
+Value = TypeVar("Value")
+PARAMETER_NAME = {"type": "string", "enum": list(PARAMETER_NAMES)}
+
+
+class ConfigError(ValueError):
+    """A configuration that breaks a rule; the message has one line for each fault."""
+
+
+def parameter_name(name: str) -> str:
+    """Return ``name`` if it is a parameter's.
+
+    Raises:
+        ValueError: it is not, with the nearest name.
+    """
+    check_name(name, PARAMETER_NAMES, "parameter")
+    return name
+
+
+def parameter_names(values: dict[str, Value]) -> dict[str, Value]:
+    """Return ``values`` if every key is a parameter's name.
+
+    Raises:
+        ValueError: one is not, with the nearest name.
+    """
+    for name in values:
+        parameter_name(name)
+    return values
+
+
+def check_rising(low: tuple[str, float], high: tuple[str, float]) -> None:
+    """Refuse two named values of which the first is not smaller than the second.
+
+    Raises:
+        ValueError: naming both.
+    """
+    if not low[1] < high[1]:
+        raise ValueError(f"{low[0]} = {low[1]} must be smaller than {high[0]} = {high[1]}")
+
+
+def check_falling(name: str, values: list[float]) -> None:
+    """Refuse values that do not fall from one to the next, or do not stay above 0.
+
+    Raises:
+        ValueError: naming the values and the rule.
+    """
+    falling = all(later < earlier for earlier, later in itertools.pairwise(values))
+    if not (falling and values[-1] > 0.0):
+        raise ValueError(f"{name} = {values}: must fall from one to the next and stay > 0")
+
+
+def check_power_of_two(name: str, value: int) -> None:
+    """Refuse a number of cells that cannot be halved down to one.
+
+    Raises:
+        ValueError: naming the value and the rule.
+    """
+    if value & (value - 1):
+        raise ValueError(f"{name} = {value}: must be a power of two: cells are halved")
+
+
+class Strict(BaseModel):
+    """A section whose keys are all known, and whose values have their types."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+def _by_parameter(value: dict[str, Any]) -> WithJsonSchema:
+    schema = {"type": "object", "propertyNames": PARAMETER_NAME, "additionalProperties": value}
+    return WithJsonSchema(schema)
+
+
+ParameterName = Annotated[str, AfterValidator(parameter_name), WithJsonSchema(PARAMETER_NAME)]
+ParameterValues = Annotated[
+    dict[str, float], AfterValidator(parameter_names), _by_parameter({"type": "number"})
+]
+Tolerance = Annotated[float, Field(ge=1e-14, le=1e-2)]
+Text = Annotated[str, Field(min_length=1)]
+
+
+class Span(Strict):
+    """A range of one parameter."""
+
+    parameter: ParameterName
+    start: float
+    stop: float
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> "Span":
+        check_rising(("start", self.start), ("stop", self.stop))
+        return self
+
+
+class Axis(Span):
+    """Equidistant values of one parameter, both ends included."""
+
+    count: int = Field(ge=2)
+
+    @property
+    def values(self) -> list[float]:
+        """The values, rounded to 12 digits so that decimal steps read as decimals."""
+        step = (self.stop - self.start) / (self.count - 1)
+        return [float(f"{self.start + i * step:.12g}") for i in range(self.count)]
+
+
+class Family(Strict):
+    """Values of the parameter that tells the curves of a figure apart."""
+
+    parameter: ParameterName
+    values: list[float] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _is_distinct(self) -> "Family":
+        if len(set(self.values)) < len(self.values):
+            raise ValueError(f"values = {self.values} must differ from each other")
+        return self

@@ -1,0 +1,146 @@
+"""Rules that need the whole study: values against the rules of their parameters, and each other."""
+
+import itertools
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+
+from model.physics.parameters import FIELDS, REQUIRED_NAMES, Batch, Parameters, check_name
+from model.study.config.base import Axis, Family, Span
+from model.study.config.figures import COMPUTED, KIND, LARGEST_MISALIGNMENT, Curves, Map, Plane
+from model.study.config.study import Study
+
+
+def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
+    """Refuse a map whose parameters are one, or whose corners break a rule.
+
+    Raises:
+        ValueError: naming the parameter, its value and its rule.
+    """
+    if x.parameter == y.parameter:
+        raise ValueError(f"{x.parameter!r} is varied twice: x and y must be two parameters")
+    for x_value, y_value in itertools.product((x.start, x.stop), (y.start, y.stop)):
+        parameters.replace(**{x.parameter: x_value, y.parameter: y_value})
+
+
+def faults_of(study: Study) -> list[str]:
+    """Return every fault that only the whole study shows: path, value and rule."""
+    faults = [*_values(study)]
+    if not faults:
+        for check in (_ranges, _figures, _planes, _claims_runs, _cases):
+            faults += check(study)
+    return faults
+
+
+def _broken(place: str, values: Mapping[str, float]) -> Iterable[str]:
+    """Yield the values that break the rule of their parameter."""
+    for name, value in values.items():
+        if not FIELDS[name].admits(value):
+            yield f"{place}.{name} = {value!r}: {FIELDS[name].rule}"
+
+
+def _attempt(place: str, action: Callable[[], object]) -> Iterable[str]:
+    """Yield why ``action`` refuses, if it does."""
+    try:
+        action()
+    except (TypeError, ValueError) as error:
+        yield f"{place}: {error}"
+
+
+def _varied(
+    place: str, what: str, parts: Iterable[Span | Family], held: Iterable[str]
+) -> Iterable[str]:
+    """Yield what is varied twice, or both held and varied."""
+    names = [part.parameter for part in parts]
+    if len(set(names)) < len(names):
+        yield f"{place}: {names[0]!r} is varied twice"
+    for each in sorted(set(names) & set(held)):
+        yield f"{place}.held.{each}: is varied in the same {what}"
+
+
+def _values(study: Study) -> Iterable[str]:
+    yield from _broken("structure", study.structure)
+    yield from _broken("operating_point", study.operating_point)
+    for name in REQUIRED_NAMES:
+        if name not in study.structure and name not in study.operating_point:
+            yield f"structure.{name}: missing ({FIELDS[name].description})"
+    for name, figure in study.figures.items():
+        yield from _broken(f"figures.{name}.held", figure.held)
+
+
+def _ranges(study: Study) -> Iterable[str]:
+    """Yield faults of the accuracy trial: the ends of its ranges against the parameters' rules."""
+    place, ranges = "accuracy.ranges", study.accuracy.ranges
+    ends = [{name: law.low for name, law in ranges.items()}]
+    ends.append({name: 0.0 for name, law in ranges.items() if law.zero > 0.0})
+    faults = [fault for values in ends for fault in _broken(place, values)]
+    if not faults:
+        # The worst combination of the ends: the farthest start on the narrowest part.
+        narrow = {"half_width", "clearance"}
+        worst = {name: law.low if name in narrow else law.high for name, law in ranges.items()}
+        faults += _attempt(place, lambda: study.baseline.replace(**worst))
+    return faults
+
+
+def _figures(study: Study) -> Iterable[str]:
+    for name, figure in study.figures.items():
+        place = f"figures.{name}"
+        if figure.kind != KIND[name]:
+            yield f"{place}.kind = {figure.kind!r}: must be {KIND[name]!r}"
+        varied: dict[str, Axis | Family] = {}
+        if isinstance(figure, Curves):
+            varied = {"swept": figure.swept, "family": figure.family}
+        elif isinstance(figure, Map):
+            varied = {"x": figure.x, "y": figure.y}
+        yield from _varied(place, "figure", varied.values(), figure.held)
+        refused = list(_attempt(f"{place}.held", partial(study.parameters, name)))
+        yield from refused
+        if not refused:
+            for key, part in varied.items():
+                yield from _attempt(f"{place}.{key}", _batch(study.parameters(name), part))
+
+
+def _batch(parameters: Parameters, part: Axis | Family) -> Callable[[], object]:
+    return partial(Batch.of, parameters, **{part.parameter: part.values})
+
+
+def _planes(study: Study) -> Iterable[str]:
+    for name in study.map_names:
+        plane = study.plane(name)
+        if isinstance(plane, Map):  # a figure's: checked there
+            continue
+        own = name == LARGEST_MISALIGNMENT
+        place = f"maps.{name}" if own else f"maps.planes.{name}"
+        varied = {plane.x.parameter, plane.y.parameter}
+        if own and varied & {"misalignment", "clearance", "half_width"}:
+            yield f"{place}: varies the misalignment or what bounds it"
+        yield from _varied(place, "map", (plane.x,), plane.held)
+        yield from _varied(place, "map", (plane.y,), plane.held)
+        yield from _attempt(place, partial(_plane, study, plane))
+
+
+def _plane(study: Study, plane: Plane) -> None:
+    check_plane(study.baseline.replace(**plane.held), plane.x, plane.y)
+
+
+def _claims_runs(study: Study) -> Iterable[str]:
+    for name, run in study.claims_runs.items():
+        place = f"claims_runs.{name}"
+        yield from _varied(place, "run", (run.swept, run.family), run.held)
+        yield from _attempt(place, partial(_claims_run, study, name))
+
+
+def _claims_run(study: Study, name: str) -> None:
+    run = study.claims_runs[name]
+    check_name(run.figure, COMPUTED, "figure")
+    for part in (run.family, run.swept):
+        _batch(study.claim_parameters(name), part)()
+
+
+def _cases(study: Study) -> Iterable[str]:
+    for name, case in study.precision.cases.items():
+        place = f"precision.cases.{name}"
+        refused = list(_attempt(place, partial(check_name, case.figure, COMPUTED, "figure")))
+        yield from refused or _attempt(place, partial(study.case, name))
+    for name, hard in study.hard_cases.all_cases.items():
+        action = partial(study.baseline.replace, **hard.at)
+        yield from _attempt(f"hard_cases.cases.{name}.at", action)

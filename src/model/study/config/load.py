@@ -1,0 +1,128 @@
+"""Reading the configuration: a fault is a line with the key's path, the value and the rule."""
+
+import difflib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from model.physics.parameters import Parameters
+from model.study.config.base import ConfigError
+from model.study.config.checks import faults_of
+from model.study.config.figures import KIND
+from model.study.config.study import Study
+
+
+def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:
+    """Return the keys that are known at ``path`` below a value of type ``annotation``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        if not path:
+            return list(annotation.model_fields)
+        field = annotation.model_fields.get(str(path[0]))
+        return _keys(field.annotation, path[1:]) if field else []
+    origin, inner = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return _keys(inner[0], path)
+    if origin in (Union, UnionType):
+        tagged = {_tag(each): each for each in inner}
+        if path and path[0] in tagged:  # pydantic names the chosen kind of figure in the path
+            return _keys(tagged[path[0]], path[1:])
+        return next(filter(None, (_keys(each, path) for each in inner)), [])
+    return _keys(inner[-1], path[1:]) if origin in (dict, list) and path else []
+
+
+def _tag(model: Any) -> str | None:
+    """Return the ``kind`` that a model of a figure is told by."""
+    field = getattr(model, "model_fields", {}).get("kind")
+    return get_args(field.annotation)[0] if field else None
+
+
+def _line(error: Mapping[str, Any]) -> str:
+    """Return one fault as one line: path, value, rule, and the nearest key of an unknown one."""
+    names = {str(part) for part in error["loc"]} & set(KIND.values())
+    place = [str(each) for each in error["loc"] if str(each) not in names and "[" not in str(each)]
+    path = ".".join(place) or "(top level)"
+    if error["type"] == "extra_forbidden":
+        known = _keys(Study, error["loc"][:-1])
+        near = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        return f"{path}: unknown key{hint}" + (f" Valid: {', '.join(known)}" if known else "")
+    if error["type"] == "missing":
+        return f"{path}: missing"
+    value = error["input"]
+    shown = "" if isinstance(value, (dict, BaseModel)) else f" = {value!r}"
+    return f"{path}{shown}: {error['msg'].removeprefix('Value error, ')}"
+
+
+def check_study(mapping: Mapping[str, Any], source: str = "config") -> Study:
+    """Return the study in ``mapping``, checked.
+
+    Raises:
+        ConfigError: every fault found, each with the key's path, the value and the rule.
+    """
+    try:
+        study = Study.model_validate(mapping)
+        faults = faults_of(study)
+    except ValidationError as invalid:
+        faults = list(dict.fromkeys(map(_line, invalid.errors())))
+    if faults:
+        raise ConfigError("\n".join(f"{source}: {fault}" for fault in faults))
+    return study
+
+
+def _mapping(path: Path) -> dict[str, Any]:
+    try:
+        mapping = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ConfigError(f"{path}: cannot be read as YAML: {error}") from None
+    if not isinstance(mapping, dict):
+        raise ConfigError(f"{path}: must be a mapping of keys to values")
+    return mapping
+
+
+def study_files(path: Path) -> list[Path]:
+    """Return the files of a study: ``path``, and those beside it that are named as a section."""
+    beside = [path.with_name(f"{name}.yaml") for name in Study.model_fields]
+    return [path, *(file for file in beside if file != path and file.is_file())]
+
+
+def read_study(path: Path) -> dict[str, Any]:
+    """Return the mapping that the files of a study state together; nothing is checked but its keys.
+
+    A section that ``path`` does not state is read from the file of its name beside it, such as
+    maps.yaml, which states that section and no other.
+
+    Raises:
+        ConfigError: a file that cannot be read, is not YAML, or states another section.
+    """
+    found = _mapping(path)
+    for file in study_files(path)[1:]:
+        if file.stem not in found:
+            section = _mapping(file)
+            if set(section) != {file.stem}:
+                raise ConfigError(f"{file}: must state {file.stem!r}, and no other key at the top")
+            found |= section
+    return found
+
+
+def load_study(path: Path) -> Study:
+    """Return the study in the YAML file ``path`` and those beside it, checked.
+
+    Raises:
+        ConfigError: a file that cannot be read, is not YAML, or breaks a rule.
+    """
+    return check_study(read_study(path), str(path))
+
+
+def study_path() -> Path:
+    """Return the path of config.yaml: beside the sources, or as installed with the package."""
+    in_checkout = Path(__file__).resolve().parents[4] / "config" / "config.yaml"
+    return in_checkout if in_checkout.is_file() else Path(__file__).with_name("config.yaml")
+
+
+def baseline() -> Parameters:
+    """Return the study's device at its default operating point."""
+    return load_study(study_path()).baseline
