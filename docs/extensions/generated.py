@@ -12,6 +12,7 @@ from sphinx.util.docutils import SphinxDirective
 from model.cli.main import _parser
 from model.engines.results import COURSE, RESULTS, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
+from model.events.table import EVENTS
 from model.physics.parameters import FIELDS, Parameters
 from model.physics.quantities import ANGLE
 from model.physics.units import UNITS
@@ -62,6 +63,20 @@ def _reasons() -> str:
         if each is not Reason.NONE
     )
     return _table(("reason", "flag", "meaning"), rows)
+
+
+def _says(kernel: Any) -> str:
+    """The summary of a kernel's docstring."""
+    text = getattr(kernel, "py_func", kernel).__doc__ or ""
+    return " ".join(text.partition("\n\n")[0].split())
+
+
+def _events() -> str:
+    rows = (
+        (f"`{event.name}`", " ".join(_says(level) for _, level in event.level), _says(event.follow))
+        for event in EVENTS
+    )
+    return _table(("event", "level", "what follows"), rows)
 
 
 def _help_of(parser: argparse.ArgumentParser) -> str:
@@ -143,6 +158,7 @@ def _variables_of(table: Mapping[str, Result]) -> str:
 
 GENERATED: dict[str, Callable[[], str]] = {
     "commands": _commands,
+    "events": _events,
     "configuration": _configuration,
     "outcomes": _outcomes,
     "parameters": _parameters,
