@@ -17,7 +17,7 @@ from model.engines.batch.series import (
     Watched,
     recurrences,
 )
-from model.engines.batch.series_code import (
+from model.engines.batch.series_plan import (
     FRACTIONS,
     KINDS,
     NODES,

@@ -10,7 +10,7 @@ from itertools import product
 from typing import Any, NamedTuple
 
 from model.engines.batch import step, workspace
-from model.engines.batch.series_code import NODES, ORDER, ROWS, SINES, WIDTH
+from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES, WIDTH
 from model.engines.batch.traced import MODE, Form, P, forms_of, is_nothing, rendered
 from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
 from model.engines.record import CLOSEST

@@ -10,7 +10,7 @@ from math import inf
 import numpy as np
 
 from model.engines.batch.event_kernels import TERMS
-from model.engines.batch.series_code import FRACTIONS, NODES, ORDER, ROWS, WIDTH
+from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, WIDTH
 from model.engines.batch.step import (
     TOO_FLAT_TO_TELL,
     one_stays_above,

@@ -3,7 +3,7 @@
 from math import inf
 
 from model.engines.batch.event_search import row_at
-from model.engines.batch.series_code import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
 from model.engines.batch.step import curvature_bound
 from model.engines.batch.workspace import (
     COEFFICIENTS,

@@ -16,7 +16,7 @@ from model.engines.batch.event_kernels import TERMS
 from model.engines.batch.event_search import QUANTITIES, first_event, state_at
 from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import CONSISTENT, FREE, SIDE_SIGN, SLIDES, STICKS, SUPPORT_SIGN
-from model.engines.batch.series_code import KINDS, NODES, ORDER, WIDTH
+from model.engines.batch.series_plan import KINDS, NODES, ORDER, WIDTH
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import (
     COEFFICIENTS,

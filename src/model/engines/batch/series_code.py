@@ -1,12 +1,10 @@
-"""Machine code of series: what a kind of mode takes from its state to its coefficients.
+"""Machine code of series: from the state of runs in a kind of mode to their coefficients.
 
-The code is written for WIDTH runs in the same kind of mode, one in each place of a vector. Memory
-holds for every order the rows that later orders need: ``coefficients[k, row, i]``. All other rows
-stay in registers. Layout: the state, what is watched, the sine and cosine rows, and what products
-and quotients are made of.
+The code is written for WIDTH runs, one in each lane of a vector, with the memory of series_plan.py:
+``coefficients[order, row, lane]``.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -20,25 +18,25 @@ from model.engines.batch.series import (
     STATES,
     STICKS,
     Constant,
-    Recurrences,
     Row,
     Sum,
     Watched,
     recurrences,
 )
+from model.engines.batch.series_plan import (
+    FRACTIONS,
+    KINDS,
+    NODES,
+    ORDER,
+    ORDERS_THERE,
+    ROWS,
+    SINES,
+    STATE_ROWS,
+    TILT,
+    WIDTH,
+    Plan,
+)
 from model.physics.compiled import kernel
-
-WIDTH = 8  # runs in a vector
-ORDER = 16  # of the series
-STATE_ROWS = len(STATES)
-TILT = 2  # row of the tilt
-SINES = STATE_ROWS + len(Watched._fields)  # sine and cosine of the tilt, and of the excitation
-_OTHERS = SINES + 4
-ROWS = _OTHERS + 16  # as many as any kind of mode needs
-FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
-NODES = len(FRACTIONS) + 1
-# Of the last terms summed there. Each of the others is less than 1e-4 of what it is at the end.
-ORDERS_THERE = (10, 13, ORDER, ORDER)
 
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _FIRST = _INDEX(0)  # order
@@ -46,114 +44,6 @@ _AT_ONCE = 14  # sums in a loop
 _VECTOR = ir.VectorType(_DOUBLE, WIDTH)
 _POINTER = _VECTOR.as_pointer()
 _ALIGNMENT = 64
-
-
-def _made_of(row: Row) -> tuple[Row, ...]:
-    """The rows whose coefficients of the same order a row is made of."""
-    if row.kind in ("product", "quotient", "rate"):
-        return row.of
-    if row.kind == "sum":
-        return tuple(each for each, _ in row.of[1])
-    return ()
-
-
-class _Plan:
-    """In which order the rows of a kind of mode are computed, and which of them are kept where.
-
-    Rows of positions alone are computed an order ahead of the others, since their rates are needed.
-    """
-
-    def __init__(self, series: Recurrences) -> None:
-        self.series = series
-        self.watched = [each.as_row() for each in series.watched]
-        self.sines = self._pairs()
-        self.place = {row: n for n, row in enumerate((*STATES, *self.watched, *self.sines))}
-        self.stage: dict[Row, int] = {}
-        for total in self.series.accelerations:
-            for row in total.terms:
-                self._visit(row)
-        for row in self.watched:
-            self._visit(row)
-        for row in self.stage:
-            if row.kind in ("product", "quotient"):
-                for each in (*row.of, *((row,) if row.kind == "quotient" else ())):
-                    self.place.setdefault(each, len(self.place))
-            if not self.is_ahead(row):
-                for each in filter(self.is_ahead, _made_of(row)):
-                    self.place.setdefault(each, len(self.place))
-        if len(self.place) > ROWS:
-            raise AssertionError(f"ROWS = {ROWS}: must be at least {len(self.place)}")
-        self.factors = self._oriented()
-
-    def _pairs(self) -> list[Row]:
-        tilt = (0.0, ((STATES[2], 1.0),))
-        pair = Row("sine", tilt), Row("cosine", tilt)
-        self.turning = [Row("product", tuple(sorted((STATES[5], each), key=repr))) for each in pair]
-        found = [row for total in self.series.accelerations for row in total.terms]
-        (sine,) = [row for row in found if row.kind == "sine" and row != pair[0]]
-        self.rate = sine.of[1][0][1]  # of the excitation's angle
-        return [*pair, sine, Row("cosine", sine.of)]
-
-    def _oriented(self) -> dict[Row, tuple[Row, Row]]:
-        """Of all products and quotients the factors: the one taken forward, and backward.
-
-        So that products share what they take: sines and cosines are taken forward, and of a
-        quotient itself, backward what it is divided by.
-        """
-        taken: set[tuple[Row, bool | None]] = set()  # None: forward
-        factors = {}
-        for row in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
-            ahead = self.is_ahead(row)
-            choices = [row.of, row.of[::-1]] if row.kind == "product" else [(row, row.of[1])]
-            forward, backward = max(
-                choices,
-                key=lambda each, ahead=ahead: (
-                    each[0].kind in ("sine", "cosine"),
-                    ((each[0], None) in taken) + ((each[1], ahead) in taken),
-                ),
-            )
-            taken |= {(forward, None), (backward, ahead)}
-            factors[row] = forward, backward
-        return factors
-
-    def _visit(self, row: Row) -> int:
-        if row not in self.stage:
-            before = max((self._visit(each) for each in _made_of(row)), default=0)
-            self.stage[row] = before + (row.kind in ("product", "quotient"))
-        return self.stage[row]
-
-    def is_ahead(self, row: Row) -> bool:
-        """Whether a row is made of positions alone."""
-        if row.kind == "state":
-            return bool(row.of[0] < len(STATES) // 2)
-        if row.kind in ("sine", "cosine"):
-            return row in self.sines[:2]
-        made = _made_of(row)
-        return row.kind != "rate" and all(map(self.is_ahead, made))
-
-    def stages(self, ahead: bool) -> Iterator[tuple[list[Row], list[Row]]]:
-        """For each stage its products and quotients, and then the rest, each after its own."""
-        for stage in range(max(self.stage.values()) + 1):
-            rows = [row for row, each in self.stage.items() if each == stage]
-            rows = [row for row in rows if self.is_ahead(row) == ahead]
-            products = [row for row in rows if row.kind in ("product", "quotient")]
-            yield products, [row for row in rows if row.kind in ("sum", "rate")]
-
-    def products(self, ahead: bool) -> list[Row]:
-        """All products and quotients, of positions alone or all others."""
-        return [row for products, _ in self.stages(ahead) for row in products]
-
-
-def operations(support: int, side: int) -> int:
-    """Floating-point operations that the series of one run in a kind of mode take."""
-    plan, count = _Plan(recurrences(support, side)), 0
-    for row in plan.stage:
-        orders = ORDER + 1 if plan.is_ahead(row) else ORDER
-        if row.kind in ("product", "quotient"):
-            count += orders * (orders + 1)  # a product and a sum for each term
-        elif row.kind == "sum":
-            count += 2 * orders * len(row.of[1])
-    return count + 2 * ORDER * sum(len(each.terms) for each in plan.series.accelerations)
 
 
 class _Writer:
@@ -218,9 +108,9 @@ class _Writer:
 
 
 class _SeriesWriter(_Writer):
-    """Writes what fills the coefficients of one kind of mode: of (coefficients, given)."""
+    """Writes the function (coefficients, given) that fills coefficients of one kind of mode."""
 
-    def __init__(self, module: ir.Module, name: str, plan: _Plan) -> None:
+    def __init__(self, module: ir.Module, name: str, plan: Plan) -> None:
         super().__init__(module, name, 2)
         self.memory, self.given = self.function.args
         self.plan = plan
@@ -391,7 +281,7 @@ class _SeriesWriter(_Writer):
 
 
 class _SamplesWriter(_Writer):
-    """Writes what follows series through a step: of (coefficients, lengths, values)."""
+    """Writes the function (coefficients, lengths, values) that sums series at the nodes."""
 
     def __init__(self, module: ir.Module, name: str) -> None:
         super().__init__(module, name, 3)
@@ -410,7 +300,7 @@ class _SamplesWriter(_Writer):
         return self.load(self.coefficients, self.code.add(row, _INDEX(order * ROWS)))
 
     def _end_of_state(self, row: ir.Value) -> tuple[()]:
-        """One of the states at the last node: at the others nobody asks for it."""
+        """One of the states at the last node: the others are not needed."""
         total = self.vector(0.0)
         for order in range(ORDER, -1, -1):
             total = self.fma(total, self.times[-1], self._coefficient(row, order))
@@ -418,10 +308,10 @@ class _SamplesWriter(_Writer):
         return ()
 
     def _one_row(self, index: ir.Value) -> tuple[()]:
-        """The tilt, or what is watched, at all nodes."""
+        """Sum the tilt, or a watched quantity, at all nodes, and bound its second derivative."""
         is_first = self.code.icmp_signed("==", index, _INDEX(0))
         row = self.code.select(is_first, _INDEX(TILT), self.code.add(index, _INDEX(STATE_ROWS - 1)))
-        sums, bend = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
+        sums, bound = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
         for order in range(ORDER, -1, -1):
             coefficient = self._coefficient(row, order)
             for node, last in enumerate(ORDERS_THERE):
@@ -429,10 +319,10 @@ class _SamplesWriter(_Writer):
                     sums[node] = self.fma(sums[node], self.times[node], coefficient)
             if order > 1:
                 size = self.code.call(self.size, [coefficient])
-                bend = self.fma(bend, self.ratios[order], size)
+                bound = self.fma(bound, self.ratios[order], size)
         square = self.code.fmul(self.length, self.length)
-        bend = self.code.fmul(bend, self.code.fmul(self.vector(2.0), square))
-        for node, value in enumerate((coefficient, *sums, bend)):
+        bound = self.code.fmul(bound, self.code.fmul(self.vector(2.0), square))
+        for node, value in enumerate((coefficient, *sums, bound)):
             self.keep(value, self.values, self.code.add(row, _INDEX(node * SINES)))
         return ()
 
@@ -459,12 +349,11 @@ def _written(name: str, write: Callable[[ir.Module, str], _Writer]) -> Any:
 
 def _series_of(support: int, side: int) -> Any:
     def write(module: ir.Module, name: str) -> _Writer:
-        return _SeriesWriter(module, name, _Plan(recurrences(support, side)))
+        return _SeriesWriter(module, name, Plan(recurrences(support, side)))
 
     return _written(f"series_{support}_{side}", write)
 
 
-KINDS = (FREE, SLIDES, STICKS)
 _FF, _FL, _FS = (_series_of(FREE, side) for side in KINDS)
 _LF, _LL, _LS = (_series_of(SLIDES, side) for side in KINDS)
 _SF, _SL, _SS = (_series_of(STICKS, side) for side in KINDS)
@@ -501,10 +390,10 @@ def fill_series(kind, block, coefficients, given):
 
 @kernel
 def follow_series(block, coefficients, lengths, values):
-    """Sum the tilt and what is watched at the nodes of steps of the given ``lengths``.
+    """Sum the tilt and the watched quantities at the nodes of steps of the given ``lengths``.
 
-    At ``values`` stand SINES vectors for each node and, behind them, as many bounds: what the
-    second derivative with respect to the fraction of the step stays below. The other states are
+    At ``values`` stand SINES vectors for each node and, behind them, as many bounds of the
+    second derivative with respect to the fraction of the step. The other states are
     summed at the last node only.
     """
     _follow(block, (coefficients, lengths, values))

@@ -10,17 +10,8 @@ from math import floor
 
 import numpy as np
 
-from model.engines.batch.series_code import (
-    FRACTIONS,
-    NODES,
-    ORDER,
-    ROWS,
-    SINES,
-    TILT,
-    WIDTH,
-    fill_series,
-    follow_series,
-)
+from model.engines.batch.series_code import fill_series, follow_series
+from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
 from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,

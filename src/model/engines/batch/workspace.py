@@ -11,7 +11,7 @@ face; other modes, and readings of the printed equations, are left to the refere
 import numpy as np
 
 from model.engines.batch.series import CONSISTENT, GIVEN, Watched
-from model.engines.batch.series_code import NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES, TILT, WIDTH
 from model.engines.scalar.tableaux import Array
 from model.physics.compiled import inlined_kernel
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State

@@ -1,0 +1,139 @@
+"""Layout of series in memory, and the order in which their rows are computed.
+
+Memory holds for every order the rows that later orders need: the state, the watched quantities, the
+sine and cosine rows, and factors of products and quotients. All other rows stay in registers.
+"""
+
+from collections.abc import Iterator
+
+from model.engines.batch.series import (
+    FREE,
+    SLIDES,
+    STATES,
+    STICKS,
+    Recurrences,
+    Row,
+    Watched,
+    recurrences,
+)
+
+WIDTH = 8  # runs in a vector
+ORDER = 16  # of the series
+STATE_ROWS = len(STATES)
+TILT = 2  # row of the tilt
+SINES = STATE_ROWS + len(Watched._fields)  # sine and cosine of the tilt, and of the excitation
+_OTHERS = SINES + 4
+ROWS = _OTHERS + 16  # as many as any kind of mode needs
+FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
+NODES = len(FRACTIONS) + 1
+# Of the last terms summed there. Each of the others is less than 1e-4 of what it is at the end.
+ORDERS_THERE = (10, 13, ORDER, ORDER)
+KINDS = (FREE, SLIDES, STICKS)
+
+
+def _made_of(row: Row) -> tuple[Row, ...]:
+    """Return the rows whose coefficients of the same order a row is made of."""
+    if row.kind in ("product", "quotient", "rate"):
+        return row.of
+    if row.kind == "sum":
+        return tuple(each for each, _ in row.of[1])
+    return ()
+
+
+class Plan:
+    """Order in which the rows of a kind of mode are computed, and their places in memory.
+
+    Rows of positions alone are computed an order ahead of the others, since their rates are needed.
+    """
+
+    def __init__(self, series: Recurrences) -> None:
+        self.series = series
+        self.watched = [each.as_row() for each in series.watched]
+        self.sines = self._pairs()
+        self.place = {row: n for n, row in enumerate((*STATES, *self.watched, *self.sines))}
+        self.stage: dict[Row, int] = {}
+        for total in self.series.accelerations:
+            for row in total.terms:
+                self._visit(row)
+        for row in self.watched:
+            self._visit(row)
+        for row in self.stage:
+            if row.kind in ("product", "quotient"):
+                for each in (*row.of, *((row,) if row.kind == "quotient" else ())):
+                    self.place.setdefault(each, len(self.place))
+            if not self.is_ahead(row):
+                for each in filter(self.is_ahead, _made_of(row)):
+                    self.place.setdefault(each, len(self.place))
+        if len(self.place) > ROWS:
+            raise AssertionError(f"ROWS = {ROWS}: must be at least {len(self.place)}")
+        self.factors = self._oriented()
+
+    def _pairs(self) -> list[Row]:
+        tilt = (0.0, ((STATES[2], 1.0),))
+        pair = Row("sine", tilt), Row("cosine", tilt)
+        self.turning = [Row("product", tuple(sorted((STATES[5], each), key=repr))) for each in pair]
+        found = [row for total in self.series.accelerations for row in total.terms]
+        (sine,) = [row for row in found if row.kind == "sine" and row != pair[0]]
+        self.rate = sine.of[1][0][1]  # of the excitation's angle
+        return [*pair, sine, Row("cosine", sine.of)]
+
+    def _oriented(self) -> dict[Row, tuple[Row, Row]]:
+        """Of all products and quotients the factors: the one taken forward, and backward.
+
+        So that products share what they take: sines and cosines are taken forward, and of a
+        quotient itself, backward what it is divided by.
+        """
+        taken: set[tuple[Row, bool | None]] = set()  # None: forward
+        factors = {}
+        for row in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
+            ahead = self.is_ahead(row)
+            choices = [row.of, row.of[::-1]] if row.kind == "product" else [(row, row.of[1])]
+            forward, backward = max(
+                choices,
+                key=lambda each, ahead=ahead: (
+                    each[0].kind in ("sine", "cosine"),
+                    ((each[0], None) in taken) + ((each[1], ahead) in taken),
+                ),
+            )
+            taken |= {(forward, None), (backward, ahead)}
+            factors[row] = forward, backward
+        return factors
+
+    def _visit(self, row: Row) -> int:
+        if row not in self.stage:
+            before = max((self._visit(each) for each in _made_of(row)), default=0)
+            self.stage[row] = before + (row.kind in ("product", "quotient"))
+        return self.stage[row]
+
+    def is_ahead(self, row: Row) -> bool:
+        """Return whether a row is made of positions alone."""
+        if row.kind == "state":
+            return bool(row.of[0] < len(STATES) // 2)
+        if row.kind in ("sine", "cosine"):
+            return row in self.sines[:2]
+        made = _made_of(row)
+        return row.kind != "rate" and all(map(self.is_ahead, made))
+
+    def stages(self, ahead: bool) -> Iterator[tuple[list[Row], list[Row]]]:
+        """Yield for each stage its products and quotients, and its other rows in their order."""
+        for stage in range(max(self.stage.values()) + 1):
+            rows = [row for row, each in self.stage.items() if each == stage]
+            rows = [row for row in rows if self.is_ahead(row) == ahead]
+            products = [row for row in rows if row.kind in ("product", "quotient")]
+            yield products, [row for row in rows if row.kind in ("sum", "rate")]
+
+    def products(self, ahead: bool) -> list[Row]:
+        """Return all products and quotients, of positions alone or all others."""
+        return [row for products, _ in self.stages(ahead) for row in products]
+
+
+def operations(support: int, side: int) -> int:
+    """Return the floating-point operations of the series of one run in a kind of mode."""
+    plan, count = Plan(recurrences(support, side)), 0
+    for row in plan.stage:
+        orders = ORDER + 1 if plan.is_ahead(row) else ORDER
+        if row.kind in ("product", "quotient"):
+            count += orders * (orders + 1)  # a product and a sum for each term
+        elif row.kind == "sum":
+            count += 2 * orders * len(row.of[1])
+    return count + 2 * ORDER * sum(len(each.terms) for each in plan.series.accelerations)
