@@ -5,7 +5,7 @@ import pytest
 
 from model import Batch, Readings, Reason, Settings, align
 from model.engines.course import _pass_over, begin
-from model.engines.record import EVALUATIONS, STATE, SWITCHES_AT_ONCE, TIME
+from model.engines.record import EVALUATIONS, EVENTS_AT_ONCE, STATE, TIME
 from model.engines.scalar.loop import new_single
 from model.physics.notation import STATE_SIZE
 from model.physics.scenes import OPEN, START
@@ -31,7 +31,7 @@ def standing(device):
         runs = new_single(method).runs
         row = Batch.stack([device]).constants(Readings())[0]
         begin(row, settings.tolerance, scene, control, runs, 0)
-        runs[0, SWITCHES_AT_ONCE] = at_once
+        runs[0, EVENTS_AT_ONCE] = at_once
         return runs
 
     return make

@@ -12,7 +12,7 @@ from model import Batch, Outcome, Scene, Settings
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.batch.scheduling import POOL, integrate_all, new_many
 from model.engines.queue import new_queue
-from model.engines.record import MODE, REASON, STATE, SWITCHES, TAU_ALIGN, TIME
+from model.engines.record import EVENT_COUNT, MODE, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.results import RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, integrate, new_single
 from model.events import levels, transitions
@@ -184,7 +184,7 @@ def together(rows, settings):
 def test_the_contact_is_met_and_ended(one_by_one):
     touched = one_by_one[:, SIDE_EDGE] == RIGHT_EDGE
     assert touched.sum() >= SETS // 2
-    assert (one_by_one[touched, SWITCHES] >= 3).all()
+    assert (one_by_one[touched, EVENT_COUNT] >= 3).all()
     is_open = one_by_one[touched, MODE + Mode._fields.index("side")] == OPEN
     assert 0 < is_open.sum() < touched.sum()
 
@@ -196,7 +196,7 @@ def test_both_engines_agree_on_the_contact(one_by_one, together):
     assert together[:, TAU_ALIGN] == pytest.approx(one_by_one[:, TAU_ALIGN], abs=1e-7, nan_ok=True)
     assert together[touched, TIME] == pytest.approx(one_by_one[touched, TIME], abs=1e-6)
     # A slip that is zero at an event to rounding may count as one event, or as two.
-    assert (one_by_one[touched, SWITCHES] == together[touched, SWITCHES]).mean() >= 0.95
+    assert (one_by_one[touched, EVENT_COUNT] == together[touched, EVENT_COUNT]).mean() >= 0.95
     apart = np.abs(one_by_one - together)[touched, STATE : STATE + 6].max(axis=1)
     assert np.median(apart) < 1e-9
     assert apart.max() < 1e-6

@@ -29,7 +29,7 @@ NOTHING = Parameters(
     frequency=0.0, clearance=0.1, misalignment=0.2, rest_y=5.0,
 )  # fmt: skip
 """No force at y = 5: k_y = 1 by scaling, so the axial spring can only be relaxed."""
-SWITCHES = [field.name for field in fields(Readings)]
+EVENT_COUNT = [field.name for field in fields(Readings)]
 
 
 def accelerations(at):
@@ -236,7 +236,7 @@ def slip_sign(reading, slip):
 READINGS = {
     "consistent": Readings.consistent(),
     "printed": Readings.printed(),
-    **{name: Readings(**{name: "printed"}) for name in SWITCHES},
+    **{name: Readings(**{name: "printed"}) for name in EVENT_COUNT},
 }
 every_reading = pytest.mark.parametrize("readings", READINGS.values(), ids=list(READINGS))
 

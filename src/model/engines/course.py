@@ -13,20 +13,20 @@ from model.engines.record import (
     CONSTANTS,
     DEADLINE,
     EVALUATIONS,
+    EVENT_COUNT,
+    EVENTS_AT_ONCE,
     FORCE_MAX,
+    LIFT_OFFS,
     MADE,
     NEXT_STEP,
     OUTCOME,
     PERIODS,
     REASON,
-    SEPARATIONS,
     SETTLED_PERIOD,
     STATE,
     STEPS,
     STICKING_TIME,
     STOP,
-    SWITCHES,
-    SWITCHES_AT_ONCE,
     TAU_ALIGN,
     TAU_CORNERS_INSIDE,
     TILT_AT_ALIGNMENT,
@@ -67,7 +67,7 @@ _NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
 _FIRST_STEP = 1e-2
 _SHORTEST_STEP = 1e-12  # after an event
 _SEVERAL_AT_ONCE = 16  # events from which on rounding may be their only cause
-_MOST_SWITCHES_AT_ONCE = 64
+_MOST_EVENTS_AT_ONCE = 64
 _FALL_TIME = 20.0  # longest fall until the corners are inside, once the contact is lost
 
 
@@ -242,7 +242,7 @@ def _pass_over(before, runs, i):
     """
     time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     q, tolerance = state_in(runs, STATE, i), runs[i, TOLERANCE]
-    moment = _SHORTEST_STEP * 2.0 ** (runs[i, SWITCHES_AT_ONCE] - _SEVERAL_AT_ONCE)
+    moment = _SHORTEST_STEP * 2.0 ** (runs[i, EVENTS_AT_ONCE] - _SEVERAL_AT_ONCE)
     if time + moment >= runs[i, STOP]:
         return
     here = short_step(time, moment, q, p, mode)
@@ -265,17 +265,17 @@ def make_event(which, length, step, scene, control, runs, i):
     ``length`` is the time from the last step to the event, ``step`` that of the step cut short.
     """
     time, p, before = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
-    runs[i, SWITCHES] += 1.0
+    runs[i, EVENT_COUNT] += 1.0
     runs[i, MADE + which] = 1.0
     at_once = length <= 1e-13 * max(1.0, time)
-    runs[i, SWITCHES_AT_ONCE] = runs[i, SWITCHES_AT_ONCE] + 1.0 if at_once else 0.0
+    runs[i, EVENTS_AT_ONCE] = runs[i, EVENTS_AT_ONCE] + 1.0 if at_once else 0.0
     # Where no time passes, the step was too long for what happens in it (friction that only just
     # reaches its limit, for instance): its dense output is not that exact.
     runs[i, NEXT_STEP] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
     q = scene.events.adjust(which, state_in(runs, STATE, i), p, before)
     mode, outcome, reason = scene.events.follow(which, time, q, p, before, scene.declared)
     if outcome == CONTINUES and is_counted(before, p) and _opened(before, mode):
-        runs[i, SEPARATIONS] += 1.0
+        runs[i, LIFT_OFFS] += 1.0
     keep_state(hold_sticking(q, p, mode), runs, i)
     keep_mode(mode, runs, i)
     if outcome == _ALIGNED:
@@ -285,7 +285,7 @@ def make_event(which, length, step, scene, control, runs, i):
             outcome = CONTINUES
     if outcome != CONTINUES:
         _end(runs, i, outcome, reason)
-    elif runs[i, SWITCHES_AT_ONCE] > _SEVERAL_AT_ONCE:
+    elif runs[i, EVENTS_AT_ONCE] > _SEVERAL_AT_ONCE:
         _pass_over(before, runs, i)
 
 
@@ -331,7 +331,7 @@ def end_step(scene, reached_stop, history, control, runs, i):
     """End a step: check the limits of the run, and count its periods."""
     if runs[i, OUTCOME] != CONTINUES:
         return
-    if runs[i, SWITCHES_AT_ONCE] > _MOST_SWITCHES_AT_ONCE:
+    if runs[i, EVENTS_AT_ONCE] > _MOST_EVENTS_AT_ONCE:
         fail(runs, i, _CHATTER)
     elif runs[i, EVALUATIONS] > control.max_evaluations:
         fail(runs, i, _TOO_MANY_EVALUATIONS)

@@ -14,7 +14,7 @@ Queue = NDArray[np.int64]
 
 
 def new_queue(waiting: int, threads: int) -> Queue:
-    """What kernels of all ``threads`` share, shape (2,): next row, and a thread's fair share."""
+    """Return what all ``threads`` share, shape (2,): next row, and a thread's fair share."""
     return np.array([0, -(-waiting // threads)], dtype=np.int64)
 
 
@@ -38,5 +38,5 @@ def next_in(queue):
 
 @kernel
 def fair_share(queue):
-    """How many parameter sets a thread may have under way, so that others find some, too."""
+    """Return how many sets a thread may have under way, so that others find some, too."""
     return queue[1]

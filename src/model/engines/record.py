@@ -22,7 +22,7 @@ _WORKING = (
     "stop",  # end of the present excitation period, or the deadline
     "periods",  # excitation periods completed
     "sticking_time",
-    "switches_at_once",  # without time passing between them
+    "events_at_once",  # without time passing between them
     "row_of_batch",
 )
 _COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)
@@ -44,11 +44,11 @@ TAU_CORNERS_INSIDE = column("tau_corners_inside")
 TILT_AT_ALIGNMENT = column("tilt_at_alignment")
 TILT_MAX = column("tilt_max")
 FORCE_MAX = column("contact_force_max")
-SEPARATIONS = column("separations")
+LIFT_OFFS = column("separations")
 EVALUATIONS = column("rhs_evaluations")
 STEPS = column("steps")
 REJECTED = column("rejected")
-SWITCHES = column("events")
+EVENT_COUNT = column("events")
 SETTLED_PERIOD = column("period")
 TRACKED = column("tracked")
 NEXT_STEP = column("next_step")
@@ -57,7 +57,7 @@ DEADLINE = column("deadline")
 STOP = column("stop")
 PERIODS = column("periods")
 STICKING_TIME = column("sticking_time")
-SWITCHES_AT_ONCE = column("switches_at_once")
+EVENTS_AT_ONCE = column("events_at_once")
 ROW_OF_BATCH = column("row_of_batch")
 _STICKING_SHARE = column("sticking_share")
 

@@ -1,6 +1,6 @@
-"""What the levels of events are functions of, and the level functions themselves.
+"""Level functions of events, and the quantities of which they are functions.
 
-A level is positive while a mode holds, and its event happens where it falls through zero. It takes
+A level is positive while a mode holds, and its event is its down-crossing of zero. It takes
 the quantities of one source (places of edges and corners, or one contact's depth, load and place)
 and is a constant plus multiples of them, or of the absolute value of one: the batch engine bounds
 and searches levels by that. A level does not branch on the mode; where it has another form in other

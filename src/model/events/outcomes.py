@@ -1,10 +1,10 @@
-"""How a run can end, why, and what to do about it."""
+"""Outcomes of runs, their reasons, and their remedies."""
 
 from enum import IntEnum
 
 
 class Outcome(IntEnum):
-    """How a run ended; the values are the flags stored in datasets."""
+    """Outcome of a run; the values are the flags stored in datasets."""
 
     ALIGNED = 0
     SETTLED = 1
@@ -14,7 +14,7 @@ class Outcome(IntEnum):
 
 
 class Reason(IntEnum):
-    """How a run left the scene, why it failed, or that it reached the horizon in chaotic motion.
+    """Reason for leaving the scene or for failure, or sensitive dependence up to the horizon.
 
     NONE where there is nothing to add to the outcome.
     """
@@ -87,5 +87,5 @@ _REMEDY_OF_REASON: dict[Reason, str] = {
 
 
 def remedy(outcome: Outcome, reason: Reason) -> str:
-    """What to do about a run that ended like this."""
+    """Return what the user can do about a run with this outcome and reason."""
     return _REMEDY_OF_REASON.get(reason, _REMEDY_OF_OUTCOME[outcome])

@@ -1,6 +1,6 @@
 """The table of events: the one place that states where a mode of contact ends, and what follows.
 
-An event happens where its level falls through zero. Everything that works on events is made from
+An event happens at a down-crossing of its level. Everything that works on events is made from
 this table: sampling and location of both engines, closest approaches of the periodic steady state,
 and the mode or the end that follows. To add a contact, add its law to the physics, and to the table
 the events that begin it, end it and change its friction.
@@ -42,7 +42,7 @@ class Event:
         name: of the event.
         source: quantities of which its level is a function.
         level: cases (applies, level): where ``applies(p, mode)`` holds, the event happens as
-            ``level(quantities, p, mode)`` falls through zero. A level of four quantities is the
+            ``level(quantities, p, mode)`` crosses zero downward. A level of four quantities is the
             largest of them.
         follow: (time, q, p, mode, declared) -> (mode, outcome, reason).
         adjust: (q, p, mode) -> state in which the next mode begins; by default the event's own.

@@ -111,7 +111,7 @@ def test_a_function_that_starts_on_its_zero_and_rises_does_not_switch_there(loca
     assert (which, theta) == (OVERTURNED, pytest.approx(0.1, abs=ROUNDING))
 
 
-def test_a_function_that_starts_on_its_zero_and_falls_switches_at_once(locate):
+def test_a_function_that_starts_on_its_zero_and_falls_events_at_once(locate):
     which, theta = locate(with_roots(0.0, 2.0))
     assert (which, theta) == (OVERTURNED, 0.0)
 

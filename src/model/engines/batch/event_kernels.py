@@ -60,17 +60,17 @@ class Watched:
 
     @cached_property
     def only_in_flight(self) -> bool:
-        """Whether it applies only where no edge is under the face."""
+        """True if it applies only where no edge is under the face."""
         return all(mode.face == OPEN for mode in self.modes)
 
     @cached_property
     def only_beside(self) -> bool:
-        """Whether it applies only where A2 is behind the side face."""
+        """True if it applies only where A2 is behind the side face."""
         return all(mode.side != OPEN for mode in self.modes)
 
     @cached_property
     def is_partial(self) -> bool:
-        """Whether lanes do not hold all of its quantities, and cannot tell by themselves."""
+        """True if lanes do not hold all of its quantities: the reference engine then decides."""
         return any(not form.is_known for case in self.cases for form in case.forms)
 
 

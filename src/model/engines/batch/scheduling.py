@@ -39,6 +39,7 @@ from model.engines.queue import fair_share, next_in
 from model.engines.record import (
     DEADLINE,
     EVALUATIONS,
+    EVENTS_AT_ONCE,
     MODE,
     NEXT_STEP,
     OUTCOME,
@@ -46,7 +47,6 @@ from model.engines.record import (
     SIZE,
     STATE,
     STOP,
-    SWITCHES_AT_ONCE,
     TIME,
     TOLERANCE,
     constants_of,
@@ -178,7 +178,7 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
         keep_state(state_at(theta, w, lane), runs, i)
         step = w[workspace.LENGTH * WIDTH + lane]
         make_event(which, theta * step, step, scene, control, runs, i)
-        if runs[i, SWITCHES_AT_ONCE] == 0.0:
+        if runs[i, EVENTS_AT_ONCE] == 0.0:
             runs[i, NEXT_STEP] *= MOST_GROWTH
         end_step(scene, False, history, control, runs, i)
 

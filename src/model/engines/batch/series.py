@@ -27,8 +27,8 @@ from model.physics.trigonometry import sine_cosine
 # operation on others.
 Constant = float | tuple[Any, ...]
 
-# The constants that are no switches of readings, as their rows in a record; the signs of the slips
-# stand behind them.
+# Columns of the constants that choose no variant of the equations; the signs of the slips stand
+# behind them.
 CONSISTENT = np.array(
     [row for row, name in enumerate(Constants._fields) if not name.startswith("printed_")]
 )

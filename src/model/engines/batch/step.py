@@ -238,7 +238,7 @@ def find_combined(events, which, candidates, w):
 
 @inlined_kernel
 def enter_lowest(events, which, w, i):
-    """Enter how low a level comes up to the end of each subinterval; NEVER where it leaves zero."""
+    """Enter the lowest samples up to each subinterval's end; NEVER if the level leaves zero."""
     at, node = (events.lowest + which) * WIDTH + i, events.count * WIDTH
     g = _samples_of(events, which, w, i)
     second = min(g[1], g[2])

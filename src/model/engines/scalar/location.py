@@ -184,7 +184,7 @@ def _instant(events, which, f_low, low, high, time, h, y, dense, p, mode):
 
 @inlined_kernel
 def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
-    """Place where level ``which`` falls through zero between nodes ``i`` - 1 and ``i``, if it does.
+    """Place of a down-crossing of level ``which`` between nodes ``i`` - 1 and ``i``, or NO_EVENT.
 
     A sampled minimum at node ``i`` is followed to both sides.
     """

@@ -12,7 +12,7 @@ CAUTION, MOST_GROWTH, LEAST_GROWTH, LEAST_SHRINKING = 0.8, 5.0, 0.3, 0.1
 
 @inlined_kernel
 def is_too_short(h, time):
-    """Whether a step is below the resolution of time."""
+    """Return whether a step is below the resolution of time."""
     return h <= 1e-14 * max(1.0, time)
 
 
@@ -38,7 +38,7 @@ def rates_of(time, q, p, mode):
 
 @kernel
 def are_finite(rates):
-    """Whether no rate is infinite or not a number."""
+    """Return whether no rate is infinite or not a number."""
     return isfinite(rates.x + rates.y + rates.tilt + rates.x_rate + rates.y_rate + rates.tilt_rate)
 
 
