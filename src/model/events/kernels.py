@@ -6,6 +6,9 @@ from functools import cache
 from itertools import groupby
 from typing import Any, NamedTuple
 
+from numba.core import types
+from numba.extending import typeof_impl
+
 from model.events import levels
 from model.events.kernel_set import KernelSet, generated
 from model.events.table import EVENTS, Event, Source, Table
@@ -26,9 +29,23 @@ class SceneKernels(NamedTuple):
     events: Any
 
 
+@cache
+def _scene_type(events: Any) -> Any:
+    declared = [types.boolean] * len(Declared._fields)
+    return types.NamedTuple(
+        [types.NamedUniTuple(declared[0], len(declared), Declared), events], SceneKernels
+    )
+
+
+@typeof_impl.register(SceneKernels)
+def _type_of(scene: SceneKernels, _context: Any) -> Any:
+    return _scene_type(scene.events.type)  # numba builds it anew at every call, in 0.1 ms
+
+
 def in_kernels(scene: Scene) -> SceneKernels:
     """Return the scene in the form that kernels take."""
-    return SceneKernels(scene.declared, kernels_of(scene.events or EVENTS))
+    events = kernels_of(scene.events) if scene.events else ALIGNMENT_EVENTS
+    return SceneKernels(scene.declared, events)
 
 
 def python_of(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -289,6 +289,13 @@ def vector_kernels_of(table: Table) -> KernelSet:
     return KernelSet(f"{base.name}-lanes", base.members | write.members | numbers, write.sources)
 
 
+@cache
+def _alignment_kernels() -> KernelSet:
+    """Kernels of the alignment scene, without a look through its table at every call."""
+    return vector_kernels_of(EVENTS)
+
+
 def in_vector_kernels(scene: Scene) -> SceneKernels:
     """Return the scene in the form that the kernels of the batch engine take."""
-    return SceneKernels(scene.declared, vector_kernels_of(scene.events or EVENTS))
+    events = vector_kernels_of(scene.events) if scene.events else _alignment_kernels()
+    return SceneKernels(scene.declared, events)
