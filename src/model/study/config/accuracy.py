@@ -8,11 +8,14 @@ from model.study.config.base import Strict, check_rising, parameter_names
 
 
 class Range(Strict):
-    """How one parameter is drawn: log-uniform from low to high, or 0 in a share of the sets."""
+    """Distribution of one parameter: log-uniform from low to high, or 0 in a share of the sets."""
 
     low: float = Field(gt=0.0)
+    """Smallest value drawn, > 0."""
     high: float
+    """Largest value drawn, above ``low``."""
     zero: float = Field(default=0.0, ge=0.0, lt=1.0)
+    """Share of the sets in which the parameter is 0."""
 
     @model_validator(mode="after")
     def _is_a_range(self) -> "Range":
@@ -20,24 +23,33 @@ class Range(Strict):
         return self
 
     def holds(self, value: float) -> bool:
-        """Whether sets with this value, or with values on both sides of it, can be drawn."""
+        """Return whether sets with this value, or with values on both sides of it, can be drawn."""
         return self.low <= value <= self.high or (value == 0.0 and self.zero > 0.0)
 
 
 class SettledTrial(Strict):
-    """How many sets are drawn for the trial of settled runs, and how long they are run on."""
+    """Trial of settled runs: number of random sets, and length of the continued runs."""
 
     sets: int = Field(ge=1)
+    """Number of random sets."""
     chunks: int = Field(ge=1, le=1000)
+    """Number of jobs that the sets are divided among."""
     longer: float = Field(gt=1.0)
+    """Horizons for which a settled run is continued."""
 
 
 class Accuracy(Strict):
-    """The law by which the integrator's accuracy is tried on random sets; see accuracy.py."""
+    """Trials of the integrator's accuracy on random sets; see verification/accuracy.py."""
 
     seed: int = Field(ge=0)
+    """Seed of the random draws."""
     horizon: float = Field(gt=0.0)
+    """Latest time τ of a run."""
     sets: int = Field(ge=1)
+    """Number of random sets that are compared with a tight run and the independent solution."""
     chunks: int = Field(ge=1, le=1000)
+    """Number of jobs that the sets are divided among."""
     settled: SettledTrial
+    """Trial of the runs that end as settled."""
     ranges: Annotated[dict[str, Range], AfterValidator(parameter_names)]
+    """Distribution of each parameter that is drawn, by the parameter's name."""

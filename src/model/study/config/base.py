@@ -1,4 +1,4 @@
-"""What every section is made of: strict models, parameters' names and values, ranges."""
+"""Parts of every section: strict models, names and values of parameters, ranges."""
 
 import itertools
 from typing import Annotated, Any, TypeVar
@@ -12,7 +12,7 @@ PARAMETER_NAME = {"type": "string", "enum": list(PARAMETER_NAMES)}
 
 
 class ConfigError(ValueError):
-    """A configuration that breaks a rule; the message has one line for each fault."""
+    """Configuration that breaks a rule; the message has one line for each fault."""
 
 
 def parameter_name(name: str) -> str:
@@ -68,9 +68,15 @@ def check_power_of_two(name: str, value: int) -> None:
 
 
 class Strict(BaseModel):
-    """A section whose keys are all known, and whose values have their types."""
+    """A section that refuses unknown keys and values of another type."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        strict=True,
+        allow_inf_nan=False,
+        use_attribute_docstrings=True,  # as the descriptions of the schemas and the documentation
+    )
 
 
 def _by_parameter(value: dict[str, Any]) -> WithJsonSchema:
@@ -90,8 +96,11 @@ class Span(Strict):
     """A range of one parameter."""
 
     parameter: ParameterName
+    """Name of the parameter."""
     start: float
+    """Lower end of the range."""
     stop: float
+    """Upper end of the range, above ``start``."""
 
     @model_validator(mode="after")
     def _is_a_range(self) -> "Span":
@@ -103,19 +112,22 @@ class Axis(Span):
     """Equidistant values of one parameter, both ends included."""
 
     count: int = Field(ge=2)
+    """Number of values, both ends included."""
 
     @property
     def values(self) -> list[float]:
-        """The values, rounded to 12 digits so that decimal steps read as decimals."""
+        """Values, rounded to 12 digits so that decimal steps read as decimals."""
         step = (self.stop - self.start) / (self.count - 1)
         return [float(f"{self.start + i * step:.12g}") for i in range(self.count)]
 
 
 class Family(Strict):
-    """Values of the parameter that tells the curves of a figure apart."""
+    """Values of the parameter that differs between the curves of a figure."""
 
     parameter: ParameterName
+    """Name of the parameter."""
     values: list[float] = Field(min_length=1)
+    """Distinct values, one curve for each."""
 
     @model_validator(mode="after")
     def _is_distinct(self) -> "Family":

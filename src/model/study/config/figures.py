@@ -1,4 +1,4 @@
-"""The figures of the paper and the maps beside them: what each holds, sweeps and is called.
+"""Figures of the paper and further maps: titles, parameters held and parameters varied.
 
 A new figure is named in a tuple below, and stated under ``figures`` in config/config.yaml.
 """
@@ -28,41 +28,54 @@ LARGEST_MISALIGNMENT = "largest_misalignment"  # the map that is not one of outc
 
 
 class FigureBase(Strict):
-    """Wording of a figure, and what differs from the operating point."""
+    """Wording of a figure, and its parameters that differ from the operating point."""
 
     title: Text
+    """Title of the figure."""
     caption: Text
+    """Caption: the paper's statement on the figure."""
     held: ParameterValues = Field(default_factory=dict)
+    """Parameters held at other values than the operating point's."""
 
 
 class Schematic(FigureBase):
     """A drawing of the model (Figs. 1 to 4)."""
 
     kind: Literal["schematic"]
+    """Kind of the figure: a drawing, nothing is computed."""
 
 
 class History(FigureBase):
     """One trajectory over time (Fig. 5)."""
 
     kind: Literal["history"]
+    """Kind of the figure: one trajectory over time."""
 
 
 class Curves(FigureBase):
     """Alignment duration over one parameter, a curve for each value of another (Figs. 6 to 12)."""
 
     kind: Literal["curves"]
+    """Kind of the figure: alignment time over one parameter."""
     swept: Axis
+    """Parameter along each curve."""
     family: Family
+    """Parameter that differs between curves."""
     chunks: int = Field(ge=1, le=64)
+    """Number of jobs that the points are divided among."""
 
 
 class Map(FigureBase):
     """Outcome and duration over two parameters (Figs. 13 and 14)."""
 
     kind: Literal["map"]
+    """Kind of the figure: outcome and alignment time over two parameters."""
     x: Axis
+    """Parameter along the horizontal axis."""
     y: Axis
+    """Parameter along the vertical axis."""
     chunks: int = Field(ge=1, le=64)
+    """Number of jobs that the points are divided among."""
 
 
 FigureSpec = Annotated[Schematic | History | Curves | Map, Discriminator("kind")]
@@ -78,15 +91,20 @@ class Plane(FigureBase):
     """A map over two parameters that is not a figure of the paper."""
 
     x: Span
+    """Parameter along the horizontal axis."""
     y: Span
+    """Parameter along the vertical axis."""
 
 
 class Ensemble(Strict):
-    """The starts that a part must align from to count as reliable; see maps.py."""
+    """Initial conditions from which a reliable part aligns, all of them; see maps.py."""
 
     phases: int = Field(ge=1)
+    """Number of equidistant phases of the excitation at touch-down."""
     tilts: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
+    """Initial tilts, in units of the device's ``initial_tilt``."""
     every: int = Field(ge=1)
+    """Spacing of the ensemble's lattice in cells of the map, a power of two."""
 
     @model_validator(mode="after")
     def _can_be_halved(self) -> "Ensemble":
@@ -95,10 +113,12 @@ class Ensemble(Strict):
 
 
 class Resolution(Strict):
-    """Finest cells along a side of a map, a power of two: of the paper's, and of the others."""
+    """Finest cells along a side of a map, powers of two."""
 
     figures: int = Field(ge=2, le=8192)
+    """Finest cells along a side of the paper's maps."""
     planes: int = Field(ge=2, le=8192)
+    """Finest cells along a side of the other maps."""
 
     @model_validator(mode="after")
     def _can_be_halved(self) -> "Resolution":
@@ -108,14 +128,20 @@ class Resolution(Strict):
 
 
 class Maps(Strict):
-    """Maps that follow their boundary: those of the paper over their figures' ranges, and more."""
+    """Maps refined along their boundary: over the ranges of the paper's figures, and others."""
 
     resolution: Resolution
+    """Finest cells along a side."""
     chunks: int = Field(ge=1, le=64)
+    """Number of jobs that a map is divided among."""
     ensemble: Ensemble
+    """Initial conditions of the test for reliable alignment."""
     planes: dict[str, Plane]
+    """Maps that are not in the paper, by name."""
     largest_misalignment: Plane
+    """Map of the largest misalignment up to which every one aligns."""
     trials: int = Field(ge=2)
+    """Misalignments tried at each node before the first failure is bisected."""
 
     @model_validator(mode="after")
     def _names_are_new(self) -> "Maps":

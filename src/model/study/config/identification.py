@@ -9,7 +9,7 @@ from model.study.config.accuracy import Range
 from model.study.config.base import ParameterValues, Strict, Tolerance, parameter_names
 from model.study.config.figures import COMPUTED, HISTORIES
 
-# What is searched of the structure; see identification/candidate.py.
+# Searched parameters of the structure; see identification/candidate.py.
 SEARCHED = (
     "half_width",
     "half_height",
@@ -22,27 +22,31 @@ SEARCHED = (
 
 
 class Pool(Strict):
-    """The first samples of a search: structures, and operating points tried with each of them."""
+    """First samples of a search: structures, and operating points tried with each of them."""
 
     structures: int = Field(ge=1)
+    """Number of structures drawn."""
     operating_points: int = Field(ge=1)
+    """Number of operating points of each figure tried with each structure."""
     chunks: int = Field(ge=1, le=1000)
+    """Number of jobs that the structures are divided among."""
 
 
 class Evolution(Strict):
-    """How far a search is carried on from its first samples.
-
-    A population of structures evolves; with each structure ``trials`` operating points of every
-    figure are tried. Then, with the ``polished`` best structures, ``polish`` more in each of
-    ``passes``.
-    """
+    """One round of a search: evolution of structures, then refinement of operating points."""
 
     population: int = Field(ge=5)
+    """Number of structures in the evolving population."""
     generations: int = Field(ge=1)
+    """Number of generations."""
     trials: int = Field(ge=2)
+    """Operating points of each figure tried with each structure."""
     polished: int = Field(ge=1)
+    """Number of best structures whose operating points are refined."""
     passes: int = Field(ge=1)
+    """Number of passes of the refinement."""
     polish: int = Field(ge=2)
+    """Operating points of each figure tried in each pass."""
 
 
 Counts = dict[str, Annotated[int, Field(ge=4)]]
@@ -50,33 +54,30 @@ Ranges = Annotated[dict[str, Range], Field(min_length=1)]
 
 
 class SearchLaw(Strict):
-    """What is searched, and what is looked at; see identification/candidate.py.
-
-    Attributes:
-        seed: of every draw.
-        horizon: latest time of the search's runs.
-        tolerance: of the search's runs, each of which is run once.
-        counts: values along each axis of a figure with a grid; other figures are not computed.
-        run_counts: values along the axis of each of the claims' own runs that are computed.
-        structure: ranges of what all figures share.
-        stated: what the paper says of a figure's operating point.
-        operating_points: ranges of what it leaves open, by figure.
-        set_aside: claims that do not count in the score, with the reason.
-        required: claims that a figure must show, by figure.
-        goal: margin from which more of it is worth little.
-    """
+    """Searched parameters and the score of a set; see identification/candidate.py."""
 
     seed: int = Field(ge=0)
+    """Seed of the random draws."""
     horizon: float = Field(gt=0.0)
+    """Latest time τ of the search's runs."""
     tolerance: Tolerance
+    """Local error of a step of the search's runs, each of which is run once."""
     counts: Counts
+    """Values along each axis of each figure with a grid; other such figures are not computed."""
     run_counts: dict[str, Annotated[int, Field(ge=2)]]
+    """Values along the swept axis of each run of the claims that is computed."""
     structure: Ranges
+    """Ranges of the parameters that all figures share."""
     stated: dict[str, ParameterValues]
+    """Values that the paper states of a figure's operating point, by figure."""
     operating_points: dict[str, Annotated[Ranges, AfterValidator(parameter_names)]]
+    """Ranges of the unstated values of an operating point, by figure."""
     set_aside: dict[str, str]
+    """Claims that do not count in the score, each with the reason."""
     required: dict[str, list[str]]
+    """Claims that a figure must reproduce, by figure."""
     goal: float = Field(gt=0.0, lt=1.0)
+    """Margin above which a larger margin adds little to the score."""
 
     @model_validator(mode="after")
     def _names_figures(self) -> "SearchLaw":
@@ -94,39 +95,34 @@ class SearchLaw(Strict):
 
 
 class Identification(Strict):
-    """How unstated parameters are identified, and how much is spent on it.
-
-    Attributes:
-        law: what is searched.
-        pool: the first samples under the study's reading.
-        rounds: of each search over all claims.
-        starts: searches over all claims, which draw differently.
-        known: sets found before, by unknown, that the last of these sets out from as well.
-        finer: how many of the best are judged again, with three times the values along each axis;
-            of these are the admissible sets.
-        final: how many of the best of these are judged on the study's own grids, where the one that
-            shows most is the study's device.
-        finer_each: how many of each search over half of the claims, and of each reading's.
-        half: rounds of each search over half of the claims.
-        splits: how often the claims are halved.
-        admissible: how many claims fewer than the best an admissible set may reproduce.
-        reading_counts: as the law's, in the searches under each reading.
-        reading_rounds: of each reading's search, the consistent one's again.
-    """
+    """Identification of unstated parameters: searches, their effort, and the admissible sets."""
 
     law: SearchLaw
+    """Parameters that are searched, and their score."""
     pool: Pool
+    """First samples, under the study's variant of the equations."""
     rounds: Annotated[list[Evolution], Field(min_length=1)]
+    """Rounds of each search over all claims."""
     starts: int = Field(ge=1)
+    """Number of searches over all claims, each with its own random draws."""
     known: dict[str, dict[str, float]]
+    """Sets found before, from which the last of these searches starts too, by name."""
     finer: int = Field(ge=1)
+    """Number of best sets judged again with three times the values along each axis."""
     final: int = Field(ge=1)
+    """Number of best of these that are judged on the study's own grids."""
     finer_each: int = Field(ge=1)
+    """As ``finer``, for each search over half of the claims and for each variant."""
     half: Annotated[list[Evolution], Field(min_length=1)]
+    """Rounds of each search over half of the claims."""
     splits: int = Field(ge=1)
+    """Number of random halvings of the claims."""
     admissible: int = Field(ge=0)
+    """Claims fewer than the best set's that an admissible set may reproduce."""
     reading_counts: Counts
+    """As ``law.counts``, in the searches under each variant of the equations."""
     reading_rounds: Annotated[list[Evolution], Field(min_length=1)]
+    """Rounds of the search under each variant of the equations."""
 
     @model_validator(mode="after")
     def _same_figures(self) -> "Identification":

@@ -10,27 +10,37 @@ from model.study.config.figures import GRIDDED
 
 
 class Case(Strict):
-    """One operating point at which methods are compared, from a figure of the study.
+    """Operating point at which methods are compared, from a figure of the study.
 
-    Without ``until`` it aligns, and the error is that of the alignment time; with it, the error is
-    that of the state at τ = ``until``, which must come before any alignment.
+    Without ``until`` the part must align, and the error is the alignment time's; with it, the error
+    is the state's at τ = ``until``, before any alignment.
     """
 
     title: Text
+    """Title of the case."""
     reason: Text
+    """Reason for the choice of the case."""
     figure: str
+    """Figure whose operating point the case takes."""
     at: ParameterValues
+    """Parameters at other values than the figure's."""
     until: float | None = Field(default=None, gt=0.0)
+    """Time τ at which the states are compared; null to compare alignment times."""
 
 
 class Ladder(Strict):
-    """How finely each method is run: tolerances of the adaptive ones, steps of the others."""
+    """Tolerances of the adaptive methods, steps of the others, and the reference solution."""
 
     tolerances: list[float] = Field(min_length=1)
+    """Tolerances of the adaptive methods, falling."""
     steps: list[float] = Field(min_length=1)
+    """Step lengths of the fixed-step methods, falling."""
     true_tolerance: Tolerance
+    """Tolerance of the reference solution, by the default method."""
     max_evaluations: int = Field(ge=1)
+    """Evaluations after which a compiled method ends its ladder."""
     max_evaluations_scipy: int = Field(ge=1)
+    """Evaluations after which a method of SciPy ends its ladder."""
 
     @model_validator(mode="after")
     def _gets_finer(self) -> "Ladder":
@@ -47,14 +57,14 @@ class Ladder(Strict):
 
 
 class FixedSteps(Strict):
-    """Figures computed anew with fixed steps, to count the points that come out wrong.
-
-    ``figures`` says of each how much of it: every n-th value along its axes.
-    """
+    """Figures computed anew with fixed steps, to count the points that come out wrong."""
 
     steps: list[float] = Field(min_length=1)
+    """Step lengths, falling."""
     tau_tolerance: float = Field(gt=0.0)
+    """Largest error of an alignment time that counts as right."""
     figures: dict[str, Annotated[int, Field(ge=1)]] = Field(min_length=1)
+    """Figures that are computed: every n-th value along each axis, by figure."""
 
     @model_validator(mode="after")
     def _can_be_run(self) -> "FixedSteps":
@@ -65,54 +75,65 @@ class FixedSteps(Strict):
 
 
 class Precision(Strict):
-    """The section on speed against error."""
+    """Section on speed against error."""
 
     cases: dict[str, Case] = Field(min_length=1)
+    """Cases that are compared, by name."""
     ladder: Ladder
+    """Tolerances and steps of the methods."""
     fixed_steps: FixedSteps
+    """Figures computed with fixed steps."""
 
 
 class HardCase(Strict):
-    """One scene that is hard to integrate, and how long it is run: the baseline but for ``at``.
-
-    ``max_evaluations`` takes the place of the section's for a case that is long by itself.
-    """
+    """Case that is hard to integrate: the baseline with other values, and the length of the run."""
 
     title: Text
+    """Title of the case."""
     at: ParameterValues
+    """Parameters at other values than the baseline's."""
     until: float = Field(gt=0.0)
+    """Time τ at which the run ends."""
     max_evaluations: int | None = Field(default=None, ge=1)
+    """Evaluations after which a method fails; null for the section's."""
 
 
 class StiffnessCases(Strict):
     """A case for each pair of stiffness and damping of the base."""
 
     stiffness: list[float] = Field(min_length=1)
+    """Stiffnesses k_a of the base."""
     damping: list[float] = Field(min_length=1)
+    """Dampings h_a of the base."""
     at: ParameterValues
+    """Parameters at other values than the baseline's."""
     until: float = Field(gt=0.0)
+    """Time τ at which the runs end."""
 
 
 class HardCases(Strict):
-    """The section on hard cases: every method on every case, and when its answer counts.
-
-    Adaptive methods run at ``tolerance``, the others with steps of ``step``. An answer is accurate
-    if it is off by no more than ``accurate``; a method is broken where it needs more evaluations
-    than it may.
-    """
+    """Section on hard cases: every method on every case, and the criteria for its answer."""
 
     tolerance: Tolerance
+    """Tolerance of the adaptive methods."""
     step: float = Field(gt=0.0)
+    """Step length of the fixed-step methods."""
     true_tolerance: Tolerance
+    """Tolerance of the reference solution."""
     accurate: float = Field(gt=0.0)
+    """Largest error of an accurate answer."""
     max_evaluations: int = Field(ge=1)
+    """Evaluations after which a compiled method counts as broken."""
     max_evaluations_scipy: int = Field(ge=1)
+    """Evaluations after which a method of SciPy counts as broken."""
     base: StiffnessCases
+    """Cases of stiff and damped bases."""
     cases: dict[str, HardCase] = Field(min_length=1)
+    """Further cases, by name."""
 
     @property
     def all_cases(self) -> dict[str, HardCase]:
-        """The cases by name: those of the base first, stiffness by stiffness."""
+        """Cases by name: those of stiff bases first, stiffness by stiffness."""
         found = {}
         for stiffness in self.base.stiffness:
             for damping in self.base.damping:

@@ -1,7 +1,7 @@
-"""JSON schemas of the configuration, which editors complete and check: ``make schema``.
+"""JSON schemas of the configuration, for completion and checks in editors: ``make schema``.
 
-``study.json`` is that of config.yaml and the sections beside it, each of which states some of the
-keys at the top. ``overlay.json`` is that of what is laid over them, such as smoke.yaml: no key is
+``study.json`` describes config.yaml and the sections beside it, each of which states some of the
+keys at the top. ``overlay.json`` describes files laid over them, such as smoke.yaml: no key is
 required.
 """
 
@@ -30,7 +30,10 @@ def _without(schema: Any, dropped: Collection[str]) -> Any:
         for name, value in schema.items()
         if name not in dropped
     }
-    return {"$ref": "#/$defs/ParameterName"} if kept == PARAMETER_NAME else kept
+    if kept.items() >= PARAMETER_NAME.items():
+        rest = {key: each for key, each in kept.items() if key not in PARAMETER_NAME}
+        return {"$ref": "#/$defs/ParameterName", **rest}
+    return kept
 
 
 def schemas() -> dict[str, str]:

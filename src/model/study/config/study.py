@@ -1,4 +1,4 @@
-"""The whole study: its sections as one, and the parameters that each figure, run and case holds."""
+"""The whole study: its sections, and the parameters of each figure, run and case."""
 
 from typing import Literal
 
@@ -24,11 +24,14 @@ from model.study.config.methods import HardCases, Precision
 
 
 class RunSettings(Strict):
-    """How every run of the study is computed."""
+    """Settings of every run of the study."""
 
     readings: Literal["consistent", "printed"] | dict[str, Literal["consistent", "printed"]]
+    """Variant of the equations, or the variant of each reading by its name."""
     horizon: float = Field(gt=0.0)
+    """Latest time τ of a run."""
     tolerance: Tolerance
+    """Local error of a step."""
 
     @model_validator(mode="after")
     def _readings_exist(self) -> "RunSettings":
@@ -39,7 +42,7 @@ class RunSettings(Strict):
 
     @property
     def settings(self) -> Settings:
-        """The form that ``simulate`` and ``align`` take."""
+        """Settings as ``simulate`` and ``align`` take them."""
         if isinstance(self.readings, dict):
             readings = Readings(**self.readings)
         else:
@@ -51,17 +54,29 @@ class Study(Strict):
     """The whole study; see config/."""
 
     results_root: Text
+    """Folder of the results."""
     settings: RunSettings
+    """Settings of every run."""
     structure: ParameterValues
+    """Parameters of the device."""
     operating_point: ParameterValues
+    """Default values of the parameters that figures vary."""
     figures: dict[str, FigureSpec]
+    """Figures of the paper, fig01 to fig14."""
     maps: Maps
+    """Stability maps."""
     accuracy: Accuracy
+    """Trials of the integrator's accuracy on random sets."""
     precision: Precision
+    """Comparison of the methods' cost against their error."""
     identification: Identification
+    """Identification of the parameters that the paper leaves unstated."""
     hard_cases: HardCases
+    """Comparison of the methods on cases that are hard to integrate."""
     claims_runs: dict[str, ClaimRun]
+    """Curves that only the claims need, by name."""
     contact_stiffness: ContactStiffness
+    """Dependence of figures on the stiffness and damping of the base."""
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
@@ -79,15 +94,15 @@ class Study(Strict):
 
     @property
     def baseline(self) -> Parameters:
-        """The device at its default operating point."""
+        """Device at its default operating point."""
         return Parameters(**self.structure, **self.operating_point)
 
     def parameters(self, figure: str) -> Parameters:
-        """What a figure holds, before it sweeps anything."""
+        """Return the parameters of a figure, without those that it varies."""
         return self.baseline.replace(**self.figures[figure].held)
 
     def plane(self, name: str) -> Plane | Map:
-        """A map's ranges and wording: a figure's, one of ``maps.planes``, "largest_misalignment".
+        """Return a map's ranges and wording: a figure, a plane, or "largest_misalignment".
 
         Raises:
             ValueError: no map of that name.
@@ -105,12 +120,12 @@ class Study(Strict):
         return *MAPS, *self.maps.planes, LARGEST_MISALIGNMENT
 
     def claim_parameters(self, name: str) -> Parameters:
-        """What a run of the claims ledger holds, before it sweeps anything."""
+        """Return the parameters of a run of the claims, without those that it varies."""
         run = self.claims_runs[name]
         parameters = self.parameters(run.figure)
         return parameters.replace(**run.changes(parameters.half_width, parameters.clearance))
 
     def case(self, name: str) -> Parameters:
-        """The operating point of a case: what its figure holds, and what the case adds."""
+        """Return the operating point of a case: its figure's, with the case's own values."""
         case = self.precision.cases[name]
         return self.parameters(case.figure).replace(**case.at)
