@@ -95,7 +95,7 @@ workflow: environment
 	$(call check,snakemake --lint)
 
 unit: environment
-	$(call check,pytest)
+	$(call check,pytest --numprocesses $(CORES) --dist loadgroup --no-loadscope-reorder)
 
 export-test: environment-export
 	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/tracking/test_export.py

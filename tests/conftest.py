@@ -9,14 +9,29 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model import Batch, Parameters, Readings
+from model import Batch, Parameters, Readings, align, simulate
 from model.physics.parameters import Constants
-from model.study.config import Curves, Family, Map, Study, load_study, study_path
+from model.study.config import Curves, Family, Map, Study, baseline, load_study, study_path
 from model.study.datasets import write_dataset
 from model.tracking.invocation import Invocation
 from model.tracking.provenance import INVOCATION, Job
 
 CONSISTENT = Readings.consistent()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile the kernels once where several processes share the tests, before they start."""
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        simulate(baseline(), horizon=0.1)
+        align([baseline()], horizon=0.1)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give each file to one process, since its tests share fixtures, and begin with the longest."""
+    for item in items:
+        shared = item.path.stem in ("test_workflow", "test_nothing_lost")  # the fixture `built`
+        item.add_marker(pytest.mark.xdist_group("built" if shared else str(item.path)))
+    items.sort(key=lambda item: item.path.parent.name != "workflow")
 
 
 @pytest.fixture(autouse=True)
