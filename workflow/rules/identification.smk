@@ -14,6 +14,8 @@ identified_pictures = [
     root / place for place in (IDENTIFIED_PICTURES.values() if identified_tables else [])
 ]
 
+banded = space_of(study).only(CURVES)  # the curves that it computes
+
 job(
     "draw_identification",
     dict(pictures=pictures(root / "figures/identified_{picture}")),
@@ -31,7 +33,7 @@ job(
     "identified_bands",
     dict(data=root / "data/identified_bands.csv"),
     dict(**after_kernels, tables=identified_tables),
-    dict(space=space_of(study).only(CURVES)),
+    dict(space=banded),
     message="identification: the admissible sets on the curves of Figs. 6 to 12",
 )
 
@@ -40,7 +42,7 @@ job(
     dict(pictures=pictures(root / "figures/identified_bands")),
     dict(
         bands=root / "data/identified_bands.csv",
-        curves=expand(root / "data/{figure}.nc", figure=CURVES),
+        curves=expand(root / "data/{figure}.nc", figure=banded.figures),
     ),
     message="identification: drawing the bands",
 )
