@@ -30,7 +30,7 @@ def facts(packages: Sequence[str]) -> dict[str, object]:
 
 
 def processor() -> str:
-    """The processor's name, as the system tells it."""
+    """Name of the processor, from the operating system."""
     info = Path("/proc/cpuinfo")
     if info.is_file():
         for line in info.read_text(encoding="utf-8").splitlines():

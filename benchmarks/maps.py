@@ -29,7 +29,7 @@ class Comparison:
     Attributes:
         figure, cells: which map, and its finest cells along a side.
         computed: share of the nodes that the refined map computes.
-        failed: nodes whose run failed on the full grid, so that nothing is known of them.
+        failed: nodes whose run failed on the full grid, which are not compared.
         wrong: other nodes in another area than on the full grid.
         flagged: share that the refined map flags for lying beside a border.
         wrong_unflagged: wrong nodes that it does not flag.

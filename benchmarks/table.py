@@ -40,7 +40,7 @@ def rows(
 ) -> list[Row]:
     """A row for each cost, fastest first in every problem and target, then the settings missed.
 
-    Problems and targets stand in the order of ``order``. The reference of the ratios is the first
+    Problems and targets are in the order of ``order``. The reference of the ratios is the first
     of ``costs`` with the same problem and target.
     """
     reference: dict[tuple[str, float], float] = {}

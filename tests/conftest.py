@@ -60,7 +60,7 @@ def device() -> Parameters:
 
 @pytest.fixture(scope="session")
 def constants() -> Callable[..., Constants]:
-    """What kernels compute with: ``constants(parameters, readings)``."""
+    """Constants that kernels take: ``constants(parameters, readings)``."""
 
     def make(parameters: Parameters, readings: Readings = CONSISTENT) -> Constants:
         return Constants(*Batch.stack([parameters]).constants(readings)[0].tolist())
@@ -148,7 +148,7 @@ class RecordedStudy:
         path.write_text(text, encoding="utf-8")
 
     def merge(self, shift: float = 0.0, figure: str = "fig06", **facts: Any) -> None:
-        """What the job "merge" of a figure leaves."""
+        """Files that the job "merge" of a figure leaves."""
         self.log(f"merge/{figure}")
         path = self.root / "data" / f"{figure}.nc"
         job = Job("merge", figure)
@@ -157,7 +157,7 @@ class RecordedStudy:
         job.finish(path.with_suffix(".run.json"), [path], **stated)
 
     def compare(self, seconds: str = "") -> None:
-        """What a job leaves that writes into two folders."""
+        """Files that a job leaves in two folders."""
         data, times = self.root / "data/precision.nc", self.root / "benchmarks/precision.csv"
         times.parent.mkdir(parents=True, exist_ok=True)
         job = Job("precision")
@@ -166,7 +166,7 @@ class RecordedStudy:
         job.finish(data.with_suffix(".run.json"), [data, times])
 
     def claims(self) -> None:
-        """What a job leaves whose output stands in the results root itself."""
+        """Files of a job whose output is in the results root itself."""
         job, path = Job("claims"), self.root / "claims.csv"
         path.write_text("id,verdict\nF6a,reproduced\n", encoding="utf-8")
         data = sorted((self.root / "data").glob("fig*.nc"))
@@ -180,7 +180,7 @@ class RecordedStudy:
         job.finish(path.with_suffix(".run.json"), [path])
 
     def fail(self, run: str, text: str) -> None:
-        """What a job leaves that raises: a log, and nothing else."""
+        """Files of a job that raises: a log, and nothing else."""
         self.log(run, text)
         for path in self.root.glob("**/*.run.json"):
             if json.loads(path.read_text(encoding="utf-8"))["run"] == run:

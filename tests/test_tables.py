@@ -109,7 +109,7 @@ def extended(folder: Path) -> Path:
 
 
 def told(source: Path, script: str, **environment: str) -> Any:
-    """What ``script`` prints, which is JSON, with ``source`` in place of the package."""
+    """JSON that ``script`` prints, with ``source`` in place of the package."""
     run = subprocess.run(
         [sys.executable, "-c", script],
         cwd=PROJECT,

@@ -1,6 +1,6 @@
-"""Verification: how far the package's results can be trusted, and what other methods cost.
+"""Verification of the package's results, and comparison with other methods.
 
-Not in the wheel. It uses the package ``model``, never the other way round; ``benchmarks`` uses it.
+Not in the wheel. It imports the package ``model``, which never imports it; ``benchmarks`` uses it.
 
 - ``problems``, ``methods``: problems to integrate, and methods that integrate them
 - ``work_precision``: cost against true error on the study's cases (section of the report)

@@ -1,9 +1,9 @@
 """Accuracy of the integrator on random sets: the campaign behind `make accuracy`.
 
-Two trials draw parameter sets by the law in the configuration. "error" compares every alignment
-time and its ``tau_error`` with a run at a tolerance of 1e-13 and with the independent solution,
-and every way of leaving the scene with the latter; "settled" runs every set that ended as settled
-on to several times the horizon. Tables are CSV.
+Two trials draw parameter sets from the distributions in the configuration. "error" compares every
+alignment time and its ``tau_error`` with a run at a tolerance of 1e-13 and with the independent
+solution, and every way of leaving the scene with the latter; "settled" continues every run that
+ended as settled to several times the horizon. Tables are CSV.
 """
 
 import csv
@@ -27,9 +27,9 @@ from verification.trials import Trial
 
 Table = dict[str, NDArray[Any]]
 
-TIGHT = 1e-13  # the tolerance of the run taken for true
+TIGHT = 1e-13  # tolerance of the run taken as the truth
 ACCURATE = 1e-8  # accuracy wanted of a regular alignment time
-_AFTER = 1.0  # how long after the run's end the independent solution may still end
+_AFTER = 1.0  # time after the run's end within which the independent solution may end
 # Names of the ways of leaving the scene in the independent solution.
 _LEAVING = {
     Reason.MOVED_AWAY: ("face far", "right wall"),  # a wall's name for all that comes down beside
@@ -43,7 +43,7 @@ _UNBOUNDED = 2_000_000_000  # evaluations: a trial is stopped by its horizon onl
 # Wanted of the difference of two runs as an estimate of one's error (decision 3): rarely too small,
 # hardly ever by a factor of ten, and not because it is large.
 _COVERED, _NEARLY_COVERED, _TOO_LARGE = 0.95, 0.999, 30.0
-# The farthest a settled motion may still go: a difference of 1e-3 that contracts by 0.98 a period.
+# Largest further motion of a settled run: a difference of 1e-3 that contracts by 0.98 a period.
 FARTHEST = 0.05
 
 
@@ -97,7 +97,7 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
 def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> tuple[int, bool]:
     """Return the outcome of the batch engine at the horizon, and whether the motion repeats.
 
-    It does if from ``since`` on every ``cycle`` has as many events and lift-offs as the first.
+    It repeats if from ``since`` on every ``cycle`` has as many events and lift-offs as the first.
     """
     from_here = since + 0.37 * cycle  # hardly ever at an event
     whole = int((settings.horizon - from_here) / cycle)
@@ -111,7 +111,7 @@ def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> t
 
 
 def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Table:
-    """Default runs, and how far those that settled still move in ``longer`` horizons.
+    """Return default runs, and the motion in ``longer`` horizons of those that settled.
 
     One run of the reference engine is followed and carried on, so that both take the same course.
     Through a chaotic transient that is another than the one of ``align``, and may settle later than
@@ -155,9 +155,9 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
 
 
 class Check(NamedTuple):
-    """One line of the summary: a quantity, its value, and the value wanted, if any.
+    """One line of the summary: a quantity, its value, and the required value, if any.
 
-    ``holds`` is None where nothing is wanted.
+    ``holds`` is None where nothing is required.
     """
 
     what: str
@@ -252,7 +252,7 @@ def _judge_leaving(table: Table) -> list[Check]:
 
 
 def is_wrong(table: Table) -> NDArray[np.bool_]:
-    """Return which sets ended as settled and aligned, left the scene, failed or moved later."""
+    """Return a mask of sets that ended as settled, but aligned, left, failed or moved later."""
     settled = table["outcome"] == Outcome.SETTLED
     near = np.nan_to_num(table["later_moved"], nan=math.inf) <= FARTHEST
     stays = (table["later_outcome"] == Outcome.HORIZON_REACHED) & (near | (table["repeats"] == 1))

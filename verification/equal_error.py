@@ -1,6 +1,6 @@
-"""Time at equal true error: the loosest tolerance that keeps a target, then the cost at it.
+"""Time at equal true error: the loosest tolerance that meets a target, and the cost at it.
 
-A setting that keeps a tighter target keeps a looser one: the lower of the two costs counts.
+A setting that meets a tighter target meets a looser one: the lower of the two costs counts.
 """
 
 import math
@@ -20,7 +20,7 @@ _SLOW = 4.0  # seconds; a call longer than this is timed once
 
 @dataclass(frozen=True)
 class Setting:
-    """A method at the loosest tolerance found; NaN where the target was not reached, with why."""
+    """A method at its loosest tolerance; NaN, with the reason, if the target was not reached."""
 
     method: Method
     problem: Problem

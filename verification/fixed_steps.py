@@ -28,8 +28,8 @@ def judged(
 ) -> NDArray[np.int8]:
     """Return ``Wrong`` of alignment times against those with event location; shapes broadcast.
 
-    Times are NaN where not aligned. Wrong is another outcome, aligned or not, or a time further
-    off than ``tau_tolerance``.
+    Times are NaN where not aligned. A point is wrong if its outcome, aligned or not, differs, or
+    its time by more than ``tau_tolerance``.
     """
     aligned, should = ~np.isnan(tau), ~np.isnan(located)
     both = aligned & should
@@ -100,7 +100,7 @@ def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
 
 
 def wrong_counts(dataset: xr.Dataset) -> dict[tuple[str, float], dict[str, int]]:
-    """By scheme and step: points in all, of each kind of wrong, and wrong but sensitive ones."""
+    """Counts by scheme and step: all points, each kind of ``Wrong``, and wrong sensitive ones."""
     sensitive = dataset["sensitive"].values == 1
     counts = {}
     for row, scheme in enumerate(str(dataset["scheme"].attrs["flag_meanings"]).split()):

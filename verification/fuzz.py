@@ -1,7 +1,7 @@
 """Fuzz: random sets over the whole domain of the parameters, and properties of every run.
 
-The law reaches far beyond what a device could be: it is there to find runs that do not end, end in
-nothing declared, or end differently when they are done again. `make fuzz` runs it.
+The distributions reach far beyond real devices, to find runs that do not end, end in an undeclared
+way, or end differently when they are repeated. `make fuzz` runs it.
 """
 
 from collections.abc import Callable, Mapping
@@ -73,7 +73,7 @@ _DERIVED = 0.7  # share of the sets whose rest_x and rest_y follow the start
 
 
 def draw(seed: int, first: int, count: int) -> Batch:
-    """Sets ``first`` to ``first + count``; a set depends on its number and the seed only."""
+    """Return sets ``first`` to ``first + count``; a set depends on its number and the seed only."""
     rows = np.array(
         [np.random.default_rng([seed, first + i]).random((3, 1 + len(LAWS))) for i in range(count)]
     )
@@ -93,7 +93,7 @@ def draw(seed: int, first: int, count: int) -> Batch:
 
 
 class Finding(NamedTuple):
-    """A property that a set breaks: its number, the property, and what was found."""
+    """A broken property: number of the set, the property, and the values found."""
 
     number: int
     what: str
@@ -119,7 +119,7 @@ class Report(NamedTuple):
 
 
 def _same(one: Alignments, other: Alignments) -> NDArray[np.bool_]:
-    """Return which sets agree to the bit, NaN included."""
+    """Return a mask of the sets that agree to the bit, NaN included."""
     agree = np.ones(len(one), dtype=np.bool_)
     for field in fields(Alignments):
         a, b = getattr(one, field.name), getattr(other, field.name)
@@ -143,7 +143,7 @@ def _sets(batch: Batch, rows: NDArray[np.int64], displaced: float = 0.0) -> Batc
 
 
 def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray[np.bool_]]:
-    """Return, by property that must hold of each run, the sets that break it; shape (n,) each."""
+    """Return, for each required property, a mask of the sets that break it, shape (n,)."""
     aligned, left = runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.LEFT_SCENE
     failed = runs.outcome == Outcome.FAILED
     spent = _MOST_RUNS * (settings.max_evaluations + _LAST_STEP)
@@ -179,7 +179,7 @@ def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -
     runs = align(batch, settings, cores=1)
     broken = broken_properties(runs, settings)
 
-    # Again, backwards and dealt out to other threads.
+    # The same sets again, in reverse order and on other threads.
     order = np.arange(count)[::-1]
     again = _taken(align(_sets(batch, order), settings, cores=3), order)
     broken["is the same to the bit in another order on other cores"] = ~_same(runs, again)
@@ -229,7 +229,7 @@ def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -
 
 
 def _is_certain(runs: Alignments) -> NDArray[np.bool_]:
-    """Return which sets end without a flag, by no chance, and before their limit of evaluations.
+    """Return a mask of the sets with a certain end: no flag, not chaotic, below the limit.
 
     A run that stopped at the limit may have stopped before or after its end.
     """
@@ -237,7 +237,7 @@ def _is_certain(runs: Alignments) -> NDArray[np.bool_]:
 
 
 def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
-    """Return which sets end otherwise, or at another time, where both are certain."""
+    """Return a mask of sets whose outcomes or times differ although both are certain."""
     with np.errstate(invalid="ignore"):
         apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
     certain = _is_certain(runs) & _is_certain(others)

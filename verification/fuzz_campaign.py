@@ -12,7 +12,7 @@ _SHOWN = 10  # findings of each kind
 
 
 def main() -> int:
-    """Read the command line and do it; the exit code is 1 if a property is broken."""
+    """Run the campaign of the command line; return 1 if a property is broken, else 0."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sets", type=int, default=10_000, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")

@@ -1,9 +1,9 @@
 """Hard cases: every method on scenes that are hard to integrate.
 
-A method is stable on a case where it comes to the right outcome within the accuracy asked for,
-inaccurate where it answers, but wrongly or less accurately, and broken where it gives no answer.
-The true solution is the default method's at a far smaller tolerance; where two such tolerances
-disagree, errors of a state mean nothing and only the outcome is judged.
+A method is stable on a case if its outcome is right and its error within the required accuracy,
+inaccurate if it gives another answer, and broken if it gives none. The true solution is the default
+method's at a far smaller tolerance; if two such tolerances disagree, errors of a state are
+meaningless and only the outcome is judged.
 
 The batch engine, which steps by Taylor series, is judged on the bases beside the methods of the
 speed-against-error comparison, as ``BATCH``.
@@ -78,7 +78,7 @@ class Judged:
 
 
 class BatchEngine(Package):
-    """The batch engine with the state that each run ends in, which ``align`` does not return."""
+    """The batch engine, with the final state of each run, which ``align`` does not return."""
 
     def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:  # noqa: ARG002 - the interface
         """As ``Method.answer``, of one case."""
@@ -162,7 +162,7 @@ def true_run(plan: HardCasesPlan, name: str) -> CertainTruth:
 
 
 def judge(plan: HardCasesPlan, name: str, method: str, truth: CertainTruth) -> Judged:
-    """Run ``method``, of ``methods_for`` the case ``name``, on it and mark it."""
+    """Run ``method`` on the case ``name`` and mark its result."""
     problem, spec, how = problem_of(plan, name), plan.spec, HARD_METHODS[method]
     started = time.thread_time()
     solution = how.answer(problem, spec.step if how.fixed else spec.tolerance)

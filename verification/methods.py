@@ -36,7 +36,7 @@ class Method:
     """One way to solve the problems.
 
     Attributes:
-        name: as it stands in tables and legends.
+        name: name in tables and legends.
         formulation: how the problem is put to it, in a few words.
         package: the distribution whose version is reported.
         fixed: whether its resolution is the length of a step; else it is a tolerance.

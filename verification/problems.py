@@ -98,7 +98,7 @@ class Problem:
     """Parameter sets to run, and the numbers that methods are compared by.
 
     Attributes:
-        name: as it stands in the table.
+        name: name in the table.
         cases: the parameter sets at which errors are measured.
         settings: horizon, equations and limit of evaluations; a method sets its own tolerance.
         checkpoints: times at which states are compared if no case aligns; empty if all do, and then

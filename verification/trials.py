@@ -1,6 +1,6 @@
-"""Random parameter sets of `make accuracy`, drawn by the law in the configuration.
+"""Random parameter sets of `make accuracy`, drawn from the distributions in the configuration.
 
-A rule that only names a trial need not import ``accuracy``, which runs and judges it.
+``accuracy`` runs and judges the trials; a workflow rule imports only this module.
 """
 
 from typing import Any, Literal
@@ -22,11 +22,11 @@ class Trial(Plan):
     Attributes:
         name: "error" or "settled".
         parameters: every parameter, None where it is derived; drawn ones hold the baseline's.
-        settings: how runs are computed, with the trial's own horizon.
-        ranges: the law.
-        seed: of the draw; the two trials draw different sets.
-        sets: how many.
-        longer: how many horizons a settled run is run on for.
+        settings: settings of the runs, with the trial's own horizon.
+        ranges: distributions of the drawn parameters.
+        seed: seed of the draw; the two trials draw different sets.
+        sets: number of sets.
+        longer: number of horizons for which a settled run is continued.
     """
 
     name: TrialName

@@ -2,7 +2,7 @@
 
 The true solution is the default method's at a tolerance far below the others. Evaluations and
 errors are data, the same in every build; CPU times are not, and are kept apart from them. The
-variables of the dataset keep their public names: a setting of a method lies along ``rung``.
+variables of the dataset keep their public names: the dimension of settings is ``rung``.
 """
 
 import math
@@ -66,7 +66,7 @@ class Truth:
 
     @property
     def size(self) -> float:
-        """Largest number that an error is measured against."""
+        """Largest magnitude among the compared values."""
         if self.outcome == Outcome.ALIGNED:
             return self.tau_align
         return float(np.abs(self.state).max())
@@ -229,7 +229,7 @@ def _named(what: str, names: Sequence[str]) -> dict[str, Any]:
 
 
 def names_of(coordinate: xr.DataArray) -> list[str]:
-    """Return the names that a coordinate of the dataset stands for: cases, or methods."""
+    """Return the names along a coordinate of the dataset: cases or methods."""
     return str(coordinate.attrs["flag_meanings"]).split()
 
 
@@ -247,7 +247,7 @@ def cpu_microseconds(
     """Return the CPU time of one of the ``count`` runs of ``work(count)``: the median of batches.
 
     Args:
-        work: has run before, so that nothing compiles any more.
+        work: work that has run before, so that it is compiled.
         together: least number of runs in a batch.
         known: seconds that ``together`` runs took, where that is known. Runs that take long are
             not repeated.

@@ -1,4 +1,4 @@
-"""Make a folder ready for Snakemake after whatever interrupted the last run of the study.
+"""Make a folder ready for Snakemake after an interruption of the last run of the study.
 
 ``python workflow/settle.py snakemake OPTIONS...``. Two runs must not write the same files, and a
 crash leaves a lock: Snakemake marks a run by files in .snakemake/locks, which stay after kill -9 or

@@ -1,4 +1,4 @@
-"""What the benchmark needs to start is in its own environment."""
+"""The environment of the benchmark holds everything that its start needs."""
 
 import re
 import subprocess

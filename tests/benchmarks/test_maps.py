@@ -1,4 +1,4 @@
-"""How maps are compared with full grids: what counts as wrong, and how costs grow."""
+"""Comparison of maps with full grids: wrong cells, and growth of the cost."""
 
 import numpy as np
 import pytest

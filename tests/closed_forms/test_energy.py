@@ -161,7 +161,7 @@ def balance(
 RUNS = {
     "slides and aligns": {"press_force": 2.0, "friction": 0.02, "frequency": 0.5},
     "sticks": {"press_force": 1.0, "friction": 0.25, "frequency": 0.5, "tilt_stiffness": 15.0},
-    "hops": {"frequency": 10.0},
+    "lift-offs": {"frequency": 10.0},
     "never aligns": {"tilt_stiffness": 5.0, "frequency": 10.0},
     "lands on its corner": {
         "press_force": 0.5, "frequency": 1.7, "tilt_stiffness": 46.0, "friction": 0.05,

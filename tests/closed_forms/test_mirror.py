@@ -16,7 +16,7 @@ FLIP = np.array([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0])  # x, φ and their rates
 
 # What the motion is made of, how often it switches at least, and whether the corner B1 lands.
 RUNS = {
-    "hops": ({"frequency": 10.0, "tilt_stiffness": 5.0, "rest_tilt": 0.01}, 10, False),
+    "lift-offs": ({"frequency": 10.0, "tilt_stiffness": 5.0, "rest_tilt": 0.01}, 10, False),
     "lands on its corner": (
         {
             "press_force": 0.7, "frequency": 1.7, "tilt_stiffness": 46.0, "friction": 0.4,

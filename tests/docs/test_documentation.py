@@ -1,4 +1,4 @@
-"""What the documentation names exists: functions, files, links, and one version."""
+"""Functions, files and links that the documentation names exist, and it has one version."""
 
 import ast
 import re

@@ -195,13 +195,13 @@ BOUNDARIES = {
     },
     # Friction that changes its direction within every period of a fast excitation.
     "reversals without end": {"frequency": 200.0, "press_force": 1.0, "friction": 0.3},
-    # A soft base without damping and no way to the slot: hops that never die.
-    "hops that do not die": {
+    # A soft base without damping and no way to the slot: lift-offs that never end.
+    "lift-offs that do not end": {
         "contact_damping": 0.0, "axial_damping": 0.0, "press_force": 0.5, "frequency": 3.0,
         "tilt_stiffness": 1e4, "friction": 1e-9,
     },
     # Hops on a hard base that shorten to nothing.
-    "hops that shorten": {
+    "lift-offs that shorten": {
         "contact_stiffness": 1e6, "contact_damping": 300.0, "press_force": 0.3, "frequency": 0.0,
         "phase": -1.5, "tilt_stiffness": 1e4,
     },

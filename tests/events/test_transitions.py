@@ -1,4 +1,4 @@
-"""What follows a switch: friction states, contacts made and lost, ends of the run."""
+"""Transitions at events: friction states, contacts made and lost, ends of the run."""
 
 from math import atan, cos, sin
 

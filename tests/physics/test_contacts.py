@@ -39,11 +39,11 @@ class Part:
         self.edges = {RIGHT_EDGE: np.array([length, 0.0]), LEFT_EDGE: np.array([-length, 0.0])}
 
     def place(self, own):
-        """Where a point fixed in the part stands in the frame."""
+        """Place in the frame of a point fixed in the part."""
         return self.centre + self.turn @ np.asarray(own)
 
     def own(self, point):
-        """Which point of the part stands at ``point``."""
+        """Point of the part that is at ``point``."""
         return self.turn.T @ (point - self.centre)
 
 

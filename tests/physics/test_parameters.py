@@ -1,4 +1,4 @@
-"""What a parameter set and a batch accept, refuse and resolve."""
+"""Parameter sets and batches: values accepted, refused and resolved."""
 
 import dataclasses
 import math

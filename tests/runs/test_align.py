@@ -30,7 +30,7 @@ def result(batch):
 
 
 def same(one, other, rows=slice(None)):
-    """Whether all arrays are equal to the bit, NaN included."""
+    """Return whether all arrays are equal to the bit, NaN included."""
     return all(
         np.array_equal(getattr(one, field.name), getattr(other, field.name)[rows], equal_nan=True)
         if getattr(one, field.name).dtype.kind == "f"

@@ -1,4 +1,4 @@
-"""Whether the estimated error of an alignment time is honest."""
+"""Estimated errors of alignment times cover the true errors."""
 
 import numpy as np
 import pytest
@@ -168,7 +168,7 @@ def test_what_only_settles_earlier_at_a_looser_tolerance_ends_alike():
 
 
 def test_a_settled_motion_that_hops_ends_like_one_that_hops_on_as_often():
-    # The excitation's period is 2π, that of the motion two of them, with one or three hops in each.
+    # The excitation's period is 2π, the motion's 4π, with one or three lift-offs in each.
     reached, settled = Outcome.HORIZON_REACHED, Outcome.SETTLED
     rows = numbered(4)
     rows[:, Constants._fields.index("frequency")] = 1.0
@@ -197,12 +197,12 @@ def test_a_part_that_leaves_the_scene_at_another_time_is_flagged():
 
 @pytest.mark.parametrize("number", [1079, 1442])
 def test_chance_is_said_whatever_the_tolerance(number):
-    """Sets of the accuracy law that hop for 300 time units and align at some tolerances only."""
+    """Sets of the accuracy trial that lift off until τ = 300 and align at some tolerances only."""
     trial = trial_of(load_study(study_path()), "error")
     settings, batch = trial.settings.settings, trial.batch(np.array([number]))
     found = [align(batch, settings, tolerance=tolerance) for tolerance in (1e-8, 1e-9, 1e-10)]
     assert all(run.sensitive[0] or run.reason[0] == Reason.CHAOTIC for run in found)
-    # How this one run ends is chance, too: 1442 falls in or goes on by the rounding of a switch.
+    # The end of this run is chance too: 1442 falls in or continues by the rounding of an event.
     run = simulate(batch[0], settings)
     assert run.sensitive or (run.reason == Reason.CHAOTIC and "chance" in run.message)
 

@@ -1,4 +1,4 @@
-"""What a run's settings accept and refuse."""
+"""Settings of a run: accepted and refused values."""
 
 import pytest
 
@@ -24,7 +24,7 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
         ({"tolerance": 0.1}, r"tolerance = 0\.1: must be between 1e-14 and 1e-2"),
         ({"tolerance": float("nan")}, "tolerance = nan: must be between"),
         ({"max_evaluations": 0}, "max_evaluations = 0: must be >= 1"),
-        ({"method": RK4}, "method RK4 has no error estimate"),
+        ({"method": RK4}, "method = RK4: has no error estimate"),
     ],
 )
 def test_values_outside_their_range_are_refused(device, change, message):

@@ -1,4 +1,4 @@
-"""What a trajectory holds: its course, its forces, and its summary."""
+"""Contents of a trajectory: its course, its forces, and its summary."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_time_never_goes_back_and_states_are_continuous(run):
     assert run.state.shape[1] == 6
     assert np.diff(run.time).min() >= 0.0
     same = np.diff(run.time) == 0.0
-    # Where the same time stands twice only a force may jump; a sticking contact is relieved of the
+    # Where the same time occurs twice only a force may jump; a sticking contact is relieved of the
     # slip that rounding and the step's tolerance left in it.
     assert same.any()
     assert np.abs(np.diff(run.state, axis=0)[same]).max() < 1e-8

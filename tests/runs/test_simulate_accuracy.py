@@ -1,4 +1,4 @@
-"""Located switches: the alignment time converges with the tolerance across them."""
+"""Located events: the alignment time converges with the tolerance across them."""
 
 import numpy as np
 import pytest
@@ -8,12 +8,12 @@ from model.engines.results import RunResult
 from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE
 from model.runs.engines import batch_engine, scalar_engine
 
-# One run for each kind of switch; what it goes through is asserted in the tests.
+# One run for each kind of event; the tests assert the events that it goes through.
 RUNS = {
     "sliding only": {"friction": 0.0, "frequency": 1.0},
     "reversals and sticking": {"frequency": 0.5, "press_force": 2.0},
-    "hops, reversals, sticking": {"frequency": 10.0},
-    "hops and corner landings": {
+    "lift-offs, reversals, sticking": {"frequency": 10.0},
+    "lift-offs and corner landings": {
         "press_force": 0.5,
         "frequency": 1.7,
         "tilt_stiffness": 46.0,
@@ -29,12 +29,12 @@ def test_the_runs_go_through_what_they_are_named_after(device):
     assert runs["sliding only"].separations == runs["sliding only"].sticking_share == 0
     assert runs["reversals and sticking"].separations == 0
     assert 0.2 < runs["reversals and sticking"].sticking_share < 0.8
-    assert runs["hops, reversals, sticking"].separations >= 5
-    assert runs["hops, reversals, sticking"].sticking_share > 0.1
-    p = device.replace(**RUNS["hops and corner landings"])
+    assert runs["lift-offs, reversals, sticking"].separations >= 5
+    assert runs["lift-offs, reversals, sticking"].sticking_share > 0.1
+    p = device.replace(**RUNS["lift-offs and corner landings"])
     without = simulate(p, scene=PRINTED_CONTACTS)  # what the print does not have: B1 on the base
     assert without.reason is Reason.UNDECLARED_CONTACT
-    assert without.time[-1] < runs["hops and corner landings"].tau_align
+    assert without.time[-1] < runs["lift-offs and corner landings"].tau_align
 
 
 def mean_errors(batch, tolerances, engine):
@@ -52,10 +52,10 @@ def mean_errors(batch, tolerances, engine):
 @pytest.mark.parametrize("method", [DOP853, DORMAND_PRINCE], ids=lambda method: method.name)
 def test_alignment_time_converges_with_the_tolerance_across_switches(device, changes, method):
     # An error per step proportional to the tolerance gives a global error proportional to it, if no
-    # switch adds an error of its own; steps shrink with tol^(1/order), with which the sum of local
+    # event adds an error of its own; steps shrink with tol^(1/order), with which the sum of local
     # errors loses that much at most: slopes of 7/8 and 4/5 to 1. The error of one run scatters by a
-    # factor of ten, since steps and switches fall differently on each other at each tolerance: the
-    # geometric mean over 32 neighbouring devices does not. A switch located only to a step's length
+    # factor of ten, since steps and events fall differently on each other at each tolerance: the
+    # geometric mean over 32 neighbouring devices does not. An event located only to a step's length
     # would show 1/8 or 1/5, one located on a dense output of lower order 1/2 to 7/8. Above 1e-8 a
     # step is so long, for the contact's own period of 0.6, that errors are not asymptotic yet.
     p = device.replace(**changes)
@@ -70,7 +70,7 @@ def test_alignment_time_converges_with_the_tolerance_across_switches(device, cha
 @each_run
 def test_the_lanes_series_converge_with_the_tolerance_across_switches(device, changes):
     # The tolerance is that of the last term kept: what follows falls a little faster than it, and
-    # a step so long that the first terms do not tell yet loses more. A switch that adds an error of
+    # a step so long that the first terms do not tell yet loses more. An event that adds an error of
     # its own would show below 0.8.
     p = device.replace(**changes)
     near = Batch.of(p, press_force=p.press_force * np.linspace(0.97, 1.03, 32))

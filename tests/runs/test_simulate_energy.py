@@ -124,7 +124,7 @@ CONSERVATIVE = {**UNDAMPED, **STILL, "contact_damping": 0.0, "friction": 0.0}
 
 @pytest.mark.parametrize("tilt", [0.001, 0.05, 0.15])
 @pytest.mark.parametrize("press_force", [0.5, 3.0])
-def test_elastic_edge_contact_keeps_the_energy_through_hops(device, tilt, press_force):
+def test_elastic_edge_contact_keeps_the_energy_through_lift_offs(device, tilt, press_force):
     p = device.replace(**CONSERVATIVE, initial_tilt=tilt, press_force=press_force)
     run = simulate(p, may_settle=False, horizon=20.0)
     # Until the edge leaves the face, when what is stored in the base is lost.

@@ -1,4 +1,4 @@
-"""How runs end: each outcome and reason from a device made for it."""
+"""Ends of runs: each outcome and reason from a device made for it."""
 
 from math import pi
 
@@ -33,7 +33,7 @@ def ended(run):
 
 @pytest.mark.parametrize("tilt", [0.0, 0.001, 0.01])
 def test_a_part_over_the_slot_is_aligned_at_once(device, tilt):
-    # misalignment < clearance * half_width: the right corner stands left of A1 at the start, since
+    # misalignment < clearance * half_width: the right corner is left of A1 at the start, since
     # tilt moves it by no more than b tan φ = 0.041, against a gap of 0.047.
     p = device.replace(misalignment=0.5 * device.clearance * device.half_width, initial_tilt=tilt)
     run = simulate(p)
@@ -207,7 +207,7 @@ def test_a_start_beyond_ninety_degrees_is_impossible(device):
 
 @pytest.mark.parametrize("tilt", [0.5, 0.9])
 def test_a_start_whose_bottom_face_does_not_reach_the_edge_is_impossible(device, tilt):
-    # s = (l - x)/cos φ - b tan φ < -a: A1 would stand left of B2.
+    # s = (l - x)/cos φ - b tan φ < -a: A1 would be left of B2.
     run = simulate(device.replace(initial_tilt=tilt))
     assert ended(run) == (Outcome.FAILED, Reason.IMPOSSIBLE_START)
 

@@ -1,4 +1,4 @@
-"""What was identified: tables read whole or refused, pictures that show their numbers."""
+"""Identified values: tables read whole or refused, pictures that show their numbers."""
 
 from dataclasses import replace
 from pathlib import Path

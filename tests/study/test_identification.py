@@ -214,7 +214,7 @@ def test_what_is_required_weighs_more_than_a_claim_and_in_no_half(judge: Judge) 
 def test_contenders_hold_what_is_required_and_differ_in_structure(judge: Judge) -> None:
     fifth = judge.ids.index("N1 (Fig. 5)")
     margins = np.full((4, len(judge.claims)), 0.1)
-    margins[0, fifth] = -0.1  # reproduces all that counts, but hops
+    margins[0, fifth] = -0.1  # reproduces all that counts, but lifts off
     margins[1, :2] = -0.1
     margins[2, :1] = -0.1
     margins[3, :3] = -0.1

@@ -11,7 +11,7 @@ from verification.independent import solve
 RUNS = {
     "slides one way": ({"friction": 0.0, "frequency": 1.0}, {"face end"}),
     "reversals and sticking": ({"frequency": 0.5, "press_force": 2.0}, {"slip"}),
-    "hops": ({"frequency": 10.0}, {"slip", "face load", "face gap", "right enters"}),
+    "lift-offs": ({"frequency": 10.0}, {"slip", "face load", "face gap", "right enters"}),
     "corner landings, alignment in flight": (
         {"press_force": 0.5, "frequency": 1.7, "tilt_stiffness": 46.0, "friction": 0.05},
         {"right lands", "corner load", "corner gap", "aligned"},

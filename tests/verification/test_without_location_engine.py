@@ -76,7 +76,7 @@ def placed(kind, random, p):
 
 
 def overlaps(y, p):
-    """Which contacts overlap the base, found from the geometry anew."""
+    """Contacts that overlap the base, found from the geometry anew."""
     q = state_of(y)
     found = set()
     right, left = (edge_inside(edge, outline(q, p), p) for edge in (RIGHT_EDGE, LEFT_EDGE))

@@ -139,7 +139,7 @@ class Workspace:
         (self.folder / "config" / "tiny.yaml").write_text(text, encoding="utf-8")
 
     def _make_environment(self) -> None:
-        """What `make` finds in .venv: the Python that runs the tests, and the package."""
+        """Stand-in for .venv with the Python that runs the tests, and the package."""
         tools = self.folder / ".venv" / "bin"
         tools.mkdir(parents=True)
         run = f'PYTHONPATH="{self.sources}" exec "{sys.executable}"'
@@ -150,7 +150,7 @@ class Workspace:
 
     @property
     def sources(self) -> str:
-        """Where the package and verification are imported from."""
+        """Folder from which the package and verification are imported."""
         return f"{self.checkout / 'src'}{os.pathsep}{self.checkout}"
 
     @property

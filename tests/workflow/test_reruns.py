@@ -1,4 +1,4 @@
-"""What runs again after an edit: exactly what depends on it, told by the real Snakemake.
+"""Jobs that run again after an edit are exactly those that depend on it, by the real Snakemake.
 
 The outputs are empty files that Snakemake takes for made, so that every case is one dry run.
 """

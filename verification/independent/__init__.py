@@ -1,4 +1,4 @@
-"""An independent solution of the alignment runs, to judge the integrator by."""
+"""Independent solution of the alignment runs, for verification of the integrator."""
 
 from verification.independent.solution import Solution, solve
 

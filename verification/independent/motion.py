@@ -1,4 +1,4 @@
-"""The model stated a second time, to judge the package by: contacts, forces and friction.
+"""Second statement of the model, for verification of the package: contacts, forces, friction.
 
 It shares no code with ``model``. Vectors of the plane are complex numbers, a contact is a place, a
 tangent and a normal, and forces act by r × F. Consistent readings and the full scene only.

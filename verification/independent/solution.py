@@ -1,4 +1,4 @@
-"""Runs of the independent solution: events, and the modes that follow them.
+"""Runs of the independent solution: events and transitions.
 
 It shares no code with ``model``. Events are sought on the dense output of scipy's DOP853, at many
 more places of a step, and then met by integrating up to them. Slow; for the consistent readings and
@@ -36,7 +36,7 @@ _NODES = np.concatenate([[0.0, 1e-4, 1e-3, 1e-2], np.linspace(1 / 24, 1.0, 24)])
 _ON_ZERO = 1e-9  # a event function below this, as a mode begins, begins on its zero
 _AT_REST = 1e-11
 _NO_LOAD = 1e-11
-_FLAT = 1e-8  # a part tilted by less stands on its edge
+_FLAT = 1e-8  # a part tilted by less rests on its edge
 _MOMENT = 1e-5
 _FIRST_STEP = 1e-3
 _MOST_EVENTS = 100_000
@@ -45,7 +45,7 @@ _MOST_EVENTS = 100_000
 class Solution(NamedTuple):
     """Result of a run: ``tau`` of alignment, else NaN; the events met, in order.
 
-    ``ending`` is "aligned", "horizon", or what made the part leave the scene.
+    ``ending`` is "aligned", "horizon", or the event at which the part left the scene.
     """
 
     ending: str

@@ -1,4 +1,4 @@
-"""The section on hard cases: the outcome and error of every method on every case."""
+"""Section on hard cases: outcome and error of every method on every case."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The section on speed against error: what each method needs, and what fixed steps get wrong."""
+"""Section on speed against error: cost of each method, and points that fixed steps get wrong."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Speed against error: its pictures, its tables, and what they advise."""
+"""Speed against error: pictures, tables, and advice from them."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Runs without event location, as a code has them that does not know the events of the model."""
+"""Runs without event location, as by an integrator that does not know the model's events."""
 
 from verification.without_location.runs import (
     InitialValueProblem,

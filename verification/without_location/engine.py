@@ -1,4 +1,4 @@
-"""Engine without event location: runs as a code has them that knows no modes.
+"""Engine without event location, as in an integrator without modes.
 
 One right-hand side holds for every state: a contact presses wherever its depth is positive, with
 n = max(0, load), and its friction is -μ n sign(slip). It has kinks where a contact begins or ends
@@ -124,7 +124,7 @@ def _left_force(q, p):
 
 @inlined_kernel
 def write_rates(time, y, p, out):
-    """Write dy/dτ into ``out``, shape (6,), for the state ``y``, shape (6,), whatever its mode."""
+    """Write dy/dτ into ``out``, shape (6,), for the state ``y``, shape (6,), in any mode."""
     q = state_of(y)
     right, left = _right_force(q, p), _left_force(q, p)
     out[0], out[1], out[2] = y[3], y[4], y[5]
@@ -135,7 +135,7 @@ def write_rates(time, y, p, out):
 
 @kernel
 def outside(y, p):
-    """Positive until the part has fallen in, by the alignment criterion in force (R8)."""
+    """Positive until the part has fallen in, by the selected alignment criterion (R8)."""
     q = state_of(y)
     if p.printed_alignment_criterion != 0.0:
         return largest(corners_outside(outline(q, p), p, START))[0]
@@ -176,9 +176,9 @@ def semi_implicit_euler_step(time, h, y, p, rates, y_end):
 
 @kernel
 def _fall_within(h, y, p, method, k, trial):
-    """Length of the step up to the fall, by bisection on the continuous extension.
+    """Return the length of the step up to the fall, by bisection on the continuous extension.
 
-    The state there is left in ``trial``, which must not be ``y``.
+    Writes the state there into ``trial``, which must not be ``y``.
     """
     low, high = 0.0, 1.0
     for _ in range(_BISECTIONS):
@@ -272,7 +272,7 @@ def run_without_location(scheme, resolution, p, method, horizon, max_evaluations
         p: ``Constants``.
         method: ``Method`` of a scheme by Runge-Kutta steps; its last stage is the step's end.
         horizon: latest time.
-        max_evaluations: most right-hand-side evaluations.
+        max_evaluations: largest number of right-hand-side evaluations.
         y: shape (6,), filled with the state at the end.
         y_end: shape (6,), overwritten.
         k: shape (stages + 1, 6), overwritten.

@@ -67,7 +67,7 @@ def align(
         resolution: length of a fixed step, or tolerance relative to 1 + |state|.
         readings: variant of the equations, the consistent one by default.
         horizon: latest time.
-        max_evaluations: most right-hand-side evaluations of a run.
+        max_evaluations: largest number of right-hand-side evaluations of a run.
 
     Raises:
         ValueError: an unknown scheme, or a resolution or a horizon that is not finite and > 0.
@@ -99,8 +99,8 @@ def align(
 class InitialValueProblem:
     """One parameter set as an initial value problem for a solver of general use.
 
-    ``rates(τ, y)`` gives dy/dτ, shape (6,), compiled; ``fall(τ, y)`` goes through zero downward as
-    the part falls in; ``start`` has shape (6,).
+    ``rates(τ, y)`` gives dy/dτ, shape (6,), compiled; ``fall(τ, y)`` has a down-crossing as the
+    part falls in; ``start`` has shape (6,).
     """
 
     rates: Callable[[float, Floats], Floats]

@@ -47,7 +47,7 @@ job(
     message="identification: drawing the bands",
 )
 
-# A reading is a preset, or the one switch that is corrected while all others stay as printed.
+# A reading is a preset, or the one reading that is corrected while all others stay as printed.
 READINGS = ["consistent", "printed", *READING_NAMES]
 law = study.identification
 found = root / "identification"

@@ -1,4 +1,4 @@
-"""Definition of rules: the directives that all jobs share stand here, and only here."""
+"""Definition of rules: the directives that all jobs share are stated here only."""
 
 import json
 import re
@@ -49,7 +49,7 @@ def job(
         wildcards: regular expressions of wildcards, by name.
         runs: the job's file in jobs/, where it is not NAME.
         run: the run's name, and that of its log; else NAME and the output's wildcards in order.
-        record: the sidecar, where it does not stand beside the first output; "" for none.
+        record: the sidecar, if it is not beside the first output; "" for none.
     """
     runs = runs or name
     first = next(iter(outputs.values()))

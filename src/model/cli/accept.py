@@ -1,4 +1,4 @@
-"""``vibralign accept``: make the results of the small study the reference from now on."""
+"""``vibralign accept``: accept the results of the small study as the reference."""
 
 import argparse
 from typing import Any
@@ -14,14 +14,14 @@ def add(commands: Any) -> None:
         commands,
         "accept",
         _accept,
-        "make the results of the small study the reference from now on",
-        "; the reason and the numbers that changed are added to accepted.csv beside it.",
+        "accept the results of the small study as the reference",
+        "; the reason and the changed numbers are added to accepted.csv beside it.",
     )
     add_folders(parser)
     words = "a figure, such as fig06 or 6, or all of them; may be repeated"
     parser.add_argument("--figure", action="append", default=[], metavar="FIG|all", help=words)
     parser.add_argument("--claims", action="store_true", help="the verdicts on the paper's claims")
-    parser.add_argument("--reason", required=True, help="why it is right that they changed")
+    parser.add_argument("--reason", required=True, help="reason why the change is right")
 
 
 def _accept(arguments: argparse.Namespace) -> int:

@@ -34,11 +34,11 @@ def add_command(
 
     Args:
         commands: the parsers.
-        name: of the command.
-        run: what it does; returns the exit code.
-        words: the command in the list of all; its description begins with them.
-        more: the rest of the description.
-        epilog: below the options.
+        name: name of the command.
+        run: function of the command; returns the exit code.
+        words: summary in the list of commands; the description begins with it.
+        more: rest of the description.
+        epilog: text below the options.
     """
     description = f"{words[0].upper()}{words[1:]}{more}"
     parser = commands.add_parser(
@@ -98,7 +98,7 @@ def add_model_options(parser: Any) -> None:
 
 
 def announce_compilation() -> None:
-    """Say at a terminal that the kernels are compiled first, if they are not yet."""
+    """Announce at a terminal that the kernels are compiled first, if they are not cached."""
     if sys.stderr.isatty() and not any(cache_folder().rglob("*.nbi")):
         print("compiling the model, this once: about half a minute …", file=sys.stderr)
 
@@ -117,7 +117,7 @@ def pairs(given: Sequence[str], option: str) -> dict[str, str]:
 
 
 def number(name: str, text: str, rule: str = "must be a number") -> float:
-    """Return ``text`` as a number, else refuse it by the name of its quantity."""
+    """Return ``text`` as a number; the error names its quantity."""
     try:
         return float(text)
     except ValueError:
@@ -127,7 +127,7 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
 def device_of(
     baseline: Parameters, arguments: argparse.Namespace
 ) -> tuple[Units | None, Parameters]:
-    """Return the device of --device and --set, and the units of one that is stated in SI.
+    """Return the device of --device and --set, and its units if it is stated in SI.
 
     Without a device file --set changes the ``baseline``, which has no units.
     """

@@ -1,4 +1,4 @@
-"""``vibralign assess``: say how reliably a device aligns, and the leeway of its parameters."""
+"""``vibralign assess``: assess the reliability of a device and the leeway of its parameters."""
 
 import argparse
 import os
@@ -30,11 +30,11 @@ def add(commands: Any) -> None:
         commands,
         "assess",
         _assess,
-        "say whether a device aligns reliably, how fast, and with which leeways",
+        "assess the reliability and speed of a device and the leeway of its parameters",
         ". A reliable device aligns from every phase of "
         "the excitation and initial tilt that the study tries. Each parameter is then varied, the "
         "others held, by up to a factor of four or until the device is not reliable.",
-        epilog="exit code: 0 the device was assessed, whatever was found; 2 bad input",
+        epilog="exit code: 0 the device was assessed, with any result; 2 bad input",
     )
     add_model_options(parser)
     add_json(parser)
@@ -61,7 +61,7 @@ def _assess(arguments: argparse.Namespace) -> int:
 
 
 def _scale(units: Units | None, quantity: Quantity) -> tuple[float, str]:
-    """The reader's value of one dimensionless ``quantity``, and its unit."""
+    """Value of one dimensionless ``quantity`` in the units of the user, and its unit."""
     if units is None:
         return 1.0, ""
     return units.of(quantity), "" if quantity.unit == "1" else f" {quantity.unit}"

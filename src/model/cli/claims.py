@@ -1,4 +1,4 @@
-"""``vibralign claims``: what the paper says, judged by the data on disk."""
+"""``vibralign claims``: statements of the paper, judged by the data on disk."""
 
 import argparse
 from dataclasses import asdict

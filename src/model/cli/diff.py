@@ -1,4 +1,4 @@
-"""``vibralign diff``: say what differs between two states of the study."""
+"""``vibralign diff``: list the differences between two states of the study."""
 
 import argparse
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ def add(commands: Any) -> None:
         commands,
         "diff",
         _diff,
-        "say what differs between two runs, results folders or commits",
+        "list the differences between two runs, results folders or commits",
         ": parameters, metrics, the largest change of every figure's variables, claims.",
         epilog="exit code: 0 nothing differs; 1 something does; 2 bad input",
     )

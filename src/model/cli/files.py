@@ -1,4 +1,4 @@
-"""Files that a command writes where the user says: checked before anything is computed."""
+"""Files that a command writes at the user's path: checked before anything is computed."""
 
 import os
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """The command ``vibralign``; each subcommand has a module.
 
-Whatever the user gives is checked before anything is computed, and refused in one line that names
-the value, the rule and the valid choices. What is slow to import is imported where it is needed.
+All input is checked before anything is computed; the message of a refusal is one line with the
+value, the rule and the valid choices. Slow modules are imported where they are needed.
 """
 
 import argparse

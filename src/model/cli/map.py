@@ -41,7 +41,7 @@ def add(commands: Any) -> None:
         commands,
         "map",
         _map,
-        "map where a device aligns, how fast and how safely, over two parameters",
+        "map outcome, duration and reliability of a device over two parameters",
         ". Nodes are computed along the border of the "
         "aligning area and where the duration jumps, and filled in between. A reliable device "
         "aligns from every phase of the excitation and initial tilt that the study tries. With "

@@ -1,4 +1,4 @@
-"""``vibralign runs``: list what the study has recorded of its runs and invocations."""
+"""``vibralign runs``: list the recorded runs and invocations of the study."""
 
 import argparse
 import re
@@ -100,7 +100,7 @@ def run_line(run: Record) -> dict[str, Any]:
 
 
 def _shortened(reason: str) -> str:
-    """Return the beginning of a reason for a list; `show` and --json have all of it."""
+    """Return the beginning of a reason for a list; `show` and --json print all of it."""
     return reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"
 
 

@@ -1,4 +1,4 @@
-"""``vibralign show``: show all that is recorded of a run or an invocation."""
+"""``vibralign show``: show the record of a run or an invocation."""
 
 import argparse
 from typing import Any

@@ -1,4 +1,4 @@
-"""``vibralign simulate``: run one device and say whether, when and how it aligns."""
+"""``vibralign simulate``: run one device and print its outcome and results."""
 
 import argparse
 import math
@@ -33,9 +33,9 @@ def add(commands: Any) -> None:
         commands,
         "simulate",
         _simulate,
-        "run one device and say whether, when and how it aligns",
+        "run one device and print its outcome and results",
         ". All values are dimensionless, except those of a device file.",
-        epilog="exit code: 0 the run was done, whatever its outcome; 1 it failed; 2 bad input",
+        epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
     add_model_options(parser)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
@@ -76,7 +76,7 @@ def _name(outcome: Any) -> str:
 
 
 def _within(value: float, error: float) -> str:
-    """Return ``value`` with as many digits as ``error`` leaves certain."""
+    """Return ``value`` with the digits that are certain within ``error``."""
     if math.isnan(error):
         return f"{value:.6g} (error unknown)"
     places = min(max(-math.floor(math.log10(error)), 0), 13) if error > 0.0 else 13
@@ -128,7 +128,7 @@ def _final_state(run: Trajectory) -> dict[str, float]:
 
 
 def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
-    """Return everything about a run."""
+    """Return the record of a run, for --json."""
     return {
         **{name: getattr(run, name) for name in RESULTS},
         "outcome": _name(run.outcome),

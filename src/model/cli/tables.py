@@ -56,12 +56,12 @@ def in_columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
 
 
 def print_json(value: Any) -> None:
-    """Print a record as JSON; what is not a finite number becomes null."""
+    """Print a record as JSON; numbers that are not finite become null."""
     print(json.dumps(or_null(value), indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def or_null(value: Any) -> Any:
-    """Return a value, or nested dictionaries and lists, with None for what is not finite."""
+    """Return a value, or nested dictionaries and lists, with None for numbers not finite."""
     if isinstance(value, Mapping):
         return {name: or_null(each) for name, each in value.items()}
     if isinstance(value, (list, tuple)):

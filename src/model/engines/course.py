@@ -1,4 +1,4 @@
-"""The course of a run between its steps: its start, its events, its periods and its end.
+"""The course of a run between its steps: start, events, excitation periods and end.
 
 Both engines use it.
 """
@@ -66,9 +66,9 @@ _NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
 
 _FIRST_STEP = 1e-2
 _SHORTEST_STEP = 1e-12  # after an event
-_SEVERAL_AT_ONCE = 16  # events from which on rounding may be their only cause
+_SEVERAL_AT_ONCE = 16  # number of events above which rounding may be their only cause
 _MOST_EVENTS_AT_ONCE = 64
-_FALL_TIME = 20.0  # longest fall until the corners are inside, once the contact is lost
+_FALL_TIME = 20.0  # longest fall from the loss of contact until the corners are inside
 
 
 class Control(NamedTuple):
@@ -76,8 +76,8 @@ class Control(NamedTuple):
 
     Attributes:
         horizon: latest time.
-        max_evaluations: most right-hand-side evaluations.
-        may_settle: 1.0 to stop a run whose motion repeats itself, else 0.0.
+        max_evaluations: largest number of right-hand-side evaluations.
+        may_settle: 1.0 to stop a run in periodic steady state, else 0.0.
         alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
     """
 
@@ -88,7 +88,7 @@ class Control(NamedTuple):
 
 
 class History(NamedTuple):
-    """States and lowest levels of the last periods of runs, as rings; see steady_state.py.
+    """States and lowest levels in the last periods of runs, as ring buffers; see steady_state.py.
 
     Shapes: states (runs, HISTORY, 6), lowest (runs, HISTORY, MOST_EVENTS).
     """
@@ -98,15 +98,15 @@ class History(NamedTuple):
 
 
 def new_history(count: int) -> History:
-    """Return the ``History`` of so many runs."""
+    """Return an empty ``History`` of ``count`` runs."""
     return History(np.zeros((count, HISTORY, STATE_SIZE)), np.zeros((count, HISTORY, MOST_EVENTS)))
 
 
 @kernel
 def start(p, declared):
-    """State and mode at τ = 0: at rest, touching the base without pressing.
+    """State and mode at τ = 0: at rest, touching the base without load.
 
-    The bottom face stands on the edge A1; a part tilted the other way stands on its corner B1. A
+    The bottom face rests on the edge A1; a part tilted the other way rests on its corner B1. A
     contact that is not declared starts open: the run leaves the scene if the part presses there.
     """
     x, tilt = p.misalignment, p.initial_tilt
@@ -122,13 +122,13 @@ def start(p, declared):
 
 @kernel
 def period_length(p):
-    """The excitation's period; 2π where the excitation is constant."""
+    """Period of the excitation; 2π if the excitation is constant."""
     return 2.0 * pi / p.frequency if p.frequency > 0.0 else 2.0 * pi
 
 
 @kernel
 def _note_end_of_period(runs, i):
-    """Enter the time at which the present period ends, or the run."""
+    """Enter the end of the present period, or of the run if that is earlier."""
     next_period = (runs[i, PERIODS] + 1.0) * period_length(constants_of(runs, i))
     runs[i, STOP] = min(next_period, runs[i, DEADLINE])
 
@@ -136,7 +136,7 @@ def _note_end_of_period(runs, i):
 @kernel
 def _end(runs, i, outcome, reason):
     runs[i, OUTCOME], runs[i, REASON] = outcome, reason
-    if isfinite(runs[i, TAU_ALIGN]):  # whatever happened in the fall afterwards, it has aligned
+    if isfinite(runs[i, TAU_ALIGN]):  # aligned, whatever happens in the fall that follows
         runs[i, OUTCOME], runs[i, REASON] = _ALIGNED, _NONE
 
 
@@ -148,9 +148,9 @@ def fail(runs, i, reason):
 
 @kernel
 def begin(row, tolerance, scene, control, runs, i):
-    """Put the parameter set ``row``, shape (constants,), at its start into row ``i``.
+    """Start the parameter set ``row``, shape (constants,), as run ``i``.
 
-    ``tolerance`` is the local error admitted in a step, relative to 1 + |state|.
+    ``tolerance`` is the largest local error of a step, relative to 1 + |state|.
     """
     for k in range(runs.shape[1]):
         runs[i, k] = row[k] if k < CONSTANTS else 0.0
@@ -180,7 +180,7 @@ def begin(row, tolerance, scene, control, runs, i):
 
 @kernel
 def _starts_past_the_end(q, p, mode):
-    """Return whether A1 already stands beyond the corner B1, which comes before any load."""
+    """Return whether A1 is already beyond the corner B1, so that no load occurs."""
     if mode.face != CLOSED:
         return False
     return edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p).along_face > p.half_width
@@ -188,15 +188,15 @@ def _starts_past_the_end(q, p, mode):
 
 @kernel
 def is_counted(mode, p):
-    """Return whether the run is still on its way to alignment, and not in the fall that follows."""
+    """Return whether the run has not yet aligned: the fall that follows is not counted."""
     return not mode.dropped or p.printed_alignment_criterion != 0.0
 
 
 @kernel
 def note_step(length, tilt, force, runs, i):
-    """Enter a step made, with its largest |tilt| and normal force.
+    """Enter an accepted step, with its largest |tilt| and normal force.
 
-    The largest values so far come first in ``max``, which keeps them if they are NaN.
+    The largest values so far are the first arguments of ``max``, which keeps them if they are NaN.
     """
     mode = mode_of(runs, i)
     runs[i, STEPS] += 1.0
@@ -209,7 +209,7 @@ def note_step(length, tilt, force, runs, i):
 
 @kernel
 def _opened(before, after):
-    """Return whether an event left the part without support: a lift-off."""
+    """Return whether an event is a lift-off: the part loses its support."""
     return (before.face != OPEN or before.corner != OPEN) and (
         after.face == OPEN and after.corner == OPEN
     )
@@ -219,7 +219,7 @@ def _opened(before, after):
 def _note_alignment(which, tilt, printed_criterion, alignment_only, runs, i):
     """Enter alignment or the four corners inside; return whether the run ends.
 
-    The first instant counts (R8): a part that is lifted again and falls once more has aligned.
+    The first instant counts (R8), also if the part is lifted again and falls once more.
     """
     time = runs[i, TIME]
     if which == CORNERS_INSIDE:
@@ -234,11 +234,12 @@ def _note_alignment(which, tilt, printed_criterion, alignment_only, runs, i):
 
 @kernel
 def _pass_over(before, runs, i):
-    """Move on by a moment without event location, if it makes no difference which mode holds.
+    """Advance by a moment without event location, if the two modes agree within the tolerance.
 
-    On a hard base a length's rounding is a load: a contact or a slip that is only just there comes
-    and goes with it, and no time passes. The moment is twice as long each time; where the two modes
-    would part in it by more than a step's tolerance, the run stays, and fails in the end.
+    On a hard base the rounding of a length causes a load: a contact or a slip near zero then
+    alternates without time passing (chatter, Zeno behaviour). The moment doubles each time. If the
+    two modes differ by more than a step's tolerance after it, the run does not advance, and fails
+    in the end.
     """
     time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     q, tolerance = state_in(runs, STATE, i), runs[i, TOLERANCE]
@@ -260,17 +261,17 @@ def _pass_over(before, runs, i):
 
 @kernel
 def make_event(which, length, step, scene, control, runs, i):
-    """Continue the run, which is at the event ``which``, in the mode that follows, or end it.
+    """Apply the transition of the event ``which`` at the run's state: next mode, or end.
 
-    ``length`` is the time from the last step to the event, ``step`` that of the step cut short.
+    ``length`` is the time from the last step to the event, ``step`` the length of the whole step.
     """
     time, p, before = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     runs[i, EVENT_COUNT] += 1.0
     runs[i, MADE + which] = 1.0
     at_once = length <= 1e-13 * max(1.0, time)
     runs[i, EVENTS_AT_ONCE] = runs[i, EVENTS_AT_ONCE] + 1.0 if at_once else 0.0
-    # Where no time passes, the step was too long for what happens in it (friction that only just
-    # reaches its limit, for instance): its dense output is not that exact.
+    # If no time passes, the step was too long for the accuracy of its dense output (for instance
+    # where the friction force only just reaches its limit).
     runs[i, NEXT_STEP] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
     q = scene.events.adjust(which, state_in(runs, STATE, i), p, before)
     mode, outcome, reason = scene.events.follow(which, time, q, p, before, scene.declared)
@@ -291,9 +292,9 @@ def make_event(which, length, step, scene, control, runs, i):
 
 @kernel
 def _compare_periods(scene, periods, history, runs, i):
-    """Enter the state and the approaches of a period; end the run in a periodic steady state."""
+    """Record the state and the closest approaches of a period; end a run that has settled."""
     states, lowest = history.states[i], history.lowest[i]
-    for which in range(MOST_EVENTS):  # an event that happened is none to keep clear of
+    for which in range(MOST_EVENTS):  # events that happened need no distance
         if runs[i, MADE + which] != 0.0:
             runs[i, CLOSEST + which] = NEVER
             runs[i, MADE + which] = 0.0
@@ -318,7 +319,7 @@ def _compare_periods(scene, periods, history, runs, i):
 
 @kernel
 def end_period(scene, history, may_settle, runs, i):
-    """Enter a completed period; the run ends if it ``may_settle`` and its motion repeats itself."""
+    """Enter a completed period; end the run if it ``may_settle`` and its motion is periodic."""
     periods = int(runs[i, PERIODS]) + 1
     runs[i, PERIODS] = periods
     _note_end_of_period(runs, i)

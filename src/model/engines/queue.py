@@ -1,4 +1,4 @@
-"""Parameter sets that wait for their run, for all threads: each takes the next when it has room."""
+"""Queue of parameter sets that all threads share: each takes the next when it has room."""
 
 from typing import Any
 
@@ -14,13 +14,13 @@ Queue = NDArray[np.int64]
 
 
 def new_queue(waiting: int, threads: int) -> Queue:
-    """Return what all ``threads`` share, shape (2,): next row, and a thread's fair share."""
+    """Return the queue of all ``threads``, shape (2,): next row, and fair share of a thread."""
     return np.array([0, -(-waiting // threads)], dtype=np.int64)
 
 
 @intrinsic
 def _added_one(_context: Any, queue: Any) -> Any:
-    """Add one to the first of an array's numbers, at once for all threads: what it was before."""
+    """Add one to an array's first number, atomically, and return its former value."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         array = context.make_array(signature.args[0])(context, builder, arguments[0])
@@ -32,11 +32,11 @@ def _added_one(_context: Any, queue: Any) -> Any:
 
 @kernel
 def next_in(queue):
-    """The row of the next parameter set; beyond the last when none waits."""
+    """Take and return the row of the next parameter set; beyond the last if none waits."""
     return _added_one(queue)  # type: ignore[call-arg]
 
 
 @kernel
 def fair_share(queue):
-    """Return how many sets a thread may have under way, so that others find some, too."""
+    """Return the number of sets that a thread may run at once, so that others get some too."""
     return queue[1]

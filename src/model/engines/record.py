@@ -1,8 +1,8 @@
-"""The record of a run: one row of numbers, so that many runs make an array.
+"""The record of a run: one row of numbers, so that a batch of runs is an array.
 
-A batch of runs is an array ``runs`` of shape (runs, SIZE): ``runs[i, TIME]`` is the time that run
-``i`` has reached. Counts and flags are whole numbers kept as floats. The columns are those of
-``Constants`` and of ``RunResult``, numbers that a run works with, its state and its mode.
+A batch is an array ``runs`` of shape (runs, SIZE): ``runs[i, TIME]`` is the time that run ``i`` has
+reached. Counts and flags are whole numbers stored as floats. The columns are the fields of
+``Constants`` and ``RunResult``, working numbers, the state, the mode, and levels of events.
 """
 
 from math import isnan
@@ -16,13 +16,13 @@ from model.physics.scenes import Mode
 from model.physics.views import reader, writer
 
 _WORKING = (
-    "next_step",  # length that the error estimate proposes
+    "next_step",  # length proposed by the error estimate
     "tolerance",
-    "deadline",  # when the run ends at the latest
+    "deadline",  # latest time at which the run ends
     "stop",  # end of the present excitation period, or the deadline
     "periods",  # excitation periods completed
     "sticking_time",
-    "events_at_once",  # without time passing between them
+    "events_at_once",  # number of events without time passing between them
     "row_of_batch",
 )
 _COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)
@@ -64,15 +64,15 @@ _STICKING_SHARE = column("sticking_share")
 STATE = len(_COLUMNS)
 MODE = STATE + STATE_SIZE
 CLOSEST = MODE + len(Mode._fields)  # lowest levels of the events in this period
-MADE = CLOSEST + MOST_EVENTS  # whether an event happened in this period
+MADE = CLOSEST + MOST_EVENTS  # 1 for events that happened in this period
 SIZE = MADE + MOST_EVENTS
 
 # (runs, i): the ``Constants`` of run ``i``.
 constants_of = reader(Constants, "runs, i", "runs[i, {}]".format)
-# (runs, row, i): the ``State`` of run ``i`` from column ``row`` on; and (q, runs, row, i) to keep.
+# (runs, row, i): the ``State`` of run ``i`` from column ``row`` on; (q, runs, row, i) writes it.
 state_in = reader(State, "runs, row, i", "runs[i, row + {}]".format)
 keep_state_in = writer(State, "runs, row, i", "runs[i, row + {}]".format)
-# (runs, i): the ``Mode`` of run ``i``; and (mode, runs, i) to keep.
+# (runs, i): the ``Mode`` of run ``i``; (mode, runs, i) writes it.
 mode_of = reader(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
 keep_mode = writer(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
 
@@ -85,7 +85,7 @@ def constants_in(row):
 
 @inlined_kernel
 def keep_state(q, runs, i):
-    """Make ``q`` the state of run ``i``."""
+    """Write ``q`` as the state of run ``i``."""
     keep_state_in(q, runs, STATE, i)
 
 

@@ -1,10 +1,10 @@
 """Results of a run: the one table of their names, types, meanings, quantities and tolerances.
 
-The fields of ``Results`` are the table. Made from it are: the columns in which engines write
-results (record.py) and ``RunResult``, which reads them; ``Alignments`` and ``Trajectory``; the
-variables of datasets with their attributes; the lines that the command line prints; the tolerances
-of comparisons with the reference. A result is added by a field here and by the kernel, or the
-comparison of runs (runs/errors.py), that computes it.
+The fields of ``Results`` are the table. The following are derived from it: the columns in which
+engines write results (record.py) and ``RunResult``, which reads them; ``Alignments`` and
+``Trajectory``; the variables of datasets with their attributes; the lines that the command line
+prints; the tolerances of comparisons with the reference. To add a result, add a field here, and
+compute it in a kernel or in the comparison of runs (runs/errors.py).
 """
 
 import math
@@ -42,15 +42,15 @@ class Result:
     """One result of a run.
 
     Attributes:
-        explanation: its meaning and, behind a semicolon, its special values.
+        explanation: meaning and, after a semicolon, special values.
         quantity: SI unit and powers of the model's units; the values are dimensionless.
         symbol: symbol in the paper, if it has one.
-        tolerance: largest difference from the reference; None where it is not compared.
-        flags: enumeration that its values are of.
-        line: makes the printed line of a value; None where none is printed.
-        estimated: it comes from a comparison of several runs, not from one of them.
-        stored: datasets hold it.
-        wide: a count that datasets hold in eight bytes.
+        tolerance: largest difference from the reference; None if it is not compared.
+        flags: enumeration of its values, if they are flags.
+        line: formats a value as printed; None if it is not printed.
+        estimated: True if it comes from a comparison of several runs.
+        stored: True if datasets hold it.
+        wide: True for a count that datasets store in eight bytes.
     """
 
     explanation: str
@@ -65,11 +65,11 @@ class Result:
 
     @property
     def meaning(self) -> str:
-        """The meaning in a few words."""
+        """Meaning in a few words."""
         return self.explanation.partition(";")[0]
 
     def printed(self, value: Any) -> str:
-        """Return the line of ``value``; empty where there is none to print, as of NaN."""
+        """Return ``value`` as printed; empty if it is NaN or not printed."""
         if self.line is None or math.isnan(value):
             return ""
         return self.line(value) + (" rad" if self.quantity is ANGLE else "")
@@ -109,7 +109,7 @@ def entry(
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(entry,))
 def results_table(table: type[Table]) -> type[Table]:
-    """Make a frozen dataclass of keywords of a table of results."""
+    """Make a table of results a frozen dataclass with keyword arguments."""
     return dataclass(frozen=True, kw_only=True)(table)
 
 
@@ -169,7 +169,7 @@ KINDS: Mapping[str, Kind] = {
     for f in fields(Results)
 }
 
-# What engines tell of a run besides: the time of its end, steps rejected, rows of a full track.
+# Further numbers of a run from its engine: time of its end, rejected steps, rows of a full track.
 _BESIDES = ("time", "rejected", "tracked")
 
 
@@ -181,13 +181,13 @@ class RunResult(
     """Results of one run as its engine writes them, each a float or an array of runs.
 
     The fields are those of ``Results`` that are not ``estimated``, and ``time`` of the end,
-    ``rejected`` steps and ``tracked``, the number of rows that a full track has.
+    ``rejected`` steps and ``tracked``, the number of rows of a full track.
     """
 
     __slots__ = ()
 
 
-# The course of a run, beside its time: the columns of a track.
+# Variables of a trajectory besides the time: the columns of a track.
 COURSE: Mapping[str, Result] = {
     "x": Result("abscissa of the mass centre", LENGTH, "x"),
     "y": Result("ordinate of the mass centre", LENGTH, "y"),

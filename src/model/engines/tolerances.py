@@ -1,6 +1,6 @@
-"""Tolerances of results: how far two computations of the same run may differ.
+"""Tolerances of results: largest differences between two computations of the same run.
 
-Each follows from the estimated error of the alignment time or from how the engines obtain a result.
+Each follows from the estimated error of the alignment time or from the way engines obtain a result.
 """
 
 from collections.abc import Callable
@@ -13,16 +13,16 @@ from model.events.outcomes import Outcome
 
 Array = NDArray[np.float64]
 
-# The estimated error is below the true one for about one point in a hundred (decision 3), there by
-# a factor of a few. An error of 1 % in a force changes a duration by a thousand times this.
+# The estimated error is below the true one for about one point in a hundred (decision 3), by a
+# small factor. An error of 1 % in a force changes a duration by a thousand times this margin.
 MARGIN = 10.0
-UNKNOWN_ERROR = 1e-4  # where there is no estimate: the difference that makes a point sensitive
-# The reference engine takes largest tilts and forces from samples.
+UNKNOWN_ERROR = 1e-4  # without an estimate: the difference that makes a point sensitive
+# The reference engine computes largest tilts and forces from samples.
 TILT_SAMPLED = 1e-4
 FORCE_SAMPLED = 2e-2
-# A run that does not align ends when its motion is seen to repeat itself, a period sooner or later.
+# A run that settles may do so a period sooner or later.
 SHARE_SETTLED = 1e-2
-# One that lasts to the horizon ends there: at tighter tolerances its share moves by less than 1e-9.
+# Of a run that lasts to the horizon the share moves by less than 1e-9 at tighter tolerances.
 SHARE_AT_HORIZON = 1e-6
 
 
@@ -35,7 +35,7 @@ class Compared(NamedTuple):
 
 
 Tolerance = Callable[[Compared], Array]
-"""The largest difference that is admitted, shape (n,)."""
+"""Function that returns the largest admissible difference, shape (n,)."""
 
 
 def by_error(runs: Compared) -> Array:
@@ -44,17 +44,17 @@ def by_error(runs: Compared) -> Array:
 
 
 def of_sampled_tilt(runs: Compared) -> Array:
-    """Admit what samples of the tilt miss of its largest value."""
+    """Admit the error of the largest tilt that sampling causes."""
     return np.fmax(MARGIN * runs.error, TILT_SAMPLED)
 
 
 def of_sampled_force(runs: Compared) -> Array:
-    """Admit what samples of a force miss of its largest value."""
+    """Admit the error of the largest force that sampling causes."""
     return FORCE_SAMPLED * np.maximum(1.0, np.abs(runs.value))
 
 
 def of_share(runs: Compared) -> Array:
-    """Admit what the end of a run moves a share of its time."""
+    """Admit the change of a share of the time that another end of the run causes."""
     ends = [runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.HORIZON_REACHED]
     return np.select(ends, [by_error(runs) + 1e-8, SHARE_AT_HORIZON], SHARE_SETTLED)
 

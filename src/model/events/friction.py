@@ -1,4 +1,4 @@
-"""Friction states at an instant: slips that fit, and slips that are zero to be kept so."""
+"""Friction states at an instant, and removal of residual slip where contacts stick."""
 
 from model.events.modes import with_friction, with_slip_place
 from model.physics.compiled import inlined_kernel, kernel
@@ -17,10 +17,10 @@ from model.physics.motion import (
 from model.physics.notation import State
 from model.physics.scenes import CLOSED, STICKING
 
-# A slip below this is no slip: rounding of velocities of order one, with room.
+# A slip below this counts as zero: rounding of velocities of order one, with a margin.
 REST_SLIP = 1e-12
-# A load below this is none, and so is what rounding of lengths makes of one on a hard base; how far
-# to look ahead then.
+# A load below NO_LOAD, or below what rounding of lengths causes on a hard base, counts as zero; the
+# friction states are then tried a moment later.
 NO_LOAD = 1e-12
 _ROUNDING = 4e-16
 _MOMENT = 1e-5
@@ -28,7 +28,7 @@ _MOMENT = 1e-5
 
 @kernel
 def _friction_holds(slip_state, friction, load, drive, p):
-    """Return whether a friction state at zero slip is consistent with what it causes."""
+    """Return whether a friction state at zero slip is consistent with its forces and drive."""
     if slip_state == STICKING:
         return load > 0.0 and abs(friction) <= p.friction * load
     return drive * slip_state >= 0.0
@@ -38,7 +38,8 @@ def _friction_holds(slip_state, friction, load, drive, p):
 def _may_begin(slip_state, friction, drive, least):
     """Return whether an unloaded contact at rest may start in a friction state.
 
-    ``drive`` is that without friction: a state against it would end at once, and come back.
+    ``drive`` is the acceleration of the slip without friction: a state against it would end at once
+    and return.
     """
     if slip_state == STICKING:
         return abs(friction) <= least
@@ -47,13 +48,13 @@ def _may_begin(slip_state, friction, drive, least):
 
 @kernel
 def sign(value):
-    """-1 or 1."""
+    """Return -1 for a negative value, else 1."""
     return -1 if value < 0.0 else 1
 
 
 @kernel
 def _advanced(q, at):
-    """The state a moment later, under the accelerations of ``at``."""
+    """State a moment later, under the accelerations of ``at``."""
     return State(
         q.x + _MOMENT * (q.x_rate + 0.5 * _MOMENT * at.x),
         q.y + _MOMENT * (q.y_rate + 0.5 * _MOMENT * at.y),
@@ -66,12 +67,12 @@ def _advanced(q, at):
 
 @kernel
 def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
-    """Return the mode with friction states that fit the slips, and whether there are any.
+    """Return (mode, possible): the mode with consistent friction states, if there are any.
 
     A contact that slips keeps the sign of its slip. For a contact at rest every state is tried,
-    sticking first, and the first set of states that is consistent with its own accelerations holds.
-    Where a contact at rest carries no load yet, this instant decides nothing: the states are tried
-    on the motion a moment later, and on the drives with which they may begin.
+    sticking first, and the first set of states consistent with its own accelerations is taken. If a
+    contact at rest carries no load yet, its forces at this instant decide nothing: the states are
+    tried on the motion a moment later, and on the drives without friction.
     """
     mode = with_slip_place(mode)
     if never_sticks(p):
@@ -87,7 +88,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     support_unloaded = support_at_rest and now.support_load <= least
     side_unloaded = side_at_rest and now.side_load <= least
     no_load = support_unloaded or side_unloaded
-    begins = now  # as slip begins: without friction where there is no load
+    begins = now  # the motion as slip begins: without friction where there is no load
     if no_load:
         support_begins = -1 if support_at_rest else sign(now.support_slip)
         side_begins = -1 if side_at_rest else sign(now.side_slip)
@@ -146,10 +147,10 @@ def hold_sticking(q, p, mode):
 
 @inlined_kernel
 def at_rest_on_support(q, p, mode):
-    """Return ``q`` with exactly no slip at a sliding support that has come to rest.
+    """Return ``q`` with exactly zero slip at a sliding support that has come to rest.
 
-    An event is located to the accuracy of a step; the slip left over would contradict the friction
-    state decided for rest.
+    An event is located to the accuracy of a step; the residual slip would contradict the friction
+    state chosen at rest.
     """
     if mode.support_slip != STICKING:
         return hold_sticking(q, p, with_friction(mode, STICKING, mode.side_slip))
@@ -158,7 +159,7 @@ def at_rest_on_support(q, p, mode):
 
 @inlined_kernel
 def at_rest_on_side(q, p, mode):
-    """Return ``q`` with exactly no slip at a sliding side face that has come to rest."""
+    """Return ``q`` with exactly zero slip at a sliding side face that has come to rest."""
     if mode.side_slip != STICKING:
         return hold_sticking(q, p, with_friction(mode, mode.support_slip, STICKING))
     return q

@@ -1,4 +1,4 @@
-"""Kernels chosen by type: compiled code that is told at compile time which set of them to call."""
+"""Sets of kernels as types: callers are compiled for the set that they are given."""
 
 import hashlib
 from collections.abc import Callable, Mapping
@@ -23,16 +23,16 @@ Decorator = TypeVar("Decorator", bound=Callable[..., Any])
 
 
 class KernelSet:
-    """Kernels and whole numbers by name, which kernels take as one argument.
+    """Kernels and whole numbers by name, passed to kernels as one argument.
 
-    A kernel that takes a set is compiled for it: what it reads from the set are constants, and what
-    it calls becomes a part of it. A set holds nothing at run time.
+    A kernel that takes a set is compiled for it: numbers of the set are constants, and kernels of
+    the set can be inlined. A set holds no data at run time.
 
     Args:
-        name: of the set; sets of one name are one type.
+        name: name of the set; sets of the same name have the same type.
         members: kernels and whole numbers by name.
-        sources: files that define the members. What of them lies outside the package becomes a part
-            of the name, since the cache of compiled kernels is keyed by the package's files only.
+        sources: files that define the members. The contents of files outside the package become
+            part of the name, since the cache of compiled kernels is keyed by the package's files.
     """
 
     def __init__(self, name: str, members: Mapping[str, Any], sources: set[str]) -> None:
@@ -93,14 +93,14 @@ def _member(context: Any, _builder: Any, kernel_set: Any, _value: Any, name: str
 def generated(
     compiled: Decorator, name: str, code: str, known: Mapping[str, Any], label: str
 ) -> Any:
-    """The kernel ``name`` that the Python source ``code`` defines.
+    """Return the kernel ``name`` that the Python source ``code`` defines.
 
     Args:
         compiled: ``kernel`` or ``inlined_kernel``.
-        name: of the function.
-        code: its source.
-        known: what the source refers to, by name.
-        label: distinguishes kernels of the same name that are made for different tables.
+        name: name of the function.
+        code: source of the function.
+        known: objects that the source refers to, by name.
+        label: distinguishes kernels of the same name generated for different tables.
     """
     namespace = dict(known)
     exec(compile(code, __file__, "exec"), namespace)  # noqa: S102 - the source is our own

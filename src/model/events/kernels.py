@@ -1,4 +1,4 @@
-"""Kernels made from a table of events: sampling, one level, and what follows an event."""
+"""Kernels generated from a table of events: sampling, single levels, and transitions."""
 
 import hashlib
 from collections.abc import Callable, Iterator
@@ -16,14 +16,14 @@ from model.physics.compiled import Symbol, inlined_kernel, kernel
 from model.physics.parameters import Constants
 from model.physics.scenes import START, Declared, Scene
 
-MOST_EVENTS = 32  # for which records and histories have room
+MOST_EVENTS = 32  # capacity of records and histories
 MOST_SAMPLES = 2 * MOST_EVENTS
 
 Lines = Iterator[str]
 
 
 class SceneKernels(NamedTuple):
-    """A scene as kernels take it: the contacts that it declares, and the kernels of its events."""
+    """A scene in the form that kernels take: its declared contacts and its event kernels."""
 
     declared: Declared
     events: Any
@@ -55,7 +55,7 @@ def python_of(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 class _Any(Symbol):
-    """Stands for every number where only the form of a result matters."""
+    """Stand-in for every number where only the form of a result matters."""
 
     def _same(self, _other: Any = None) -> "_Any":
         return self
@@ -76,26 +76,26 @@ _ANY_PLACES = levels.Outline(*[_ANY] * len(levels.Outline._fields))
 
 
 def combined_count(table: Table) -> int:
-    """Return how many of the events, the first ones, have a level of several quantities.
+    """Return the number of events whose level has several quantities; these come first.
 
     Raises:
-        ValueError: such an event stands behind another one, or there are too many events.
+        ValueError: such an event comes after another one, or there are too many events.
     """
     combined = [_is_combined(event) for event in table]
     if combined != sorted(combined, reverse=True):
-        raise ValueError("events of several quantities must be the first of a table")
+        raise ValueError("a table of events must begin with all events of several quantities")
     if len(table) > MOST_EVENTS:
-        raise ValueError(f"{len(table)} events: a table may have {MOST_EVENTS}")
+        raise ValueError(f"{len(table)} events: a table may have at most {MOST_EVENTS}")
     return sum(combined)
 
 
 class Writer:
-    """Writes kernels in Python, from kernels that it calls by names of its own.
+    """Generator of kernels as Python source, which call other kernels by generated names.
 
     Attributes:
-        known: what the code refers to, by name.
-        members: what has been made.
-        sources: files that define the kernels called.
+        known: objects that the code refers to, by name.
+        members: kernels generated so far, by name.
+        sources: files that define the called kernels.
     """
 
     def __init__(self, label: str, **known: Any) -> None:
@@ -133,7 +133,7 @@ class Writer:
 
 
 def _sample(table: Table, combined: int, write: Writer) -> Lines:
-    """All levels, and behind them the place of the largest quantity in those of several."""
+    """All levels, followed by the index of the largest quantity of each with several."""
     sources: dict[Source, list[int]] = {}
     for number, event in enumerate(table):
         sources.setdefault(event.source, []).append(number)
@@ -156,7 +156,7 @@ def _sample(table: Table, combined: int, write: Writer) -> Lines:
 
 
 def _level(table: Table, combined: int, write: Writer) -> Lines:
-    """One level that applies, without the others."""
+    """A single level, of an event that applies."""
     for source, group in groupby(enumerate(table), key=lambda each: each[1].source):
         events = list(group)
         yield f"if {events[0][0]} <= which <= {events[-1][0]}:"
@@ -185,7 +185,7 @@ def _quantities(table: Table, combined: int, write: Writer) -> Lines:
 
 
 def _force(table: Table, place: str) -> Lines:
-    """Normal force at a place, from a sample; may be below zero."""
+    """Normal force at a place, from a sample; it may be negative."""
     numbers = [k for k, event in enumerate(table) if event.force_on == place]
     for k in numbers:
         yield f"f{k} = sample[{k}] if sample[{k}] != NEVER else 0.0"
@@ -200,7 +200,7 @@ def _start(table: Table) -> Lines:
 
 
 def _label(table: Table) -> str:
-    """Name of a table that no other one has."""
+    """Unique name of a table."""
     if table is EVENTS:
         return "alignment"
     digest = hashlib.sha256()
@@ -219,13 +219,15 @@ def kernels_of(table: Table) -> KernelSet:
     """Return the kernels of a table.
 
     Members:
-        count, combined, sample_size: numbers of events, of those with several quantities, and of
-            numbers in a sample.
+        count, combined, sample_size: number of events, of events with several quantities, and of
+            values in a sample.
         sample(time, q, p, mode): levels of all events, NEVER for those that do not apply, and for
-            each with several quantities the place of the largest.
-        sample_into(time, q, p, mode, out): the same, written.
-        level(which, time, q, p, mode), quantities(which, time, q, p, mode): of one event.
-        happens(which, time, q, p, mode), is_conditional(which): whether a zero is the event.
+            each event with several quantities the index of the largest.
+        sample_into(time, q, p, mode, out): writes the sample into ``out``.
+        level(which, time, q, p, mode), quantities(which, time, q, p, mode): level and quantities of
+            one event.
+        happens(which, time, q, p, mode): True if a zero of its level is the event.
+        is_conditional(which): True if ``happens`` may be False.
         adjust(which, q, p, mode), follow(which, time, q, p, mode, declared): see ``Event``.
         kind(which): LENGTH, LOAD or FRICTION.
         start_is_impossible(q, p, mode), support_force(sample), side_force(sample).

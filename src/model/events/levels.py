@@ -1,15 +1,15 @@
 """Level functions of events, and the quantities of which they are functions.
 
-A level is positive while a mode holds, and its event is its down-crossing of zero. It takes
-the quantities of one source (places of edges and corners, or one contact's depth, load and place)
-and is a constant plus multiples of them, or of the absolute value of one: the batch engine bounds
-and searches levels by that. A level does not branch on the mode; where it has another form in other
-modes the table has another case.
+A level is positive while a mode holds, and its event is its down-crossing of zero. It takes the
+quantities of one source (places of edges and corners, or depth, load and place of one contact) and
+is a constant plus multiples of them, or of the absolute value of one; the batch engine bounds and
+searches levels by this form. A level does not branch on the mode: for other forms in other modes
+the table has several cases.
 
-A condition that several quantities must meet at once is the largest of them, each negative where
-its part is met. Such a level is not smooth, and may be negative for an instant only, between two
-samples; its largest quantity is therefore sampled with it, so that the event location can look at
-each of them where that changes.
+A condition on several quantities at once is the largest of them, each negative where its own
+condition is met. Such a level is not smooth and may be negative for an instant between two samples.
+The index of the largest quantity is therefore sampled with it: where the index changes, the event
+location searches each quantity.
 """
 
 from math import pi
@@ -24,14 +24,14 @@ from model.physics.scenes import CLOSED, OPEN
 
 NEVER = 1e300  # the level of an event that does not apply
 NOTHING = -1e300  # a quantity that a condition does not have
-ON_AN_EVENT = 1e-8  # a level below this is on its event
-FLAT = 1e-8  # a part tilted by less is flat: it stands on its edge
+ON_AN_EVENT = 1e-8  # a level below this counts as on its event
+FLAT = 1e-8  # a part tilted by less is flat: it rests on its edge
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
 
 
 @inlined_kernel
 def largest(quantities):
-    """(largest of four, its place)."""
+    """Return (largest of four, its index)."""
     a, b, c, d = quantities
     value, place = a, 0.0
     if b > value:
@@ -49,8 +49,8 @@ def largest(quantities):
 class Outline(NamedTuple):
     """Places of the edges in the frame of the part, and of the bottom corners beside the slot.
 
-    ``along_face`` and ``along_axis`` as in ``EdgePlace``, (X, Y) of the corners and their dY/dτ,
-    how deep A2 is behind the left side, in the reading in force, and the tilt.
+    ``along_face`` and ``along_axis`` as in ``EdgePlace``, depth of A2 behind the left side under
+    the selected reading, (X, Y) of the corners, the tilt, and dY/dτ of the corners.
     """
 
     right_along_face: float
@@ -68,7 +68,7 @@ class Outline(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """One contact: its depth, its load, and where it is along the touched face or the base."""
+    """One contact: its depth, its load, and its place along the touched face or the base."""
 
     depth: float
     load: float
@@ -116,7 +116,7 @@ def side_touch(_time, q, p, mode):
 
 @inlined_kernel
 def corner_touch(_time, q, p, mode):
-    """``Touch`` of the supporting side's corner on the flat base."""
+    """``Touch`` of the corner on the supporting side on the flat base."""
     corner = corner_on_flat(mode.edge, q, p)
     depth = corner.depth - mode.corner_offset
     load = contact_load(depth, corner.closing_rate, q, p)
@@ -129,31 +129,31 @@ def corner_touch(_time, q, p, mode):
 
 @inlined_kernel
 def always(_p, _mode):
-    """Places are there in every mode."""
+    """Return True: places exist in every mode."""
     return True
 
 
 @inlined_kernel
 def on_face(_p, mode):
-    """The bottom face and an edge overlap."""
+    """Return whether the bottom face and an edge overlap."""
     return mode.face != OPEN
 
 
 @inlined_kernel
 def on_left_side(_p, mode):
-    """The left side face and A2 overlap."""
+    """Return whether the left side face and A2 overlap."""
     return mode.side != OPEN and mode.side_edge == LEFT_EDGE
 
 
 @inlined_kernel
 def on_corner(_p, mode):
-    """A bottom corner and the flat base overlap."""
+    """Return whether a bottom corner and the flat base overlap."""
     return mode.corner != OPEN
 
 
 @inlined_kernel
 def rubs(p, mode):
-    """A contact presses at which the friction state may change."""
+    """Return whether a contact presses whose friction state may change."""
     return not never_sticks(p) and (is_supported(mode) or mode.side == CLOSED)
 
 
@@ -184,7 +184,7 @@ def corners_outside(at, p, _mode):
 def edge_inside(edge, at, p):
     """Depths of an edge in the part: (through bottom, left, right, top), all positive inside.
 
-    On the left edge the depth behind the left side is that of the reading in force.
+    For the left edge the depth behind the left side follows the selected reading.
     """
     if edge == RIGHT_EDGE:
         face, axis = at.right_along_face, at.right_along_axis
@@ -214,9 +214,9 @@ def left_edge_outside(at, p, _mode):
 
 @inlined_kernel
 def right_corner_above(at, p, _mode):
-    """Negative once B1 presses on the flat beside the slot, from the depth where it starts to.
+    """Negative once B1 presses on the flat base beside the slot.
 
-    It stands there below the plane, is the lower corner, and moves down. Else the edge carries the
+    It is then below the plane, is the lower corner, and moves down. Otherwise the edge carries the
     bottom face.
     """
     beside = p.slot_half_width - at.right_corner_x
@@ -225,7 +225,7 @@ def right_corner_above(at, p, _mode):
 
 @inlined_kernel
 def left_corner_above(at, p, _mode):
-    """The same of B2."""
+    """``right_corner_above`` for B2."""
     beside = p.slot_half_width + at.left_corner_x
     return beside, at.left_corner_y, -at.tilt + FLAT, at.left_corner_rise
 
@@ -234,15 +234,15 @@ def left_corner_above(at, p, _mode):
 def right_corner_off_wall(at, p, _mode):
     """Negative once B1, not the lower corner, has run into the slot's wall from inside.
 
-    Or has come down beside the slot, with all of the part beside it. Otherwise an edge is in front
-    of a corner that comes down there, and carries the part.
+    It is also negative once B1 comes down beside the slot with the whole part beside the slot;
+    otherwise an edge in front of such a corner carries the part.
     """
     return p.slot_half_width - at.right_corner_x, at.right_corner_y, -at.tilt - FLAT, NOTHING
 
 
 @inlined_kernel
 def left_corner_off_wall(at, p, _mode):
-    """The same of B2."""
+    """``right_corner_off_wall`` for B2."""
     return p.slot_half_width + at.left_corner_x, at.left_corner_y, at.tilt - FLAT, NOTHING
 
 
@@ -290,25 +290,25 @@ def beside_slot(at, p, mode):
 
 @inlined_kernel
 def support_slip(at, _p, mode):
-    """Slip in the direction of the sliding."""
+    """Slip of the support in the direction of sliding."""
     return mode.support_slip * at.support_slip
 
 
 @inlined_kernel
 def support_reserve(at, p, _mode):
-    """Distance of the friction force of a sticking support from its limit."""
+    """Margin of the friction force of a sticking support to its limit."""
     return p.friction * at.support_load - abs(at.support_friction)
 
 
 @inlined_kernel
 def side_slip(at, _p, mode):
-    """Slip in the direction of the sliding, at the side face."""
+    """Slip of the side face in the direction of sliding."""
     return mode.side_slip * at.side_slip
 
 
 @inlined_kernel
 def side_reserve(at, p, _mode):
-    """Distance of the friction force of a sticking side face from its limit."""
+    """Margin of the friction force of a sticking side face to its limit."""
     return p.friction * at.side_load - abs(at.side_friction)
 
 

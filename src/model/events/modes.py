@@ -1,4 +1,4 @@
-"""Modes that differ from another in one contact."""
+"""Modes derived from another by a change of one contact."""
 
 from model.physics.compiled import kernel
 from model.physics.scenes import CLOSED, OPEN, Mode
@@ -6,7 +6,7 @@ from model.physics.scenes import CLOSED, OPEN, Mode
 
 @kernel
 def with_face(mode, edge, state):
-    """Return the mode with another normal state of ``edge`` on the bottom face."""
+    """Return the mode with the normal state ``state`` of ``edge`` on the bottom face."""
     return Mode(
         edge, state, mode.corner, mode.corner_offset, mode.slip_at_corner, mode.support_slip,
         mode.side, mode.side_slip, mode.dropped, mode.side_edge,
@@ -15,7 +15,7 @@ def with_face(mode, edge, state):
 
 @kernel
 def with_corner(mode, edge, state, offset):
-    """Return the mode with another normal state of the corner on the side of ``edge``."""
+    """Return the mode with the normal state ``state`` of the corner on the side of ``edge``."""
     return Mode(
         edge, mode.face, state, offset, mode.slip_at_corner, mode.support_slip, mode.side,
         mode.side_slip, mode.dropped, mode.side_edge,
@@ -24,7 +24,7 @@ def with_corner(mode, edge, state, offset):
 
 @kernel
 def with_side(mode, edge, state):
-    """Return the mode with another normal state of ``edge`` on its side face."""
+    """Return the mode with the normal state ``state`` of ``edge`` on its side face."""
     return Mode(
         mode.edge, mode.face, mode.corner, mode.corner_offset, mode.slip_at_corner,
         mode.support_slip, state, mode.side_slip, mode.dropped, edge,
@@ -51,7 +51,7 @@ def with_drop(mode):
 
 @kernel
 def with_slip_place(mode):
-    """Return the mode whose slip is that of a contact that presses: of the same one, if it does."""
+    """Return the mode whose slip is taken at a contact that presses: the same one if possible."""
     at_corner = mode.corner == CLOSED and (mode.slip_at_corner or mode.face != CLOSED)
     return Mode(
         mode.edge, mode.face, mode.corner, mode.corner_offset, at_corner, mode.support_slip,

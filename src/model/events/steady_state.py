@@ -1,10 +1,11 @@
-"""Periodic steady state: when a run that will never align may stop.
+"""Periodic steady state: the criterion by which a run that will never align may stop.
 
-Once an excitation period the state is compared with the state n periods back. If these differences
-are small and contract, by a ratio ρ < 1 over n periods, twice in a row, the rest of the transient
-is at most Δ/(1 - ρ). The part of the last difference that is not ρ times the one before may be a
-creep that does not contract: it is taken to last. The steady state is reached when neither, taken
-fivefold, can reach alignment or any event that did not happen in the last n periods.
+After each excitation period the state is compared with the state n periods earlier. If the
+differences are small and contract twice in a row, by a ratio ρ < 1 over n periods, the remaining
+transient is at most Δ/(1 - ρ). The part of the last difference that is not ρ times the previous one
+may be a creep that does not contract: it is assumed to last. The steady state is reached when
+neither of these changes, multiplied by five, suffices for alignment or for any event that did not
+happen in the last n periods.
 """
 
 from model.events.levels import NEVER
@@ -18,7 +19,7 @@ _LINEAR = 1e-3  # largest difference at which contraction counts as a property o
 _NEARLY_LINEAR = 1e-2  # and largest of the two differences before it
 _CONTRACTION = 0.98
 _SAFETY = 5.0
-_LASTING = 3000.0  # time for which a creep is taken to last: ten times the usual horizon
+_LASTING = 3000.0  # assumed duration of a creep: ten times the usual horizon
 
 
 @kernel
@@ -36,7 +37,7 @@ def record_period(count, y, closest, states, lowest):
 
 @kernel
 def _difference(count, n, states):
-    """Difference of the state at period ``count`` from that at ``count - n``."""
+    """Difference between the states at periods ``count`` and ``count - n``."""
     now, then = states[count % HISTORY], states[(count - n) % HISTORY]
     return State(
         now[0] - then[0], now[1] - then[1], now[2] - then[2],
@@ -64,10 +65,10 @@ def _ratio(later, earlier):
 
 @kernel
 def _reach(d0, d1, d2, cycles, noise):
-    """Bounds of the further motion, as a ``State``, and whether the differences contract.
+    """Return (bounds, contracts): bounds of the further motion as a ``State``, if it contracts.
 
-    ``d0``, ``d1``, ``d2`` are the differences over one cycle, the last one first; a creep is taken
-    to last so many ``cycles``.
+    ``d0``, ``d1``, ``d2`` are the differences over one cycle, the last one first; a creep is
+    assumed to last for ``cycles`` cycles.
     """
     gap, before, earlier = _largest(d0), _largest(d1), _largest(d2)
     if max(before, earlier) > _NEARLY_LINEAR:
@@ -100,11 +101,11 @@ def _reach(d0, d1, d2, cycles, noise):
 
 @kernel
 def _change(kind, r, p):
-    """Bound of the change of a level of this kind while the state's components change by ``r``.
+    """Bound of the change of a level of this kind if the state's components change by ``r``.
 
-    Lengths and slips are those of points of the part, at most half its diagonal from the centre;
-    loads are depths and closing rates times the base's stiffness and damping; a friction margin is
-    a load and the friction force that answers to it.
+    Lengths and slips belong to points of the part at most half its diagonal from the centre; loads
+    are depths and closing rates times the base's stiffness and damping; a friction margin is the
+    difference of a load and the friction force that it causes.
     """
     arm = p.half_width + p.half_height
     length = r[0] + r[1] + arm * r[2]
@@ -121,8 +122,8 @@ def _change(kind, r, p):
 def settled_period(events, count, period, states, lowest, p, noise):
     """Period (in excitation periods) of the periodic steady state, or 0 if there is none yet.
 
-    ``count`` excitation periods of length ``period`` are over; ``noise`` is the size of a
-    difference that is the integrator's own.
+    ``count`` excitation periods of length ``period`` have passed; ``noise`` is the size of
+    differences caused by the integrator's error.
     """
     for n in range(1, LONGEST_PERIOD + 1):
         if count <= 3 * n:

@@ -1,9 +1,9 @@
-"""The table of events: the one place that states where a mode of contact ends, and what follows.
+"""The table of events: the one list of the events that end a mode, and of their transitions.
 
-An event happens at a down-crossing of its level. Everything that works on events is made from
-this table: sampling and location of both engines, closest approaches of the periodic steady state,
-and the mode or the end that follows. To add a contact, add its law to the physics, and to the table
-the events that begin it, end it and change its friction.
+An event happens at a down-crossing of its level. Everything that works on events is generated from
+this table: sampling and event location in both engines, closest approaches for the test of periodic
+steady state, and transitions to the next mode or to the end of the run. To add a contact, add its
+law to the physics, and to the table the events that begin it, end it and change its friction.
 """
 
 from collections.abc import Callable
@@ -17,17 +17,17 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 Kernel = Callable[..., Any]
-LENGTH, LOAD, FRICTION = range(3)  # kinds of levels: how they change with the state
+LENGTH, LOAD, FRICTION = range(3)  # kinds of levels, by their dependence on the state
 START_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class Source:
-    """Quantities that levels are functions of.
+    """Quantities of which levels are functions.
 
     Attributes:
         of: (time, q, p, mode) -> named quantities.
-        exists: (p, mode) -> whether any event of these quantities may apply.
+        exists: (p, mode) -> True if any event of these quantities may apply.
     """
 
     of: Kernel
@@ -36,20 +36,21 @@ class Source:
 
 @dataclass(frozen=True)
 class Event:
-    """One way in which a mode ends.
+    """One event: the end of a mode, its level function and its transition.
 
     Attributes:
-        name: of the event.
+        name: name of the event.
         source: quantities of which its level is a function.
-        level: cases (applies, level): where ``applies(p, mode)`` holds, the event happens as
-            ``level(quantities, p, mode)`` crosses zero downward. A level of four quantities is the
-            largest of them.
-        follow: (time, q, p, mode, declared) -> (mode, outcome, reason).
-        adjust: (q, p, mode) -> state in which the next mode begins; by default the event's own.
-        happens: (``Outline``, p, mode) -> whether a zero of the level is the event; by default yes.
-        kind: of the level: LENGTH (also a velocity), LOAD, or FRICTION.
-        force_on: "support" or "side" if the level is a normal force there.
-        start: value below which a run cannot start.
+        level: cases (applies, level): where ``applies(p, mode)`` holds, the event happens at a
+            down-crossing of ``level(quantities, p, mode)``. If a level returns four quantities, its
+            value is the largest of them.
+        follow: transition (time, q, p, mode, declared) -> (mode, outcome, reason).
+        adjust: (q, p, mode) -> initial state of the next mode; the state at the event by default.
+        happens: (``Outline``, p, mode) -> True if a zero of the level is the event; always by
+            default.
+        kind: kind of the level: LENGTH (also for a velocity), LOAD or FRICTION.
+        force_on: "support" or "side" if the level is the normal force there.
+        start: level below which a start is impossible.
     """
 
     name: str
@@ -122,7 +123,7 @@ def _right_corner_is_free(_p, mode):
 
 @inlined_kernel
 def _left_corner_is_free(_p, mode):
-    # While A2 is behind the side face, B2 beside the slot has come through its wall.
+    # While A2 is behind the side face, B2 can be beside the slot only through the slot's wall.
     return _no_left_corner(mode) and mode.side == OPEN
 
 
@@ -186,12 +187,12 @@ def _side_slides(p, mode):
     return mode.side == CLOSED and mode.side_slip != STICKING and not never_sticks(p)
 
 
-# ----------------------------------------------------------------------- zeros that are no events
+# ----------------------------------------------------------------------- zeros that are not events
 
 
 @inlined_kernel
 def _in_front_of_edge(edge, above, at, p):
-    """Return whether a corner meets the wall, and not the edge in front of it.
+    """Return whether a corner meets the wall before it meets the edge.
 
     A part that is flat to FLAT reaches its edge and its corner together.
     """
@@ -237,7 +238,7 @@ EVENTS: Table = (
         "left_corner_lands", PLACES, ((_left_corner_is_free, levels.left_corner_above),),
         transitions.left_corner_lands,
     ),
-    # A bottom corner runs against the slot's wall from inside.
+    # A bottom corner meets the slot's wall from inside.
     Event(
         "right_wall", PLACES, ((_right_corner_meets_wall, levels.right_corner_off_wall),),
         transitions.right_wall, happens=_right_corner_first,
@@ -246,8 +247,8 @@ EVENTS: Table = (
         "left_wall", PLACES, ((_left_corner_meets_wall, levels.left_corner_off_wall),),
         transitions.left_wall, happens=_left_corner_first, start=-START_TOLERANCE,
     ),
-    # The edge under the bottom face carries no load any more; the gap opens; the load returns
-    # before it has opened; the edge passes the face's end toward the slot, or the other end.
+    # The edge under the bottom face loses its load; the gap opens; the load returns before the gap
+    # opens; the edge passes the face's end toward the slot, or its far end.
     Event(
         "face_load", FACE, ((_face_presses, levels.load),), transitions.face_unloaded,
         kind=LOAD, force_on="support",
@@ -262,7 +263,7 @@ EVENTS: Table = (
         "face_far_end", FACE, ((levels.on_face, levels.before_far_end),), transitions.far_end,
         start=-START_TOLERANCE,
     ),
-    # The same of A2 on the left side face; A2 passes an end of it.
+    # The same for A2 on the left side face; A2 passes an end of the face.
     Event(
         "side_load", SIDE, ((_side_presses, levels.load),), transitions.side_unloaded,
         kind=LOAD, force_on="side",
@@ -275,7 +276,7 @@ EVENTS: Table = (
     Event(
         "side_end", SIDE, ((levels.on_left_side, levels.before_side_end),), transitions.side_ends
     ),
-    # The same of a bottom corner on the flat base; the corner slides into the slot.
+    # The same for a bottom corner on the flat base; the corner slides into the slot.
     Event(
         "corner_load", CORNER, ((_corner_presses, levels.load),), transitions.corner_unloaded,
         kind=LOAD, force_on="support",
@@ -289,7 +290,7 @@ EVENTS: Table = (
         "corner_end", CORNER, ((levels.on_corner, levels.beside_slot),),
         transitions.corner_slides_in,
     ),
-    # Slip reaches zero, or friction its limit.
+    # Slip reaches zero, or the friction force reaches its limit.
     Event(
         "support_slip", FORCES,
         ((_support_sticks, levels.support_reserve), (_support_slides, levels.support_slip)),
@@ -307,21 +308,21 @@ EVENTS: Table = (
 
 
 def changed(table: Table, name: str, **changes: Any) -> Table:
-    """Return the table with other attributes of one event."""
+    """Return the table with changed attributes of the event ``name``."""
     return tuple(replace(each, **changes) if each.name == name else each for each in table)
 
 
 def number_of(name: str, table: Table = EVENTS) -> int:
-    """Return the number of an event, its place in the table.
+    """Return the number of an event: its index in the table.
 
     Raises:
-        ValueError: no event of that name.
+        ValueError: the table has no event of that name.
     """
     return [each.name for each in table].index(name)
 
 
 def __getattr__(name: str) -> int:
-    """Numbers of the events of the alignment scene, by their names in capitals."""
+    """Return the number of an event of the alignment scene, by its name in capitals."""
     if name.isupper() and name.lower() in (each.name for each in EVENTS):
         return number_of(name.lower())
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

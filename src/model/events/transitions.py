@@ -1,7 +1,7 @@
-"""What follows an event: (next mode, CONTINUES, NONE), or the end of the run.
+"""Transitions at events: (next mode, CONTINUES, NONE), or the end of the run.
 
-Every kernel here that follows an event takes (time, q, p, mode, declared): the instant and state of
-the event, the mode that ends, and the contacts that the scene declares.
+A transition takes (time, q, p, mode, declared): time and state of the event, the mode that ends,
+and the contacts that the scene declares.
 """
 
 from model.events.friction import decide_friction, sign
@@ -15,7 +15,7 @@ from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
-# Plain integers for kernels; CONTINUES means the run goes on in the mode returned.
+# Plain integers for kernels; CONTINUES: the run continues in the returned mode.
 CONTINUES = -1
 _ALIGNED = int(Outcome.ALIGNED)
 _LEFT_SCENE = int(Outcome.LEFT_SCENE)
@@ -33,8 +33,8 @@ _NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
 
 @inlined_kernel
 def decided(time, q, p, mode, support_at_rest, side_at_rest):
-    """Continue in ``mode`` with friction states that fit, or fail."""
-    # Not the literal True or False: for each of them everything below would be compiled again.
+    """Continue in ``mode`` with consistent friction states, or fail if there are none."""
+    # Not the literals True and False: numba would compile everything below for each of them.
     at_rest = bool(support_at_rest), bool(side_at_rest)
     found, possible = decide_friction(time, q, p, mode, at_rest[0], at_rest[1])
     if possible:
@@ -59,7 +59,7 @@ def inside(_time, _q, _p, mode, _declared):
 
 @kernel
 def _passed(edge):
-    """Reason of a part that has left the scene wholly beyond an edge."""
+    """Reason for leaving the scene with the whole part beyond an edge."""
     return _MOVED_AWAY if edge == RIGHT_EDGE else _OVERSHOT
 
 
@@ -71,21 +71,21 @@ def far_end(_time, _q, _p, mode, _declared):
 
 @kernel
 def _is_beside(edge, q, p):
-    """Return whether all of the bottom face is beyond an edge, beside the slot."""
+    """Return whether the whole bottom face is beyond an edge, beside the slot."""
     corner_x, _ = bottom_corner(-edge, q.x, q.y, q.tilt, p)
     return edge * corner_x > p.slot_half_width
 
 
 @inlined_kernel
 def right_wall(_time, q, p, mode, _declared):
-    """Leave the scene with B1 on the wall, or with all of the part beside the slot."""
+    """Leave the scene with B1 on the wall, or with the whole part beside the slot."""
     reason = _passed(RIGHT_EDGE) if _is_beside(RIGHT_EDGE, q, p) else _CORNER_ON_WALL
     return mode, _LEFT_SCENE, reason
 
 
 @inlined_kernel
 def left_wall(_time, q, p, mode, _declared):
-    """Leave the scene with B2 on the wall, or with all of the part beside the slot."""
+    """Leave the scene with B2 on the wall, or with the whole part beside the slot."""
     reason = _passed(LEFT_EDGE) if _is_beside(LEFT_EDGE, q, p) else _CORNER_ON_WALL
     return mode, _LEFT_SCENE, reason
 
@@ -101,9 +101,9 @@ def overturned(_time, _q, _p, mode, _declared):
 
 @kernel
 def touching(contact, q, p):
-    """State of a contact that begins: released if the base would have to pull at once.
+    """State of a contact that begins: released if its load starts below zero, else closed.
 
-    That happens under the printed damping law (R3), whose load starts below zero.
+    The load starts below zero under the printed damping law (R3).
     """
     pulls = contact_load(0.0, contact.closing_rate, q, p) <= 0.0 and p.contact_damping > 0.0
     return RELEASED if pulls else CLOSED
@@ -111,7 +111,7 @@ def touching(contact, q, p):
 
 @kernel
 def edge_enters(edge, time, q, p, mode, declared):
-    """Begin the contact of an edge with the face through which it is least deep in the part."""
+    """Begin the contact of an edge with the face behind which it is least deep in the part."""
     bottom, left, right, top = edge_inside(edge, outline(q, p), p)
     if bottom <= min(left, min(right, top)):
         if not declared.edge_on_face:
@@ -142,7 +142,7 @@ def left_edge_enters(time, q, p, mode, declared):
 
 @kernel
 def corner_lands(edge, time, q, p, mode, declared):
-    """Begin the contact of a bottom corner with the flat, from the depth at which it stands."""
+    """Begin the contact of a bottom corner with the flat base, from its depth at the event."""
     if not declared.corner_on_flat:
         return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
     if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
@@ -169,9 +169,9 @@ def left_corner_lands(time, q, p, mode, declared):
 
 @kernel
 def unloaded(depth, p):
-    """State of a contact whose load has gone: open, or released while the bodies still overlap.
+    """State of a contact without load: open, or released while the bodies still overlap.
 
-    Without damping load and depth vanish together, whatever rounding leaves of the depth.
+    Without damping, load and depth vanish together; a depth left by rounding is ignored.
     """
     return RELEASED if depth > 0.0 and p.contact_damping > 0.0 else OPEN
 
@@ -268,7 +268,7 @@ def side_ends(time, q, p, mode, _declared):
 
 @kernel
 def corner_slides_in(time, q, p, mode, _declared):
-    """Open the corner's contact at the slot; align if A1 is past B1 already."""
+    """Open the corner's contact at the slot; align if A1 is already past B1."""
     opened = with_corner(mode, mode.edge, OPEN, 0.0)
     place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     if mode.edge == LEFT_EDGE and not mode.dropped and place.along_face >= p.half_width:
@@ -281,7 +281,7 @@ def corner_slides_in(time, q, p, mode, _declared):
 
 @inlined_kernel
 def support_turns(time, q, p, mode, _declared):
-    """Reverse or stick where the support's slip is zero; slip where friction is at its limit."""
+    """Reverse or stick at zero slip of the support; slip where friction is at its limit."""
     if mode.support_slip != STICKING:
         return decided(time, q, p, mode, True, False)
     at = motion(time, q, p, mode)
@@ -290,7 +290,7 @@ def support_turns(time, q, p, mode, _declared):
 
 @inlined_kernel
 def side_turns(time, q, p, mode, _declared):
-    """The same at a side face."""
+    """``support_turns`` for a side face."""
     if mode.side_slip != STICKING:
         return decided(time, q, p, mode, False, True)
     at = motion(time, q, p, mode)

@@ -1,6 +1,6 @@
 """Parameters of the device and its excitation: named, validated, frozen; all dimensionless.
 
-The fields of ``Parameters`` are the one table of what can be set: name, symbol, meaning, quantity,
+The fields of ``Parameters`` are the one table of parameters: name, symbol, meaning, quantity,
 rule and default. Batches, the kernels' ``Constants``, SI units, the command line, the study's
 configuration and the datasets are made from it through ``FIELDS``.
 """
@@ -46,7 +46,7 @@ class Field:
         description: meaning in a few words.
         quantity: SI unit, for devices that are measured.
         bound: admissible range; any finite number where empty.
-        derived: parameter that ``None`` stands for, where ``None`` is admissible.
+        derived: parameter whose value ``None`` means, if ``None`` is admissible.
         measured: a device in SI units must state the parameter although it has a default.
     """
 
@@ -69,7 +69,7 @@ class Field:
         return f"{self.description}, {self.symbol}"
 
     def admits(self, values: Any) -> Any:
-        """Return whether ``values``, a float or an array, keep the rule; NaN stands for None."""
+        """Return whether ``values``, a float or an array, keep the rule; NaN means None."""
         inside = abs(values) < math.inf
         if self.bound:
             inside = inside & (values > 0.0 if self.bound == "> 0" else values >= 0.0)
@@ -117,12 +117,12 @@ _MISPLACED_RULE = (
 class Parameters:
     """One device, its excitation and its start; every value dimensionless (paper, sect. 2).
 
-    ``None`` for ``rest_x`` and ``rest_y`` means that the suspension is relaxed where the part
-    starts: at ``misalignment`` and ``half_height``.
+    ``None`` for ``rest_x`` and ``rest_y`` means that the suspension is relaxed at the start of the
+    part: at ``misalignment`` and ``half_height``.
 
     Raises:
-        TypeError: a value is not a real number.
-        ValueError: a value outside its rule, named with the rule.
+        TypeError: a value that is not a real number.
+        ValueError: a value that breaks its rule; the message names the rule.
     """
 
     half_width: float = entry("a", "half-width of the part", LENGTH, "> 0")
@@ -224,8 +224,8 @@ _CONSTANTS = (
 class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
     """Numbers that kernels compute with: defaults resolved, readings as 0.0 or 1.0.
 
-    Parameters keep their names, but ``slot_half_width`` stands for the clearance; ``printed_*`` are
-    the switches of ``Readings``.
+    Parameters keep their names, but ``slot_half_width`` replaces the clearance; ``printed_*`` are
+    the fields of ``Readings``.
     """
 
     __slots__ = ()
@@ -233,7 +233,7 @@ class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
 
 @dataclass(frozen=True)
 class Batch:
-    """Many parameter sets: ``values[name]`` is an array of shape (n,), NaN standing for None."""
+    """Many parameter sets: ``values[name]`` is an array of shape (n,), where NaN means None."""
 
     values: Mapping[str, NDArray[np.float64]]
 
@@ -271,7 +271,7 @@ class Batch:
         """Return one row for each of ``parameters``, in order.
 
         Raises:
-            TypeError: something else than a sequence of ``Parameters``.
+            TypeError: not a sequence of ``Parameters``.
         """
         given: Any = parameters
         each_of = [None] if isinstance(given, Parameters) else given

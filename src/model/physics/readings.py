@@ -1,6 +1,6 @@
-"""Variants of the paper's equations: one named switch per misprint or open question.
+"""Variants of the paper's equations: one named reading per misprint or open question.
 
-Each switch is ``"consistent"`` (the default) or ``"printed"``. R numbers are used in the figures
+Each reading is ``"consistent"`` (the default) or ``"printed"``. R numbers are used in the figures
 and the documentation; R7 of that list (F1 must be an amplitude) cannot be run either way.
 """
 
@@ -12,7 +12,7 @@ Reading = Literal["consistent", "printed"]
 
 @dataclass(frozen=True, kw_only=True)
 class Readings:
-    """The switches; each value is ``"consistent"`` or ``"printed"``.
+    """Readings of the paper's equations; each value is ``"consistent"`` or ``"printed"``.
 
     Attributes:
         normal_sign: R1. Sign of the contact's horizontal component U1. Printed: that of the mirror
@@ -63,7 +63,7 @@ class Readings:
         return cls(**printed)
 
     def is_printed(self, name: str) -> float:
-        """Return 1.0 if switch ``name`` is printed, else 0.0: the form that kernels take."""
+        """Return 1.0 if the reading ``name`` is printed, else 0.0: the form that kernels take."""
         return float(getattr(self, name) == "printed")
 
 

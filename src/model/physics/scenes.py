@@ -1,7 +1,7 @@
 """Scenes and modes: the contacts that a run models, and the state of each of them.
 
-A run that reaches a contact its scene does not declare ends as having left the scene; it is never
-continued with missing physics.
+A run that reaches an undeclared contact leaves the scene and ends; it is never continued with
+missing physics.
 """
 
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ class Scene:
     """A named set of declared contacts.
 
     Attributes:
-        name: of the scene.
-        contacts: that it declares.
-        events: table of events (model.events.table); None: that of the alignment scene.
+        name: name of the scene.
+        contacts: names of the declared contacts.
+        events: table of events (model.events.table); None for the table of the alignment scene.
 
     Raises:
         ValueError: a contact name that is not in ``CONTACT_NAMES``.

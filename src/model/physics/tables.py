@@ -1,4 +1,4 @@
-"""Dataclasses whose fields are a table: each carries an entry that explains it."""
+"""Dataclasses whose fields are a table: each has an entry with its meaning."""
 
 import inspect
 from collections.abc import Mapping

@@ -1,1 +1,1 @@
-"""Second floor: runs. One trajectory, or a batch of them over the cores."""
+"""Second floor: runs. One trajectory, or a batch of them on several cores."""

@@ -1,4 +1,4 @@
-"""Alignment of many parameter sets, over the cores."""
+"""Alignment of many parameter sets, on several cores."""
 
 import os
 from collections.abc import Sequence
@@ -25,9 +25,9 @@ class Alignments(
         NDArray[np.bool_],
     ]
 ):
-    """Results of a batch; every array has shape (n,), in the order of the batch, dimensionless.
+    """Results of a batch: arrays of shape (n,) in the order of the batch, dimensionless.
 
-    See ``Settings.alignment_only`` for results that are NaN with it.
+    With ``Settings.alignment_only`` some results are NaN.
     """
 
     def __len__(self) -> int:
@@ -40,8 +40,8 @@ Alignments.__doc__ = described(Alignments.__doc__, RESULTS)
 def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, Array]:
     """Run every parameter set once, without an estimate of its error.
 
-    Half the cost of ``align``, for statistics over many sets. Returns the fields of ``RunResult``,
-    each of shape (n,).
+    Costs half as much as ``align``; meant for statistics over many sets. Returns the fields of
+    ``RunResult``, each of shape (n,).
     """
     rows = batch.constants(settings.readings)
     run = engine_for(settings, cores=cores)
@@ -57,24 +57,24 @@ def align(
     engine: Engine | None = None,
     **changes: Any,
 ) -> Alignments:
-    """Run every parameter set of ``batch`` to its end.
+    """Run every parameter set of ``batch`` to its end and estimate the error of its result.
 
-    Each result depends on its own parameter set only: ``align(batch)`` at row i is to the bit
-    ``align([batch[i]])``, whatever the order and the number of cores.
+    Each result depends on its own parameter set only: row i of ``align(batch)`` equals
+    ``align([batch[i]])`` to the bit, for any order and any number of cores.
 
     Args:
         batch: a ``Batch``, or a sequence of ``Parameters``.
-        settings: how to run.
-        cores: threads to use, all by default.
+        settings: settings of the runs; the defaults of ``Settings`` if None.
+        cores: number of threads, >= 1; all cores by default.
         engine: "scalar" is the reference engine, one set at a time by Runge-Kutta steps. "batch" is
-            the batch engine, many sets at a time by Taylor series, for the consistent readings and
-            the method DOP853 only. By default "batch" where it fits, else "scalar". The two agree
-            to their error estimates.
+            the batch engine, many sets at a time by Taylor series; it needs the consistent readings
+            and the method DOP853. By default "batch" where it fits, else "scalar". Results of the
+            two agree within their error estimates.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:
         ValueError: an empty batch, fewer than one core, an engine that does not fit, or a setting
-            outside its range.
+            out of range.
     """
     settings = settings_with(settings, changes)
     rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)

@@ -1,4 +1,4 @@
-"""The engines as functions of many rows of constants, over the cores."""
+"""The engines as functions of many rows of constants, on several cores."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -19,13 +19,13 @@ from model.runs.settings import Settings
 Array = NDArray[np.float64]
 Engine = Literal["batch", "scalar"]
 Run = Callable[[Array, Array], Array]
-"""(rows, tolerances) to results; shapes (n, constants), (n,) and (n, fields of RunResult)."""
+"""(rows, tolerances) -> results; shapes (n, constants), (n,) and (n, fields of RunResult)."""
 
 NO_TRACK = np.empty((0, TRACK_COLUMNS))
 
 
 def scalar_engine(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
-    """Return the reference engine, one run at a time; a ``track`` is filled as by ``integrate``."""
+    """Return the reference engine, one run at a time; it fills ``track`` as ``integrate`` does."""
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
         single = new_single(settings.method.method)
@@ -70,7 +70,7 @@ def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -
 def _on_cores(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:
     """Return the engine whose kernel ``fill`` takes rows from a queue and writes their results.
 
-    The kernels of all ``cores`` share the queue; they do not hold the interpreter's lock.
+    The kernels of all ``cores`` share the queue; they release the global interpreter lock.
     """
 
     def run(rows: Array, tolerances: Array) -> Array:

@@ -1,21 +1,22 @@
-"""Estimated errors: every parameter set is run at least twice.
+"""Error estimates: every parameter set is run at least twice.
 
-The result is that of the run at the tolerance asked for. A second run, at ``COARSER`` times that
-tolerance and from a start displaced in x(0) by the tolerance, shows how far the alignment time may
-still move. A set is run again at a smaller tolerance where the two outcomes differ, where the times
-are far apart or agree less closely than the tolerance promises, and where the gap between part and
-slot is below the tolerance: there the two may agree and both be wrong. The error estimated from the
-first two runs, times the ratio of the tolerances, bounds that of the others from below, up to a
-factor of 4: the others may agree by chance.
+The result is taken from the run at the requested tolerance. A second run, at ``COARSER`` times that
+tolerance and with x(0) displaced by the tolerance, estimates the error of the alignment time. A set
+is run again at a smaller tolerance if the two outcomes differ, if the times are far apart or differ
+by more than the tolerance promises, or if the gap between part and slot is below the tolerance, so
+that both runs may be wrong in the same way. The error estimate of the first two runs, times the
+ratio of the tolerances and divided by 4, is a lower bound of the final estimate: the later runs may
+agree by chance.
 
-A set is sensitive if the displaced start, run at the smaller tolerance, still ends elsewhere:
-digits of its alignment time would be false. A part that starts nearly flat is also sensitive if it
-ends elsewhere when tilted by ``TILTED`` more: no device has so exact a tilt, but the tilt decides
-whether such a part stands on its edge or on its corner, or touches the base at all.
+A set is sensitive if the run with the displaced start, at the smaller tolerance, still ends with
+another outcome or at another time: the digits of its alignment time would be meaningless. A set
+with a nearly flat start is also sensitive if an initial tilt larger by ``TILTED`` changes its end:
+no device has so exact a tilt, but the tilt decides whether such a part rests on its edge or on its
+corner, or touches the base at all.
 
-Where the two runs differ in lift-offs or sticking until both reach the horizon, another tolerance
-may align by chance. The reason of such a set is ``CHAOTIC``: a sensitive dependence, for which no
-other test is made.
+If the two runs differ in lift-offs or sticking and both reach the horizon, a run at another
+tolerance may align by chance. The reason of such a set is ``CHAOTIC``: a sensitive dependence;
+chaos is not tested for.
 """
 
 from typing import Any, NamedTuple
@@ -31,12 +32,12 @@ from model.runs.engines import Array, Run
 
 COARSER = 16.0
 SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same
-SHARPER = 1e3  # tolerance over that at which sets are run again whose two runs part
-PROMISED = 100.0  # largest error, over the tolerance, that is not run again
+SHARPER = 1e3  # tolerance over that of the second runs of a set
+PROMISED = 100.0  # largest error over the tolerance for which a set is not run again
 FINEST = 1e-14  # smallest tolerance
 RESOLUTION = 1e-14  # relative rounding of an alignment time
-NEARLY_FLAT = 1e-6  # a tilt at the start below which a part is nearly flat
-TILTED = 10.0 * FLAT  # by how much its neighbour is tilted further
+NEARLY_FLAT = 1e-6  # initial tilt below which a part is nearly flat
+TILTED = 10.0 * FLAT  # additional tilt of its neighbour
 
 _SAFETY = 4.0
 
@@ -47,9 +48,9 @@ class Estimate(NamedTuple):
     Attributes:
         results: fields of ``RunResult`` of the finer runs.
         tau_error: NaN where either of the two runs does not align.
-        sensitive: see the module.
-        rhs_evaluations: of all runs of a set.
-        tolerance: of the finer runs.
+        sensitive: True for sensitive sets; see the module.
+        rhs_evaluations: right-hand-side evaluations of all runs of a set.
+        tolerance: tolerance of the finer runs.
     """
 
     results: Array
@@ -69,7 +70,7 @@ class Estimate(NamedTuple):
 
 
 def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
-    """Run every row, shape (n, constants), twice; where that is not enough, three times more."""
+    """Run every row, shape (n, constants), twice, and rows with large errors three times more."""
     first = _compare(run, rows, np.full(len(rows), tolerance))
     imprecise = first.tau_error > PROMISED * tolerance
     again = first.sensitive | imprecise
@@ -79,7 +80,7 @@ def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
     few = imprecise & ~first.sensitive
     reduced[few] = tolerance * PROMISED * tolerance / (_SAFETY * first.tau_error[few])
     reduced = np.maximum(reduced, FINEST)
-    # Of these the first two runs tell what to expect, should the others agree by chance.
+    # Lower bound from the first two runs, in case the later ones agree by chance.
     least[few] = first.tau_error[few] * reduced[few] / tolerance / _SAFETY
     second = _compare(run, rows[again], reduced[again], tolerance)
     np.maximum(second.tau_error, least[again], out=second.tau_error)
@@ -99,10 +100,10 @@ def _displaced(rows: Array, constant: str, by: Array | float) -> Array:
 def outcomes_differ(
     outcome: NDArray[Any], other: NDArray[Any], alike: NDArray[np.bool_] | bool
 ) -> NDArray[np.bool_]:
-    """Return which runs have another outcome than their neighbours; arrays of shape (n,).
+    """Return a mask of the runs with another outcome than their neighbours; shapes (n,).
 
     At a smaller tolerance or another tilt a periodic motion may settle later, or not before the
-    horizon: the outcomes count as equal if the motions are ``alike``.
+    horizon: these outcomes count as equal if the motions are ``alike``.
     """
     periodic = (Outcome.SETTLED, Outcome.HORIZON_REACHED)
     same = np.isin(outcome, periodic) & np.isin(other, periodic) & alike
@@ -111,10 +112,10 @@ def outcomes_differ(
 
 
 def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[np.bool_]:
-    """Return which runs and their neighbours lift off equally often, each until its own end.
+    """Return a mask of the runs that lift off as often as their neighbours, until their own ends.
 
-    A run that lasts longer than another that has settled repeats its motion: it has the same whole
-    number of lift-offs more for every repetition.
+    A run that lasts longer than a neighbour that has settled repeats its motion: every repetition
+    adds the same whole number of lift-offs.
     """
     more, longer = other.separations - run.separations, other.time - run.time
     excitation = 2.0 * np.pi / np.where(p.frequency > 0.0, p.frequency, 1.0)
@@ -130,13 +131,13 @@ def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[n
 
 
 def _end(run: RunResult) -> Array:
-    """Return when runs aligned or left the scene; NaN for runs that end by the horizon."""
+    """Return the times of alignment or of leaving the scene; NaN for runs that end otherwise."""
     time: Array = run.time
     return np.where(run.outcome == Outcome.LEFT_SCENE, time, run.tau_align)
 
 
 def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
-    """Return which runs and their neighbours reach the horizon by different motions."""
+    """Return a mask of the runs that reach the horizon by another motion than their neighbours."""
     at_horizon = (run.outcome == Outcome.HORIZON_REACHED) & (
         other.outcome == Outcome.HORIZON_REACHED
     )
@@ -146,10 +147,10 @@ def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
 
 
 def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = None) -> Estimate:
-    """Run each row twice, and a third time from a start displaced by ``neighbour`` for the flag.
+    """Run each row twice, and a third time, for the flag, from a start displaced by ``neighbour``.
 
-    Without ``neighbour`` the displacement of the second run decides. Rows that start nearly flat
-    are run once more.
+    Without ``neighbour`` the second run decides the flag. Rows that start nearly flat are run once
+    more.
     """
     p = Constants(*rows.T)
     every = np.arange(len(rows))

@@ -1,4 +1,4 @@
-"""Settings of a run: readings, scene, method, tolerance and horizon, checked once."""
+"""Settings of a run: readings, scene, method, tolerance and horizon, with their checks."""
 
 import math
 import numbers
@@ -15,23 +15,23 @@ from model.physics.scenes import ALIGNMENT, Scene
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """Everything about a run that is not a parameter of the device.
+    """Settings of a run: everything that is not a parameter of the device.
 
     Attributes:
         readings: variants of the paper's equations.
         scene: the contacts that are modelled.
-        horizon: latest time, > 0, dimensionless.
-        tolerance: local error admitted in a step, 1e-14 to 1e-2, relative to 1 + |state|.
-        max_evaluations: most right-hand-side evaluations of one integration, >= 1.
+        horizon: latest time τ of a run, > 0, dimensionless.
+        tolerance: largest local error of a step, 1e-14 to 1e-2, relative to 1 + |state|.
+        max_evaluations: largest number of right-hand-side evaluations of one integration, >= 1.
         may_settle: stop a run in periodic steady state, which never aligns.
-        alignment_only: end a run at alignment, and do not look for the largest tilt and force;
-            ``tilt_max`` and ``contact_force_max`` are NaN, and ``tau_corners_inside`` where it is
-            not the criterion of alignment itself.
+        alignment_only: end a run at alignment without computing the largest tilt and force:
+            ``tilt_max`` and ``contact_force_max`` are NaN, and so is ``tau_corners_inside`` unless
+            it is the criterion of alignment.
         method: Runge-Kutta method with an error estimate.
 
     Raises:
         TypeError: a setting of the wrong type.
-        ValueError: a setting outside its range.
+        ValueError: a setting out of range.
     """
 
     readings: Readings = field(default_factory=Readings)
@@ -58,16 +58,16 @@ class Settings:
         if self.max_evaluations < 1:
             raise ValueError(f"max_evaluations = {self.max_evaluations!r}: must be >= 1")
         if self.method.error_order == 0:
-            raise ValueError(f"method {self.method.name} has no error estimate: choose another")
+            raise ValueError(f"method = {self.method.name}: has no error estimate; choose another")
 
     @property
     def for_kernels(self) -> tuple[SceneKernels, Method, Control]:
-        """Scene, method and control, as the kernels take them."""
+        """Scene, method and control in the form that kernels take."""
         return in_kernels(self.scene), self.method.method, self.control
 
     @property
     def control(self) -> Control:
-        """Horizon, limit and switches, as the kernels take them."""
+        """Limits and flags of a run in the form that kernels take."""
         return Control(
             float(self.horizon),
             int(self.max_evaluations),
@@ -77,11 +77,11 @@ class Settings:
 
 
 def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:
-    """``settings``, or the default ones, with ``changes``.
+    """Return ``settings``, or the default ones, with ``changes``.
 
     Raises:
-        TypeError: something else than ``Settings``, or a setting of the wrong type.
-        ValueError: an unknown setting, or one outside its range.
+        TypeError: not a ``Settings``, or a setting of the wrong type.
+        ValueError: an unknown setting, or one out of range.
     """
     if settings is not None and not isinstance(settings, Settings):
         raise TypeError(f"settings = {settings!r}: must be a Settings")

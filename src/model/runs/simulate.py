@@ -1,4 +1,4 @@
-"""One trajectory, with its whole course."""
+"""Simulation of one parameter set, with its whole trajectory."""
 
 import math
 from collections.abc import Mapping
@@ -17,17 +17,17 @@ from model.runs.engines import Array, scalar_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings, settings_with
 
-_USUAL_TRACK = 4096  # rows; a longer trajectory is run again with as many as it has
+_USUAL_TRACK = 4096  # rows; a longer trajectory is run again with enough rows
 
 
 @results_table
 class Trajectory(Results[Outcome, Reason, float, int, bool]):
-    """One run; dimensionless, tilts in radians.
+    """Results and trajectory of one run; dimensionless, tilts in radians.
 
-    ``time`` has shape (n,), ``state`` (n, 6) in the order of ``State``, ``contact_force`` and
-    ``side_force`` (n,): the normal force under the part and that of A2 on its side face. Where a
-    force jumps, the same time stands twice. An aligned run is followed until the corners are
-    inside.
+    ``time`` has shape (n,), ``state`` (n, 6) in the order of ``State``. ``contact_force``, the
+    normal force under the part, and ``side_force``, the normal force of A2 on its side face, have
+    shape (n,). Where a force jumps, its time occurs twice. An aligned run continues until the
+    corners are inside.
     """
 
     parameters: Parameters
@@ -38,7 +38,7 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
 
     @property
     def course(self) -> dict[str, NDArray[np.float64]]:
-        """The course by the names of ``COURSE``, each of shape (n,)."""
+        """Variables of the trajectory by the names of ``COURSE``, each of shape (n,)."""
         columns = *self.state.T, self.contact_force, self.side_force
         return dict(zip(COURSE, columns, strict=True))
 
@@ -60,15 +60,15 @@ Trajectory.__doc__ = described(Trajectory.__doc__, RESULTS)
 def simulate(
     parameters: Parameters, settings: Settings | None = None, **changes: Any
 ) -> Trajectory:
-    """Run one parameter set and keep its course.
+    """Run one parameter set and return its trajectory.
 
     Args:
-        parameters: the device, its excitation and its start.
-        settings: how to run.
+        parameters: device, excitation and initial state.
+        settings: settings of the run; the defaults of ``Settings`` if None.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:
-        ValueError: a setting outside its range.
+        ValueError: a setting out of range.
     """
     settings = settings_with(settings, changes)
     rows = Batch.stack([parameters]).constants(settings.readings)
@@ -80,9 +80,9 @@ def simulate(
 
 
 def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
-    """Run as ``simulate`` does, without an estimate of the error.
+    """Run as ``simulate`` does, without an estimate of the error: ``tau_error`` is NaN.
 
-    A third of the cost, for statistics over many sets; ``tau_error`` is NaN.
+    Costs a third as much; meant for statistics over many sets.
     """
     rows = Batch.stack([parameters]).constants(settings.readings)
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))

@@ -1,1 +1,1 @@
-"""Top floor: what people see. Drawings, plots, the report, the command line."""
+"""Top floor: drawings, plots and the report."""

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are logarithmic
-_COLOURED_SHARE = 0.99  # share of the durations that such colours tell apart
+_COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 
 LEFT_LABEL = "of these, leaves the scene"
 

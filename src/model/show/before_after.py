@@ -1,6 +1,6 @@
-"""A page with the accepted picture of a figure beside the one now drawn: a warning, not a verdict.
+"""Page with the accepted picture of a figure beside the new one: a warning, not a verdict.
 
-Pictures depend on fonts and on the release of matplotlib; what is plotted is compared by numbers
+Pictures depend on fonts and on the release of matplotlib; plotted data are compared by numbers
 (artists.py).
 """
 
@@ -18,7 +18,7 @@ _VISIBLE = 2.0 / 255.0  # root mean square difference of the colours that an eye
 
 
 def differing_pictures(root: Path, reference: Path, figures: Sequence[str]) -> dict[str, str]:
-    """Return, for each picture that differs from the accepted one, how it does."""
+    """Return the difference of each picture that differs from the accepted one, by its name."""
     found = {}
     for name in figures:
         accepted, drawn = reference / f"{name}.png", root / "figures" / f"{name}.png"

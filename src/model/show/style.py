@@ -92,7 +92,7 @@ FORMATS: tuple[str, ...] = tuple(_METADATA)
 
 @contextlib.contextmanager
 def context() -> Iterator[None]:
-    """Draw inside this: matplotlib's defaults with the study's settings, whatever the user's."""
+    """Context for drawing with the study's settings over matplotlib's defaults, not the user's."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_RC)
@@ -109,7 +109,7 @@ def new_figure(width: float = FIGURE_WIDTH, height: float = 10.0 * CENTIMETRE) -
 def curve(index: int, points: int, markers: int = 8) -> dict[str, Any]:
     """Return keyword arguments of ``Axes.plot`` for curve ``index`` of a family.
 
-    About ``markers`` markers stand along its ``points`` points, shifted from curve to curve so
+    About ``markers`` markers are placed along its ``points`` points, shifted from curve to curve so
     that those of neighbours do not hide each other.
     """
     colour, line, marker = _CURVES[index % len(_CURVES)]

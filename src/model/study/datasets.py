@@ -91,7 +91,7 @@ def merge_chunks(sweep: Sweep, title: str, summary: str, parts: Sequence[xr.Data
     """Return the figure's dataset, merged from all chunks of its sweep.
 
     Raises:
-        DatasetError: a chunk of another sweep, or points that are missing or stand twice.
+        DatasetError: a chunk of another sweep, or points that are missing or occur twice.
     """
     for part in parts:
         if part.attrs.get("sweep") != sweep.identity:

@@ -1,10 +1,10 @@
-"""The largest misalignment ε up to which every one aligns: the allowable error of the paper's (1).
+"""Map of the largest misalignment ε up to which every one aligns: the error allowed by (1).
 
 At every node of a map over two parameters, misalignments are tried from the slot's edge outward, at
 equal distances, up to the first that does not align within the horizon; the interval below it is
 bisected. An interval of failures narrower than the distance between trials can be missed. The map
-is filled in three dimensions: inside a coarse cell, trials begin ``MARGIN`` below what aligns at
-all its corners, and at the slot's edge only if the first of them fails.
+is filled in three dimensions: inside a coarse cell, trials begin ``MARGIN`` below the value
+that aligns at all its corners, and at the slot's edge only if the first of them fails.
 """
 
 from collections.abc import Callable, Mapping
@@ -101,7 +101,7 @@ def limits(
     """Return (ε, runs) of every node, each of shape (count,).
 
     Args:
-        aligns: (nodes by number, misalignments), both of shape (m,), to True where a run aligns.
+        aligns: (nodes by number, misalignments) -> True where a run aligns; shapes (m,).
         tried: misalignments to try, rising.
         inner: up to here the part starts above the slot, and aligns without a run.
         above: misalignment that aligns around each node, shape (count,); ``inner`` if unknown.

@@ -106,9 +106,9 @@ def plane_dataset(
     Args:
         plan: the plane.
         variables: attributes of each variable, by name.
-        values: of each variable, shape (cells + 1, cells + 1), rows along y.
-        attributes: of the dataset.
-        derived: parameters that are results, and not coordinates.
+        values: values of each variable, shape (cells + 1, cells + 1), rows along y.
+        attributes: attributes of the dataset.
+        derived: parameters that are results, not coordinates.
     """
     dims = (plan.y.parameter, plan.x.parameter)
     swept = {plan.y.parameter: plan.y.values, plan.x.parameter: plan.x.values}

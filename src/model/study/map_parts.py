@@ -59,9 +59,9 @@ class Layer:
         name: prefix of its variables in a part's dataset.
         lattice: nodes and rule of refinement.
         unknown: as for ``Known.nothing``.
-        compute: (rows, columns, known so far) to the columns of these nodes.
-        compare: (rows, columns, their columns) to kinds and values, which refine the lattice.
-        starts: runs of one node that progress counts.
+        compute: (rows, columns, known so far) -> columns of these nodes.
+        compare: (rows, columns, their columns) -> kinds and values, which refine the lattice.
+        starts: number of runs of one node, for the progress bar.
     """
 
     name: str
@@ -92,12 +92,12 @@ AllKnown = dict[str, Known]
 
 
 def nothing_known(plan: RefinedPlan) -> AllKnown:
-    """Return a map of which nothing is computed."""
+    """Return a map without computed nodes."""
     return {each.name: Known.nothing(each.lattice, each.unknown) for each in plan.layers()}
 
 
 def compute_part(plan: RefinedPlan, part: int = 0, parts: int = 1, *, cores: int = 1) -> AllKnown:
-    """Refine the cells of one part of a map, as far as the nodes in them tell.
+    """Refine the cells of one part of a map, as far as its own nodes decide.
 
     Raises:
         ValueError: a part that is not one of ``parts``.

@@ -1,7 +1,7 @@
-"""Stability maps: the outcome over two parameters, and how sure it is.
+"""Stability maps: the outcome over two parameters, and its reliability.
 
-A map gives for every node of a fine lattice over two parameters how the part ends from the paper's
-start, and when it aligns; refinement.py chooses the nodes that are computed. The outcome near the
+A map gives the outcome and the alignment time from the paper's start at every node of a fine
+lattice over two parameters; refinement.py chooses the nodes that are computed. The outcome near the
 border depends on the phase of the excitation at touch-down and on the tilt there, which cannot be
 controlled: a *reliable* device aligns within the horizon from every start of an ensemble. That
 ensemble is tried on a coarser lattice, refined as well.
@@ -49,7 +49,7 @@ class MapPlan(Plan):
     Attributes:
         name: "fig13", ….
         parameters: every parameter, None where it is derived; varied ones have baseline values.
-        settings: how runs are computed.
+        settings: settings of the runs.
         x, y: the nodes along each side, cells + 1 on both; cells is a power of two.
         ensemble: the starts of a reliable device, None for none.
 

@@ -13,8 +13,8 @@ nodes is known, it is followed as far as the finest cells around known nodes sho
 small islands lie beside larger ones or beside the border, where cells are smaller than the island.
 
 The halved cells are the smallest set that is closed under this rule. They depend neither on the
-order in which nodes become known nor on who computed them: a map assembled from parts equals the
-map made in one piece.
+order in which nodes become known nor on the job that computed them: a map assembled
+from parts equals the map made in one piece.
 """
 
 import itertools

@@ -18,7 +18,7 @@ class Sweep(Plan):
         kind: "history" (no dimensions), "curves" (family, swept) or "map" (y, x).
         parameters: every parameter, None where it is derived. The baseline's values of the swept
             ones are overridden, but remain in the identity, which every stored dataset carries.
-        settings: how runs are computed.
+        settings: settings of the runs.
         dimensions: swept parameters, slowest first.
     """
 

@@ -81,7 +81,7 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """True where the two states differ in anything."""
+        """True if the two states differ in anything."""
         stated = (self.parameters, self.metrics, self.code)
         return any((*stated, self.data, self.other_data, self.claims))
 
@@ -185,7 +185,7 @@ def _other_bytes(before: Record, after: Record) -> list[str]:
 
 
 def changed_verdicts(before: Path, after: Path) -> list[Difference]:
-    """Return the claims that two tables judge differently; the first column names the claim.
+    """Return the claims with different verdicts in two tables; the first column names the claim.
 
     Raises:
         TrackingError: a table without verdicts.
@@ -209,7 +209,7 @@ def open_dataset(path: Path) -> "xr.Dataset":
     """Read a dataset of the study.
 
     Raises:
-        TrackingError: a file that is none, or xarray missing.
+        TrackingError: not a dataset, or xarray is missing.
     """
     try:
         from model.study.datasets import DatasetError, read_dataset  # noqa: PLC0415  (slow)
@@ -238,7 +238,7 @@ def _data_changes(first: Path, second: Path, comparison: Comparison) -> list[Cha
 
 
 def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[Change]:
-    """Return how each variable differs that does, over the points that both datasets have."""
+    """Return the changes of the variables that differ, over the common points of both datasets."""
     before, after = common_points(before, after)
     names = [name for name in map(str, after.data_vars) if name in before]
     changes = [change_of(before[name], after[name], figure) for name in names]
@@ -246,9 +246,9 @@ def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[C
 
 
 def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Dataset, xr.Dataset]":
-    """Restrict both datasets to the points that both have.
+    """Restrict both datasets to their common points.
 
-    A trajectory has no points but its integrator's: the second is interpolated to the times of the
+    Two trajectories have no common points: the second is interpolated to the times of the
     first, away from the moments at which a force jumps.
     """
     import xarray as xr  # noqa: PLC0415

@@ -30,7 +30,7 @@ _ABOUT = (
 
 
 class ExportError(ValueError):
-    """An export that cannot be made; the message says what is missing."""
+    """An export that cannot be made; the message names the missing part."""
 
 
 def _needed(module: str) -> Any:
@@ -44,7 +44,7 @@ def _needed(module: str) -> Any:
 
 
 def results_of(record: Record, root: Path) -> dict[str, Path]:
-    """Return what still exists of the results of an invocation, by path below the results root.
+    """Return the existing results of an invocation, by path below the results root.
 
     Datasets and verdicts are kept by the history; pictures and the report only as long as nothing
     has replaced them.

@@ -1,4 +1,4 @@
-"""The history: the records of all invocations of Snakemake, those included that were killed."""
+"""The history: records of all invocations of Snakemake, killed ones included."""
 
 import fcntl
 from collections.abc import Iterable, Sequence
@@ -21,7 +21,7 @@ def history_folder(root: Path) -> Path:
 
 
 def invocation_records(root: Path) -> list[Record]:
-    """Return the records of all invocations as they stand on disk, oldest first."""
+    """Return the records of all invocations as on disk, oldest first."""
     records = [read_record(path) for path in history_folder(root).glob("*.json")]
     return sorted(records, key=lambda each: each["started_stamp"])
 
@@ -40,7 +40,7 @@ def is_running(root: Path, name: str) -> bool:
 
 
 def completed(root: Path, record: Record, outcome: str, ended: datetime | None) -> Record:
-    """Return ``record`` with its end: the sidecars that it left, and the runs that left none."""
+    """Return ``record`` with its end: its sidecars, and its runs without a sidecar."""
     name, since = record["invocation"], record["started_stamp"]
     runs = [each for each in sidecars(root).values() if each.get("invocation") == name]
     idle = record.get("idle", False)
@@ -61,7 +61,7 @@ def completed(root: Path, record: Record, outcome: str, ended: datetime | None) 
 def load_history(root: Path) -> list[Record]:
     """Return all invocations recorded below a results root, oldest first.
 
-    ``outcome`` is done, failed, interrupted, or running for one that still lives.
+    ``outcome`` is "done", "failed", "interrupted" or "running".
 
     Raises:
         TrackingError: a results root without a history, or a file that is no record.

@@ -1,4 +1,4 @@
-"""The index of all runs: every run ever recorded, what of it still stands, and how to select."""
+"""Index of all recorded runs: status, whether results are current, and selection."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -22,8 +22,8 @@ COLUMNS = (
 def load_runs(root: Path) -> list[Record]:
     """Return every run ever recorded below a results root, oldest first.
 
-    Each is a sidecar with ``status`` (one of RUN_STATUS), ``current`` (whether what it made still
-    stands, or for a failure whether nothing has mended it since) and, where it failed, ``reason``.
+    Each is a sidecar with ``status`` (one of RUN_STATUS), ``current`` (True if its results are in
+    place, or for a failure if no later run succeeded) and, for a failure, ``reason``.
 
     Raises:
         TrackingError: as ``load_history``.
@@ -85,11 +85,11 @@ def select_runs(
         figure: such as "fig06".
         parameters: "NAME=VALUE" for runs that hold or sweep over the value, "NAME" for runs that
             vary the parameter.
-        outcome: a status (done, failed, interrupted), or an outcome that at least one of the run's
-            trajectories has (aligned, settled, left_scene, horizon_reached, failed, sensitive).
+        outcome: a status (done, failed, interrupted), or an outcome of at least one of the run's
+            trajectories (aligned, settled, left_scene, horizon_reached, failed, sensitive).
         since: first moment, as ISO 8601 with as many parts as wanted ("2026-11").
         until: last moment, likewise.
-        current: only what still stands.
+        current: only runs whose results are in place.
     """
     return [
         run

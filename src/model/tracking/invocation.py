@@ -30,8 +30,8 @@ from model.tracking.records import (
 class Invocation:
     """One invocation of Snakemake, recorded when it starts and again when it ends.
 
-    While it lives it holds a lock, which the system drops with the process that holds it, however
-    that dies: a record without an end and without a lock is that of an interrupted invocation.
+    A running invocation holds a lock, which the system releases when the process ends in any way: a
+    record without an end and without a lock belongs to an interrupted invocation.
 
     Args:
         root: the results root.
@@ -54,7 +54,7 @@ class Invocation:
         self._facts |= facts
 
     def announce(self) -> None:
-        """Tell jobs started from this process which invocation they belong to."""
+        """Pass the name of this invocation to jobs started from this process."""
         os.environ[INVOCATION] = self.name
 
     def start(self) -> None:
@@ -87,7 +87,7 @@ class Invocation:
         Args:
             outcome: "done", "failed" or "interrupted".
             log: Snakemake's own log.
-            reason: why it failed; by default what the log says last.
+            reason: reason of a failure; by default the last line of the log.
         """
         if self._record:
             return
@@ -120,7 +120,7 @@ class Invocation:
 
 @contextlib.contextmanager
 def _or_say(consequence: str) -> Iterator[None]:
-    """Say that a record could not be written, and continue: it must not hide the study's error."""
+    """Report a record that cannot be written, and continue: the study's own error comes first."""
     try:
         yield
     except (OSError, TrackingError) as error:

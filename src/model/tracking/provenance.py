@@ -16,7 +16,7 @@ from typing import Any
 from model.study.files import whole_file
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-# The environment variable that tells a job which invocation of the study started it.
+# Environment variable with the name of the invocation that started a job.
 INVOCATION = "VIBRALIGN_INVOCATION"
 _TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
 
@@ -80,8 +80,7 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
 def import_closure(*sources: Path) -> list[Path]:
     """Return ``sources`` and every file of this package that they import, directly or not, sorted.
 
-    A package's ``__init__`` counts only where names are imported from it: what it gathers for its
-    users is not what the importing file runs.
+    A package's ``__init__`` counts only if names are imported from it.
     """
     found: set[Path] = set()
     waiting = [source.resolve() for source in sources]
@@ -128,7 +127,7 @@ def _hashes(files: Sequence[Path], folder: Path) -> dict[str, str]:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of the packages that results depend on, where installed."""
+    """Return the versions of Python and of the installed packages that results depend on."""
     found = {"python": platform.python_version()}
     for name in ("vibralign", *_TRACKED):
         try:
@@ -180,7 +179,7 @@ class Job:
     def finish(
         self, record: Path, outputs: Sequence[Path], inputs: Sequence[Path] = (), **facts: Any
     ) -> None:
-        """Write the sidecar ``record``: what was made from what, by which code, where and when.
+        """Write the sidecar ``record``: outputs, inputs, code, machine and time of the job.
 
         Args:
             record: the file to write.

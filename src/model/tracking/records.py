@@ -35,7 +35,7 @@ KEPT = frozenset({"merge", "history", "claims"})
 
 
 class TrackingError(ValueError):
-    """A record that cannot be read, or a name that stands for nothing recorded."""
+    """A record that cannot be read, or a name without a record."""
 
 
 def read_record(path: Path) -> Record:
@@ -119,10 +119,10 @@ def kept_result(root: Path, name: str, sha256: str) -> Path:
 
 
 def discard_damaged(root: Path) -> list[str]:
-    """Delete what is not as its job left it, so that Snakemake makes it anew; return the names.
+    """Delete damaged results, so that Snakemake makes them anew; return their names.
 
-    Those are files whose content is not what their sidecar says, sidecars that cannot be read, and
-    parts of files that a killed job was writing. No job may run meanwhile.
+    Damaged are files whose hash differs from their sidecar's, sidecars that cannot be read, and
+    partial files of killed jobs. No job may run meanwhile.
     """
     damaged = [path for place in _PLACES for path in root.glob(f"{place}.*.part")]
     for path in _sidecar_files(root):

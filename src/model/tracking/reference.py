@@ -1,9 +1,9 @@
 """The reference: small datasets kept with the code, and the differences that a build may have.
 
 A build is compared with its reference variable by variable, each with a tolerance that follows from
-the estimated error of its own points. Outcomes may differ only where the reference has the point as
-sensitive, or its run as chaotic. What is meant to differ is accepted, with a reason and the numbers
-that changed, in ``accepted.csv``.
+the estimated error of its own points. Outcomes may differ only at points that the reference flags
+as sensitive or chaotic. Intended differences are accepted, with a reason and the changed numbers,
+in ``accepted.csv``.
 """
 
 import shutil
@@ -49,7 +49,7 @@ COURSE_TOLERANCE = 2e-3
 
 
 class NotAcceptedError(ValueError):
-    """Something that cannot be accepted as the reference."""
+    """Results that cannot be accepted as the reference."""
 
 
 @dataclass(frozen=True)
@@ -187,16 +187,16 @@ def _claims(accepted: Path, built: Path) -> list[Disagreement]:
 
 
 def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> list[str]:
-    """Make the results in ``root`` the reference from now on; return a line for each.
+    """Accept the results in ``root`` as the reference; return a line for each.
 
     Args:
         root: the results root of the build, the small study's.
         reference: the folder of the reference.
-        what: figures, and "claims" for the verdicts.
-        reason: why it is right that they changed; kept in the log beside the numbers.
+        what: names of figures, and "claims" for the verdicts.
+        reason: reason why the change is right; kept in the log beside the numbers.
 
     Raises:
-        NotAcceptedError: no reason, or nothing built that could be accepted.
+        NotAcceptedError: no reason, or no results to accept.
         TrackingError: a dataset that cannot be read.
     """
     if len(reason.split()) < 2:

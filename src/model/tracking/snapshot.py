@@ -1,4 +1,4 @@
-"""States of the study: a results folder, or what the history keeps of an earlier moment."""
+"""States of the study: a results folder, or an earlier state kept in the history."""
 
 import os
 import subprocess
@@ -18,10 +18,10 @@ class Snapshot:
     """The study at one moment.
 
     Attributes:
-        label: what the user called it.
-        runs: the latest run of each name.
-        files: where the datasets ("fig06.nc") and the claims' verdicts are kept.
-        lost: files that were made then, and of which no copy is kept.
+        label: name given by the user.
+        runs: latest run of each name.
+        files: paths of the datasets ("fig06.nc") and of the claims' verdicts, by name.
+        lost: names of files without a kept copy.
     """
 
     label: str
@@ -30,7 +30,7 @@ class Snapshot:
     lost: tuple[str, ...] = ()
 
     def newer_than_claims(self) -> list[str]:
-        """Return the files that have changed since the claims were judged by them."""
+        """Return the files that have changed since the claims were judged."""
         made = {
             _place(run, name): sha256
             for run in self.runs.values()
@@ -47,16 +47,16 @@ def _place(run: Record, name: str) -> str:
 
 
 def snapshot(name: str, root: Path) -> Snapshot:
-    """Return the state that ``name`` stands for.
+    """Return the state of the study that ``name`` denotes.
 
     Args:
         name: a folder of results; or, of the history below ``root``, a run ("merge/fig06" or
             "merge/fig06@INVOCATION"), an invocation ("last", or the beginning of its name), or a
             commit that the study was built at (any name that git knows).
-        root: the results root whose history is meant.
+        root: results root with the history.
 
     Raises:
-        TrackingError: a name that stands for nothing recorded.
+        TrackingError: a name without a record.
     """
     if Path(name).is_dir():
         return _of_folder(Path(name))

@@ -1,8 +1,8 @@
 """Kernels of the batch engine that loop over events, generated from the table of a scene.
 
-numba makes vectors of loops over lanes only where every level is written out with places known to
-the compiler; the code is therefore generated, a line for each event, from the forms of the levels
-(traced.py). Events that apply in no mode that lanes hold are left out.
+numba vectorizes loops over lanes only if every level is written out with places known at compile
+time; the code is therefore generated, a line for each event, from the forms of the levels
+(traced.py). Events that apply in no mode of the lanes are omitted.
 """
 
 from functools import cache, cached_property
@@ -24,7 +24,7 @@ from model.physics.scenes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING
 
 TERMS = ORDER + 1  # of the series of each quantity
 _STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
-# An unused field that is a symbol makes kernels run as Python when they are called with it.
+# The symbol in an unused field makes kernels called with it run as Python.
 _HELD = [
     Mode(RIGHT_EDGE, face, OPEN, MODE.corner_offset, False, slip, side, side_slip, drop, LEFT_EDGE)
     for face, slip, side, side_slip, drop in product(
@@ -35,14 +35,14 @@ _RUBS = P._replace(friction=1.0)
 
 
 class Case(NamedTuple):
-    """A level in the modes where it applies: (p, mode) -> bool, and its quantities as forms."""
+    """Case of a level: ``applies`` (p, mode) -> bool, and its quantities as forms."""
 
     applies: Any
     forms: tuple[Form, ...]
 
 
 class Watched:
-    """An event of which a level applies in a mode that lanes hold."""
+    """Event that has a level in some mode of the lanes."""
 
     def __init__(self, number: int, event: Event) -> None:
         self.number = number
@@ -54,45 +54,45 @@ class Watched:
                 continue
             forms = forms_of(event.source, level)
             if forms is None:
-                raise ValueError(f"{event.name}: lanes hold its modes, but not what it depends on")
+                raise ValueError(f"{event.name}: lanes hold its modes, but not its quantities")
             self.cases.append(Case(applies, forms))
             self.modes += modes
 
     @cached_property
     def only_in_flight(self) -> bool:
-        """True if it applies only where no edge is under the face."""
+        """True if it applies only while no edge is under the face."""
         return all(mode.face == OPEN for mode in self.modes)
 
     @cached_property
     def only_beside(self) -> bool:
-        """True if it applies only where A2 is behind the side face."""
+        """True if it applies only while A2 is behind the side face."""
         return all(mode.side != OPEN for mode in self.modes)
 
     @cached_property
     def is_partial(self) -> bool:
-        """True if lanes do not hold all of its quantities: the reference engine then decides."""
+        """True if lanes lack some of its quantities: the reference engine then decides."""
         return any(not form.is_known for case in self.cases for form in case.forms)
 
 
 def _loads(forms: tuple[Form, ...], row: str, scale: str = "") -> Lines:
-    """Lines that load the rows of which forms are made, from ``row`` on."""
+    """Lines that load the rows of forms, from ``row`` on."""
     names = dict.fromkeys(name for form in forms for name in form.factors)
     for name in names:
         yield f"{name} = {scale}w[({row} + {ROW[name]}) * {WIDTH} + i]"
 
 
 def _value(form: Form, size: str = "abs({})") -> str:
-    """A quantity, from rows that are loaded."""
+    """Expression of a quantity, from loaded rows."""
     return rendered(form, str, size) if form.is_known else "NOTHING"
 
 
 def _constant(form: Form) -> str:
-    """The same where all rows are zero."""
+    """Expression of a quantity where all rows are zero."""
     return rendered(form, lambda _: "0.0") if form.is_known else "NOTHING"
 
 
 def _bound(form: Form) -> str:
-    """The curvature bound of a quantity, from those of rows."""
+    """Expression of the curvature bound of a quantity, from the bounds of rows."""
     terms = []
     for name, factor in form.factors.items():
         is_one = isinstance(factor, float) and abs(factor) == 1.0
@@ -105,7 +105,7 @@ def _all_forms(events: list[Watched]) -> tuple[Form, ...]:
 
 
 def _selected(event: Watched, texts: list[str], otherwise: str, write: Writer) -> str:
-    """The text of the case that applies."""
+    """Expression that selects the case that applies."""
     text = otherwise
     for case, each in zip(reversed(event.cases), reversed(texts), strict=True):
         text = f"({each} if {write.name(case.applies)}(p, mode) else {text})"
@@ -116,7 +116,7 @@ _LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
 
 
 def _sample_lanes(singles: list[Watched], samples: int, count: int, write: Writer) -> Lines:
-    """Levels of one quantity at every node. Each node has its own constant offsets."""
+    """Levels of one quantity at every node, with constant offsets for each node."""
     for node in range(NODES):
         yield f"for i in range({WIDTH}):"
         lines = [*_LANE, *_loads(_all_forms(singles), str(VALUES + node * SINES))]
@@ -140,7 +140,7 @@ def _enter_bounds(singles: list[Watched], bounds: int, write: Writer) -> Lines:
 
 
 def _of_four(combined: list[Watched], row: str, scale: str, text: Any, missing: str) -> Lines:
-    """A choice of four quantities, or of numbers that belong to them."""
+    """Choice of the four quantities of an event, or of their bounds."""
     yield "p, mode = constants_of_lane(w, i), mode_of_lane(w, i)"
     for event in combined:
         forms = event.cases[0].forms
@@ -154,7 +154,7 @@ def _of_four(combined: list[Watched], row: str, scale: str, text: Any, missing: 
 
 
 def _screen(events: list[Watched], combined: int, samples: int) -> Lines:
-    """Screening of every event that may apply; others are entered as NEVER."""
+    """Screening of the events that may apply; the levels of others become NEVER."""
     for condition, chosen in (
         ("beside", [each for each in events if each.only_beside and not each.only_in_flight]),
         ("flies", [each for each in events if each.only_in_flight]),
@@ -164,7 +164,7 @@ def _screen(events: list[Watched], combined: int, samples: int) -> Lines:
             continue
         yield f"if {condition or 'True'}:"
         singles = [each.number for each in chosen if each.number >= combined]
-        if singles:  # in one loop: the compiler unrolls short ones, and makes no vectors of them
+        if singles:  # one loop: the compiler unrolls short loops and does not vectorize them
             yield f"    for i in range({WIDTH}):"
             bits = " + ".join(f"screen_single(events, {k}, w, i)" for k in singles)
             yield f"        w[CANDIDATES * {WIDTH} + i] += {bits}"
@@ -179,7 +179,7 @@ def _screen(events: list[Watched], combined: int, samples: int) -> Lines:
 
 
 def _enter(event: Watched, write: Writer) -> Lines:
-    """Series of the quantities of one event in the step's fraction."""
+    """Series of the quantities of one event, in the fraction of the step."""
     yield "p, mode, length = constants_of_lane(w, i), mode_of_lane(w, i), w[LENGTH * WIDTH + i]"
     for case in event.cases:
         last = case is event.cases[-1]
@@ -197,7 +197,7 @@ def _enter(event: Watched, write: Writer) -> Lines:
 
 
 def _note_lowest(events: list[Watched]) -> Lines:
-    """Lower the closest approaches of a run to the lowest levels that stand from a row on."""
+    """Lower the closest approaches of a run to the lowest levels from a row on."""
     for event in events:
         yield f"lowest = w[(row + {event.number}) * {WIDTH} + i]"
         yield f"at = CLOSEST + {event.number}"
@@ -206,19 +206,21 @@ def _note_lowest(events: list[Watched]) -> Lines:
 
 @cache
 def vector_kernels_of(table: Table) -> KernelSet:
-    """Return the kernels of a table, those of ``kernels_of`` and those of the batch engine.
+    """Return the kernels of a table: those of ``kernels_of``, and those of the batch engine.
 
     Members:
-        rows: of the workspace; samples, bounds, lowest, subintervals: first rows of the levels at
-            the nodes, of their curvature bounds, of their lowest samples up to the end of each
-            subinterval, and of the masks of subintervals in which they may fall through zero.
-        sample_lanes(w), enter_bounds(w): enter levels of one quantity, and their bounds.
-        quantities_in(which, row, w, i), bounds_of(which, w, i): of a level of several quantities.
-        applies(which, p, mode): of such a level.
-        screen(events, flies, beside, w), find(events, candidates, w): enter the candidates.
+        rows: number of rows of the workspace.
+        samples, bounds, lowest, subintervals: first rows of the levels at the nodes, of their
+            curvature bounds, of their lowest samples up to the end of each subinterval, and of the
+            masks of subintervals that may contain a down-crossing.
+        sample_lanes(w), enter_bounds(w): write levels of one quantity, and their bounds.
+        quantities_in(which, row, w, i), bounds_of(which, w, i): quantities of a level of several,
+            and their bounds.
+        applies(which, p, mode): True if a level of several quantities applies.
+        screen(events, flies, beside, w), find(events, candidates, w): write the candidates.
         enter_all_lowest(events, w), note_lowest(row, w, i, runs, run): closest approaches.
-        enter_series(which, sign, series, w, i): enter the series of a level's quantities; sign is
-            that of the argument of its absolute value.
+        enter_series(which, sign, series, w, i): write the series of a level's quantities; ``sign``
+            is the sign of the argument of its absolute value.
         takes_size(which, p, mode), is_partial(which): see ``Form`` and ``Watched``.
     """
     combined, count, base = combined_count(table), len(table), kernels_of(table)
@@ -291,7 +293,7 @@ def vector_kernels_of(table: Table) -> KernelSet:
 
 @cache
 def _alignment_kernels() -> KernelSet:
-    """Kernels of the alignment scene, without a look through its table at every call."""
+    """Kernels of the alignment scene, cached without hashing its table at every call."""
     return vector_kernels_of(EVENTS)
 
 

@@ -1,8 +1,9 @@
 """Event search inside the step of one lane: the first event, and its state.
 
-Every level is a constant plus multiples of watched quantities, or the largest of four such levels;
-the series of its quantities therefore follow from those of the watched ones, and its zeros from
-them. A level of an absolute value is searched twice, once with each sign of its argument.
+Every level is a constant plus multiples of watched quantities, or the largest of four such sums.
+The series of its quantities therefore follow from the series of the watched quantities, and its
+zeros are located on them. A level with an absolute value is searched twice, once for each sign of
+its argument.
 """
 
 from math import inf
@@ -33,18 +34,18 @@ from model.physics.notation import STATE_SIZE, State
 
 QUANTITIES = 4  # of a level
 _SUBINTERVAL = FRACTIONS[0]
-_FINEST = 2.0**-24  # part of a step that is not divided
-_MOST_PARTS = 64  # of a subinterval; then parts of a sixteenth of the step are not divided
-_LEAVING = 2.0**-4  # part in which a level that begins on its event is taken to be monotonic
+_FINEST = 2.0**-24  # smallest part of a step, which is not divided
+_MOST_PARTS = 64  # parts of a subinterval; beyond, sixteenths of the step are not divided
+_LEAVING = 2.0**-4  # part in which a level that starts on its event is assumed monotonic
 _ROOT_ITERATIONS = 60
-_CLOSE = 1e-8  # to a root: the next iteration is as close as its square
+_CLOSE = 1e-8  # distance to a root; the next iteration squares it
 
 
 @inlined_kernel
 def row_at(row, theta, w, lane):
-    """One of the states, or of the watched quantities, at the fraction ``theta`` of the step.
+    """A state variable or watched quantity at the fraction ``theta`` of the step.
 
-    Even and odd orders by themselves: twice as many operations at a time.
+    Even and odd orders are summed separately, which doubles instruction-level parallelism.
     """
     time = theta * w[LENGTH * WIDTH + lane]
     square, odd = time * time, 0.0
@@ -66,9 +67,9 @@ def state_at(theta, w, lane):
 
 @inlined_kernel
 def _value(each, theta, series):
-    """One of the quantities at the fraction ``theta`` of the step.
+    """A quantity at the fraction ``theta`` of the step.
 
-    Even and odd orders by themselves: twice as many operations at a time.
+    Even and odd orders are summed separately, which doubles instruction-level parallelism.
     """
     square, even, odd = theta * theta, series[each * TERMS + ORDER], 0.0
     for order in range(ORDER - 2, -2, -2):
@@ -79,7 +80,7 @@ def _value(each, theta, series):
 
 @inlined_kernel
 def _slope(each, theta, series):
-    """Its derivative, Σ k c_k θ^(k-1), with ratios of k in place of k: one operation waits less."""
+    """Derivative of a quantity, Σ k c_k θ^(k-1); ratios of k shorten the chain of operations."""
     square = theta * theta
     odd, even = series[each * TERMS + ORDER - 1], series[each * TERMS + ORDER]
     for order in range(ORDER - 3, -1, -2):
@@ -91,7 +92,7 @@ def _slope(each, theta, series):
 
 @inlined_kernel
 def values_at(count, theta, series):
-    """The quantities, of which only the first, or all, are something."""
+    """Quantities at the fraction ``theta``: all four, or the first and NOTHING."""
     if count == 1:
         return _value(0, theta, series), NOTHING, NOTHING, NOTHING
     return (
@@ -102,9 +103,9 @@ def values_at(count, theta, series):
 
 @kernel
 def _root(each, low, f_low, high, f_high, series):
-    """Zero of a quantity that has other signs at ``low`` and at ``high``.
+    """Zero of a quantity that has opposite signs at ``low`` and ``high``.
 
-    By Newton's method from the secant's root, kept between the two by bisection.
+    Newton's method from the secant's root, safeguarded by bisection.
     """
     theta = low + (high - low) * f_low / (f_low - f_high)
     for _ in range(_ROOT_ITERATIONS):
@@ -122,10 +123,10 @@ def _root(each, low, f_low, high, f_high, series):
 
 @inlined_kernel
 def _crossing_of_all(count, left, before, right, after, series):
-    """Zero at which the largest of monotonic quantities falls, or NO_EVENT.
+    """Down-crossing of the largest of monotonic quantities, or NO_EVENT.
 
-    That is where the last of those that fall does, if none of the others has risen by then. In a
-    part too small to be divided they need not go one way, if all end below zero.
+    It is the last zero of the falling quantities, if it comes before the first zero of the rising
+    ones. In a part too small to be divided, quantities that all end negative need not be monotonic.
     """
     last, first = left, inf
     for each in range(count):
@@ -169,7 +170,7 @@ def _bound(each, left, right, series):
 
 @inlined_kernel
 def _bounds(count, left, right, series):
-    """The same of the quantities, of which only the first, or all, are something."""
+    """``_bound`` of all four quantities, or of the first and 0."""
     if count == 1:
         return _bound(0, left, right, series), 0.0, 0.0, 0.0
     return (
@@ -180,9 +181,9 @@ def _bounds(count, left, right, series):
 
 @inlined_kernel
 def _crossing_between(is_partial, count, left, end, series):
-    """First zero between two places at which the largest of ``series`` falls, or NO_EVENT.
+    """First down-crossing of the largest of ``series`` between two places, or NO_EVENT.
 
-    The stretch is divided until in each part the level stays above zero by its curvature bound, or
+    The interval is divided until in each part the level stays above zero by its curvature bound, or
     each of the quantities is monotonic.
     """
     right, before, parts = end, values_at(count, left, series), 0
@@ -194,9 +195,9 @@ def _crossing_between(is_partial, count, left, end, series):
             f, g = largest(before)[0], largest(after)[0]
             on_event = ON_AN_EVENT if left == 0.0 and not is_partial else REST_SLIP
             begins = abs(f) <= on_event and g > -REST_SLIP
-            # Of a function that is zero to rounding all along, no part is fine enough.
+            # A function that is zero to rounding throughout would be divided without end.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
-            # What is below zero and rises does not fall, nor what begins on zero and stays there.
+            # A negative level that rises has no down-crossing, nor one that stays at zero.
             may_fall = (f > 0.0 or g < 0.0) and not (left == 0.0 and begins)
             decided = may_fall and _all_are_monotonic(before, after, most)
             if decided or (may_fall and g < 0.0 and width <= finest):
@@ -223,7 +224,7 @@ def _crossing_in(is_partial, count, subintervals, until, series):
 
 @kernel
 def first_crossing(events, which, subintervals, until, series):
-    """``_crossing_between`` in the first of the ``subintervals`` in which there is one."""
+    """First down-crossing of a level in the ``subintervals`` of a mask, or NO_EVENT."""
     if which < events.combined:
         is_partial = events.is_partial(which)
         return _crossing_in(is_partial, QUANTITIES, subintervals, until, series)
@@ -234,7 +235,7 @@ def first_crossing(events, which, subintervals, until, series):
 def _crossing_of(events, which, sign, until, series, w, lane):
     """``first_crossing`` of level ``which``, if the argument of its absolute value has this sign.
 
-    A level that begins at zero is divided by the fraction of the step: its other zeros stay.
+    A level that starts at zero is divided by the fraction of the step; its other zeros remain.
     """
     subintervals = int(w[(events.subintervals + which) * WIDTH + lane])
     events.enter_series(which, sign, series, w, lane)
@@ -273,7 +274,7 @@ def _searched(events, w, lane, runs, work, i):
 
 @inlined_kernel
 def _is_flat(events, which, until, series, w, lane):
-    """Return whether a corner's level comes so low that its tilt may be that of a flat part."""
+    """Return whether a corner's level comes so low that the part may be flat."""
     until = min(until, 1.0)
     lowest = largest(values_at(QUANTITIES, until, series))[0]
     lowest = min(lowest, w[(events.samples + which) * WIDTH + lane])
@@ -286,7 +287,7 @@ def _is_flat(events, which, until, series, w, lane):
 
 @kernel
 def _is_met(events, which, theta, w, lane):
-    """Return whether the quantities that lanes do not hold are negative, too."""
+    """Return whether the quantities that lanes lack are negative too."""
     p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
     _, _, _, other = events.quantities(which, 0.0, state_at(theta, w, lane), p, mode)
     return other < 0.0
@@ -294,13 +295,13 @@ def _is_met(events, which, theta, w, lane):
 
 @inlined_kernel
 def _lowest_bit(bits):
-    """Place of the lowest bit set, which is the exponent of that bit as a number."""
+    """Index of the lowest set bit: the exponent of its value as a float."""
     return (np.float64(bits & -bits).view(np.int64) >> 52) - 1023
 
 
 @kernel
 def first_event(events, w, lane, runs, work, series, i):
-    """(which, θ) of the first event in the step; θ is ``NO_EVENT`` if there is none."""
+    """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none."""
     first, which_first, search = NO_EVENT, -1, False
     candidates = int(w[CANDIDATES * WIDTH + lane])
     while candidates != 0:

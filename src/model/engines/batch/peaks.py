@@ -24,7 +24,7 @@ _PEAK_ITERATIONS = 2
 
 @inlined_kernel
 def _with_slope(row, sign, time, w, lane):
-    """A row, times ``sign``, a time after the step's start, and its first two time derivatives."""
+    """A row times ``sign`` at ``time`` after the step's start, and its first two derivatives."""
     value, slope, half = w[(COEFFICIENTS + ORDER * ROWS + row) * WIDTH + lane], 0.0, 0.0
     for order in range(ORDER - 1, -1, -1):
         half = half * time + slope
@@ -35,7 +35,7 @@ def _with_slope(row, sign, time, w, lane):
 
 @inlined_kernel
 def _slopes(g):
-    """Derivatives of a quantity at five equidistant places, from its values there."""
+    """Derivatives of a quantity at five equidistant places, by finite differences."""
     return (
         (-25.0 * g[0] + 48.0 * g[1] - 36.0 * g[2] + 16.0 * g[3] - 3.0 * g[4]) / 12.0,
         (-3.0 * g[0] - 10.0 * g[1] + 18.0 * g[2] - 6.0 * g[3] + g[4]) / 12.0,
@@ -47,7 +47,7 @@ def _slopes(g):
 
 @kernel
 def _peak(row, sign, theta, until, w, lane):
-    """Value of the peak of a row, times ``sign``, near ``theta``, if it is before ``until``."""
+    """Peak of a row times ``sign`` near ``theta``; -inf unless it lies before ``until``."""
     length = w[LENGTH * WIDTH + lane]
     time, value, slope, second = theta * length, 0.0, 0.0, -1.0
     for _ in range(_PEAK_ITERATIONS):
@@ -60,7 +60,7 @@ def _peak(row, sign, theta, until, w, lane):
 
 @kernel
 def _highest(row, sign, until, known, w, lane):
-    """The larger of ``known`` and the highest value of a row, times ``sign``, before ``until``."""
+    """The larger of ``known`` and the maximum of a row times ``sign`` before ``until``."""
     first, node = (VALUES + row) * WIDTH + lane, SINES * WIDTH
     bound = curvature_bound(row, w, lane)
     g = (
@@ -85,7 +85,7 @@ def _highest(row, sign, until, known, w, lane):
 
 @kernel
 def largest_until(until, w, lane, runs, i):
-    """Largest |tilt| and normal force so far, with those of a part of the step."""
+    """Largest |tilt| and normal force of the run, up to the fraction ``until`` of the step."""
     tilt, force, mode = runs[i, TILT_MAX], runs[i, FORCE_MAX], mode_of_lane(w, lane)
     if w[STEP_TILT * WIDTH + lane] > tilt:
         tilt = _highest(TILT, 1.0, until, tilt, w, lane)

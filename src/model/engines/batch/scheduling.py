@@ -1,9 +1,9 @@
-"""The batch engine: many runs under way, those in the same kind of mode in lanes of vectors.
+"""The batch engine: many runs at once; runs in the same kind of mode share SIMD vectors.
 
 Runs wait in queues, one for each kind of mode; the fullest queue makes a step. A step without
 candidates for events is accepted. Otherwise events are located on the series, to their full order,
-and the run is put at the first one without another step. The rest of the course, at events and at
-the ends of periods, is the reference engine's, and so are the modes that lanes do not hold.
+and the run advances to the first one without another step. Transitions at events and ends of
+periods are shared with the reference engine, which also steps runs in modes that lanes do not hold.
 """
 
 from math import isnan
@@ -67,7 +67,7 @@ from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE
 from model.physics.scenes import CLOSED, OPEN, STICKING
 
-POOL = 128  # runs that a thread has under way at most
+POOL = 128  # largest number of runs that a thread has at once
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
 _FIRST_LONGEST = 1.0  # bound of a run's first step
@@ -75,7 +75,7 @@ _FIRST_LONGEST = 1.0  # bound of a run's first step
 
 @inlined_kernel
 def _kind(mode):
-    """Number of the kind of ``mode``: of the series that hold in it."""
+    """Number of the kind of ``mode``, which determines the equations of its series."""
     support = STICKS if mode.support_slip == STICKING else SLIDES
     side = STICKS if mode.side_slip == STICKING else SLIDES
     return (support if mode.face == CLOSED else FREE) * len(KINDS) + (
@@ -83,7 +83,7 @@ def _kind(mode):
     )
 
 
-# What a lane takes of a run besides its constants and its state: (row of lanes, column of runs).
+# Numbers of a run copied to its lane besides constants and state: (row of lanes, column of runs).
 _GATHERED = (
     (SUPPORT_SIGN, MODE + 5),
     (SIDE_SIGN, MODE + 7),
@@ -101,7 +101,7 @@ _GATHERED = (
 
 @kernel
 def _gather(runs, i, w, lane):
-    """Put run ``i`` into a lane."""
+    """Copy run ``i`` into a lane."""
     for place, row in enumerate(CONSISTENT):
         w[place * WIDTH + lane] = runs[i, row]
     for place, row in _GATHERED:
@@ -122,7 +122,7 @@ def _note_lowest(events, until, w, lane, runs, i):
 def _pass_periods(scene, until, history, control, w, lane, runs, i):
     """Enter the excitation periods that end in a step, before ``until``.
 
-    The run may end with one of them. The approaches of a step in two periods count in both.
+    The run may end with one of them. Closest approaches of a step in two periods count in both.
     """
     start, length = runs[i, TIME], w[workspace.LENGTH * WIDTH + lane]
     p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
@@ -204,12 +204,12 @@ def _continue(scene, control, many, lane, i):
 
 
 class Waiting(NamedTuple):
-    """The runs that wait for a step, by kinds of modes: those that came first go first.
+    """Queues of the runs that wait for a step, one for each kind of mode, first in, first out.
 
     Attributes:
-        runs: shape (kinds, POOL); behind the last place of a kind follows its first.
-        firsts: shape (kinds,), place of the run that came first.
-        counts: shape (kinds,), how many wait.
+        runs: ring buffers, shape (kinds, POOL).
+        firsts: index of the first run of each queue, shape (kinds,).
+        counts: lengths of the queues, shape (kinds,).
     """
 
     runs: np.ndarray
@@ -218,20 +218,20 @@ class Waiting(NamedTuple):
 
 
 class Many(NamedTuple):
-    """Memory for as many runs as are under way, shape of runs (POOL, SIZE)."""
+    """Memory of the batch engine for POOL runs; ``runs`` has shape (POOL, SIZE)."""
 
     w: np.ndarray
     runs: np.ndarray
     history: History
     work: Workspace
-    search: Workspace  # with the order of the series
-    quantities: np.ndarray  # series of those of one level; see event_search.py
+    search: Workspace  # its dense output has the order of the series
+    quantities: np.ndarray  # series of the quantities of one level; see event_search.py
     waiting: Waiting
     together: np.ndarray  # shape (WIDTH,), the runs of the step
 
 
 def new_many(scene: SceneKernels, may_settle: bool = True) -> Many:
-    """Return a ``Many`` without runs, without histories if none of them ``may_settle``."""
+    """Return a ``Many`` without runs, and without histories unless runs ``may_settle``."""
     work, w = new_workspace(DOP853.method), workspace.new_workspace(scene.events.rows)
     search = work._replace(dense=np.zeros((STATE_SIZE, ORDER)))
     runs, quantities = np.zeros((POOL, SIZE)), np.zeros(QUANTITIES * TERMS)
@@ -246,9 +246,9 @@ def new_many(scene: SceneKernels, may_settle: bool = True) -> Many:
 
 @inlined_kernel
 def _enqueue(scene, method, control, many, endings, i):
-    """Put run ``i`` into the queue of its kind of mode, or enter its result if it has ended.
+    """Put run ``i`` into the queue of its kind of mode, or write its result if it has ended.
 
-    The reference engine advances it until lanes can hold it. Returns whether it waits.
+    The reference engine advances it until lanes can hold its mode. Returns True if the run waits.
     """
     runs, waiting = many.runs, many.waiting
     while runs[i, OUTCOME] == CONTINUES and not lanes_hold(mode_of(runs, i)):
@@ -264,7 +264,7 @@ def _enqueue(scene, method, control, many, endings, i):
 
 @kernel
 def _begin_next(rows, tolerances, queue, scene, method, control, many, endings, i):
-    """Begin a run from the queue, if there is one, as number ``i``."""
+    """Start the next parameter set of the queue, if there is one, as run ``i``."""
     waits = False
     while not waits:
         row = next_in(queue)
@@ -277,7 +277,7 @@ def _begin_next(rows, tolerances, queue, scene, method, control, many, endings, 
 
 @inlined_kernel
 def _fullest(counts):
-    """The kind of mode in which most runs wait."""
+    """Return the kind of mode with the longest queue."""
     fullest = 0
     for kind in range(1, counts.size):
         if counts[kind] > counts[fullest]:
@@ -287,7 +287,7 @@ def _fullest(counts):
 
 @inlined_kernel
 def _dequeue(kind, waiting, together):
-    """Take up to WIDTH runs that wait; return their number."""
+    """Move up to WIDTH runs from a queue to ``together``; return their number."""
     count = min(WIDTH, waiting.counts[kind])
     for lane in range(count):
         together[lane] = waiting.runs[kind, (waiting.firsts[kind] + lane) % POOL]
@@ -298,7 +298,7 @@ def _dequeue(kind, waiting, together):
 
 @kernel
 def _step_together(events, kind, count, control, many):
-    """Make a step of runs in the same kind of mode."""
+    """Make a step of ``count`` runs in the same kind of mode."""
     w, runs = many.w, many.runs
     beside, flies = False, kind < len(KINDS)
     for lane in range(WIDTH):  # lanes without a run repeat the last one
@@ -311,16 +311,16 @@ def _step_together(events, kind, count, control, many):
 
 @kernel
 def integrate_all(rows, tolerances, scene, method, control, queue, endings, many):
-    """Run the parameter sets of a queue to their ends, side by side.
+    """Run the parameter sets of a queue to their ends, many at a time.
 
     Args:
         rows: shape (n, constants), the fields of ``Constants``, consistent readings only.
-        tolerances: shape (n,), of each run.
+        tolerances: tolerance of each run, shape (n,).
         scene: ``SceneKernels`` of ``in_vector_kernels``.
-        method: that of DOP853.
+        method: ``Method`` of DOP853.
         control: ``Control``.
-        queue: that of ``new_queue``; threads that share it share the sets.
-        endings: shape (n, len(RunResult._fields)), filled for the sets taken.
+        queue: queue of ``new_queue``; threads that share it share the sets.
+        endings: results, shape (n, len(RunResult._fields)), filled for the sets taken.
         many: ``Many``, overwritten.
     """
     counts = many.waiting.counts

@@ -1,11 +1,11 @@
-"""The motion as power series in time, read off the equations of motion themselves.
+"""The motion as power series in time, traced from the equations of motion.
 
 ``motion`` and the places of edges and corners are called once for each kind of mode with symbols in
-place of numbers. What comes back are sums of rows, each with a constant factor; a row is a series
-whose next coefficient follows from those known: a state (by its rate), sine and cosine of an angle,
-a product, a quotient, such a sum, or the rate of another row. Recurrences as in Moore, Interval
-Analysis (1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005) 99-117.
-``series_code`` makes kernels of them.
+place of numbers. They return sums of rows, each with a constant factor. A row is a series whose
+next coefficient follows from the known ones: a state (by its rate), sine or cosine of an angle, a
+product, a quotient, a sum, or the rate of another row. Recurrences as in Moore, Interval Analysis
+(1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005) 99-117. ``series_code``
+generates kernels from them.
 """
 
 from collections.abc import Callable
@@ -23,12 +23,10 @@ from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.physics.trigonometry import sine_cosine
 
-# What a run does not change while it steps: a number, a given quantity by its place, or an
-# operation on others.
+# Constant during a step: a number, a given quantity by its place, or an operation on others.
 Constant = float | tuple[Any, ...]
 
-# Columns of the constants that choose no variant of the equations; the signs of the slips stand
-# behind them.
+# Columns of the constants that select no variant of the equations; the signs of the slips follow.
 CONSISTENT = np.array(
     [row for row, name in enumerate(Constants._fields) if not name.startswith("printed_")]
 )
@@ -62,7 +60,7 @@ def _inverse(a: Constant) -> Constant:
 
 
 class Row(NamedTuple):
-    """One series: what it is, and the rows or the sum that it is made of."""
+    """One series: its kind, and the rows or the sum from which it is computed."""
 
     kind: str  # "state", "time", "sine", "cosine", "product", "quotient", "sum" or "rate"
     of: tuple[Any, ...]
@@ -70,9 +68,9 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Sum(Symbol):
-    """A constant and rows, each with a constant factor.
+    """Sum of a constant and of rows, each with a constant factor.
 
-    ``multiple`` remembers a sum that this one is a multiple of, so that products with the two have
+    ``multiple`` refers to a sum of which this one is a multiple, so that products with either share
     one row.
     """
 
@@ -81,9 +79,9 @@ class Sum(Symbol):
     multiple: "tuple[Constant, Sum] | None" = None
 
     def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Sine and cosine are rows; the polynomials that compute them are not looked into.
+        """Return the rule of a function: sine and cosine become rows and are not traced.
 
-        What is by its definition the rate of a place of a contact is taken from the place's series.
+        Rates of depth and place of a contact are taken from the series of depth and place.
         """
         if function is sine_cosine.py_func:  # type: ignore[attr-defined]
             return _sine_cosine
@@ -100,7 +98,7 @@ class Sum(Symbol):
         return Sum(_sum(self.constant, other.constant), kept)
 
     def times(self, factor: Constant) -> "Sum":
-        """The multiple of this sum by a constant."""
+        """Return this sum times a constant."""
         if factor == 0.0:
             return Sum(0.0, {})
         if factor == 1.0:
@@ -121,7 +119,7 @@ class Sum(Symbol):
         return found + Sum(0.0, {other_row: _product(a, g)}) + Sum(0.0, {row: _product(b, f)})
 
     def _as_row(self) -> tuple[Constant, Constant, Row]:
-        """(constant, factor, row): this sum as a constant and a multiple of one row."""
+        """Return (constant, factor, row): this sum as a constant and a multiple of one row."""
         if len(self.terms) == 1:
             ((row, factor),) = self.terms.items()
             return self.constant, factor, row
@@ -170,7 +168,7 @@ TIME_ROW = Row("time", ())
 
 
 def _with_rates(contact: Contact) -> Contact:
-    """The contact with its closing rate and its slip as rates of depth and place."""
+    """Return the contact with closing rate and slip as rates of its depth and place."""
     depth: Any = contact.depth
     along: Any = contact.along
     deep, far = (Row("sum", (0.0, tuple(each.terms.items()))) for each in (depth, along))
@@ -185,10 +183,10 @@ def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
 
 
 class Watched(NamedTuple):
-    """Quantities that levels of events are functions of, in modes that lanes hold.
+    """Quantities of which levels of events are functions, in modes that lanes hold.
 
-    Places as in ``Outline``, and of A1 on the face and A2 on the side the load and the slip, or the
-    friction force of a contact that sticks.
+    Places as in ``Outline``; for A1 on the face and A2 on the side face the load, and the slip or,
+    while the contact sticks, the friction force.
     """
 
     right_along_face: Any
@@ -213,13 +211,13 @@ class Recurrences(NamedTuple):
     watched: tuple[Sum, ...]
 
 
-FREE, SLIDES, STICKS = range(3)  # kinds of a contact, with equations of motion of their own
+FREE, SLIDES, STICKS = range(3)  # states of a contact, each with its own equations of motion
 
 
 def recurrences(support: int, side: int) -> Recurrences:
-    """``Recurrences`` of the modes in which the edge A1 and the side do so: FREE, SLIDES, STICKS.
+    """Return the ``Recurrences`` for contact states FREE, SLIDES or STICKS of A1 and the side.
 
-    ``motion`` is that of the consistent readings; an open contact and one released move alike.
+    ``motion`` uses the consistent readings; open and released contacts have the same equations.
     """
     places = {row: place for place, row in enumerate(CONSISTENT)}
     fields = range(len(Constants._fields))

@@ -26,13 +26,13 @@ _OTHERS = SINES + 4
 ROWS = _OTHERS + 16  # as many as any kind of mode needs
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
-# Of the last terms summed there. Each of the others is less than 1e-4 of what it is at the end.
+# Order of the last term summed at each fraction; omitted ones are below 1e-4 of those at the end.
 ORDERS_THERE = (10, 13, ORDER, ORDER)
 KINDS = (FREE, SLIDES, STICKS)
 
 
 def _made_of(row: Row) -> tuple[Row, ...]:
-    """Return the rows whose coefficients of the same order a row is made of."""
+    """Return the rows whose coefficients of the same order a coefficient of ``row`` needs."""
     if row.kind in ("product", "quotient", "rate"):
         return row.of
     if row.kind == "sum":
@@ -43,7 +43,7 @@ def _made_of(row: Row) -> tuple[Row, ...]:
 class Plan:
     """Order in which the rows of a kind of mode are computed, and their places in memory.
 
-    Rows of positions alone are computed an order ahead of the others, since their rates are needed.
+    Rows of positions alone are computed one order ahead of the others, which need their rates.
     """
 
     def __init__(self, series: Recurrences) -> None:
@@ -78,10 +78,10 @@ class Plan:
         return [*pair, sine, Row("cosine", sine.of)]
 
     def _oriented(self) -> dict[Row, tuple[Row, Row]]:
-        """Of all products and quotients the factors: the one taken forward, and backward.
+        """Factors of all products and quotients: the one read forward, and the one read backward.
 
-        So that products share what they take: sines and cosines are taken forward, and of a
-        quotient itself, backward what it is divided by.
+        They are chosen so that products share loads: sines and cosines are read forward; of a
+        quotient, the quotient itself is read forward and its divisor backward.
         """
         taken: set[tuple[Row, bool | None]] = set()  # None: forward
         factors = {}
@@ -106,7 +106,7 @@ class Plan:
         return self.stage[row]
 
     def is_ahead(self, row: Row) -> bool:
-        """Return whether a row is made of positions alone."""
+        """Return whether a row depends on positions alone."""
         if row.kind == "state":
             return bool(row.of[0] < len(STATES) // 2)
         if row.kind in ("sine", "cosine"):

@@ -1,9 +1,9 @@
 """One step of a power series in every lane, and the candidates for events in it.
 
-Between two of its samples a level g of the step's fraction θ stays above the line through them less
-its curvature bound, an eighth of their distance squared times the largest |g''|, which follows from
-the series' coefficients. A level that stays above zero by this bound has no event in between. The
-kernels that loop over events are generated from the table (event_kernels.py).
+Between two samples a level g(θ), θ the fraction of the step, lies above the line through them less
+its curvature bound: an eighth of their squared distance times the largest |g''|, which follows
+from the coefficients of the series. A level that stays above zero by this bound has no event in
+between. The kernels that loop over events are generated from the table (event_kernels.py).
 """
 
 from math import floor
@@ -38,7 +38,7 @@ from model.physics.scenes import CLOSED
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15
-LAST_TERMS = 4.0  # of a series, over the tolerance: what follows them is smaller
+LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
 TOO_FLAT_TO_TELL = 10.0 * FLAT
 # The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
 _CURVATURE = FRACTIONS[0] ** 2 / 8.0
@@ -46,7 +46,7 @@ _CURVATURE = FRACTIONS[0] ** 2 / 8.0
 
 @kernel
 def _turn(w):
-    """Sine and cosine of the tilt and of the excitation's angle, at the start of the step."""
+    """Enter sine and cosine of the tilt and of the excitation's angle at the start of the step."""
     first = COEFFICIENTS + SINES
     for i in range(WIDTH):
         p = constants_of_lane(w, i)
@@ -58,9 +58,9 @@ def _turn(w):
 
 @inlined_kernel
 def _root(value, order):
-    """The root of this order of a positive number, to half a percent.
+    """Return ``value``^(1/``order``) of a positive value, to half a percent.
 
-    The bits of a number, its exponent before its mantissa, are nearly its logarithm.
+    The bits of a float, exponent before mantissa, approximate its logarithm.
     """
     logarithm = np.float64(value).view(np.int64) * 2.0**-52 - 1023.0
     power = logarithm * (1.0 / order)
@@ -72,10 +72,10 @@ def _root(value, order):
 
 @inlined_kernel
 def _step_of(order, admitted, w, i):
-    """The step at which the terms of an order, over 1 + |value|, come to what is admitted.
+    """Step at which the largest term of an order, over 1 + |value|, equals ``admitted``.
 
-    Those of states and places: in flight the states' series end sooner than those of the places,
-    which turn with the tilt. Ratios are compared by products, which take less than divisions.
+    Terms of states and of places count: in flight the series of the states end sooner than those of
+    the places, which turn with the tilt. Ratios are compared by products, cheaper than divisions.
     """
     largest_size, its_scale = 1e-200, 1.0
     for n in range(CONTACTS_AT):
@@ -89,7 +89,7 @@ def _step_of(order, admitted, w, i):
 
 @kernel
 def _set_lengths(w):
-    """The steps at which the larger of the series' last two terms comes to what is admitted."""
+    """Enter the steps at which the larger of the last two terms equals the admissible error."""
     for i in range(WIDTH):
         admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
         step = min(_step_of(ORDER, admitted, w, i), _step_of(ORDER - 1, admitted, w, i))
@@ -108,7 +108,7 @@ def curvature_bound(row, w, i):
 def stays_above(left, right, bound):
     """Return whether a level with this curvature bound stays above zero between two places.
 
-    Also where it is zero at one of them and leaves it.
+    It may be zero at one of them if it leaves the zero.
     """
     rise = right - left
     return (
@@ -138,7 +138,7 @@ def _subintervals(first, second, third, fourth):
 
 @inlined_kernel
 def _samples_of(events, which, w, i):
-    """A level at each node."""
+    """Return a level at each node."""
     at, n = (events.samples + which) * WIDTH + i, events.count * WIDTH
     return w[at], w[at + n], w[at + 2 * n], w[at + 3 * n], w[at + 4 * n]
 
@@ -151,7 +151,7 @@ def _lowest_of(samples):
 
 @inlined_kernel
 def screen_single(events, which, w, i):
-    """Return the bit of an event whose level, of one quantity, may come to zero."""
+    """Return the bit of an event whose level, of one quantity, may reach zero; else 0."""
     above = _lowest_of(_samples_of(events, which, w, i)) - w[(events.bounds + which) * WIDTH + i]
     return 0.0 if above > 0.0 else float(1 << which)
 
@@ -164,7 +164,7 @@ def _enter_subintervals(events, which, mask, w, i):
 
 @inlined_kernel
 def find_single(events, which, candidates, w):
-    """Enter the subintervals in which a candidate's single quantity may fall through zero."""
+    """Enter the subintervals that may contain a down-crossing of a level of one quantity."""
     if candidates & (1 << which) == 0:
         return
     for i in range(WIDTH):
@@ -179,7 +179,7 @@ def find_single(events, which, candidates, w):
 
 @inlined_kernel
 def _quantities(events, which, w, i):
-    """The quantities of a level at each node."""
+    """Return the quantities of a level at each node."""
     return (
         events.quantities_in(which, VALUES, w, i),
         events.quantities_in(which, VALUES + SINES, w, i),
@@ -193,7 +193,7 @@ def _quantities(events, which, w, i):
 def screen_combined(events, which, w):
     """Sample the largest of several quantities, and screen it.
 
-    It stays clear of zero if one of the quantities does.
+    It stays above zero if one of the quantities does.
     """
     n, node = WIDTH, events.count * WIDTH
     first = (events.samples + which) * n
@@ -219,7 +219,7 @@ def screen_combined(events, which, w):
 
 @inlined_kernel
 def find_combined(events, which, candidates, w):
-    """Enter the subintervals in which the largest of several quantities may fall through zero."""
+    """Enter the subintervals that may contain a down-crossing of the largest of quantities."""
     if candidates & (1 << which) == 0:
         return
     for i in range(WIDTH):
@@ -229,7 +229,7 @@ def find_combined(events, which, candidates, w):
             one_stays_above(q0, q1, bounds), one_stays_above(q1, q2, bounds),
             one_stays_above(q2, q3, bounds), one_stays_above(q3, q4, bounds),
         )  # fmt: skip
-        # Near flat, a level that is on its event to rounding may be beyond it.
+        # In a nearly flat part, a level at zero to rounding may already be negative.
         g = _samples_of(events, which, w, i)
         flat = events.is_partial(which) & (_lowest_of(g) < TOO_FLAT_TO_TELL)
         mask = float(ALL_SUBINTERVALS) if flat else mask
@@ -238,7 +238,7 @@ def find_combined(events, which, candidates, w):
 
 @inlined_kernel
 def enter_lowest(events, which, w, i):
-    """Enter the lowest samples up to each subinterval's end; NEVER if the level leaves zero."""
+    """Enter the lowest samples up to each subinterval's end; NEVER if the level starts at zero."""
     at, node = (events.lowest + which) * WIDTH + i, events.count * WIDTH
     g = _samples_of(events, which, w, i)
     second = min(g[1], g[2])
@@ -252,7 +252,7 @@ def enter_lowest(events, which, w, i):
 
 @inlined_kernel
 def _at_most(row, w, i):
-    """Upper bound of |row| in the step, by its samples and its curvature bound."""
+    """Upper bound of |row| in the step, from its samples and its curvature bound."""
     first, node = (VALUES + row) * WIDTH + i, SINES * WIDTH
     ends, inner = max(abs(w[first]), abs(w[first + 4 * node])), abs(w[first + 2 * node])
     inner = max(inner, max(abs(w[first + node]), abs(w[first + 3 * node])))
@@ -285,9 +285,9 @@ def _end_steps(w):
 def step_all(events, kind, flies, beside, control, w):
     """Make one step in every lane, and enter the candidates for events in it.
 
-    ``flies`` and ``beside``: whether in any lane the edge is not under the face, and whether A2 is
-    behind the side. Lowest levels, and upper bounds of tilt and forces, are entered where
-    ``control`` asks for them.
+    ``flies``: True if the edge is not under the face in any lane; ``beside``: True if A2 is behind
+    the side face in any lane. Lowest levels, and upper bounds of tilt and forces, are entered if
+    ``control`` requires them.
     """
     _turn(w)
     fill_series(kind, w, COEFFICIENTS, 0)

@@ -1,8 +1,8 @@
-"""Level functions as expressions of the rows of a SIMD workspace, found by calling them.
+"""Level functions as expressions of the rows of a SIMD workspace, by symbolic tracing.
 
-A level is called once with symbols in place of numbers. The expression that comes back is written
-into kernels in the forms that the batch engine needs, and tells the factor of each row, whether the
-level takes an absolute value, and which of its quantities no row holds.
+A level is called once with symbols in place of numbers. The returned expression is written into
+kernels in the forms that the batch engine needs. It yields the factor of each row, the presence of
+an absolute value, and the quantities that no row holds.
 """
 
 from collections.abc import Callable
@@ -34,7 +34,7 @@ class Form(Symbol):
     Attributes:
         tree: the expression: (operation, operands), ("row", name), ("constant", text or number).
         factors: of each row, up to the sign.
-        takes_size: whether there is an absolute value.
+        takes_size: True if there is an absolute value.
         is_known: False for a quantity that no row holds, or that is not linear in them.
     """
 
@@ -89,7 +89,7 @@ class Form(Symbol):
         return Form(("abs", self.tree), self.factors, True, self.is_known and not self.takes_size)
 
     def __eq__(self, other: object) -> bool:
-        raise TypeError("a level must not branch on what it is a function of: state another case")
+        raise TypeError("a level must not branch on its quantities: state another case")
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -142,13 +142,14 @@ MODE: Any = Mode(*_MODE)
 def _quantities() -> dict[Source, Any]:
     """Quantities of the sources that the workspace holds, as forms of its rows.
 
-    That is the edge A1 on the face, A2 on the left side face, and the places of all.
+    These are the contact of A1 with the face, the contact of A2 with the left side face, and places
+    of all edges and corners.
     """
     places = {name: _row(name) for name in Outline._fields if not name.endswith("_rise")}
     unknown = dict.fromkeys(Outline._fields, UNKNOWN)
     forces: dict[str, Any] = dict.fromkeys(Motion._fields, UNKNOWN)
     for place, load in (("support", "face_load"), ("side", "side_load")):
-        friction = _row(f"{place}_friction")  # or the slip of what slides
+        friction = _row(f"{place}_friction")  # or the slip of a sliding contact
         forces |= {f"{place}_slip": friction, f"{place}_friction": friction}
         forces[f"{place}_load"] = _row(load)
     face_depth = P.half_height + places["right_along_axis"]
@@ -166,7 +167,7 @@ QUANTITIES = _quantities()
 def forms_of(source: Source, level: Callable[..., Any]) -> tuple[Form, ...] | None:
     """Return the quantities of a level as forms; None if the workspace does not hold its source.
 
-    A quantity that a level of several does not have is NOTHING, and so is one that is not known.
+    A missing quantity of a level of several is NOTHING, and so is one that is not known.
     """
     if source not in QUANTITIES:
         return None

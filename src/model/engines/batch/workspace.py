@@ -1,11 +1,11 @@
 """The SIMD workspace: WIDTH runs in the same kind of mode, one in each lane of a vector.
 
-A row of the workspace ``w`` holds one number of every lane: row r of lane i stands at
-``w[r * WIDTH + i]``. Loops over lanes are plain arithmetic, so that a compiler carries eight
-or more runs in one vector register; the series are written for vectors (series_code.py).
+A row of the workspace ``w`` holds one number per lane: row r of lane i is ``w[r * WIDTH + i]``.
+Loops over lanes are plain arithmetic, so that the compiler vectorizes them; the series are written
+for vectors (series_code.py).
 
-Lanes hold the modes in which the part stands on A1 or flies, alone or with A2 on its left side
-face; other modes, and readings of the printed equations, are left to the reference engine.
+Lanes hold the modes in which the part rests on A1 or flies, alone or with A2 on its left side face;
+other modes, and readings of the printed equations, are left to the reference engine.
 """
 
 import numpy as np
@@ -33,12 +33,12 @@ from model.physics.views import reader
     LENGTH,
     CANDIDATES,  # mask of the events that may happen in the step
     STEP_TILT,  # upper bound of |tilt| in the step
-    STEP_FORCE,  # the same of the normal forces
+    STEP_FORCE,  # upper bound of the normal forces in the step
 ) = range(GIVEN, GIVEN + 13)
 END = STEP_FORCE + 1
 VALUES = END + STATE_SIZE  # the tilt and the watched rows at each node, and their curvature bounds
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
-EVENT_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS  # behind these, rows of the events of the scene
+EVENT_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS  # rows of the events of the scene follow
 
 CONTACTS_AT = STATE_SIZE + Watched._fields.index("face_load")
 ROW = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(Watched._fields)}
@@ -46,7 +46,7 @@ _CACHE_LINE = 64  # bytes
 
 
 def new_workspace(rows: int) -> Array:
-    """Return a workspace of so many rows, which begin on cache lines."""
+    """Return a workspace of ``rows`` rows, aligned to cache lines."""
     count, line = rows * WIDTH, _CACHE_LINE // 8
     numbers = np.zeros(count + line)
     first = -numbers.ctypes.data % _CACHE_LINE // 8
@@ -61,13 +61,13 @@ constants_of_lane = reader(
     lambda n: f"w[{_PLACES[n]} * WIDTH + i]" if n in _PLACES else "0.0",
     WIDTH=WIDTH,
 )
-# (w, row, i): the ``State`` of lane ``i`` that stands from ``row`` on.
+# (w, row, i): the ``State`` of lane ``i`` from ``row`` on.
 state_in_lane = reader(State, "w, row, i", "w[(row + {}) * WIDTH + i]".format, WIDTH=WIDTH)
 
 
 @inlined_kernel
 def mode_of_lane(w, i):
-    """Return the ``Mode`` of lane ``i``, of those that lanes hold."""
+    """Return the ``Mode`` of lane ``i``."""
     return Mode(
         RIGHT_EDGE,
         int(w[FACE * WIDTH + i]),
@@ -84,6 +84,6 @@ def mode_of_lane(w, i):
 
 @inlined_kernel
 def lanes_hold(mode):
-    """Return whether lanes can carry this mode."""
+    """Return whether lanes can hold this mode."""
     on_left_side = mode.side == OPEN or mode.side_edge == LEFT_EDGE
     return mode.edge == RIGHT_EDGE and mode.corner == OPEN and on_left_side

@@ -1,9 +1,9 @@
 """Event location: the first down-crossing of a level inside a step.
 
-The step's dense output is sampled at its quarters, and close to its ends, where the slope is
-wanted. A sign change between two samples brackets an event; a sampled minimum that could hide a
-double crossing is followed down. The event is first found on the dense output; the loop then
-repeats the step up to it, so that the state at the event has the step's full order.
+The step's dense output is sampled at its quarters, and near its ends, for the slopes there. A sign
+change between two samples brackets an event; from a sampled minimum that could hide a double
+crossing the level is followed downward. The event is first located on the dense output; the loop
+then repeats the step up to it, so that the state at the event has the full order of the method.
 """
 
 import numpy as np
@@ -14,14 +14,14 @@ from model.physics.compiled import inlined_kernel, kernel
 
 NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
 NODES = len(NODE_PLACES)
-WHOLE = -1  # a level, and not one of its quantities
+WHOLE = -1  # the level itself, not one of its quantities
 NO_EVENT = 2.0  # a fraction of the step beyond its end
 
 _ROOT_ITERATIONS = 60
 _DIP_ITERATIONS = 12
-_UNEVEN = 8.0  # intervals beside a minimum whose ratio is larger
+_UNEVEN = 8.0  # ratio of the intervals beside a minimum above which they are uneven
 _HALVINGS = 30
-_STRETCHES = 4  # in which each quantity of a condition is taken to go one way
+_STRETCHES = 4  # parts in which each quantity of a condition is assumed monotonic
 
 
 @inlined_kernel
@@ -39,7 +39,7 @@ def sample_step(events, time, h, y, dense, p, mode, nodes, samples):
 
 @kernel
 def _value(events, which, part, theta, time, h, y, dense, p, mode):
-    """Level ``which`` at a place of the step; one of its quantities if ``part`` is not WHOLE."""
+    """Level ``which`` at the fraction ``theta``; its quantity ``part`` if that is not WHOLE."""
     q = interpolate(theta, h, y, dense)
     if part != WHOLE:
         return events.quantities(which, time, q, p, mode)[part]
@@ -48,10 +48,10 @@ def _value(events, which, part, theta, time, h, y, dense, p, mode):
 
 @kernel
 def _after_start(events, which, part, high, f_high, time, h, y, dense, p, mode):
-    """A bracket (low, f, high, f) for a level that starts at zero, to rounding, and ends below.
+    """Bracket (low, f, high, f) of a level that starts at zero, to rounding, and ends negative.
 
-    A mode often starts on a zero of its own levels. If the level rises first, its fall lies
-    behind the rise; if it never does, the mode ends where it starts: the bracket is empty.
+    A mode often starts on a zero of its own levels. If the level rises first, its down-crossing
+    lies behind the rise; if it never rises, the mode ends where it starts: the bracket is empty.
     """
     for _ in range(_HALVINGS):
         theta = 0.5 * high
@@ -66,8 +66,8 @@ def _after_start(events, which, part, high, f_high, time, h, y, dense, p, mode):
 def _root(events, which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
     """A root in [low, high] with f(low) >= 0 > f(high), by the Illinois variant of false position.
 
-    Where f(low) < 0 < f(high) both signs are turned. The last step is a bisection's worth of
-    safety: the bracket never opens.
+    If f(low) < 0 < f(high), both signs are reversed. Every third iteration bisects; the root stays
+    bracketed.
     """
     if f_low == 0.0:
         return low
@@ -98,10 +98,10 @@ def _root(events, which, part, low, f_low, high, f_high, time, h, y, dense, p, m
 
 @kernel
 def _dip(events, which, left, middle, right, f_left, f_middle, f_right, time, h, y, dense, p, mode):
-    """Follow a sampled minimum down: a place where f < 0, or ``NO_EVENT``.
+    """Search near a sampled minimum for a place where f < 0; ``NO_EVENT`` if there is none.
 
-    Parabolas through the three lowest points; given up when they no longer point below zero. Of
-    points too uneven to tell, the far one is drawn nearer first.
+    Iterates parabolas through the three lowest points and gives up when their minimum is not below
+    zero. If the points are unevenly spaced, the far one is first moved nearer.
     """
     for _ in range(_DIP_ITERATIONS):
         d1, d2 = middle - left, right - middle
@@ -136,9 +136,9 @@ def _dip(events, which, left, middle, right, f_left, f_middle, f_right, time, h,
 def _all_met(events, which, leaves, low, before, high, after, time, h, y, dense, p, mode):
     """Place in [low, high] where all quantities of ``which`` are first negative, or ``NO_EVENT``.
 
-    Each goes one way between its values ``before`` and ``after``, so that all are negative from the
-    last root at which one turns so to the first at which another turns positive. The number
-    ``leaves`` is that of the one that is zero as the mode begins, if any, and leaves it.
+    Each is assumed monotonic between its values ``before`` and ``after``: all are negative between
+    the last root at which one becomes negative and the first at which another becomes positive.
+    ``leaves`` is the number of the quantity that is zero when the mode begins, or WHOLE for none.
     """
     first, last = low, high
     for part in range(len(before)):
@@ -163,10 +163,10 @@ def _all_met(events, which, leaves, low, before, high, after, time, h, y, dense,
 
 @kernel
 def _instant(events, which, f_low, low, high, time, h, y, dense, p, mode):
-    """First zero between two samples at which a level of several quantities falls, or ``NO_EVENT``.
+    """First down-crossing of a level of several quantities between two samples, or ``NO_EVENT``.
 
-    It is not negative at either, or starts on zero, and another of its quantities is the largest at
-    each: it may be negative in between.
+    The level is not negative at either sample, or starts at zero, but its largest quantity differs
+    between them: it may be negative in between.
     """
     left, before = low, events.quantities(which, time, interpolate(low, h, y, dense), p, mode)
     for i in range(1, _STRETCHES + 1):
@@ -186,12 +186,12 @@ def _instant(events, which, f_low, low, high, time, h, y, dense, p, mode):
 def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
     """Place of a down-crossing of level ``which`` between nodes ``i`` - 1 and ``i``, or NO_EVENT.
 
-    A sampled minimum at node ``i`` is followed to both sides.
+    From a sampled minimum at node ``i`` both sides are searched.
     """
     low, high = NODE_PLACES[i - 1], NODE_PLACES[i]
     f_low, f_high = samples[i - 1, which], samples[i, which]
     if f_low < -ON_AN_EVENT and (i > 1 or (events.is_conditional(which) and f_high > f_low)):
-        return NO_EVENT  # behind the wall: in the mode from its start, or passed over
+        return NO_EVENT  # negative since the start of the mode, or a zero passed over
     if f_high < 0.0:
         if f_low <= 0.0:
             low, f_low, high, f_high = _after_start(
@@ -223,7 +223,7 @@ def _happens(events, which, theta, time, h, y, dense, p, mode):
 
 @inlined_kernel
 def first_event(events, time, h, y, dense, p, mode, samples):
-    """(which, θ) of the earliest event in the step; θ = ``NO_EVENT`` if there is none."""
+    """Return (which, θ) of the earliest event in the step; θ = ``NO_EVENT`` if there is none."""
     first, which_first = NO_EVENT, -1
     for which in range(events.count):
         if samples[0, which] == NEVER:

@@ -1,4 +1,4 @@
-"""The reference engine: one run at a time; step, locate the first event, follow it, continue."""
+"""The reference engine, one run at a time: step, locate the first event, apply its transition."""
 
 from math import isfinite, sqrt
 from typing import NamedTuple
@@ -65,14 +65,14 @@ _NOT_FINITE = int(Reason.NOT_FINITE)
 
 TRACK_COLUMNS = 1 + len(COURSE)  # time and the course
 _MOST_SECANTS = 6
-EVENT_RESOLUTION = 3e-3  # an event's last correction over the tolerance's square root
+EVENT_RESOLUTION = 3e-3  # last correction of an event's time over sqrt(tolerance)
 
 
 class Workspace(NamedTuple):
     """Arrays of one step.
 
-    Shapes: y, y_end, trial (6,), k (m, 6), dense (6, degree), nodes and samples as in locate,
-    scratch (MOST_SAMPLES,).
+    Shapes: y, y_end, trial (6,), k (m, 6), dense (6, degree), nodes and samples as in
+    ``sample_step``, scratch (MOST_SAMPLES,).
     """
 
     y: np.ndarray
@@ -86,7 +86,7 @@ class Workspace(NamedTuple):
 
 
 def new_workspace(method: Method) -> Workspace:
-    """The ``Workspace`` that ``method`` needs."""
+    """Return a ``Workspace`` for ``method``."""
     m, degree = method.dense.shape
     shapes = (STATE_SIZE,), (STATE_SIZE,), (STATE_SIZE,), (m, STATE_SIZE), (STATE_SIZE, degree)
     samples = (NODES, STATE_SIZE), (NODES, MOST_SAMPLES), (MOST_SAMPLES,)
@@ -95,7 +95,7 @@ def new_workspace(method: Method) -> Workspace:
 
 @inlined_kernel
 def _accepted_step(time, h, y, p, mode, method, tolerance, work):
-    """Shrink ``h`` until a step is accepted: (h, next h, steps rejected); h = 0 if none is."""
+    """Shrink ``h`` until a step is accepted; return (h, next h, rejected steps), h = 0 if none."""
     rejected = 0
     while True:
         take_step(time, h, y, p, mode, method, work.k, work.y_end)
@@ -114,10 +114,10 @@ def _accepted_step(time, h, y, p, mode, method, tolerance, work):
 
 @kernel
 def _secant_to_event(events, which, f, by, time, length, h, y, p, mode, method, resolution, work):
-    """From the step just made, further by ``by``, as long as that comes nearer to the event.
+    """Advance the step's end by ``by``, and by the secant method as long as the level decreases.
 
-    The secant method, for a level so flat that the dense output does not show its zero.
-    Returns and leaves what ``_step_to_event`` does.
+    Meant for a level so flat that the dense output does not show its zero. Returns and writes the
+    same as ``_step_to_event``.
     """
     taken = 0
     for _ in range(_MOST_SECANTS):
@@ -141,9 +141,9 @@ def _secant_to_event(events, which, f, by, time, length, h, y, p, mode, method, 
 def _step_to_event(events, which, theta, time, h, y, p, mode, method, resolution, work):
     """Repeat the step up to the event: (length, steps taken), the state in ``work.y_end``.
 
-    Newton's iteration on whole steps, so that the event is as accurate as a step, whatever the
-    order of the dense output that gives the slope. A last correction below ``resolution`` moves
-    along the tangent instead.
+    Newton's iteration on whole steps: the event is as accurate as a step, whatever the order of the
+    dense output, which gives the slope only. A last correction below ``resolution`` moves along the
+    tangent.
     """
     length = theta * h
     if length == 0.0:
@@ -211,7 +211,7 @@ def _largest(events, nodes, samples, last):
 
 @kernel
 def track_sample(events, track, time, q, sample, runs, i):
-    """Write a row of the track, as far as it has rows, and count it."""
+    """Count a row of the track, and write it if the track has room."""
     row = int(runs[i, TRACKED])
     if row < track.shape[0]:
         track[row, 0] = time
@@ -223,7 +223,7 @@ def track_sample(events, track, time, q, sample, runs, i):
 
 @kernel
 def track_run(events, track, scratch, runs, i):
-    """Write where the run stands, with the forces of its mode."""
+    """Write the present state of a run into its track, with the forces of its mode."""
     time, q = runs[i, TIME], state_in(runs, STATE, i)
     if runs[i, TRACKED] < track.shape[0]:
         events.sample_into(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
@@ -232,9 +232,9 @@ def track_run(events, track, scratch, runs, i):
 
 @inlined_kernel
 def note_closest(events, samples, last, runs, i):
-    """Lower the run's closest approaches to those of a step; levels that leave zero in it apart.
+    """Lower the run's closest approaches to those of a step, except of levels that start at zero.
 
-    A mode starts on zeros of its own levels: leaving its own zero is no approach to an event.
+    A mode starts on zeros of its own levels: leaving such a zero is not an approach to an event.
     """
     for which in range(events.count):
         if samples[0, which] != NEVER and samples[0, which] > ON_AN_EVENT:
@@ -292,7 +292,7 @@ def advance(scene, method, control, track, history, work, runs, i):
     keep_state(state_of(work.y_end), runs, i)
     reached_stop = not found and h_step == h_try and h_try == stop - time
     runs[i, TIME] = stop if reached_stop else time + length
-    # A step cut short by a stop says nothing against the length it was cut from.
+    # A step shortened by a stop is no reason for a shorter next step.
     runs[i, NEXT_STEP] = max(h, h_next) if h_step == h_try and h_try != h else h_next
     if found:
         track_run(scene.events, track, work.scratch, runs, i)
@@ -312,7 +312,7 @@ class Single(NamedTuple):
 
 
 def new_single(method: Method) -> Single:
-    """The ``Single`` that ``method`` needs."""
+    """Return a ``Single`` for ``method``."""
     return Single(np.zeros((1, SIZE)), new_history(1), new_workspace(method))
 
 
@@ -322,16 +322,16 @@ def integrate(row, tolerance, scene, method, control, track, single):
 
     Args:
         row: shape (constants,), the fields of ``Constants``.
-        tolerance: local error admitted in a step, relative to 1 + |state|.
+        tolerance: largest local error of a step, relative to 1 + |state|.
         scene: ``SceneKernels``.
         method: ``Method``.
         control: ``Control``.
-        track: shape (rows, 9), filled as far as it goes with time, state and normal forces of the
-            support and of the side; ``RunResult.tracked`` is the number of rows a full track has.
+        track: shape (rows, 9), filled up to its end with time, state and normal forces of support
+            and side; ``RunResult.tracked`` is the number of rows of a full track.
         single: ``Single``, overwritten.
     """
     runs, history, work = single.runs, single.history, single.work
-    i = runs.shape[0] - 1  # the only one; as 0, all that takes it would be compiled for 0 alone
+    i = runs.shape[0] - 1  # the only one; numba would compile callees for the literal 0
     begin(row, tolerance, scene, control, runs, i)
     track_run(scene.events, track, work.scratch, runs, i)
     while runs[i, OUTCOME] == CONTINUES:
@@ -340,7 +340,7 @@ def integrate(row, tolerance, scene, method, control, track, single):
 
 @kernel
 def integrate_each(rows, tolerances, scene, method, control, track, queue, endings, single):
-    """``integrate`` for the rows of ``rows`` from ``queue``; shapes as in ``integrate_all``."""
+    """Integrate the rows of ``rows`` taken from ``queue``; shapes as in ``integrate_all``."""
     row = next_in(queue)
     while row < rows.shape[0]:
         integrate(rows[row], tolerances[row], scene, method, control, track, single)

@@ -6,7 +6,7 @@ from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import motion
 from model.physics.notation import STATE_SIZE, State
 
-# The next step over this one: the error estimate's proposal times CAUTION, within these bounds.
+# Ratio of the next step to this one: CAUTION times the error estimate's proposal, within bounds.
 CAUTION, MOST_GROWTH, LEAST_GROWTH, LEAST_SHRINKING = 0.8, 5.0, 0.3, 0.1
 
 
@@ -18,7 +18,7 @@ def is_too_short(h, time):
 
 @inlined_kernel
 def state_of(y):
-    """The state vector by name."""
+    """The state vector as a ``State``."""
     return State(y[0], y[1], y[2], y[3], y[4], y[5])
 
 
@@ -50,7 +50,7 @@ def right_hand_side(time, y, p, mode, out):
 
 @inlined_kernel
 def _combination(weights, count, k):
-    """Σ_j weights[j] k[j] over the first ``count`` stages, as six numbers kept out of memory."""
+    """Σ_j weights[j] k[j] over the first ``count`` stages, as six numbers in registers."""
     s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(count):
         weight = weights[j]
@@ -66,7 +66,7 @@ def _combination(weights, count, k):
 
 @inlined_kernel
 def _stage(i, time, h, y, p, mode, method, k, trial):
-    """Evaluate stage ``i`` into ``k[i]``; its state stays in ``trial``."""
+    """Evaluate stage ``i`` into ``k[i]``, and its state into ``trial``."""
     s0, s1, s2, s3, s4, s5 = _combination(method.a[i], i, k)
     keep_in(moved(state_of(y), h, State(s0, s1, s2, s3, s4, s5)), trial)
     right_hand_side(time + method.c[i] * h, trial, p, mode, k[i])
@@ -95,7 +95,7 @@ def moved(q, h, rates):
 
 @kernel
 def short_step(time, h, q, p, mode):
-    """The state ``h`` later, by a step of the classical RK4, for ``h`` too short to need more."""
+    """State after a short step ``h`` of the classical Runge-Kutta method of order 4."""
     k1 = rates_of(time, q, p, mode)
     k2 = rates_of(time + 0.5 * h, moved(q, 0.5 * h, k1), p, mode)
     k3 = rates_of(time + 0.5 * h, moved(q, 0.5 * h, k2), p, mode)
@@ -106,7 +106,7 @@ def short_step(time, h, q, p, mode):
 
 @inlined_kernel
 def error_estimate(h, y, y_end, method, k, tolerance):
-    """Local error over tolerance (root mean square over the state): a step stands if <= 1."""
+    """Local error over tolerance (root mean square over the state); accept a step if <= 1."""
     fine, coarse = 0.0, 0.0
     for n in range(STATE_SIZE):
         scale = tolerance * (1.0 + max(abs(y[n]), abs(y_end[n])))

@@ -40,7 +40,7 @@ def reading(_: Results) -> Section:
 
 
 def device(results: Results) -> Section:
-    """Return the section on the device that stands behind every figure."""
+    """Return the section on the device of the study."""
     rows = [
         (symbol(FIELDS[name].symbol), _CODE.format(name), number(value), FIELDS[name].description)
         for name, value in results.study.structure.items()

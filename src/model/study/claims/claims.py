@@ -1,8 +1,8 @@
 """The claims of the paper, as ``claims.yaml`` states them; its form is checked here.
 
 A claim may speak of several curves: its measure then gives a number for each, all on one scale, and
-the claim is reproduced where all of them are on the right side of the threshold. Thresholds are set
-by what the sentence says and by what can be seen in a printed figure, never by the outcome.
+the claim is reproduced if all of them are on the right side of the threshold. Thresholds follow
+from the wording and from the resolution of a printed figure, never from the outcome.
 """
 
 import math
@@ -33,9 +33,9 @@ class Limit:
 
     Attributes:
         threshold: NaN where there is nothing to measure.
-        is_least: whether the number must be above the threshold, otherwise below.
+        is_least: True if the number must be above the threshold, else below.
         scale: one unit of margin.
-        reason: for the threshold, or for there being nothing to measure.
+        reason: reason for the threshold, or for having nothing to measure.
     """
 
     threshold: float
@@ -63,14 +63,14 @@ class Claim:
     """One statement of the paper.
 
     Attributes:
-        id: such as "F6a".
-        place: in the paper.
-        kind: said of a figure, concluded, or one understanding of an unclear sentence.
+        id: identifier, such as "F6a".
+        place: place in the paper.
+        kind: stated of a figure, concluded, or one interpretation of an unclear sentence.
         statement: the paper's words, shortened.
         figures: figures and own runs of the ledger that it is judged by; the first shows it.
         measure: the number in words.
         limit: the demand on the number.
-        check: the number of each part; None where nothing can be measured.
+        check: function that returns the number of each part; None if nothing can be measured.
         asked: figures, number and arguments of the check as the table states them.
     """
 

@@ -20,11 +20,11 @@ class Finding:
     """The verdict of the datasets on a claim.
 
     Attributes:
-        value: the number of the part that decides, the one with the least margin.
+        value: number of the deciding part, the one with the least margin.
         margin: in [-1, 1] and continuous: the least of the parts' where all are positive, otherwise
             the mean of what the others lack, negative. NaN where the claim is not checkable.
         verdict: "reproduced" (all parts), "contradicted" (no part), "mixed", or "not checkable".
-        seen: the number of every part, or what is missing.
+        seen: number of every part, or the missing dataset.
     """
 
     value: float

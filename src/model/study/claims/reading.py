@@ -33,7 +33,7 @@ _TENTH = 0.1  # of an axis
 
 
 class MissingDataError(LookupError):
-    """Nothing to judge a claim by: a dataset, or a value that it would have to hold."""
+    """A dataset that a claim needs is missing, or a value in it."""
 
 
 class Range(NamedTuple):
@@ -100,7 +100,7 @@ class Points:
         return inside
 
     def range_of(self, text: str | float) -> Range:
-        """Return the range that a text stands for; see ``between``."""
+        """Return the range that a text means; see ``between``."""
         return between(text)
 
     def share(self, of: Where, among: Where) -> float:
@@ -113,8 +113,8 @@ class Curve(Points):
     """The points of one curve by rising ``x``, the swept parameter, which is a column.
 
     Attributes:
-        symbol: of the parameter that tells the curves of the figure apart.
-        value: of that parameter.
+        symbol: symbol of the parameter that differs between the curves of the figure.
+        value: value of that parameter.
     """
 
     def __init__(
@@ -167,7 +167,7 @@ class Curve(Points):
 class Plane:
     """A map: arrays of shape (y, x), NaN in ``tau`` where the part does not align.
 
-    ``regular`` says which cells are not sensitive; ``aligned`` is meaningful in those only.
+    ``regular`` is True for cells that are not sensitive; ``aligned`` is meaningful there only.
     """
 
     x: Array
@@ -339,7 +339,7 @@ def _course(dataset: "xr.Dataset") -> Course:
         np.interp(moments, time, _raw(dataset, name).astype(np.float64))
         for name in ("x", "y", "tilt", "contact_force")
     )
-    # Where a force jumps the same time stands twice: at the end the value before the jump counts.
+    # Where a force jumps its time occurs twice: at the end the value before the jump counts.
     until = time <= end
     pressing = _raw(dataset, "contact_force").astype(np.float64)[until]
     strong = time[until][pressing >= 0.5 * max(float(force.mean()), 1e-300)]

@@ -1,4 +1,4 @@
-"""Numbers of point sets that claims are measured by; NaN stands for an unknown value.
+"""Statistics of point sets by which claims are measured; NaN is an unknown value.
 
 ``scipy.stats`` has no rank correlation with a resolution, and its NaN-aware quantiles cost ten
 times these on the few dozen points of a curve; the identification takes a million of them.
@@ -16,7 +16,7 @@ RESOLUTION = 0.005  # two values closer than this, relative to their median, cou
 
 
 def trend(x: Array, y: Array) -> float:
-    """Return how surely ``y`` rises with ``x``: 1 always, 0 no trend, -1 it falls; NaN if unknown.
+    """Return the trend of ``y`` over ``x``: 1 always rising, 0 none, -1 falling; NaN if unknown.
 
     Kendall's rank correlation: of all pairs of points, the share that rise less the share that
     fall. Pairs closer than ``RESOLUTION`` count as equal, and points with NaN are left out.

@@ -1,6 +1,6 @@
 """The study as data: config/, checked strictly before anything is computed.
 
-The structural baseline stands in the configuration only; ``baseline`` reads it from there.
+The structural baseline is stated in the configuration only; ``baseline`` reads it from there.
 """
 
 from model.study.config.accuracy import Range

@@ -35,7 +35,7 @@ def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:
 
 
 def _tag(model: Any) -> str | None:
-    """Return the ``kind`` that a model of a figure is told by."""
+    """Return the ``kind`` that identifies a model of a figure."""
     field = getattr(model, "model_fields", {}).get("kind")
     return get_args(field.annotation)[0] if field else None
 

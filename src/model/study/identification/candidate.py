@@ -1,4 +1,4 @@
-"""The search space: points of the unit cube, and the devices and figures they stand for.
+"""The search space: points of the unit cube, and the devices and figures that they encode.
 
 Each coordinate of a point is one unknown on a logarithmic axis: first those of the structure,
 shared by all figures, then each figure's operating point. Dampings are searched as damping ratios
@@ -45,7 +45,7 @@ class Space(Plan):
         dimensions: of each sweep, a figure's or one of the claims' own runs, on the coarse grid.
         runs: the claims' own runs.
         law: priors, grids and settings.
-        readings: variants of the equations; every switch by name.
+        readings: variant of the equations: every reading by name.
     """
 
     fixed: dict[str, float]
@@ -233,10 +233,10 @@ def inertias(structure: Mapping[str, float]) -> tuple[float, float]:
 
 
 def readings_of(name: str) -> dict[str, Reading]:
-    """Switches of a variant of the equations that is searched.
+    """Readings of a variant of the equations that is searched.
 
     Args:
-        name: a preset, "consistent" or "printed"; or the one switch that is consistent while all
+        name: a preset, "consistent" or "printed"; or the one reading that is consistent while all
             others are printed.
 
     Raises:

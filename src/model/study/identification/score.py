@@ -143,7 +143,7 @@ class Judge:
 def judge_of(space: Space) -> Judge:
     """Return the judge of a search: every claim that its figures can measure; not all count.
 
-    A claim required of a figure stands behind the others, as a claim on that figure alone.
+    A claim required of a figure comes after the others, as a claim on that figure alone.
     """
     computed = set(space.dimensions)
     claims = [each for each in CLAIMS if not computed.isdisjoint(each.figures)]
