@@ -66,7 +66,7 @@ def test_runs_are_filtered(capsys, root) -> None:
     ("option", "value", "message"),
     [
         ("--figure", "fig77", "unknown figure 'fig77'"),
-        ("--figure", "15", "unknown figure 'fig15'"),
+        ("--figure", "99", "unknown figure 'fig99'"),
         ("--parameter", "pressforce=1", "Did you mean 'press_force'?"),
         ("--outcome", "don", "Did you mean 'done'?"),
         ("--since", "yesterday", "must be a date such as 2026-11"),

@@ -68,7 +68,11 @@ REFUSED = [
     ("structure.inrtia", 1.0, ["structure", "inrtia", "'inertia'"]),
     ("structure.friction", 0.1, ["friction", "both structure and operating_point"]),
     ("operating_point.friction", -0.1, ["operating_point.friction = -0.1", ">= 0"]),
-    ("figures.fig15", {"kind": "schematic", "title": "t", "caption": "s"}, ["fig15", "fig14"]),
+    (
+        "figures.fig99",
+        {"kind": "schematic", "title": "t", "caption": "s"},
+        ["fig99", "fig14", "config/figures.py"],
+    ),
     ("figures.fig06.kind", "mapp", ["figures.fig06", "mapp", "'curves'"]),
     ("figures.fig06.title", "", ["figures.fig06.title = ''"]),
     ("figures.fig06.swept.cout", 3, ["figures.fig06.swept.cout", "unknown key", "count"]),

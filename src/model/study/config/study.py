@@ -81,7 +81,11 @@ class Study(Strict):
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
         for name in self.figures:
-            check_name(name, FIGURES, "figure")
+            try:
+                check_name(name, FIGURES, "figure")
+            except ValueError as unknown:
+                words = "a new figure is also named in src/model/study/config/figures.py"
+                raise ValueError(f"{unknown}; {words}") from None
         missing = [name for name in FIGURES if name not in self.figures]
         if missing:
             raise ValueError(f"figures: missing {', '.join(missing)}")
