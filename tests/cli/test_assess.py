@@ -57,7 +57,7 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--device", "no.yaml"], "no.yaml: cannot be read as YAML"),
+        (["--device", "no.yaml"], "no.yaml: cannot be read: No such file"),
         (["--device", PEG, "--set", "mass=0"], "mass = 0.0: must be a finite number > 0"),
         (["--set", "fricton=0.1"], "Did you mean 'friction'?"),
         (["--horizon", "-1"], "horizon = -1.0: must be a finite number > 0"),

@@ -77,7 +77,7 @@ REFUSED = [
         ["--device", PEG, "--x", "tilt_stiffness", "-0.1", "1"],
         "tilt_stiffness = -0.1: must be a finite number >",
     ),
-    (["--device", "no.yaml"], "no.yaml: cannot be read as YAML"),
+    (["--device", "no.yaml"], "no.yaml: cannot be read: No such file"),
     (["--resolution", "12"], "resolution = 12: must be a power of two, 2 to 8192"),
     (["--resolution", "1e9"], "resolution = 1e9: must be a power of two"),
     (["--resolution", "fine"], "resolution = 'fine': must be a power of two"),

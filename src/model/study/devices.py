@@ -20,7 +20,9 @@ def load_device(path: Path, changes: Mapping[str, float]) -> Device:
     """
     try:
         mapping = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    except OSError as error:
+        raise DeviceError(f"{path}: cannot be read: {error.strerror}") from None
+    except (UnicodeDecodeError, yaml.YAMLError) as error:
         reason = " ".join(str(error).split())
         raise DeviceError(f"{path}: cannot be read as YAML: {reason}") from None
     if not isinstance(mapping, dict):
