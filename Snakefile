@@ -53,10 +53,4 @@ rule all:
         expand(root / "data/maps/{map}.nc", map=MAPS),
 
 
-# Every map that is not a figure of the paper: those are part of the study.
-rule maps:
-    input:
-        [pictures(root / f"figures/maps/{map}") for map in study.map_names if map not in MAPS],
-
-
 unread = None  # the rules are, from here

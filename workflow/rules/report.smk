@@ -37,3 +37,9 @@ job(
     record="",
     message="indexing all runs",
 )
+
+
+# Every map that is not a figure of the paper: those are part of the study.
+rule maps:
+    input:
+        [pictures(root / f"figures/maps/{map}") for map in study.map_names if map not in MAPS],
