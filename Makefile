@@ -77,7 +77,9 @@ hold = $(PYTHON) workflow/hold.py $(1) $(2)
 
 check = @echo "--- $(1)"; $(in_env) $(1)
 
-test: lint types floors workflow unit
+# The checks run beside the compilation of the kernels, with which the tests begin.
+test: environment
+	@$(MAKE) --no-print-directory -j$(CORES) lint types floors workflow unit
 
 lint: environment
 	$(call check,ruff check .)
