@@ -46,6 +46,8 @@ def _filled(tau: np.ndarray) -> dict[str, np.ndarray]:
         "tilt_at_alignment": np.where(aligned, 0.1, NAN),
         "tilt_max": np.full(tau.shape, 0.1),
         "contact_force_max": np.full(tau.shape, 5.0),
+        "unvibrated": np.ones(tau.shape, np.int8),
+        "unvibrated_tilt": np.full(tau.shape, 0.05),
         "tilt_end": np.full(tau.shape, 0.05),
         "way": np.where(aligned, 1.0, 0.0),
         "excursion": np.full(tau.shape, 0.5),
@@ -178,6 +180,15 @@ CASES: dict[str, tuple[Callable[[], Datasets], Callable[[], Datasets]]] = {
         lambda: curves("misaligned", lambda f, m: 5.0 if f == 1.0 and m < 0.35 else NAN),
     ),
     "M4": (lambda: curves("pressed", NAN), lambda: curves("pressed", 5.0)),
+    "M4b": (
+        lambda: {**Course().datasets, **curves("fig06", unvibrated_tilt=lambda _, f: 0.03 * f)},
+        lambda: curves("fig06", unvibrated_tilt=lambda _, f: 0.06 * f),
+    ),
+    "M2d": (
+        lambda: {**Course().datasets, **curves("fig06")},
+        lambda: curves("fig06", tilt_at_alignment=-0.2),
+    ),
+    "M2e": (lambda: curves("fig06"), lambda: curves("fig06", tilt_max=0.2)),
     "M5": (
         lambda: curves("displaced", side_force_max=lambda _, k: 1.0 if k < 5.0 else 0.0),
         lambda: curves("displaced"),

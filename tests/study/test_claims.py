@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from model.events.outcomes import Unvibrated
 from model.study.claims import CLAIMS, VERDICTS, Finding, judge, tally
 from model.study.claims.claims import ClaimsError, claims_of, limit_of
 from model.study.claims.ledger import judge_claim
@@ -296,3 +297,12 @@ def test_a_part_jammed_between_both_edges_does_not_rest_on_one() -> None:
     jammed = curves("pressed", np.nan, side_force_max=lambda k, _: 1.0 if k == 7.0 else 0.0)
     assert judge_claim(rests, Data(free)).verdict == "reproduced"
     assert judge_claim(rests, Data(jammed)).verdict == "mixed"
+
+
+@pytest.mark.parametrize("ends", [Unvibrated.ALIGNS, Unvibrated.LEAVES])
+def test_what_aligns_or_topples_unvibrated_is_no_vibratory_alignment(ends: Unvibrated) -> None:
+    other = curves("fig06", unvibrated=float(ends), unvibrated_tilt=NAN)
+    assert found("M4b", other).verdict == "contradicted"
+    assert found("M4b", {**other, **curves("fig07")}).verdict == "mixed"
+    without = {"fig06": curves("fig06")["fig06"].drop_vars("unvibrated")}
+    assert "has no unvibrated" in found("M4b", without).seen

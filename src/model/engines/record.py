@@ -10,9 +10,9 @@ from math import isnan
 from model.engines.results import RunResult
 from model.events.kernels import MOST_EVENTS
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.notation import STATE_SIZE, State
+from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import Mode
+from model.physics.scenes import CLOSED, OPEN, Mode
 from model.physics.views import reader, writer
 
 _WORKING = (
@@ -51,6 +51,8 @@ REJECTED = column("rejected")
 EVENT_COUNT = column("events")
 SETTLED_PERIOD = column("period")
 TRACKED = column("tracked")
+END_TILT = column("end_tilt")
+END_ON_EDGE = column("end_on_edge")
 NEXT_STEP = column("next_step")
 TOLERANCE = column("tolerance")
 DEADLINE = column("deadline")
@@ -95,5 +97,9 @@ def keep_result(runs, i, results, row):
     tau_align = runs[i, TAU_ALIGN]
     until = runs[i, TIME] if isnan(tau_align) else tau_align
     runs[i, _STICKING_SHARE] = runs[i, STICKING_TIME] / until if until > 0.0 else 0.0
+    mode = mode_of(runs, i)
+    alone = mode.edge == RIGHT_EDGE and mode.corner == OPEN and mode.side == OPEN
+    runs[i, END_ON_EDGE] = 1.0 if alone and mode.face == CLOSED else 0.0
+    runs[i, END_TILT] = state_in(runs, STATE, i).tilt
     for field in range(_RESULT_COUNT):
         results[row, field] = runs[i, _FIRST_RESULT + field]

@@ -169,8 +169,8 @@ KINDS: Mapping[str, Kind] = {
     for f in fields(Results)
 }
 
-# Further numbers of a run from its engine: time of its end, rejected steps, rows of a full track.
-_BESIDES = ("time", "rejected", "tracked")
+# Further numbers of a run from its engine; see ``RunResult``.
+_BESIDES = ("time", "end_tilt", "end_on_edge", "rejected", "tracked")
 
 
 class RunResult(
@@ -180,8 +180,9 @@ class RunResult(
 ):
     """Results of one run as its engine writes them, each a float or an array of runs.
 
-    The fields are those of ``Results`` that are not ``estimated``, and ``time`` of the end,
-    ``rejected`` steps and ``tracked``, the number of rows of a full track.
+    The fields are those of ``Results`` that are not ``estimated``, ``time`` of the end,
+    ``end_tilt`` there, ``end_on_edge`` (1 if the edge A1 on the bottom face is then the only
+    contact, else 0), ``rejected`` steps and ``tracked``, the number of rows of a full track.
     """
 
     __slots__ = ()

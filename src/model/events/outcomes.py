@@ -13,6 +13,14 @@ class Outcome(IntEnum):
     FAILED = 4
 
 
+class Unvibrated(IntEnum):
+    """End of the same run without vibration; the values are the flags stored in datasets."""
+
+    ALIGNS = 0
+    RESTS = 1
+    LEAVES = 2
+
+
 class Reason(IntEnum):
     """Reason for leaving the scene or for failure, or sensitive dependence up to the horizon.
 

@@ -305,6 +305,12 @@ def share_of_runs(points: Points, of: Where, among: Where | None = None) -> floa
 
 
 @of_figure(Data.points)
+def usual(points: Points, of: str) -> float:
+    """Median magnitude of a column over the runs that align."""
+    return median(np.abs(points.column(of, aligned=True)))
+
+
+@of_figure(Data.points)
 def smaller_share(points: Points) -> float:
     """Share of the runs that align, or that do not, whichever is smaller."""
     return _smaller_share(points)
@@ -391,9 +397,3 @@ def relative_deviation_of_force(course: Course) -> float:
 def fall_of_force(course: Course) -> float:
     """Time from the last moment with half the mean force until alignment, over the duration."""
     return course.fall if course.aligned else NAN
-
-
-@of_figure(Data.course)
-def tilt_at_end(course: Course) -> float:
-    """Magnitude of the tilt at alignment."""
-    return abs(course.tilt_at_end)

@@ -76,7 +76,13 @@ class Points:
         self.columns = columns
 
     def column(self, name: str, aligned: bool = False) -> Array:
-        """Return one column; with ``aligned``, NaN for points that do not align."""
+        """Return one column; with ``aligned``, NaN for points that do not align.
+
+        Raises:
+            MissingDataError: there is no such column.
+        """
+        if name not in self.columns:
+            raise MissingDataError(f"the dataset has no {name}")
         values = np.asarray(self.columns[name])
         return np.where(self.aligned, values, NAN) if aligned else values
 
@@ -198,8 +204,7 @@ class Course:
     """One trajectory until it aligns or ends, at equidistant moments; shape (n,) each.
 
     ``x``, ``y`` and ``tilt`` are means over a period of the excitation. ``fall`` is the time from
-    the last moment with half the mean contact force until the end, as a share of the duration;
-    ``tilt_at_end`` is the tilt at alignment in radians.
+    the last moment with half the mean contact force until the end, as a share of the duration.
     """
 
     aligned: bool
@@ -208,7 +213,6 @@ class Course:
     tilt: Array
     force: Array
     fall: float
-    tilt_at_end: float
 
 
 class Data:
@@ -353,7 +357,6 @@ def _course(dataset: "xr.Dataset") -> Course:
         tilt=_moving_mean(tilt, width),
         force=force,
         fall=float((end - strong[-1]) / end) if strong.size else 1.0,
-        tilt_at_end=float(_raw(dataset, "tilt_at_alignment")),
     )
 
 
