@@ -1,18 +1,13 @@
 """The ratio table, as it is printed and as it is kept."""
 
-import csv
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
+from model.study.csv_tables import records_text
 from verification.equal_error import Cost, Setting
-
-COLUMNS = (
-    "problem", "target_error", "method", "formulation", "tolerance", "true_error",
-    "microseconds", "evaluations", "ratio", "nanoseconds_per_evaluation", "remark",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -114,16 +109,7 @@ def _or_dash(value: float, spec: str) -> str:
 def write(table: Sequence[Row], machine: Mapping[str, object], folder: Path) -> None:
     """``peers.csv`` and ``machine.json`` in ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "peers.csv").open("w", encoding="utf-8", newline="") as handle:
-        writer = csv.writer(handle, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for row in table:
-            writer.writerow([_cell(getattr(row, name)) for name in COLUMNS])
+    formats = {each.name: ".6g" for each in fields(Row) if each.type is float}
+    (folder / "peers.csv").write_text(records_text(Row, table, formats), encoding="utf-8")
     machine_file = folder / "machine.json"
     machine_file.write_text(json.dumps(machine, indent=2, sort_keys=True) + "\n", encoding="utf-8")
-
-
-def _cell(value: object) -> object:
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.6g}"
-    return value

@@ -6,7 +6,6 @@ solution, and every way of leaving the scene with the latter; "settled" continue
 ended as settled to several times the horizon. Tables are CSV.
 """
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome, Reason
@@ -293,10 +293,8 @@ def summary(errors: Table, settled: Table) -> str:
 
 def write_table(table: Mapping[str, NDArray[Any]], path: Path) -> None:
     """Write a table as CSV, whole or not at all; numbers with all their digits."""
-    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table)
-        writer.writerows(zip(*(values.tolist() for values in table.values()), strict=True))
+    with whole_file(path) as part:
+        pd.DataFrame(table).to_csv(part, index=False, na_rep="nan", lineterminator="\n")
 
 
 def read_tables(paths: Sequence[Path]) -> Table:
@@ -305,35 +303,17 @@ def read_tables(paths: Sequence[Path]) -> Table:
     Raises:
         ValueError: chunks whose columns differ, or that do not hold each set once.
     """
-    columns: dict[str, list[str]] = {}
+    chunks: list[pd.DataFrame] = []
     for path in paths:
         try:
-            with path.open(newline="", encoding="utf-8") as file:
-                header, *rows = [list(row) for row in csv.reader(file)]
-            columns_of = list(zip(*rows, strict=True))
-            pairs = list(zip(header, columns_of, strict=True))
-            np.array(dict(pairs)["set"], dtype=float)
-        except (OSError, ValueError, KeyError, csv.Error) as error:
+            chunk = pd.read_csv(path).astype({"set": np.int64})
+        except (OSError, ValueError, KeyError) as error:
             fault = f"{path}: is not a chunk of a trial ({error}): delete it and run again"
             raise ValueError(fault) from None
-        if columns and list(columns) != header:
+        if chunks and not chunks[0].columns.equals(chunk.columns):
             raise ValueError(f"{path}: its columns differ from the other chunks': build it again")
-        for name, values in pairs:
-            columns.setdefault(name, []).extend(values)
-    table = {name: _column(name, values) for name, values in columns.items()}
-    order = np.argsort(table["set"])
-    if not np.array_equal(table["set"][order], np.arange(order.size)):
+        chunks.append(chunk)
+    table = pd.concat(chunks).sort_values("set")
+    if not np.array_equal(table["set"], np.arange(len(table))):
         raise ValueError("the chunks do not hold each set once: delete them and run again")
-    return {name: values[order] for name, values in table.items()}
-
-
-_WHOLE = (
-    "set", "outcome", "reason", "sensitive", "separations", "period", "later_outcome", "repeats",
-    "tight_outcome", "tight_sensitive",
-)  # fmt: skip
-
-
-def _column(name: str, values: list[str]) -> NDArray[Any]:
-    if name == "independent_ending":
-        return np.array(values)
-    return np.array(values, dtype=np.float64).astype(np.int64 if name in _WHOLE else np.float64)
+    return {str(name): values.to_numpy() for name, values in table.items()}

@@ -31,10 +31,10 @@ from model.physics.parameters import Batch, Parameters
 from model.runs.engines import NO_TRACK, batch_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings
+from model.study.csv_tables import read_records, records_text
 from verification.methods import METHODS, Method, Package
 from verification.plans import HardCasesPlan
 from verification.problems import Problem, Solution, Verdict, failure_of
-from verification.tables import read_table, table_text
 from verification.work_precision import Truth, deviation_of
 
 DEFAULT, BATCH = "dop853_located", "batch"
@@ -205,7 +205,7 @@ _FORMATS = {"error": ".3e", "uncertainty": ".1e", "microseconds": ".0f"}
 
 def table_of(judged: list[Judged], *, times: bool) -> str:
     """Return the judged runs as CSV, with or without their CPU times, new in every build."""
-    return table_text(judged, Judged, _FORMATS, without="" if times else "microseconds")
+    return records_text(Judged, judged, _FORMATS, without="" if times else "microseconds")
 
 
 def read_judged(path: Path) -> list[Judged]:
@@ -214,4 +214,4 @@ def read_judged(path: Path) -> list[Judged]:
     Raises:
         TableError: a file that is missing or not such a table.
     """
-    return read_table(path, "hard cases", Judged)
+    return read_records(path, "hard cases", Judged)

@@ -19,11 +19,11 @@ from model.engines.scalar.tableaux import DOP853
 from model.events.outcomes import OUTCOME_TEXT, Outcome
 from model.physics.parameters import PARAMETER_NAMES, Parameters
 from model.runs.simulate import Trajectory, simulate
+from model.study.csv_tables import read_records, records_text
 from model.study.datasets import flags, global_attributes, parameter_attributes
 from verification.methods import METHODS
 from verification.plans import PrecisionPlan
 from verification.problems import Floats, Problem, Solution, Verdict, neighbours
-from verification.tables import read_table, table_text
 
 NAME = "precision"
 
@@ -272,7 +272,7 @@ _FORMATS = {"resolution": "g", "error": ".3e", "microseconds": ".1f"}
 
 def timings_table(settings: Sequence[TimedSetting]) -> str:
     """Return the timed settings as CSV."""
-    return table_text(settings, TimedSetting, _FORMATS)
+    return records_text(TimedSetting, settings, _FORMATS)
 
 
 def read_timings(path: Path) -> list[TimedSetting]:
@@ -281,4 +281,4 @@ def read_timings(path: Path) -> list[TimedSetting]:
     Raises:
         TableError: a file that is missing or not such a table.
     """
-    return read_table(path, "timings", TimedSetting)
+    return read_records(path, "timings", TimedSetting)

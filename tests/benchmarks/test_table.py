@@ -54,6 +54,6 @@ def test_what_is_kept_can_be_read_again(tmp_path: Path) -> None:
     write(rows(COSTS, MISSED, ORDER), {"peak_gflops": 58.7}, tmp_path)
     with (tmp_path / "peers.csv").open(encoding="utf-8", newline="") as handle:
         kept = list(csv.DictReader(handle))
-    assert [row["ratio"] for row in kept] == ["0.25", "1", "", "1", "4"]
+    assert [row["ratio"] for row in kept] == ["0.25", "1", "nan", "1", "4"]
     assert kept[2]["remark"] == "out of time"
     assert json.loads((tmp_path / "machine.json").read_text()) == {"peak_gflops": 58.7}

@@ -3,6 +3,8 @@
 import csv
 import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, fields
+from enum import Enum, IntEnum
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -44,3 +46,42 @@ def read_rows(path: Path, what: str, read: Callable[[dict[str, str]], Row]) -> l
         return [read(row) for row in rows]
     except (OSError, UnicodeDecodeError, KeyError, ValueError, TypeError) as error:
         raise TableError(f"{path}: is not a table of {what} ({error}): build it again") from None
+
+
+# --- Dataclasses as rows ------------------------------------------------------------------------
+
+
+def records_text(
+    kind: type[Any], records: Iterable[Any], formats: Mapping[str, str], without: str = ""
+) -> str:
+    """Return records of one ``kind`` as CSV: values by ``formats``, one column left out."""
+    names = [field.name for field in fields(kind) if field.name != without]
+
+    def written(record: Any, name: str) -> Any:
+        value = getattr(record, name)
+        if isinstance(value, IntEnum):
+            return value.name.lower()
+        return value.value if isinstance(value, Enum) else format(value, formats.get(name, ""))
+
+    return csv_text(names, ({name: written(each, name) for name in names} for each in records))
+
+
+def read_records(path: Path, what: str, kind: type[Row]) -> list[Row]:
+    """Return the records that ``records_text`` wrote; a field without a column takes its default.
+
+    Raises:
+        TableError: a file that is missing or not such a table.
+    """
+
+    def value(text: str, of: Any) -> Any:
+        return of[text.upper()] if issubclass(of, IntEnum) else of(text)
+
+    def read(row: dict[str, str]) -> Row:
+        given = [
+            field
+            for field in fields(kind)  # type: ignore[arg-type]
+            if field.name in row or field.default is MISSING
+        ]
+        return kind(**{field.name: value(row[field.name], field.type) for field in given})
+
+    return read_rows(path, what, read)

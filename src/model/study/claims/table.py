@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 from model.study.claims.claims import Claim
 from model.study.claims.ledger import Finding
-from model.study.csv_tables import csv_text, read_rows
+from model.study.csv_tables import read_records, records_text
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def _number(value: float) -> str:
 
 def ledger_text(lines: Iterable[Line]) -> str:
     """Return the content of ``claims.csv``."""
-    return csv_text([each.name for each in fields(Line)], map(asdict, lines))
+    return records_text(Line, lines, {})
 
 
 def read_ledger(path: Path) -> list[Line]:
@@ -69,4 +69,4 @@ def read_ledger(path: Path) -> list[Line]:
     Raises:
         TableError: a file that is missing, empty, or not a ledger.
     """
-    return read_rows(path, "claims", lambda row: Line(**row))
+    return read_records(path, "claims", Line)
