@@ -366,17 +366,24 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     assert si["contact_force_max_N"] == pytest.approx(record["contact_force_max"] * 3.0)
     assert cli.main(["simulate", "--device", PEG]) == cli.DONE
     said = capsys.readouterr().out
-    time = re.search(r"alignment time +(\S+) ± \S+ s\n", said)
-    assert float(time[1]) == pytest.approx(si["alignment_time_s"], abs=1e-9)
-    assert "contact force     20 N at most" in said
+    time = re.search(r"alignment time +(\S+) ms\n", said)
+    assert float(time[1]) == pytest.approx(1e3 * si["alignment_time_s"], rel=1e-3)
+    assert re.search(r"contact_force_max +20 N\n", said)
+    assert si["results"]["contact_force_max"] == si["contact_force_max_N"]
+    assert re.search(r"  y_rate +\S+ m/s\n", said)
+    assert "dimensionless" not in said
+    assert cli.main(["simulate", "--device", PEG, "--dimensionless"]) == cli.DONE
+    said = capsys.readouterr().out
+    assert re.search(r"dimensionless:\ntau_align +9\.", said)
+    assert said.endswith("one is 0.01 s, 0.001 m, 3 N\n")
 
 
 def test_with_a_device_what_is_set_is_in_si_units(capsys):
-    changes = ["--set", "press_force=40", "--horizon", "1"]
+    changes = ["--set", "press_force=0.04 kN", "--horizon", "10 ms"]
     assert cli.main(["simulate", "--device", PEG, *changes, "--json"]) == cli.DONE
     record = json.loads(capsys.readouterr().out)
     assert record["parameters"]["press_force"] == pytest.approx(40.0 / 3.0)
-    assert record["outcome"] == "horizon_reached"
+    assert (record["outcome"], record["final_time"]) == ("horizon_reached", pytest.approx(1.0))
     assert record["si"]["alignment_time_s"] is None
 
 
@@ -386,3 +393,12 @@ def test_a_device_that_breaks_a_rule_is_refused_in_its_own_units(capsys):
     )
     assert "unknown quantity of a device 'nu'" in refused(capsys, "--device", PEG, "--set", "nu=1")
     assert "cannot be read" in refused(capsys, "--device", "nowhere.yaml")
+    assert "must be in s or alike" in refused(capsys, "--device", PEG, "--horizon", "3 mm")
+
+
+def test_a_doubtful_device_runs_with_a_warning(capsys):
+    given = ["--device", PEG, "--set", "amplitude=6 mm", "--horizon", "1 ms"]
+    assert cli.main(["simulate", *given]) == cli.DONE
+    err = capsys.readouterr().err
+    assert err.startswith("vibralign: warning: ")
+    assert "amplitude = 6 mm is larger than half_width = 5 mm" in err

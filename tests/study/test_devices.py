@@ -1,12 +1,14 @@
-"""Device files: read or refused."""
+"""Device files: amounts with units and tolerances, plausibility, read or refused."""
 
+import math
 from pathlib import Path
 
 import pytest
 
 from model import align
 from model.events.outcomes import Outcome
-from model.study.devices import DeviceError, load_device
+from model.study.devices import DeviceError, Tolerance, load_device, read_device
+from model.study.devices.amounts import read_amount, read_range
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 
@@ -15,19 +17,148 @@ def test_the_example_aligns():
     runs = align([load_device(EXAMPLE, {}).parameters], tolerance=1e-7, horizon=50.0, cores=1)
     assert runs.outcome[0] == Outcome.ALIGNED
     assert runs.separations[0] == 0
-
-
-def test_a_number_without_a_point_is_a_number(tmp_path):
-    path = tmp_path / "peg.yaml"
-    path.write_text(EXAMPLE.read_text(encoding="utf-8").replace("0.005 #", "5e-3 #"), "utf-8")
-    assert load_device(path, {}) == load_device(EXAMPLE, {})
-    assert "5e-3" in path.read_text(encoding="utf-8")
+    assert read_device(EXAMPLE).doubts == []
 
 
 def test_changes_are_in_the_units_of_the_file():
-    before, after = (load_device(EXAMPLE, change) for change in ({}, {"press_force": 30.0}))
+    before, after = (load_device(EXAMPLE, change) for change in ({}, {"press_force": "0.03 kN"}))
     assert after.parameters.press_force == pytest.approx(3.0 * before.parameters.press_force)
     assert load_device(EXAMPLE, {"amplitude": 0.5e-3}).parameters.half_width == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("5e-3", "m", 5e-3),
+        ("0.8 mm", "m", 0.8e-3),
+        ("3 kN/m", "N/m", 3000.0),
+        ("500 N mm/rad", "N m/rad", 0.5),
+        ("0.5 N m", "N m/rad", 0.5),
+        ("450 g cm²", "kg m²", 4.5e-5),
+        ("2 deg", "rad", math.radians(2.0)),
+        ("15 %", "1", 0.15),
+        ("3000 rpm", "Hz", 50.0),
+        ("100 rad/s", "Hz", 100.0 / (2.0 * math.pi)),
+        ("0.05 kHz", "Hz", 50.0),
+    ],
+)
+def test_an_amount_is_read_in_si_units(text, unit, value):
+    assert read_amount("it", text, unit).value == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "tolerance", "around"),
+    [
+        ("10 N ± 0.5 N", Tolerance("uniform", 0.5), 0.5),
+        ("10 ± 0.5 N", Tolerance("uniform", 0.5), 0.5),
+        ("10 N +- 500 mN", Tolerance("uniform", 0.5), 0.5),
+        ("0.01 kN ± 5 %", Tolerance("uniform", 0.05, relative=True), 0.5),
+        ("10 N σ 0.2 N", Tolerance("normal", 0.2), 0.2),
+        ("10 sigma 2 %", Tolerance("normal", 0.02, relative=True), 0.2),
+        ("10 ± 0", None, None),
+    ],
+)
+def test_a_tolerance_is_a_width_or_a_share(text, tolerance, around):
+    amount = read_amount("it", text, "N")
+    assert amount.value == pytest.approx(10.0)
+    if tolerance is None:
+        assert amount.tolerance is None
+    else:
+        assert (amount.tolerance.kind, amount.tolerance.relative) == (
+            tolerance.kind,
+            tolerance.relative,
+        )
+        assert amount.tolerance.around(amount.value) == pytest.approx(around)
+
+
+def test_a_share_of_a_quantity_in_per_cent_is_in_its_own_per_cent():
+    amount = read_amount("clearance", "4 % ± 1 %", "1")
+    assert (amount.value, amount.tolerance.around(0.04)) == pytest.approx((0.04, 0.01))
+
+
+def test_a_range_may_name_its_unit_once():
+    assert read_range("it", "2 to 30 N", "N") == (2.0, 30.0)
+    assert read_range("it", "2 N to 0.03 kN", "N") == (2.0, pytest.approx(30.0))
+    assert read_range("it", "200 to 300 mm", "m") == pytest.approx((0.2, 0.3))
+    for wrong in ("3 N", "5 to 2 N", 3.0):
+        with pytest.raises(ValueError, match="must"):
+            read_range("it", wrong, "N")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "words"),
+    [
+        ("0.05 mm", "1", "must be a ratio"),
+        ("3 mm", "N", "must be in N or alike, not in mm"),
+        ("3 foo", "N", "unknown unit 'foo'"),
+        ("3 N**", "N", "unknown unit"),
+        ("ten", "N", "must be a number in N, or with a unit"),
+        (True, "N", "must be a number in N"),
+        ("3 N ± -1 N", "N", "the tolerance must be >= 0"),
+    ],
+)
+def test_an_amount_that_cannot_be_read_is_refused(text, unit, words):
+    with pytest.raises(ValueError, match="it = ") as refusal:
+        read_amount("it", text, unit)
+    assert words in str(refusal.value)
+
+
+def test_a_changed_value_keeps_its_tolerance(tmp_path):
+    path = tmp_path / "peg.yaml"
+    text = EXAMPLE.read_text(encoding="utf-8")
+    path.write_text(text.replace("friction: 0.15", "friction: 0.15 ± 0.05"), encoding="utf-8")
+    stated = read_device(path, {"friction": 0.2})
+    assert stated.quantities["friction"] == 0.2
+    assert stated.tolerances == {"friction": Tolerance("uniform", 0.05)}
+    assert read_device(path, {"friction": "0.2 ± 0.01"}).tolerances["friction"].width == 0.01
+    with pytest.raises(DeviceError, match="at the ends of the tolerances"):
+        read_device(path, {"misalignment": "10 mm ± 0.2 mm"})
+
+
+def test_free_quantities_and_limits_are_read(tmp_path):
+    path = tmp_path / "peg.yaml"
+    more = "free: {press_force: 2 to 30 N}\nlimits: {contact_force: 60 N, tilt: 10 deg}\n"
+    path.write_text(EXAMPLE.read_text(encoding="utf-8") + more, encoding="utf-8")
+    stated = read_device(path)
+    assert stated.free == {"press_force": (2.0, 30.0)}
+    assert stated.limits == {"contact_force": 60.0, "tilt": pytest.approx(math.radians(10.0))}
+    for wrong in ("free: 3", "free: {presure: 1 to 2}", "limits: {force: 3}", "limits: {time: 0}"):
+        path.write_text(EXAMPLE.read_text(encoding="utf-8") + wrong, encoding="utf-8")
+        with pytest.raises(DeviceError):
+            read_device(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"press_force": -60.0}, "press_force = -60.0: must be > 0"),
+        ({"press_force": 0.0}, "press_force = 0.0: must be > 0"),
+        ({"clearance": 0.2}, "misalignment = 0.0008 m: already inside at the start"),
+        ({"misalignment": 0.0}, "already inside at the start"),
+    ],
+)
+def test_a_device_that_makes_no_sense_is_refused(changes, words):
+    with pytest.raises(DeviceError, match=r"must be > 0|already inside") as refusal:
+        read_device(EXAMPLE, changes)
+    assert words in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"half_width": 5, "misalignment": 0.8}, "half_width = 5 m is longer than"),
+        ({"inertia": "4.5e-5 kg cm²"}, "radius of gyration of 0.122 mm"),
+        ({"amplitude": "6 mm"}, "amplitude = 6 mm is larger than half_width = 5 mm"),
+        ({"misalignment": "6 mm"}, "misalignment = 6 mm is larger than half_width"),
+        ({"clearance": 0.7, "misalignment": "4 mm"}, "the hole is 1.7 times as wide"),
+        ({"friction": 1.5}, "friction = 1.5 is more than 1"),
+        ({"frequency": 0.05}, "have their resonance at 15.9 Hz"),
+        ({"press_force": "10 kN"}, "amplitude of 3 N"),
+    ],
+)
+def test_a_doubtful_value_is_named(changes, words):
+    [doubt, *_] = read_device(EXAMPLE, changes).doubts
+    assert words in doubt
 
 
 @pytest.mark.parametrize(
@@ -36,10 +167,12 @@ def test_changes_are_in_the_units_of_the_file():
         ("", "must be lines of NAME: VALUE"),
         ("[1, 2]", "must be lines of NAME: VALUE"),
         ("mass: [", "cannot be read as YAML"),
-        ("mass: heavy", "mass = 'heavy': must be a number, in SI units"),
-        ("mass: true", "mass = True: must be a number, in SI units"),
+        ("mass: heavy", "mass = 'heavy': must be a number in kg"),
+        ("mass: true", "mass = True: must be a number in kg"),
         ("mass: 1", "axial_stiffness is missing: a device needs"),
         ("mas: 1", "unknown quantity of a device 'mas'. Did you mean 'mass'"),
+        ("mass: 1\nmass: 2", "mass: given twice"),
+        ("? [1]\n: 2", "cannot be read as YAML"),
     ],
 )
 def test_an_invalid_device_is_refused_in_one_line(tmp_path, text, message):

@@ -13,11 +13,14 @@ from typing import Any
 from model.cli.tables import in_columns
 from model.physics.compiled import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
+from model.physics.quantities import TIME
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from model.study.config import FIGURES, load_study, study_path
-from model.study.devices import load_device
+from model.study.devices import StatedDevice, read_device
+from model.study.devices.amounts import read_amount
+from model.study.devices.base import BASE
 
 _READINGS = ("consistent", "printed")
 
@@ -76,8 +79,11 @@ def add_model_options(parser: Any) -> None:
     """Add --device, --set, --readings, --reading, --horizon and --tolerance, and their table."""
     parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     add = parser.add_argument
-    words = "the device, its quantities in SI units as in docs/peg.yaml; --set is then in SI too"
+    words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
+    words += "--horizon are then read alike (12 N, 0.8 mm), and the answers are in SI units"
     add("--device", type=Path, metavar="FILE", help=words)
+    words = "print dimensionless values for a device in SI units, too"
+    add("--dimensionless", action="store_true", help=words)
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
     words = "variant of all disputed equations of the paper (default: as in the study)"
@@ -92,7 +98,7 @@ def add_model_options(parser: Any) -> None:
         dest="switches",
         help=words,
     )
-    words = "latest time, in units of 1/p (default: that of the study)"
+    words = "latest time, in seconds with --device, else in units of 1/p (default: the study's)"
     add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
 
@@ -131,10 +137,18 @@ def device_of(
 
     Without a device file --set changes the ``baseline``, which has no units.
     """
+    stated = stated_device(arguments)
+    return (None, _changed(baseline, arguments.changes)) if stated is None else stated.device
+
+
+def stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
+    """Return the device of --device and --set as it is stated, and say what in it is doubtful."""
     if arguments.device is None:
-        return None, _changed(baseline, arguments.changes)
-    changes = pairs(arguments.changes, "--set").items()
-    return load_device(arguments.device, {name: number(name, text) for name, text in changes})
+        return None
+    stated = read_device(arguments.device, pairs(arguments.changes, "--set"))
+    for doubt in stated.doubts:
+        print(f"vibralign: warning: {arguments.device}: {doubt}", file=sys.stderr)
+    return stated
 
 
 def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
@@ -149,8 +163,13 @@ def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
     return baseline.replace(**changes)
 
 
-def settings_of(of_study: Settings, arguments: argparse.Namespace) -> Settings:
-    """Return the study's settings, changed by the options of ``add_model_options``."""
+def settings_of(
+    of_study: Settings, arguments: argparse.Namespace, units: Units | None = None
+) -> Settings:
+    """Return the study's settings, changed by the options of ``add_model_options``.
+
+    A horizon is read in seconds for a device with ``units``.
+    """
     switches: dict[str, Any] = asdict(of_study.readings)
     if arguments.readings:
         switches = dict.fromkeys(READING_NAMES, arguments.readings)
@@ -159,7 +178,10 @@ def settings_of(of_study: Settings, arguments: argparse.Namespace) -> Settings:
         switches[name] = value
     horizon, tolerance = of_study.horizon, of_study.tolerance
     if arguments.horizon is not None:
-        horizon = number("horizon", arguments.horizon)
+        if units is None:
+            horizon = number("horizon", arguments.horizon)
+        else:
+            horizon = read_amount("horizon", arguments.horizon, "s").value / units.of(TIME)
     if arguments.tolerance is not None:
         tolerance = number("tolerance", arguments.tolerance)
     return Settings(readings=Readings(**switches), horizon=horizon, tolerance=tolerance)
@@ -175,6 +197,6 @@ def parameter_table(baseline: Parameters) -> str:
         words = field.description + (f"; {rule}" if rule else "")
         rows.append((name, field.symbol, shown, field.quantity.unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
-    units = [(name, unit, words) for name, (words, unit) in UNITS.items()]
+    units = [(name, unit, words) for name, (words, unit) in (UNITS | BASE).items()]  # type: ignore[operator]
     lines += ["what a file for --device states besides:", *in_columns(units)]
     return "\n".join(lines) + "\n"

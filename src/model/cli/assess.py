@@ -43,7 +43,7 @@ def add(commands: Any) -> None:
 def _assess(arguments: argparse.Namespace) -> int:
     study = load_study(study_path())
     units, device = device_of(study.baseline, arguments)
-    settings = settings_of(study.settings.settings, arguments)
+    settings = settings_of(study.settings.settings, arguments, units)
     announce_compilation()
     from model.study.assessment import assess  # noqa: PLC0415  (only this command)
 

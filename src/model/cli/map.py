@@ -104,7 +104,7 @@ def _map(arguments: argparse.Namespace) -> int:
 def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
     study = load_study(study_path())
     units, parameters = device_of(study.baseline, arguments)
-    settings = settings_of(study.settings.settings, arguments)
+    settings = settings_of(study.settings.settings, arguments, units)
     resolution = _resolution(arguments.resolution)
     spans = _span("--x", arguments.x), _span("--y", arguments.y)
     # Checked in the units of the command line, so that a refusal names the values given.

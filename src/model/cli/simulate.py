@@ -16,10 +16,12 @@ from model.cli.arguments import (
     settings_of,
 )
 from model.cli.files import check_picture, save_picture
+from model.cli.si import in_words
 from model.cli.tables import print_json
-from model.engines.results import RESULTS
+from model.engines.results import COURSE, RESULTS
 from model.events.outcomes import Outcome
 from model.physics.notation import State
+from model.physics.quantities import PLAIN, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
@@ -34,7 +36,7 @@ def add(commands: Any) -> None:
         "simulate",
         _simulate,
         "run one device and print its outcome and results",
-        ". All values are dimensionless, except those of a device file.",
+        ". With --device, values are read and printed in SI units, else dimensionless.",
         epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
     add_model_options(parser)
@@ -46,7 +48,7 @@ def add(commands: Any) -> None:
 def _simulate(arguments: argparse.Namespace) -> int:
     study = load_study(study_path())
     units, parameters = device_of(study.baseline, arguments)
-    settings = settings_of(study.settings.settings, arguments)
+    settings = settings_of(study.settings.settings, arguments, units)
     if arguments.plot is not None:
         check_picture(arguments.plot)
     announce_compilation()
@@ -54,17 +56,21 @@ def _simulate(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(_record(run, settings) | ({"si": _in_si(run, units)} if units else {}))
     else:
-        print("\n".join([*_report(run), *(_report_in_si(run, units) if units else [])]))
-    if arguments.plot is not None and not _draw(run, arguments.plot):
+        lines = _report_in_si(run, units) if units else _report(run)
+        if units and arguments.dimensionless:
+            lines += ["", "dimensionless:", *_report(run)[1:], _units_line(units)]
+        print("\n".join(lines))
+    in_units = None if arguments.dimensionless else units
+    if arguments.plot is not None and not _draw(run, arguments.plot, in_units):
         return 1
     return int(run.outcome == Outcome.FAILED)
 
 
-def _draw(run: Trajectory, path: Path) -> bool:
+def _draw(run: Trajectory, path: Path, units: Units | None) -> bool:
     from model.show.history import trajectory  # noqa: PLC0415  (as in check_picture)
 
     try:
-        save_picture(trajectory(run), path)
+        save_picture(trajectory(run, units), path)
     except (OSError, ValueError) as error:  # a full disk, a picture library that is missing
         print(f"vibralign: error: --plot {path}: {error}", file=sys.stderr)
         return False
@@ -93,17 +99,17 @@ def _report(run: Trajectory) -> list[str]:
     rows += [(name, text) for name, text in printed if text]
     rows.append(("final state", f"at τ = {run.time[-1]:.9g}"))
     rows += [(f"  {name}", f"{value: .9g}") for name, value in _final_state(run).items()]
-    lines = [f"{name:<20}{value}" for name, value in rows]
-    if run.sensitive:
-        lines.append(
-            "note: sensitive: at another tolerance this run ends differently or at another time; "
-            "do not rely on its digits"
-        )
-    return lines
+    return [f"{name:<20}{value}" for name, value in rows] + _sensitive(run)
 
 
-def _in_si(run: Trajectory, units: Units) -> dict[str, float]:
-    """Return alignment time and contact force in SI units; NaN where the part does not align."""
+def _sensitive(run: Trajectory) -> list[str]:
+    words = "note: sensitive: at another tolerance this run ends differently or at another time; "
+    return [words + "do not rely on its digits"] if run.sensitive else []
+
+
+def _in_si(run: Trajectory, units: Units) -> dict[str, Any]:
+    """Return the results of a run in SI units; NaN where there is none."""
+    physical = {n: each.quantity for n, each in RESULTS.items() if each.quantity is not PLAIN}
     return {
         "alignment_time_s": run.tau_align * units.time,
         "alignment_time_error_s": run.tau_error * units.time,
@@ -111,16 +117,38 @@ def _in_si(run: Trajectory, units: Units) -> dict[str, float]:
         "time_unit_s": units.time,
         "length_unit_m": units.amplitude,
         "force_unit_N": units.force,
+        "results": {n: getattr(run, n) * units.of(quantity) for n, quantity in physical.items()},
+        "final_time": float(run.time[-1]) * units.time,
+        "final_state": {
+            name: value * units.of(COURSE[name].quantity)
+            for name, value in _final_state(run).items()
+        },
     }
 
 
 def _report_in_si(run: Trajectory, units: Units) -> list[str]:
-    time, error, force, *scales = _in_si(run, units).values()
-    rows = [("contact force", f"{force:.4g} N at most")]
+    rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
     if run.outcome == Outcome.ALIGNED:
-        rows.insert(0, ("alignment time", f"{_within(time, error)} s"))
-    rows.append(("units", "time {:.4g} s, length {:.4g} m, force {:.4g} N".format(*scales)))
-    return ["in SI units:", *(f"  {name:<18}{value}" for name, value in rows)]
+        rows.append(("alignment time", in_words(run.tau_align, TIME, units)))
+    else:
+        rows += [("what to do", run.remedy), ("alignment time", "none: it does not align")]
+    for name, each in RESULTS.items():
+        text = each.printed(getattr(run, name))
+        if text and name != "tau_error":
+            if each.quantity is not PLAIN:
+                text = in_words(getattr(run, name), each.quantity, units)
+            rows.append((name, text))
+    rows.append(("final state", f"at {in_words(float(run.time[-1]), TIME, units)}"))
+    rows += [
+        (f"  {name}", in_words(value, COURSE[name].quantity, units))
+        for name, value in _final_state(run).items()
+    ]
+    return [f"{name:<20}{value}" for name, value in rows] + _sensitive(run)
+
+
+def _units_line(units: Units) -> str:
+    values = units.time, units.amplitude, units.force
+    return "one is {:.4g} s, {:.4g} m, {:.4g} N".format(*values)
 
 
 def _final_state(run: Trajectory) -> dict[str, float]:

@@ -8,7 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from model.engines.results import COURSE
 from model.events.outcomes import Outcome
+from model.physics.quantities import ANGLE, LENGTH
+from model.physics.units import Units
 from model.show import style
 from model.show.axes import Floats
 
@@ -33,12 +36,28 @@ def history(dataset: "xr.Dataset") -> Figure:
     return _draw(dataset["time"].values, course, outcome, tau_align)
 
 
-def trajectory(run: "Trajectory") -> Figure:
-    """Draw the figure of ``history`` for a run that was not stored."""
-    return _draw(run.time, run.course, run.outcome, run.tau_align)
+def trajectory(run: "Trajectory", units: Units | None = None) -> Figure:
+    """Draw the figure of ``history`` for a run that was not stored; in SI units with ``units``."""
+    if units is None:
+        return _draw(run.time, run.course, run.outcome, run.tau_align)
+    scales = {name: units.of(COURSE[name].quantity) for name in run.course}
+    lengths = {name: 1e3 for name in scales if COURSE[name].quantity is LENGTH}
+    course = {n: values * scales[n] * lengths.get(n, 1.0) for n, values in run.course.items()}
+    suffixes = {
+        name: "" if each is ANGLE else " (mm)" if each is LENGTH else f" ({each.unit})"
+        for name, each in ((name, COURSE[name].quantity) for name in _PANELS)
+    }
+    time, align = run.time * units.time, run.tau_align * units.time
+    return _draw(time, course, run.outcome, align, suffixes)
 
 
-def _draw(time: Floats, course: Mapping[str, Floats], outcome: Outcome, tau_align: float) -> Figure:
+def _draw(
+    time: Floats,
+    course: Mapping[str, Floats],
+    outcome: Outcome,
+    tau_align: float,
+    suffixes: Mapping[str, str] | None = None,
+) -> Figure:
     with style.context():
         figure = style.new_figure(height=15.0 * style.CENTIMETRE)
         panels = figure.subplots(4, 1, sharex=True, height_ratios=[1, 1, 1, 1.35])
@@ -46,14 +65,15 @@ def _draw(time: Floats, course: Mapping[str, Floats], outcome: Outcome, tau_alig
             "abcd", panels, _PANELS.items(), strict=True
         ):
             axes.plot(time, course[name], color=style.BLUE, label=curve)
-            axes.set_ylabel(label)
+            axes.set_ylabel(label + (suffixes or {}).get(name, ""))
             axes.set_title(letter, loc="left", fontweight="bold", pad=3.0)
             axes.margins(x=0.01)
         figure.align_ylabels(panels)
-        panels[-1].set_xlabel("time $τ$")
+        panels[-1].set_xlabel("time (s)" if suffixes else "time $τ$")
         _add_side_force(panels[-1], time, course["side_force"])
         if outcome == Outcome.ALIGNED:
-            _mark_alignment(panels, time, course["contact_force"], tau_align)
+            when = f"{tau_align:.4g} s" if suffixes else f"$τ$ = {tau_align:.4g}"
+            _mark_alignment(panels, time, course["contact_force"], tau_align, when)
         else:
             ending = outcome.name.lower().replace("_", " ")
             panels[0].set_title(f"does not align ({ending})", loc="right", pad=3.0)
@@ -69,14 +89,12 @@ def _add_side_force(axes: Axes, time: Floats, side_force: Floats) -> None:
 
 
 def _mark_alignment(
-    panels: NDArray[np.object_], time: Floats, force: Floats, tau_align: float
+    panels: NDArray[np.object_], time: Floats, force: Floats, tau_align: float, when: str
 ) -> None:
     for axes in panels:
         axes.axvline(tau_align, color=style.GREY, linewidth=0.8, linestyle=":", label="alignment")
     before = force_before(time, force, tau_align)
-    words = f"$n$ drops to 0 at $τ$ = {tau_align:.4g}"
-    if before == 0.0:
-        words = f"aligned in flight at $τ$ = {tau_align:.4g}"
+    words = f"aligned in flight at {when}" if before == 0.0 else f"$n$ drops to 0 at {when}"
     panels[-1].annotate(
         words,
         xy=(tau_align, before),

@@ -1,0 +1,134 @@
+"""Amounts as text: a number with a unit and a tolerance, such as ``0.8 mm ± 0.1 mm``.
+
+A bare number is in SI units. ``±`` (or ``+-``) states the half-width of a uniform distribution,
+``σ`` (or ``sigma``) the standard deviation of a normal one; in per cent it is a share of the value.
+pint reads the units; a frequency in revolutions or radians a second becomes one in hertz.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal
+
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_AMOUNT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
+_SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")
+_RANGE = re.compile(r"\s+to\s+")
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Tolerance of one quantity.
+
+    Attributes:
+        kind: "uniform" within ± ``width``, or "normal" with the standard deviation ``width``.
+        width: in SI units, >= 0; of the value 1 if ``relative``.
+        relative: the width is a share of the value, and moves with it.
+    """
+
+    kind: Literal["uniform", "normal"]
+    width: float
+    relative: bool = False
+
+    def around(self, value: float) -> float:
+        """Return the width around ``value``, in SI units."""
+        return self.width * abs(value) if self.relative else self.width
+
+
+@dataclass(frozen=True)
+class Amount:
+    """A value in SI units, and its tolerance if one is stated."""
+
+    value: float
+    tolerance: Tolerance | None = None
+
+
+def read_amount(name: str, given: object, unit: str) -> Amount:
+    """Read the amount of the quantity ``name``, whose SI unit is ``unit``.
+
+    Raises:
+        ValueError: no number, or a unit that is unknown or of another quantity.
+    """
+    if isinstance(given, (int, float)) and not isinstance(given, bool):
+        return Amount(float(given))
+    if not isinstance(given, str):
+        raise ValueError(f"{name} = {given!r}: {_rule(unit)}")  # noqa: TRY004  (of a file)
+    text, *spread = _SPREAD.split(given, maxsplit=1)
+    if not spread:
+        return Amount(_number(name, given, text, unit))
+    sign, width = spread
+    kind: Literal["uniform", "normal"] = "uniform" if sign in ("±", "+/-", "+-") else "normal"
+    if width.strip().endswith("%") and "%" not in text:
+        tolerance = Tolerance(kind, _number(name, given, width, "1"), relative=True)
+        value = _number(name, given, text, unit)
+    else:
+        suffix = _unit_of(width)
+        value = _number(name, given, text if _unit_of(text) else f"{text} {suffix}", unit)
+        tolerance = Tolerance(
+            kind, _number(name, given, width if suffix else f"{width} {_unit_of(text)}", unit)
+        )
+    if not 0.0 <= tolerance.width < math.inf:
+        raise ValueError(f"{name} = {given!r}: the tolerance must be >= 0")
+    return Amount(value, tolerance if tolerance.width > 0.0 else None)
+
+
+def read_range(name: str, given: object, unit: str) -> tuple[float, float]:
+    """Read a range such as ``2 to 30 N``; a unit may stand at both ends or at the second.
+
+    Raises:
+        ValueError: not two amounts, or the second not above the first.
+    """
+    ends = _RANGE.split(given) if isinstance(given, str) else []
+    if len(ends) != 2:
+        raise ValueError(f"{name} = {given!r}: must be a range such as 2 to 30 {unit}")
+    suffix = "" if _unit_of(ends[0]) else _unit_of(ends[1])
+    low, high = (_number(name, given, end, unit) for end in (f"{ends[0]} {suffix}", ends[1]))
+    if not low < high:
+        raise ValueError(f"{name} = {given!r}: must rise from the first value to the second")
+    return low, high
+
+
+def _rule(unit: str) -> str:
+    shown = "" if unit == "1" else f" in {unit}, or with a unit"
+    return f"must be a number{shown}"
+
+
+def _unit_of(text: str) -> str:
+    found = _AMOUNT.fullmatch(text)
+    return found[2] if found else ""
+
+
+def _number(name: str, given: Any, text: str, unit: str) -> float:
+    """Return the value of ``text``, a number with or without a unit, in ``unit``."""
+    found = _AMOUNT.fullmatch(text)
+    if found is None:
+        raise ValueError(f"{name} = {given!r}: {_rule(unit)}")
+    value, own = float(found[1]), found[2]
+    return value if own in ("", unit) else value * _factor(name, given, own, unit)
+
+
+def _factor(name: str, given: Any, own: str, unit: str) -> float:
+    """Return one of the unit ``own`` in the SI unit ``unit``."""
+    import pint  # noqa: PLC0415  (a third of a second, for files with units only)
+
+    registry = _registry()
+    try:
+        one = registry.Quantity(1.0, registry.parse_units(own))
+        # A cycle is an angle of 2π for pint, and one for a frequency.
+        turning = unit == "Hz" and "radian" in one.to_root_units().units._units
+        return float(one.to("" if unit == "1" else unit).magnitude) / (
+            2.0 * math.pi if turning else 1.0
+        )
+    except pint.DimensionalityError:
+        hint = "a ratio, without a unit or in %" if unit == "1" else f"in {unit} or alike"
+        raise ValueError(f"{name} = {given!r}: must be {hint}, not in {own}") from None
+    except Exception:  # noqa: BLE001  (on a malformed unit pint raises errors of many kinds)
+        raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}") from None
+
+
+@cache
+def _registry() -> Any:
+    import pint  # noqa: PLC0415  (as in _factor)
+
+    return pint.UnitRegistry()

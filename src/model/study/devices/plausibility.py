@@ -1,0 +1,82 @@
+"""Plausibility of a device, before anything runs: values that make no sense, and doubtful ones."""
+
+import math
+from collections.abc import Mapping
+
+from model.physics.units import Device
+
+_LONGEST = 1.0  # m
+_GYRATION = 4.0  # ratio of the radius of gyration to that of a rectangle of the same size
+_SLOWEST, _FASTEST = 0.05, 100.0  # excitation frequency, in axial resonances
+_WIDEST = 0.5  # clearance
+
+
+def check_sense(quantities: Mapping[str, float]) -> None:
+    """Refuse values in SI units that the model admits and no device has.
+
+    Raises:
+        ValueError: a press force that does not press, or a part that starts inside the hole.
+    """
+    force = quantities["press_force"]
+    if not force > 0.0:
+        raise ValueError(f"press_force = {force!r}: must be > 0, or nothing presses the part")
+    play = quantities["clearance"] * quantities["half_width"]
+    if not quantities["misalignment"] > play:
+        raise ValueError(
+            f"misalignment = {quantities['misalignment']:.6g} m: already inside at the start, "
+            f"misalignment <= clearance * half_width = {play:.6g} m; the clearance is the ratio "
+            "(hole - peg) / peg of the radii, not a length"
+        )
+
+
+def doubts(quantities: Mapping[str, float], device: Device) -> list[str]:
+    """Return a line for each value that is possible, and probably not meant; SI units."""
+    found = [
+        f"{name} = {quantities[name]:.4g} m is longer than a metre: numbers without a unit "
+        f"are in metres, write {quantities[name]:.4g} mm if these are millimetres"
+        for name in ("half_width", "half_height", "amplitude")
+        if quantities[name] > _LONGEST
+    ]
+    radius = math.sqrt(quantities["inertia"] / quantities["mass"])
+    size = math.hypot(quantities["half_width"], quantities["half_height"]) / math.sqrt(3.0)
+    if not size / _GYRATION <= radius <= size * _GYRATION:
+        found.append(
+            f"inertia and mass give a radius of gyration of {1e3 * radius:.3g} mm, a rectangle of "
+            f"this size has {1e3 * size:.3g} mm"
+        )
+    if quantities["amplitude"] > quantities["half_width"]:
+        found.append(
+            f"amplitude = {1e3 * quantities['amplitude']:.3g} mm is larger than half_width = "
+            f"{1e3 * quantities['half_width']:.3g} mm"
+        )
+    if quantities["misalignment"] > quantities["half_width"]:
+        found.append(
+            f"misalignment = {1e3 * quantities['misalignment']:.3g} mm is larger than half_width = "
+            f"{1e3 * quantities['half_width']:.3g} mm: the axis of the part is beside the hole"
+        )
+    if quantities["clearance"] > _WIDEST:
+        found.append(
+            f"clearance = {quantities['clearance']:.3g}: the hole is "
+            f"{1.0 + quantities['clearance']:.3g} times as wide as the part"
+        )
+    if quantities["friction"] > 1.0:
+        found.append(f"friction = {quantities['friction']:.3g} is more than 1")
+    return [*found, *_doubtful_excitation(quantities, device)]
+
+
+def _doubtful_excitation(quantities: Mapping[str, float], device: Device) -> list[str]:
+    resonance = 1.0 / (2.0 * math.pi * device.units.time)
+    frequency = quantities["frequency"]
+    found = []
+    if 0.0 < frequency < _SLOWEST * resonance or frequency > _FASTEST * resonance:
+        found.append(
+            f"frequency = {frequency:.4g} Hz, while mass and axial_stiffness have their resonance "
+            f"at {resonance:.3g} Hz"
+        )
+    excitation = device.units.force
+    if not 1e-3 * excitation <= quantities["press_force"] <= 1e3 * excitation:
+        found.append(
+            f"press_force = {quantities['press_force']:.4g} N, while the excitation has an "
+            f"amplitude of {excitation:.3g} N (axial_stiffness times amplitude)"
+        )
+    return found

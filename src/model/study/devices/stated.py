@@ -1,0 +1,224 @@
+"""Read devices in SI units from YAML files: quantities with units and tolerances, base, design."""
+
+import math
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
+from model.physics.units import UNITS, Device, device
+from model.study.devices.amounts import Tolerance, read_amount, read_range
+from model.study.devices.base import BASE, pair_of, with_base
+from model.study.devices.plausibility import check_sense, doubts
+
+# What a design may ask of a device: meaning and SI unit. Each is an upper limit.
+LIMITS: Mapping[str, tuple[str, str]] = {
+    "contact_force": ("largest contact force", "N"),
+    "time": ("longest alignment time", "s"),
+    "tilt": ("largest tilt until alignment", "rad"),
+}
+QUANTITIES = (*UNITS, *PARAMETER_NAMES, *BASE)
+_DESIGN = ("materials", "free", "limits")
+
+
+class DeviceError(ValueError):
+    """A file that describes no device."""
+
+
+@dataclass(frozen=True)
+class StatedDevice:
+    """A device as its file states it, in SI units.
+
+    Attributes:
+        source: the file.
+        quantities: values of the stated quantities, those of the base included.
+        tolerances: of the quantities that have one.
+        materials: of part and base, such as "steel on aluminium", or None.
+        free: ranges within which a design may choose a quantity.
+        limits: largest admissible values of the names in ``LIMITS``.
+        changes: quantities set besides the file, as they were given.
+    """
+
+    source: Path
+    quantities: Mapping[str, float]
+    tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
+    materials: str | None = None
+    free: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    limits: Mapping[str, float] = field(default_factory=dict)
+    changes: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def device(self) -> Device:
+        """Units and dimensionless parameters of the device."""
+        return self.at({})
+
+    def at(self, changes: Mapping[str, float]) -> Device:
+        """Return the device with some ``quantities`` changed, in SI units.
+
+        Raises:
+            ValueError: a quantity unknown or outside its rule.
+        """
+        return device(self.resolved(changes))
+
+    def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
+        """Return the quantities with ``changes``, the base as contact stiffness and damping."""
+        pair = None if self.materials is None else pair_of(self.materials)
+        return with_base({**self.quantities, **changes}, pair)
+
+    def changed(self, **changes: float) -> "StatedDevice":
+        """Return the device with other values, in SI units; tolerances stay."""
+        for name in changes:
+            check_name(name, QUANTITIES, "quantity of a device")
+        return replace(
+            self,
+            quantities={**self.quantities, **changes},
+            changes={**self.changes, **changes},
+        )
+
+    @property
+    def base_is_stated(self) -> bool:
+        """True if the file states how stiff the base is."""
+        return self.materials is not None or "contact_stiffness" in self.quantities
+
+    @property
+    def impact_is_stated(self) -> bool:
+        """True if the file states how an impact on the base is damped."""
+        return bool({"restitution", "contact_damping"} & set(self.quantities))
+
+    @property
+    def doubts(self) -> list[str]:
+        """Values that are possible, and probably not meant."""
+        return doubts(self.resolved({}), self.device)
+
+
+def load_device(path: Path, changes: Mapping[str, object]) -> Device:
+    """Read the device in the YAML file ``path``; ``changes`` (SI units) replace its quantities.
+
+    Raises:
+        DeviceError: as ``read_device``.
+    """
+    return read_device(path, changes).device
+
+
+def read_device(path: Path, changes: Mapping[str, object] | None = None) -> StatedDevice:
+    """Read the device in the YAML file ``path`` as it is stated.
+
+    Args:
+        path: lines of NAME: VALUE, in SI units or with units.
+        changes: quantities by name, numbers in SI units or text with units. A changed quantity
+            keeps its tolerance, unless the text states another.
+
+    Raises:
+        DeviceError: a file that cannot be read, is not YAML, breaks a rule, or makes no sense.
+    """
+    changes = {} if changes is None else changes
+    mapping = _mapping(path)
+    try:
+        values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _DESIGN})
+        changed, others = _amounts({n: v for n, v in changes.items() if n != "materials"})
+        materials = changes.get("materials", mapping.get("materials"))
+        stated = StatedDevice(
+            source=path,
+            quantities={**values, **changed},
+            tolerances={**tolerances, **others},
+            materials=None if materials is None else str(materials),
+            free=_ranges(mapping.get("free", {})),
+            limits=_limits(mapping.get("limits", {})),
+            changes=dict(changes),
+        )
+        check_sense(stated.resolved({}) if _is_whole(stated) else stated.quantities)
+        _check_tolerances(stated)
+    except ValueError as error:
+        raise DeviceError(f"{path}: {error}") from None
+    return stated
+
+
+def _is_whole(stated: StatedDevice) -> bool:
+    """Return True; a missing or misspelt quantity is refused by ``device``."""
+    device({n: v for n, v in stated.quantities.items() if n not in BASE})
+    return True
+
+
+def unit_of(name: str) -> str:
+    """Return the SI unit of a quantity of a device; 1 if it has none.
+
+    Raises:
+        ValueError: an unknown quantity.
+    """
+    check_name(name, QUANTITIES, "quantity of a device")
+    if name in FIELDS:
+        return FIELDS[name].quantity.unit
+    return (UNITS | BASE)[name][1]  # type: ignore[operator]
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML in which a key is given once."""
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[object] = set()
+        for key, _ in node.value:
+            name = self.construct_object(key, deep=True)
+            if name in seen:
+                raise DeviceError(f"{name}: given twice")
+            seen.add(name)
+        return super().construct_mapping(node, deep)
+
+
+def _mapping(path: Path) -> dict[str, Any]:
+    try:
+        mapping = yaml.load(path.read_text(encoding="utf-8"), _Loader)  # noqa: S506 - a SafeLoader
+    except OSError as error:
+        raise DeviceError(f"{path}: cannot be read: {error.strerror}") from None
+    except DeviceError as error:
+        raise DeviceError(f"{path}: {error}") from None
+    except (UnicodeDecodeError, yaml.YAMLError, TypeError) as error:
+        reason = " ".join(str(error).split())
+        raise DeviceError(f"{path}: cannot be read as YAML: {reason}") from None
+    if not isinstance(mapping, dict):
+        raise DeviceError(f"{path}: must be lines of NAME: VALUE, one for each quantity")
+    return {str(name): value for name, value in mapping.items()}
+
+
+def _amounts(given: Mapping[str, object]) -> tuple[dict[str, float], dict[str, Tolerance]]:
+    amounts = {name: read_amount(name, value, unit_of(name)) for name, value in given.items()}
+    tolerances = {n: each.tolerance for n, each in amounts.items() if each.tolerance is not None}
+    return {name: each.value for name, each in amounts.items()}, tolerances
+
+
+def _section(name: str, given: object) -> Mapping[str, object]:
+    if not isinstance(given, dict):
+        raise ValueError(f"{name} = {given!r}: must be lines of NAME: VALUE")  # noqa: TRY004
+    return {str(key): value for key, value in given.items()}
+
+
+def _ranges(given: object) -> dict[str, tuple[float, float]]:
+    section = _section("free", given)
+    return {name: read_range(name, value, unit_of(name)) for name, value in section.items()}
+
+
+def _limits(given: object) -> dict[str, float]:
+    found = {}
+    for name, value in _section("limits", given).items():
+        check_name(name, tuple(LIMITS), "limit of a design")
+        found[name] = read_amount(name, value, LIMITS[name][1]).value
+        if not 0.0 < found[name] < math.inf:
+            raise ValueError(f"limits: {name} = {value!r}: must be a finite number > 0")
+    return found
+
+
+def _check_tolerances(stated: StatedDevice) -> None:
+    """Refuse tolerances within which a part can start wholly beside the slot, or makes no sense."""
+    worst = {}
+    for name, sign in (("half_width", -1.0), ("clearance", -1.0), ("misalignment", 1.0)):
+        if name in stated.tolerances:
+            own = stated.quantities[name]
+            spread = stated.tolerances[name].around(own)
+            spread *= 1.0 if stated.tolerances[name].kind == "uniform" else 4.0
+            worst[name] = max(own + sign * spread, 1e-3 * own)
+    try:
+        stated.at(worst)
+    except ValueError as error:
+        raise ValueError(f"at the ends of the tolerances: {error}") from None
