@@ -54,6 +54,26 @@ def test_an_edit_changes_what_depends_on_it_and_nothing_else(package: Path) -> N
     assert after["style"] == before["style"]
 
 
+def test_what_is_kept_on_disk_is_what_is_found_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = PROJECT / "src/model/study/claims/claims.py"  # with a companion
+
+    def found() -> tuple[str, tuple[Path, ...]]:
+        provenance._parsed.cache_clear()
+        return provenance._parsed(source)
+
+    kept_before = found()
+    monkeypatch.setattr(provenance, "_outlines", lambda: tmp_path)
+    anew = found()
+    (kept,) = tmp_path.iterdir()
+    assert kept_before == anew == found()
+    kept.write_text("", encoding="utf-8")  # damaged: found anew, and kept again
+    assert found() == anew
+    monkeypatch.setattr(provenance, "ast", None)  # it is not parsed again
+    assert found() == anew
+
+
 def test_where_script_and_package_stand_changes_nothing(tmp_path: Path, package: Path) -> None:
     script = "workflow/jobs/plot.py"
     found = []

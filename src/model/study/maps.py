@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
-from scipy.ndimage import distance_transform_edt
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
@@ -308,6 +307,8 @@ def _margin(inside: Bools) -> Floats:
     """Distance of every node to the nearest that is not ``inside``, each side having length 1."""
     if inside.all():
         return np.full(inside.shape, np.inf)
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
+
     found: Floats = distance_transform_edt(inside, sampling=1.0 / (len(inside) - 1))
     return found
 

@@ -24,7 +24,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, maximum_filter, minimum_filter
 
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -132,6 +131,8 @@ class Refined:
 
     def beside(self, distance: int) -> Bools:
         """Filled nodes with a node of another kind at most ``distance`` rows and columns away."""
+        from scipy.ndimage import maximum_filter, minimum_filter  # noqa: PLC0415  (slow)
+
         window = 2 * distance + 1
         low, high = (each(self.kind, window) for each in (minimum_filter, maximum_filter))
         beside: Bools = (low < high) & ~self.computed
@@ -173,6 +174,8 @@ def _balance(levels: list[_Level]) -> list[Bools]:
 
     A cell may be halved before it exists: then its parent is halved as well.
     """
+    from scipy.ndimage import binary_dilation  # noqa: PLC0415  (slow)
+
     for coarser, level in zip(levels[-3::-1], levels[-2:0:-1], strict=True):
         count = len(coarser.halved)
         near = binary_dilation(level.halved, np.ones((3, 3)))

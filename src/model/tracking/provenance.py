@@ -1,6 +1,7 @@
 """Provenance of results: hashes of the code they depend on, and a sidecar for every job."""
 
 import ast
+import contextlib
 import hashlib
 import importlib.metadata
 import json
@@ -13,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from model.physics.compiled import cache_folder
 from model.study.files import whole_file
 
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -40,8 +42,8 @@ _WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionD
 def _outline(node: Any, imported: list[str]) -> list[Any]:
     """Return ``node`` with all below it as nested lists, without places in the file and docstrings.
 
-    One pass for everything, since each start of Snakemake reads the whole package. Names of modules
-    that are imported, as far as they can be modules of this package, are added to ``imported``.
+    Names of modules that are imported, as far as they can be modules of this package, are added to
+    ``imported``.
     """
     kind = node.__class__
     fields: list[Any] = [kind.__name__]
@@ -66,15 +68,31 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
     """Return (hash of the syntax tree and companions, package files imported) of one source file.
 
     A companion is a template or table beside the source with its stem: report.html.j2, claims.yaml.
+    The result is kept by the files' contents, since each start of Snakemake and of a job needs it.
     """
-    imported: list[str] = []
-    outline = _outline(ast.parse(source.read_text(encoding="utf-8")), imported)
-    digest = hashlib.sha256(repr(outline).encode())
-    beside = source.parent.glob(f"{source.stem}.*")
-    for companion in sorted(path for path in beside if path.suffix in {".j2", ".yaml"}):
-        digest.update(companion.read_bytes())
+    beside = sorted(path for path in source.parent.glob(f"{source.stem}.*")
+                    if path.suffix in {".j2", ".yaml"})  # fmt: skip
+    code, *companions = (path.read_bytes() for path in (source, *beside))
+    kept = _outlines() / hashlib.sha256(b"\0".join([code, *companions])).hexdigest()
+    try:
+        hashed, *imported = kept.read_text(encoding="utf-8").split()
+    except (OSError, ValueError):
+        imported = []
+        digest = hashlib.sha256(repr(_outline(ast.parse(code), imported)).encode())
+        for companion in companions:
+            digest.update(companion)
+        hashed = digest.hexdigest()
+        with contextlib.suppress(OSError):
+            write_text(" ".join([hashed, *imported]), kept)
     files = (_module_file(name) for name in imported)
-    return digest.hexdigest(), tuple(file for file in files if file)
+    return hashed, tuple(file for file in files if file)
+
+
+@cache
+def _outlines() -> Path:
+    """Return the folder that keeps what ``_parsed`` finds, by Python's version and this code."""
+    made_by = Path(__file__).read_bytes() + platform.python_version().encode()
+    return cache_folder().parent / f"outlines-{hashlib.sha256(made_by).hexdigest()[:16]}"
 
 
 def import_closure(*sources: Path) -> list[Path]:
