@@ -1,5 +1,5 @@
 # make            the environment and every result of the study (also the command to restart with)
-# make fig06      one figure (fig01 to fig14)
+# make fig06      one figure
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
 # make maps       the stability maps that the paper does not have, into results/figures/maps

@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from model.study.config import COMPUTED
+
 PROJECT = Path(__file__).resolve().parents[2]
 UNIT_TESTS = [f"tests/physics/test_{name}.py" for name in ("forces", "motion", "contacts")]
 
@@ -74,7 +76,7 @@ EVERYWHERE = {
     "tilt stiffness", "press force", "excitation", "contact stiffness", "contact damping",
     "force of the edge", "friction",
 }  # fmt: skip
-FIGURES = [f"fig{number:02}" for number in range(5, 15)]
+FIGURES = list(COMPUTED)
 
 
 def mutated(folder: Path, mutation: str) -> Path:

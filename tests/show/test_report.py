@@ -22,6 +22,7 @@ from model.show.report.section import Results, subscripts, symbol
 from model.show.words import power
 from model.study.claims import judge, tally
 from model.study.claims.table import ledger_text, lines_of
+from model.study.config import FIGURES
 from model.study.contact_comparison import claims_on_bases
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
 from model.study.sweeps import sweep_of
@@ -156,7 +157,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
     assert len(set(places)) == len(places)
     inside = [each["href"][1:] for each in page.all("a") if each["href"].startswith("#")]
     assert set(inside) <= set(places)
-    assert set(inside) >= {f"fig{number:02d}" for number in range(1, 15)}
+    assert set(inside) >= set(FIGURES)
 
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):

@@ -16,14 +16,16 @@ from typing import Any
 import pytest
 import yaml
 
+from model.study.config import CURVES, MAPS
+
 PROJECT = Path(__file__).resolve().parents[2]
 PARTS = ("Snakefile", "Makefile", "workflow", "config", "profiles", "requirements.lock")
 TINY: dict[str, Any] = {
     "results_root": "tiny",
     "figures": {
-        **{f"fig{number:02}": {"swept": {"count": 4}, "chunks": 1} for number in range(6, 13)},
+        **{name: {"swept": {"count": 4}, "chunks": 1} for name in CURVES},
+        **{name: {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1} for name in MAPS},
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
-        "fig14": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1},
     },
     "maps": {
         "resolution": {"figures": 4, "planes": 2},
