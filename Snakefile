@@ -50,7 +50,6 @@ rule all:
         root / "report.html",
         root / "runs.csv",
         page_files,
-        expand(root / "data/maps/{map}.nc", map=MAPS),
 
 
 unread = None  # the rules are, from here

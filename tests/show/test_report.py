@@ -4,6 +4,7 @@ import base64
 import re
 import shutil
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,9 +18,9 @@ from model.show.report import background
 from model.show.report import page as report_page
 from model.show.report.background import READING_WORDS
 from model.show.report.contact_stiffness import sentences
-from model.show.report.figures import counts_of
+from model.show.report.figures import HEAD, Counts, _ranges
 from model.show.report.section import Results, subscripts, symbol
-from model.show.words import power
+from model.show.words import number, percent, power, short
 from model.study.claims import judge, tally
 from model.study.claims.table import ledger_text, lines_of
 from model.study.config import FIGURES
@@ -38,6 +39,7 @@ PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
 )
 VOID = {"meta", "img", "br", "link", "input", "hr"}
+MOST_WORDS = 4000  # visible when the page is opened: some fifteen minutes at most, five to skim
 
 
 def render_report(results):
@@ -45,12 +47,14 @@ def render_report(results):
 
 
 class Page(HTMLParser):
-    """Elements of a page with their attributes, and whether every element was closed."""
+    """Elements of a page, its words, those in sight, and whether every element was closed."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
         self.elements: list[tuple[str, dict[str, str | None]]] = []
         self.open: list[str] = []
+        self.words: list[str] = []
+        self.in_sight: list[str] = []
         self.feed(text)
         self.close()
 
@@ -61,6 +65,13 @@ class Page(HTMLParser):
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if {"style", "script", "title"} & {*self.open}:
+            return
+        self.words += data.split()
+        if self.open.count("details") == self.open.count("summary"):
+            self.in_sight += data.split()
 
     def all(self, tag: str) -> list[dict[str, str | None]]:
         return [attributes for name, attributes in self.elements if name == tag]
@@ -103,10 +114,21 @@ def bases(study, datasets):
 
 
 @pytest.fixture(scope="module")
-def root(study, datasets, lines, bases, timed_settings, wrong_datasets, judged, tmp_path_factory):
+def refined(datasets):
+    """As the refined map of the figure at the head: its left half is not reliable."""
+    reliable = np.ones(datasets[HEAD]["outcome"].shape, dtype=np.int8)
+    reliable[:, :2] = 0
+    return datasets[HEAD].assign(reliable=(datasets[HEAD]["outcome"].dims, reliable))
+
+
+@pytest.fixture(scope="module")
+def root(
+    study, datasets, refined, lines, bases, timed_settings, wrong_datasets, judged, tmp_path_factory
+):
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
+    write_dataset(refined, root / f"data/maps/{HEAD}.nc")
     for name, dataset in bases.items():
         write_dataset(dataset, root / f"data/contact_stiffness/{name}.nc")
     for name, dataset in wrong_datasets.items():
@@ -141,7 +163,7 @@ def plain(html: str) -> str:
 def test_the_page_is_well_formed_and_asks_for_nothing_from_outside(rendered):
     page = Page(rendered)
     assert page.open == []
-    assert not page.all("script")
+    assert all("src" not in each for each in page.all("script"))
     assert not page.all("link")
     assert "@import" not in rendered
     assert "url(" not in rendered
@@ -163,7 +185,8 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
     assert len(images) == len(study.figures) + len(PICTURES) + len(HARD_PICTURES) + 2
-    for image, spec in zip(images, study.figures.values(), strict=False):
+    head, *others = [study.figures[HEAD], *(study.figures[n] for n in study.figures if n != HEAD)]
+    for image, spec in zip(images, [head, *others], strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
         assert spec.title in image["alt"]
         assert spec.caption.strip() in image["alt"]
@@ -185,19 +208,16 @@ def test_files_are_linked_relative_to_the_results(rendered, study):
 
 
 def test_outcomes_are_counted_from_the_datasets(rendered, datasets):
+    part = rendered[rendered.index('id="glance"') : rendered.index("What the outcomes mean")]
+    table = re.sub(r"<[^>]*>", " ", part).split(" Fig. ")
     for name, dataset in datasets.items():
-        if name == "fig05":
-            continue
-        outcome, text = dataset["outcome"].values, article(rendered, name)
-        assert f"{outcome.size} runs: {(outcome == Outcome.ALIGNED).sum()} aligned" in text
-        for each, words in (
-            (Outcome.SETTLED, "settled"),
-            (Outcome.LEFT_SCENE, "left the scene"),
-            (Outcome.HORIZON_REACHED, "reached the horizon"),
-            (Outcome.FAILED, "failed"),
-        ):
-            assert f", {(outcome == each).sum()} {words}" in text
-        assert f"{int(dataset['sensitive'].sum())} sensitive" in text
+        outcome = dataset["outcome"].values
+        counted = [(outcome == each).sum() for each in Outcome if each != Outcome.FAILED]
+        (row,) = (row for row in table if row.startswith(f"{int(name[3:])} "))
+        assert [*map(int, row.split()[1:7])] == [outcome.size, *counted, dataset["sensitive"].sum()]
+        if dataset.attrs["kind"] != "history":
+            share = percent((outcome == Outcome.ALIGNED).mean())
+            assert f"{share} of {outcome.size} runs align" in article(rendered, name)
 
 
 def test_errors_are_summed_up_without_the_sensitive_points(datasets):
@@ -207,38 +227,127 @@ def test_errors_are_summed_up_without_the_sensitive_points(datasets):
     dataset["tau_error"][:] = errors
     dataset["sensitive"][:] = 0
     dataset["sensitive"][0, 4] = 1
-    counts = counts_of(dataset)
-    assert counts.error_median == pytest.approx(2.5e-9)
-    assert counts.error_largest == 4e-9
-    assert counts.error_largest_sensitive == 2.0
+    counts = Counts(dataset)
+    assert counts.error(0.5) == pytest.approx(2.5e-9)
+    assert counts.error(1.0) == 4e-9
+    assert counts.error(1.0, sensitive=True) == 2.0
 
 
-def test_chaotic_runs_are_counted_apart(datasets):
+def test_runs_with_sensitive_dependence_are_counted_apart(datasets):
     dataset = datasets["fig08"].copy(deep=True)
-    assert counts_of(dataset).chaotic == 0
+    assert Counts(dataset).chaotic == 0
     dataset["reason"][0, :3] = Reason.CHAOTIC
-    assert counts_of(dataset).chaotic == 3
+    assert Counts(dataset).chaotic == 3
 
 
 def test_a_figure_says_what_is_varied_and_what_is_held(rendered, study):
     text = article(rendered, "fig06")
     swept = study.figures["fig06"].swept
-    assert (
-        f"Varied: initial pressing force f0 from {swept.start:g} to {swept.stop:g}, 10 values; "
-        "tilt stiffness of the suspension kφ = 5, 7." in text
-    )
+    assert f"Varied: f0 = {swept.start:g} to {swept.stop:g}, 10 values, kφ = 5, 7. Held: " in text
     held = re.search(r"Held: (.*?), and the device", text)[1]
     at = study.figures["fig06"].held
     assert held == f"μ = {at['friction']:g}, ν = {at['frequency']:g}"
 
 
-def test_every_parameter_of_a_figure_is_in_its_table(rendered, study):
-    for name in study.figures:
-        part = re.search(rf'<article aria-labelledby="{name}">.*?</article>', rendered, re.DOTALL)[
-            0
-        ]
-        codes = re.findall(r"<td><code>(\w+)</code></td>", part)
-        assert codes == list(PARAMETER_NAMES)
+def test_every_parameter_is_told_once(rendered, study):
+    part = rendered[rendered.index('id="device"') : rendered.index('id="equations"')]
+    codes = re.findall(r"<td><code>(\w+)</code></td>", part)
+    assert codes == list(PARAMETER_NAMES)
+    row = re.search(r'href="#fig06">.*?</tr>', part, re.DOTALL)[0]
+    assert f"<strong>{study.figures['fig06'].swept.start:g} to " in row
+    assert f"<td>{study.figures['fig06'].held['friction']:g}</td>" in row
+
+
+def test_a_figure_says_where_each_curve_aligns(datasets):
+    dataset = datasets["fig06"].isel(press_force=slice(8)).copy(deep=True)
+    x = [f"{value:.3g}" for value in dataset["press_force"].values]
+    dataset["outcome"][:] = Outcome.ALIGNED
+    assert plain(_ranges(dataset)) == "Aligns throughout at kφ = 5, 7."
+    dataset["outcome"][0, [2, 4, 5]] = Outcome.SETTLED
+    dataset["outcome"][1] = Outcome.SETTLED
+    words = f"at kφ = 5 for f0 = {x[0]} to {x[1]} and {x[3]} and {x[6]} to {x[7]}"
+    assert plain(_ranges(dataset)) == f"Aligns {words}; at kφ = 7 nowhere."
+    dataset["outcome"][1, ::2] = Outcome.ALIGNED
+    assert f"at kφ = 7 for f0 in 4 ranges between {x[0]} and {x[6]}." in plain(_ranges(dataset))
+
+
+# --- The answer ---------------------------------------------------------------------------------
+
+
+def answer_of(text: str) -> str:
+    return plain(text[text.index('id="answer"') : text.index('id="figures"')])
+
+
+def with_flags(dataset, name, meanings, of_aligned):
+    """The dataset with a flag of each aligned run: the first meaning at the share given."""
+    aligned = dataset["outcome"].values == Outcome.ALIGNED
+    flags = np.full(aligned.shape, -1, dtype=np.int8)
+    flags[aligned] = (np.arange(aligned.sum()) >= round(of_aligned * aligned.sum())).astype(np.int8)
+    attributes = {"flag_values": [0, 1, -1], "flag_meanings": f"{meanings} not_aligned"}
+    return dataset.assign({name: (dataset["outcome"].dims, flags, attributes)})
+
+
+def test_the_page_opens_with_numbers_from_the_datasets(rendered, datasets, refined, lines):
+    text = answer_of(rendered)
+    gridded = [each for name, each in datasets.items() if name != "fig05"]
+    aligned = [each["outcome"].values == Outcome.ALIGNED for each in gridded]
+    runs, good = sum(each.size for each in aligned), sum(each.sum() for each in aligned)
+    assert f"{percent(good / runs)} of {runs:,} parameter sets align" in text
+    tau = np.concatenate([each["tau_align"].values.ravel() for each in gridded])
+    assert f"τ = {short(np.nanmedian(tau))} alignment duration, median" in text
+    of = refined["reliable"].values[refined["outcome"].values == Outcome.ALIGNED]
+    assert f"{percent(of.mean())} of what aligns in Fig. 13 aligns from every start" in text
+    judged = [line.verdict for line in lines if line.verdict != "not checkable"]
+    assert f"{judged.count('reproduced')} of {len(judged)} claims of the paper" in text
+    assert "go in" not in text  # datasets without these variables: nothing is said of them
+    assert "without vibration" not in text
+
+
+def test_the_page_says_what_vibration_adds_and_what_goes_in(study, root, datasets, tmp_path):
+    some = shutil.copytree(root, tmp_path / "some")
+    for name, dataset in datasets.items():
+        of = with_flags(dataset, "unvibrated", "rests aligns", 0.5)
+        write_dataset(
+            with_flags(of, "insertion", "inserted jammed", 0.75), some / f"data/{name}.nc"
+        )
+    text = render_report(Results(some, study))
+    dataset = with_flags(datasets["fig07"], "insertion", "inserted jammed", 0.75)
+    share = Counts(dataset).share_of("insertion", "inserted")
+    assert share == pytest.approx(0.75, abs=0.1)
+    assert f"; {percent(share)} of them go in; " in article(text, "fig07")
+    assert "rest on the edge without vibration" in article(text, "fig07")
+    answer = answer_of(text)
+    assert "of what aligns goes in" in answer
+    assert "of what aligns rests on the edge unless it is vibrated" in answer
+    assert text.count("<dt>") == 6
+
+
+def test_the_shares_of_aligned_runs_are_of_those_that_have_the_flag(datasets):
+    dataset = with_flags(datasets["fig07"], "insertion", "inserted jammed", 0.5)
+    aligned = (dataset["outcome"].values == Outcome.ALIGNED).sum()
+    counts = Counts(dataset)
+    assert counts.share_of("insertion", "inserted") == round(0.5 * aligned) / aligned
+    assert counts.share_of("insertion", "climbed") == 0.0
+    assert np.isnan(counts.share_of("unvibrated", "rests"))
+
+
+def test_few_words_are_in_sight_when_the_page_is_opened(rendered):
+    page = Page(rendered)
+    assert len(page.in_sight) <= MOST_WORDS
+    assert len(page.words) > len(page.in_sight) + 1000  # the others are folded, not gone
+
+
+def test_few_words_are_in_sight_of_the_smoke_report():
+    report = Path(__file__).parents[2] / "results-smoke/report.html"
+    if not report.is_file():
+        pytest.skip("no results-smoke/report.html: run make smoke")
+    text = report.read_text(encoding="utf-8")
+    assert len(Page(text).in_sight) <= MOST_WORDS
+    assert not re.search(r"\de[+-]\d\d", re.sub(r"data:image[^\"]*", "", text))
+
+
+def test_numbers_are_written_without_a_computers_exponent(rendered):
+    assert not re.search(r"\de[+-]\d\d", re.sub(r"data:image[^\"]*", "", rendered))
 
 
 def test_the_moment_of_alignment_of_a_trajectory_is_told(rendered, datasets):
@@ -281,7 +390,7 @@ def test_hard_cases_are_told_in_pictures_and_a_table_of_every_run(rendered, stud
     assert "RK4, fixed steps: 0 stable, 2 inaccurate, 0 broken." in text
     assert "inaccurate: wrong outcome" in text
     assert "broken: too many evaluations" in text
-    bases = part[part.index("Hard bases") : part.index("<details>")]
+    bases = part[part.index("Hard bases") : part.index("Outcome, error")]
     cells = re.findall(r'<td class="n">(.*?)</td>', bases)
     assert [plain(cell) for cell in cells] == ["0.001", "1,000", "0.1", "0.002", "17,000", "0.9"]
 
@@ -290,7 +399,7 @@ def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, lin
     part = rendered[rendered.index('id="claims"') : rendered.index('id="contact"')]
     text = plain(part)
     assert tally([line.verdict for line in lines]).capitalize() in text
-    rows = dict(re.findall(r'id="claim-(\w+)">(.*?)</tr>', part, re.DOTALL))
+    rows = dict(re.findall(r'id="claim-(\w+)">(.*?)</li>', part, re.DOTALL))
     assert list(rows) == [line.claim for line in lines]
     for line in lines:
         row = rows[line.claim]
@@ -317,10 +426,17 @@ def test_provenance_is_printed_and_escaped(study, root, monkeypatch):
     results = Results(root, study)
     page = render_report(results)
     text = page[page.index('id="provenance"') :]
-    assert "numpy <code>2.1.0</code>" in text
-    assert "&lt;numba&gt; <code>0.61</code>" in text
+    assert "<td>numpy</td><td><code>2.1.0</code></td>" in text
+    assert "<td>&lt;numba&gt;</td><td><code>0.61</code></td>" in text
     for place in results.data:
         assert place in text
+
+
+def test_figures_open_live_where_the_explorer_is_built(rendered, study, root, datasets):
+    assert "explorer.html" not in rendered
+    links = [each["href"] for each in Page(render_report(Results(root, study, live=True))).all("a")]
+    shown = sorted(each for each in links if each.startswith("explorer.html#"))
+    assert shown == [f"explorer.html#figure={name}" for name in sorted(datasets)]
 
 
 def test_every_file_that_the_page_shows_is_an_input(study, root):
@@ -370,6 +486,25 @@ def test_what_is_missing_is_named(study, root, tmp_path, place):
 )
 def test_errors_are_written_with_one_digit(value, text):
     assert str(power(value)) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.25, "0.25"),
+        (1e6, "1,000,000"),
+        (2e-5, "0.00002"),
+        (1.5e-9, "1.5 × 10⁻⁹"),
+        (1e-10, "10⁻¹⁰"),
+        (1234567.0, "1,234,570"),
+    ],
+)
+def test_numbers_are_written_with_six_digits(value, text):
+    assert number(value) == text
+
+
+def test_shares_near_one_and_far_below_are_percentages():
+    assert [percent(each) for each in (0.999, 1.0, 1e-8)] == ["100 %", "100 %", "0.000001 %"]
 
 
 @pytest.mark.parametrize(

@@ -66,7 +66,7 @@ def test_a_run_is_marked_by_its_outcome_and_error(solution, truth, mark, verdict
 @pytest.fixture(scope="module")
 def plan():
     study = load_study(study_path())
-    few = {name: study.hard_cases.cases[name] for name in ("no_friction", "on_a_switch")}
+    few = {name: study.hard_cases.cases[name] for name in ("no_friction", "unloaded")}
     base = study.hard_cases.base.model_copy(update={"stiffness": [1e4], "damping": [0.0, 1e4]})
     spec = study.hard_cases.model_copy(update={"cases": few, "base": base})
     return hard_cases_plan(study.model_copy(update={"hard_cases": spec}))
@@ -74,7 +74,7 @@ def plan():
 
 def test_every_stiffness_meets_every_damping(plan):
     names = list(plan.spec.all_cases)
-    assert names == ["base_10000_0", "base_10000_10000", "no_friction", "on_a_switch"]
+    assert names == ["base_10000_0", "base_10000_10000", "no_friction", "unloaded"]
     at = plan.spec.all_cases["base_10000_0"].at
     assert (at["contact_stiffness"], at["contact_damping"]) == (1e4, 0.0)
 

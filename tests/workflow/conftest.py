@@ -53,7 +53,7 @@ TINY: dict[str, Any] = {
         "max_evaluations_scipy": 50,
         "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},
         "cases": {
-            "micro_bounces": {"until": 0.1, "max_evaluations": 2_000},
+            "many_lift_offs": {"until": 0.1, "max_evaluations": 2_000},
             "long_horizon": {"until": 0.1, "max_evaluations": 2_000},
         },
     },

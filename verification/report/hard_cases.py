@@ -30,9 +30,10 @@ def section(results: Results) -> Section:
     spec = results.study.hard_cases
     cases = spec.all_cases
     judged = read_judged(results.file("benchmarks/hard_cases.csv"))
+    lead, *sentences = [_counted(name, judged) for name in METHODS]
     content = {
         "spec": spec,
-        "sentences": [_counted(name, judged) for name in METHODS],
+        "sentences": sentences,
         "pictures": [
             results.picture(place, CAPTIONS[name]) for name, place in HARD_PICTURES.items()
         ],
@@ -46,7 +47,8 @@ def section(results: Results) -> Section:
         "labels": {name: method.name for name, method in METHODS.items()}
         | {BATCH: "batch engine (Taylor series), events located"},
     }
-    return Section("hard", "Hard cases", Path(__file__).with_suffix(".html.j2"), content)
+    lead = f"Of {len(cases)} scenes that are hard to integrate, {lead}"
+    return Section("hard", "Hard cases", Path(__file__).with_suffix(".html.j2"), content, lead)
 
 
 def _counted(method: str, judged: Sequence[Judged]) -> str:

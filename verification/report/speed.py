@@ -30,15 +30,17 @@ def section(results: Results) -> Section:
         for name in study.precision.fixed_steps.figures
     }
     titles = {name: case.title for name, case in study.precision.cases.items()}
+    lead, *sentences = advice(settings, wrong, titles)
     content = {
-        "sentences": advice(settings, wrong, titles),
+        "sentences": sentences,
         "cases": _cases(study),
         "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
         "tables": [(target, _needed(settings, target, titles)) for target in (COARSE, FINE)],
         "wrong": _wrong(wrong),
         "tau_tolerance": study.precision.fixed_steps.tau_tolerance,
     }
-    return Section("speed", "Speed against error", Path(__file__).with_suffix(".html.j2"), content)
+    template = Path(__file__).with_suffix(".html.j2")
+    return Section("speed", "Speed against error", template, content, lead)
 
 
 def _cases(study: Study) -> Table:

@@ -306,8 +306,7 @@ def advice(
         scans = (
             f"For scans and maps, where {power(COARSE)} will do, choose {same} at a looser "
             f"tolerance, {_range(coarse, best_coarse, cases)} µs a trajectory; "
-            f"{_against_scipy(coarse, best_coarse, cases)}; "
-            f"{_faster_without(coarse, best_coarse, titles)}"
+            f"{_against_scipy(coarse, best_coarse, cases)}"
         )
     return f"{numbers}.", f"{scans}.", f"{_against_fixed_steps(wrong)}."
 
@@ -341,20 +340,6 @@ def _against_scipy(need: Mapping[tuple[str, str], Need], best: str, cases: Seque
         f"the fastest of scipy's solvers takes {times} times as long, and gets there in "
         f"{len(ratios)} of {len(cases)} cases"
     )
-
-
-def _faster_without(
-    need: Mapping[tuple[str, str], Need], best: str, titles: Mapping[str, str]
-) -> str:
-    faster = [
-        f"{method.name} is faster where it {title}"
-        for name, method in METHODS.items()
-        for case, title in titles.items()
-        if not method.located
-        and (name, case) in need
-        and need[name, case].microseconds < need[best, case].microseconds
-    ]
-    return "; ".join(faster) or "no method without event location is faster in any case"
 
 
 def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:

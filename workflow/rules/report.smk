@@ -8,6 +8,7 @@ page_pictures = [
 ]
 page_data = [
     *expand(root / "data/{figure}.nc", figure=COMPUTED),
+    *expand(root / "data/maps/{map}.nc", map=MAPS),
     *fixed_steps,
     *contact_data,
     *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),

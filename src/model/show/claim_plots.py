@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 # The quantity that claims read of a run, where that is not the duration.
 _SHOWN: Mapping[str, tuple[str, str]] = {
-    "centred": ("excursion", "largest way of $x$"),
+    "centred": ("excursion", "largest displacement in $x$"),
     "pressed": ("tilt_end", "tilt at the end (rad)"),
-    "displaced": ("way", "share of the way to the slot"),
+    "displaced": ("way", "share of the distance to the slot"),
 }
 _CROSS: Mapping[str, Any] = {
     "color": style.BLACK, "linestyle": "none", "marker": "x", "markersize": 3.5,

@@ -1,16 +1,17 @@
 """Numbers, symbols and names as figures and the report print them."""
 
 import math as _math
-
-
-def number(value: float) -> str:
-    """Return a number with six significant digits at most."""
-    return f"{value:.6g}"
+from decimal import Decimal as _Decimal
 
 
 def short(value: float, digits: int = 2) -> str:
     """Return a number rounded to ``digits`` significant digits, without an exponent."""
-    return f"{float(f'{value:.{digits}g}'):,.15g}"
+    return f"{_Decimal(f'{value:.{digits}g}'):,f}"
+
+
+def number(value: float) -> str:
+    """Return a number with six significant digits at most, such as 0.05, 2,000 or 1.5 × 10⁻⁹."""
+    return _in_powers(value, 6) if _far_from_one(value, 6) else short(value, 6)
 
 
 def percent(share: float) -> str:
@@ -25,11 +26,17 @@ def power(value: float) -> str:
     """Return an error with one digit, such as 0.02, 40 or 3 × 10⁻⁹; a dash for NaN."""
     if _math.isnan(value):
         return "–"
-    mantissa, exponent = f"{value:.0e}".split("e")
-    if value == 0.0 or -3 <= int(exponent) <= 3:
-        return short(value, 1)
-    digit = "" if mantissa == "1" else f"{mantissa} × "
-    return f"{digit}10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    return _in_powers(value, 1) if _far_from_one(value, 3) else short(value, 1)
+
+
+def _far_from_one(value: float, decades: int) -> bool:
+    return value != 0.0 and abs(int(f"{value:.0e}".partition("e")[2])) > decades
+
+
+def _in_powers(value: float, digits: int) -> str:
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    factor = "" if float(mantissa) == 1.0 else f"{float(mantissa):g} × "
+    return f"{factor}10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
 
 
 def symbol_parts(symbol: str) -> tuple[str, str]:

@@ -1,15 +1,23 @@
-"""Sections of background: how to read the figures, the device, the equations, the provenance."""
+"""Sections of background: the device with all parameters, the equations, the provenance."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
 from markupsafe import Markup
 
-from model.events.outcomes import OUTCOME_TEXT, Outcome
-from model.physics.parameters import FIELDS
+from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
-from model.show.report.section import Results, Section, Table, symbol
-from model.show.words import number
+from model.show.report.section import (
+    Results,
+    Section,
+    Table,
+    link,
+    symbol,
+    value_of,
+    values_of,
+)
+from model.show.words import figure_title, number
+from model.study.config import COMPUTED
 from model.tracking.provenance import file_hash, versions
 
 # Number and subject of every disputed equation; model.physics.readings says what each value does.
@@ -24,29 +32,43 @@ READING_WORDS: Mapping[str, tuple[str, str]] = {
     "moment_arms": ("R9", "arms of the deformed or of the undeformed contact"),
 }
 _CODE = Markup("<code>{}</code>")
-
-
-def _template(name: str) -> Path:
-    return Path(__file__).with_name(f"background.{name}.html.j2")
-
-
-def reading(_: Results) -> Section:
-    """Return the section on how to read the figures, with the meaning of every outcome."""
-    rows = [(_CODE.format(each.name.lower()), OUTCOME_TEXT[each]) for each in Outcome]
-    outcomes = Table(("outcome", "meaning"), rows)
-    return Section(
-        "reading", "How to read the figures", _template("reading"), {"outcomes": outcomes}
-    )
+_TEMPLATE = Path(__file__).with_suffix(".html.j2")
 
 
 def device(results: Results) -> Section:
-    """Return the section on the device of the study."""
-    rows = [
-        (symbol(FIELDS[name].symbol), _CODE.format(name), number(value), FIELDS[name].description)
-        for name, value in results.study.structure.items()
-    ]
-    structure = Table(("symbol", "name", ">value", "meaning"), rows)
-    return Section("device", "The device", _template("device"), {"structure": structure})
+    """Return the section on the parameters: the device once, then what each figure varies."""
+    study = results.study
+    datasets = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
+    varied = {name: {*map(str, each["outcome"].dims)} for name, each in datasets.items()}
+    held = (study.figures[name].held for name in COMPUTED)
+    own = {*study.operating_point}.union(*varied.values(), *held)
+    columns = [name for name in PARAMETER_NAMES if name in own]
+    device = [
+        (symbol(FIELDS[name].symbol), _CODE.format(name),
+         "by figure" if name in study.operating_point
+         else value_of(name, getattr(study.baseline, name)), FIELDS[name].description)
+        for name in PARAMETER_NAMES
+    ]  # fmt: skip
+    bold = Markup("<strong>{}</strong>")
+    points = [
+        (link(figure_title(figure), f"#{figure}"),
+         *((bold if name in varied[figure] else Markup("{}")).format(values_of(dataset, name))
+           for name in columns))
+        for figure, dataset in datasets.items()
+    ]  # fmt: skip
+    tables = [
+        ("The device of all figures", Table(("symbol", "name", ">value", "meaning"), device)),
+        ("Parameters of each figure; varied ones in bold type",
+         Table(("figure", *(symbol(FIELDS[name].symbol) for name in columns)), points)),
+    ]  # fmt: skip
+    lead = (
+        "The paper states only δ, x(0), φ(0), K_a and H_a; the rest was identified from what it "
+        "says its figures show. All quantities are dimensionless: lengths in units of the "
+        "excitation amplitude, time in units of the inverse natural frequency along the axis, "
+        "forces in units of the excitation force."
+    )
+    content = {"tables": tables, "words": ""}
+    return Section("device", "The device", _TEMPLATE, content, lead)
 
 
 def equations(results: Results) -> Section:
@@ -56,9 +78,17 @@ def equations(results: Results) -> Section:
     for name in READING_NAMES:
         index, words = READING_WORDS[name]
         rows.append((index, _CODE.format(name), words, getattr(settings.readings, name)))
-    variants = Table(("no.", "variant", "what it decides", "in use"), rows)
-    content = {"variants": variants, "settings": settings}
-    return Section("equations", "How the equations are read", _template("equations"), content)
+    lead = (
+        "Some of the paper's printed equations contradict each other or mechanics. Each such place "
+        "has two variants: printed takes the equation as printed, consistent corrects it."
+    )
+    words = (
+        f"Runs end at τ = {number(settings.horizon)} at the latest; the local error of a step is "
+        f"kept below {number(settings.tolerance)} by the method {settings.method.name}."
+    )
+    tables = [("In use", Table(("no.", "variant", "what it decides", "in use"), rows))]
+    content = {"tables": tables, "words": words}
+    return Section("equations", "How the equations are read", _TEMPLATE, content, lead)
 
 
 def provenance(results: Results) -> Section:
@@ -67,11 +97,15 @@ def provenance(results: Results) -> Section:
     It has nothing of the day, the machine or the checkout, so that the same data give the same
     bytes.
     """
-    facts = {
-        "made with": versions(),
-        "from": {place: file_hash(path)[:16] for place, path in results.data.items()},
-        "when, where, at which commit": {
-            "": "runs.csv and history/ beside this page; vibralign runs"
-        },
-    }
-    return Section("provenance", "Provenance", _template("provenance"), {"facts": facts})
+    made = [(name, _CODE.format(version)) for name, version in versions().items()]
+    data = [(place, _CODE.format(file_hash(path)[:16])) for place, path in results.data.items()]
+    tables = [
+        ("Made with", Table(("package", "version"), made)),
+        ("Made from", Table(("file", "SHA-256, first 16 digits"), data)),
+    ]
+    lead = (
+        "When, where and at which commit each file was made: runs.csv and history/ beside this "
+        "page, and vibralign runs."
+    )
+    content = {"tables": tables, "words": ""}
+    return Section("provenance", "Provenance", _TEMPLATE, content, lead)

@@ -38,8 +38,9 @@ def section(results: Results) -> Section:
     }
     datasets = {name: results.dataset(place) for name, place in places.items()}
     judged = claims_on_bases(datasets)
+    found = sentences(datasets, judged)
     content = {
-        "sentences": sentences(datasets, judged),
+        "sentences": found[:-1],
         "bases": results.picture("figures/contact_stiffness", CAPTION),
         "files": [
             (f"{figure_title(name)} on all bases (netCDF)", place) for name, place in places.items()
@@ -48,13 +49,13 @@ def section(results: Results) -> Section:
         "claims": verdicts(judged, next(iter(datasets.values()))),
     }
     title = "Which features depend on the contact stiffness"
-    return Section("contact", title, Path(__file__).with_suffix(".html.j2"), content)
+    return Section("contact", title, Path(__file__).with_suffix(".html.j2"), content, found[-1])
 
 
 def sentences(
     datasets: "Mapping[str, xr.Dataset]", judged: Sequence[ClaimOnBases]
 ) -> tuple[str, ...]:
-    """Return the findings on all bases as sentences: by figure, by damping, and on the claims.
+    """Return the findings on all bases as sentences: by figure, and last on the claims.
 
     Args:
         datasets: figures on several bases, by name; all on the same bases.
@@ -62,11 +63,8 @@ def sentences(
     """
     rows = {name: on_bases(dataset) for name, dataset in datasets.items()}
     limit = stiffest(next(iter(datasets.values())))
-    return (
-        *(_of_figure(name, each, limit) for name, each in rows.items()),
-        *(_of_damping(name, each) for name, each in rows.items() if _damped(each)),
-        _of_claims(judged, limit),
-    )
+    figures = [_of_figure(name, each, limit) for name, each in rows.items()]
+    return (*figures, _of_claims(judged, limit))
 
 
 def numbers(name: str, dataset: "xr.Dataset") -> Table:
@@ -118,28 +116,6 @@ def _of_figure(name: str, rows: Sequence[OnBase], limit: int) -> str:
     if math.isinf(settled):
         return words + "Some runs still change between the two stiffest bases."
     return words + f"From k_a = {_stiffness(settled)} upward nothing changes visibly."
-
-
-def _damped(rows: Sequence[OnBase]) -> bool:
-    return any(row.ratio != rows[0].ratio for row in rows)
-
-
-def _of_damping(name: str, rows: Sequence[OnBase]) -> str:
-    words = []
-    for stiffness in sorted({row.stiffness for row in rows if row.ratio != rows[0].ratio}):
-        tried = sorted(
-            (row for row in rows if row.stiffness == stiffness), key=lambda row: row.ratio
-        )
-        low, high = tried[0], tried[-1]
-        words.append(
-            f"from {percent(low.aligned)} to {percent(high.aligned)} at k_a = "
-            f"{_stiffness(stiffness)}"
-        )
-    ends = f"{low.ratio:.2g} to {high.ratio:.2g} of the critical"
-    return (
-        f"{figure_title(name)}: as the damping goes from {ends}, the share of runs that align goes "
-        f"{' and '.join(words)}."
-    )
 
 
 def _of_claims(judged: Sequence[ClaimOnBases], limit: int) -> str:

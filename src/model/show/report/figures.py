@@ -1,9 +1,8 @@
-"""Sections on the figures: how all their runs ended, and each figure with its parameters."""
+"""Section on the figures: each with its result, and all their runs in one table."""
 
-import math
-import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,8 +10,9 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from model.events.outcomes import Outcome, Reason
-from model.physics.parameters import FIELDS, PARAMETER_NAMES
+from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
+from model.physics.parameters import FIELDS
+from model.show.axes import runs_of
 from model.show.report.section import (
     Results,
     Section,
@@ -21,179 +21,222 @@ from model.show.report.section import (
     link,
     subscripts,
     symbol,
-    warned,
+    values_of,
 )
 from model.show.schematics import CAPTIONS
-from model.show.words import figure_number, figure_title, number, power
+from model.show.words import figure_number, figure_title, percent, power, short
+from model.study.config import COMPUTED, MAPS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_LISTED = 8  # values of a varied parameter that are listed one by one
+HEAD = MAPS[0]  # the figure at the head of the page
+_FEW = 3  # ranges that are stated one by one
+_CODE = Markup("<code>{}</code>")
 
 
 @dataclass(frozen=True)
 class Counts:
-    """Outcomes of the runs of a figure, and errors of their alignment times.
+    """Outcomes of the runs of a figure, and errors of their alignment times."""
 
-    Attributes:
-        runs: how many there are.
-        outcomes: how many ended with each outcome, by its name.
-        chaotic: how many reached the horizon in chaotic motion.
-        sensitive: how many depend sensitively on the tolerance.
-        error_median: estimated error of the others.
-        error_largest: likewise.
-        error_largest_sensitive: largest estimated error of the sensitive runs.
-    """
+    dataset: "xr.Dataset"
 
-    runs: int
-    outcomes: Mapping[str, int]
-    chaotic: int
-    sensitive: int
-    error_median: float
-    error_largest: float
-    error_largest_sensitive: float
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return int(self.dataset["outcome"].size)
+
+    @property
+    def aligned(self) -> NDArray[np.bool_]:
+        """True for each run that aligns, in the shape of the dataset."""
+        return np.asarray(self.dataset["outcome"].values == Outcome.ALIGNED)
 
     @property
     def aligned_share(self) -> float:
         """Share of the runs that align."""
-        return self.outcomes["aligned"] / self.runs
+        return float(self.aligned.mean())
+
+    @property
+    def chaotic(self) -> int:
+        """Number of runs that depend sensitively on the start up to the horizon."""
+        return int((self.dataset["reason"].values == Reason.CHAOTIC).sum())
+
+    @property
+    def sensitive(self) -> NDArray[np.bool_]:
+        """True for each run that ends differently at another tolerance."""
+        return np.asarray(self.dataset["sensitive"].values == 1)
+
+    @cached_property
+    def tau(self) -> NDArray[np.float64]:
+        """Alignment durations of the runs that align, flat."""
+        return np.asarray(self.dataset["tau_align"].values[self.aligned])
+
+    def number_of(self, outcome: Outcome) -> int:
+        """Return the number of runs with an outcome."""
+        return int((self.dataset["outcome"].values == outcome).sum())
+
+    def error(self, quantile: float, *, sensitive: bool = False) -> float:
+        """Return a quantile of the estimated errors, NaN if there are none."""
+        error = self.dataset["tau_error"].values[self.sensitive == sensitive]
+        error = error[~np.isnan(error)]
+        return float(np.quantile(error, quantile)) if error.size else np.nan
+
+    def share_of(self, variable: str, meaning: str) -> float:
+        """Return the share of the aligned runs with a flag; NaN if the dataset has no such one.
+
+        Args:
+            variable: name of a variable with ``flag_values`` and ``flag_meanings``.
+            meaning: beginning of a flag's meaning.
+        """
+        if variable not in self.dataset or not self.aligned.any():
+            return np.nan
+        flags = self.dataset[variable].attrs
+        meanings = zip(flags["flag_meanings"].split(), flags["flag_values"], strict=True)
+        wanted = [value for name, value in meanings if name.startswith(meaning)]
+        return float(np.isin(self.dataset[variable].values[self.aligned], wanted).mean())
 
 
-def counts_of(dataset: "xr.Dataset") -> Counts:
-    """Count the outcomes of a figure's dataset and summarise its errors."""
-    outcome = dataset["outcome"].values.ravel()
-    sensitive = dataset["sensitive"].values.ravel() == 1
-    error = dataset["tau_error"].values.ravel()
-    found = np.bincount(outcome, minlength=len(Outcome))
-    return Counts(
-        runs=outcome.size,
-        outcomes={each.name.lower(): int(found[each]) for each in Outcome},
-        chaotic=int((dataset["reason"].values == Reason.CHAOTIC).sum()),
-        sensitive=int(sensitive.sum()),
-        error_median=_quantile(error[~sensitive], 0.5),
-        error_largest=_quantile(error[~sensitive], 1.0),
-        error_largest_sensitive=_quantile(error[sensitive], 1.0),
-    )
+# Shares of the aligned runs: variable, beginning of its flag, words, head of the column.
+SHARES = (
+    ("insertion", "inserted", "of them go in", "go in"),
+    ("unvibrated", "rests", "of them rest on the edge without vibration", "rest unvibrated"),
+)
 
 
-def _quantile(values: NDArray[np.float64], share: float) -> float:
-    known = values[~np.isnan(values)]
-    return float(np.quantile(known, share)) if known.size else math.nan
-
-
-def _dataset(results: Results, name: str) -> "xr.Dataset | None":
-    if results.study.figures[name].kind == "schematic":
-        return None
-    return results.dataset(f"data/{name}.nc")
-
-
-# --- All runs at a glance -----------------------------------------------------------------------
-
-_OUTCOMES = {"aligned": "aligned", "settled": "settled", "left_scene": "left scene",
-             "horizon_reached": "at horizon", "failed": "failed"}  # fmt: skip
-
-
-def glance(results: Results) -> Section:
-    """Return the section that counts the outcomes of every figure."""
-    rows = []
-    for name in results.study.figures:
-        dataset = _dataset(results, name)
-        if dataset is None:
-            continue
-        counts = counts_of(dataset)
-        ended: list[object] = [counts.outcomes[outcome] for outcome in _OUTCOMES]
-        ended[-1] = warned(ended[-1], serious=counts.outcomes["failed"] > 0)
-        rows.append([link(figure_title(name), f"#{name}"), counts.runs, *ended, counts.sensitive,
-                     power(counts.error_median)])  # fmt: skip
-    heads = [f">{words}" for words in ("runs", *_OUTCOMES.values(), "sensitive")]
-    table = Table(["figure", *heads, ">median error of τ"], rows)
-    template = Path(__file__).with_name("figures.glance.html.j2")
-    return Section("glance", "All runs at a glance", template, {"runs": table})
-
-
-# --- The figures --------------------------------------------------------------------------------
+def counts_of(results: Results) -> dict[str, Counts]:
+    """Return the counts of every computed figure."""
+    return {name: Counts(results.dataset(f"data/{name}.nc")) for name in COMPUTED}
 
 
 def figures(results: Results) -> Section:
-    """Return the section with every figure of the paper."""
-    articles = [_article(results, name) for name in results.study.figures]
-    entries = tuple(
-        (figure_number(name), name, spec.title) for name, spec in results.study.figures.items()
+    """Return the section with every figure of the paper but the one at the head of the page."""
+    outcomes = Table(
+        ("outcome", "meaning"),
+        [(_CODE.format(each.name.lower()), OUTCOME_TEXT[each]) for each in Outcome],
     )
-    template = Path(__file__).with_suffix(".html.j2")
-    return Section("figures", "The figures", template, {"articles": articles}, entries)
+    content = {
+        "articles": [article(results, name) for name in results.study.figures if name != HEAD],
+        "entries": [(figure_title(name), name) for name in results.study.figures],
+        "runs": _glance(counts_of(results)),
+        "outcomes": outcomes,
+    }
+    return Section("figures", "The figures", Path(__file__).with_suffix(".html.j2"), content)
 
 
-def _article(results: Results, name: str) -> dict[str, object]:
-    """Return what the template prints of one figure; ``counts`` is None for a drawing."""
+def _glance(counts: dict[str, Counts]) -> Table:
+    """List the outcomes of every figure; the shares only where a figure has them."""
+    shown = [each for each in SHARES if any(each[0] in of.dataset for of in counts.values())]
+    ends = [each for each in Outcome if each != Outcome.FAILED or any(
+        of.number_of(each) for of in counts.values())]  # fmt: skip
+    heads = [f">{each.name.lower().replace('_', ' ')}" for each in ends]
+    return Table(
+        ("figure", ">runs", *heads, *(f">{each[3]}" for each in shown), ">sensitive",
+         ">error of τ: median", ">largest"),
+        [
+            (
+                link(figure_title(name), f"#{name}"),
+                f"{of.runs:,}",
+                *(f"{of.number_of(each):,}" for each in ends),
+                *(percent(of.share_of(variable, flag)) for variable, flag, *_ in shown),
+                int(of.sensitive.sum()),
+                power(of.error(0.5)),
+                power(of.error(1.0)),
+            )
+            for name, of in counts.items()
+        ],
+    )  # fmt: skip
+
+
+def article(results: Results, name: str) -> dict[str, object]:
+    """Return what the template prints of one figure."""
     study = results.study
-    spec, dataset = study.figures[name], _dataset(results, name)
-    varied, counts, moment = Markup(""), None, None
-    names: set[str] = set()
-    if dataset is None:
-        parameters = study.parameters(name)
-        values = {each: _value(each, getattr(parameters, each)) for each in PARAMETER_NAMES}
-    else:
-        values = {each: _values(dataset, each) for each in PARAMETER_NAMES}
-        names = {each for each in PARAMETER_NAMES if dataset[each].ndim}
-        varied, counts = _varied(dataset), counts_of(dataset)
-        if spec.kind == "history" and counts.outcomes["aligned"]:
-            moment = float(dataset["tau_align"]), float(dataset["tau_error"])
-    operating = {*study.operating_point, *spec.held} - names
-    caption = spec.caption.strip()
-    return {
+    spec, caption = study.figures[name], study.figures[name].caption.strip()
+    content: dict[str, object] = {
         "name": name,
         "number": figure_number(name),
         "title": spec.title,
         "explained": subscripts(CAPTIONS.get(name, "")),
-        "varied": varied,
-        "held": assignments((each, values[each]) for each in values if each in operating),
-        "parameters": _parameters(values, names),
-        "counts": counts,
-        "moment": moment,
         "picture": results.picture(
             f"figures/{name}", caption, f"Figure {figure_number(name)}: {spec.title}. {caption}"
         ),
-        "files": (("dataset (netCDF)", f"data/{name}.nc"),) if dataset is not None else (),
+        "files": (),
+        "varied": "",
+        "sentence": "",
+    }
+    if name not in COMPUTED:
+        return content
+    dataset = results.dataset(f"data/{name}.nc")
+    counts = Counts(dataset)
+    varied = [str(each) for each in reversed(dataset["outcome"].dims)]
+    held = ({*study.operating_point} | {*spec.held}) - {*varied}
+    live = (("open this live", f"explorer.html#figure={name}"),) if results.live else ()
+    return {
+        **content,
+        "files": (*live, ("dataset (netCDF)", f"data/{name}.nc")),
+        "varied": assignments((each, values_of(dataset, each)) for each in varied),
+        "held": assignments((each, values_of(dataset, each)) for each in FIELDS if each in held),
+        "sentence": _moment(dataset) if spec.kind == "history" else _result(counts),
+        "ranges": _ranges(dataset) if spec.kind == "curves" else "",
     }
 
 
-def _value(name: str, value: float | None) -> str:
-    if value is None or math.isnan(value):
-        return f"as {FIELDS[name].derived}"
-    return number(value)
+def _moment(dataset: "xr.Dataset") -> str:
+    tau, error = float(dataset["tau_align"]), float(dataset["tau_error"])
+    if np.isnan(tau):
+        return f"It does not align: {OUTCOME_TEXT[Outcome(int(dataset['outcome']))]}."
+    return f"It aligns at τ = {short(tau, 6)}, with an estimated error of {power(error)}."
 
 
-def _values(dataset: "xr.Dataset", name: str) -> str:
-    values = dataset[name].values
-    if values.ndim == 0:
-        return _value(name, float(values))
-    if values.size <= _LISTED:
-        return ", ".join(number(value) for value in values)
-    return f"{number(values[0])} to {number(values[-1])}, {values.size} values"
+def _result(counts: Counts) -> str:
+    """Say in a sentence how the runs of a figure end."""
+    words = f"{percent(counts.aligned_share)} of {counts.runs:,} runs align"
+    if counts.tau.size:
+        low, high = short(counts.tau.min(), 3), short(counts.tau.max(), 3)
+        words += f", in τ = {low} to {high}"
+    for variable, flag, text, _ in SHARES:
+        share = counts.share_of(variable, flag)
+        if not np.isnan(share):
+            words += f"; {percent(share)} {text}"
+    if counts.sensitive.any():
+        error = power(counts.error(1.0, sensitive=True))
+        words += f"; {int(counts.sensitive.sum())} are sensitive (error of τ up to {error})"
+    if counts.chaotic:
+        words += f"; {counts.chaotic} reach the horizon with sensitive dependence on the start"
+    failed = counts.number_of(Outcome.FAILED)
+    return words + (f"; {failed} failed." if failed else ".")
 
 
-def _parameters(values: Mapping[str, str], varied: set[str]) -> Table:
-    """List every parameter; the varied ones are in bold type."""
-    bold, code = Markup("<strong>{}</strong>"), Markup("<code>{}</code>")
-    rows = []
-    for name, value in values.items():
-        shown = bold.format(value) if name in varied else value
-        rows.append((symbol(FIELDS[name].symbol), code.format(name), shown,
-                     FIELDS[name].description))  # fmt: skip
-    return Table(("symbol", "name", "value", "meaning"), rows)
+def _ranges(dataset: "xr.Dataset") -> Markup:
+    """Say over which values of the swept parameter each curve aligns."""
+    family, swept = (dataset[str(name)] for name in dataset["outcome"].dims)
+    own, along = (symbol(FIELDS[str(each.name)].symbol) for each in (family, swept))
+    throughout, parts = [], []
+    for value, aligned in zip(family.values, dataset["outcome"].values == 0, strict=True):
+        if aligned.all():
+            throughout.append(short(value, 3))
+        else:
+            where = _in_words(along, list(_ends(swept.values, aligned)))
+            parts.append(Markup("at {} = {} {}").format(own, short(value, 3), where))
+    if throughout:
+        words = Markup("throughout at {} = {}").format(own, ", ".join(throughout))
+        parts.insert(0, words)
+    return Markup("Aligns {}.").format(Markup("; ").join(parts))
 
 
-def _varied(dataset: "xr.Dataset") -> Markup:
-    """Describe the varied parameters, the one along the curves or the abscissa first."""
-    parts = []
-    for name in reversed([str(each) for each in dataset["tau_align"].dims]):
-        relation = "from" if dataset[name].size > _LISTED else "="
-        words = re.split(r"; | \(", FIELDS[name].description, maxsplit=1)[0]
-        parts.append(
-            Markup("{} {} {} {}").format(
-                words, symbol(FIELDS[name].symbol), relation, _values(dataset, name)
-            )
-        )
-    return Markup("; ").join(parts)
+def _ends(x: NDArray[np.float64], aligned: NDArray[np.bool_]) -> Iterator[tuple[float, float]]:
+    for first, end in runs_of(aligned):
+        yield float(x[first]), float(x[end - 1])
+
+
+def _in_words(along: Markup, ranges: Sequence[tuple[float, float]]) -> Markup:
+    if not ranges:
+        return Markup("nowhere")
+    if len(ranges) > _FEW:
+        outer = (ranges[0][0], ranges[-1][1])
+        words = f"{len(ranges)} ranges between {short(outer[0], 3)} and {short(outer[1], 3)}"
+        return Markup("for {} in {}").format(along, words)
+    words = " and ".join(
+        short(low, 3) if low == high else f"{short(low, 3)} to {short(high, 3)}"
+        for low, high in ranges
+    )
+    return Markup("for {} = {}").format(along, words)

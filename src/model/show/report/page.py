@@ -1,4 +1,4 @@
-"""The page: its sections in order, under one heading with a table of contents."""
+"""The page: its sections in order; methods and tables are folded."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -7,6 +7,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from model.show.report import (
+    answer,
     background,
     claims,
     contact_stiffness,
@@ -15,15 +16,14 @@ from model.show.report import (
 )
 from model.show.report.section import Results, Section, subscripts
 from model.show.style import FORMATS
-from model.show.words import figure_title, number, percent, power
+from model.show.words import number, percent, power, short
 
 Make = Callable[[Results], Section | None]
 
 # In the order of the page. Each returns None where the study has nothing to show; the provenance
 # comes last, since it names the files that the others took.
 FINDINGS: tuple[Make, ...] = (
-    figures.glance,
-    background.reading,
+    answer.section,
     figures.figures,
     claims.section,
     contact_stiffness.section,
@@ -52,7 +52,7 @@ def render_report(results: Results, more: Sequence[Make] = ()) -> str:
         lstrip_blocks=True,
     )
     environment.filters.update(
-        number=number, power=power, percent=percent, subscripts=subscripts, figure=figure_title
+        number=number, power=power, percent=percent, short=short, subscripts=subscripts
     )
     environment.globals["formats"] = FORMATS
     makes = (*FINDINGS, *more, *BACKGROUND)

@@ -8,6 +8,7 @@ pictures and tables are in ``section.html.j2``::
 """
 
 import base64
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -61,15 +62,14 @@ class Section:
         title: its heading.
         template: the file that prints ``content``, the only names it may use.
         content: what the template prints.
-        entries: (number, anchor, title) of each part that the table of contents lists; where there
-            are none, it lists the section.
+        lead: the finding in a sentence or two. The rest of a section with a lead is folded.
     """
 
     anchor: str
     title: str
     template: Path
     content: Mapping[str, object]
-    entries: tuple[tuple[int, str, str], ...] = ()
+    lead: str = ""
 
 
 class Results:
@@ -79,14 +79,17 @@ class Results:
         root: the results root.
         study: the configuration that the results were computed with.
         tables: committed tables of the identification; none where it is not part of the study.
+        live: True if explorer.html stands beside the page.
 
     Attributes:
         data: the files of numbers taken so far, by their paths below the root.
         inputs: every file taken so far.
     """
 
-    def __init__(self, root: Path, study: Study, tables: Sequence[Path] = ()) -> None:
-        self.root, self.study, self.tables = root, study, tables
+    def __init__(
+        self, root: Path, study: Study, tables: Sequence[Path] = (), *, live: bool = False
+    ) -> None:
+        self.root, self.study, self.tables, self.live = root, study, tables, live
         self.data: dict[str, Path] = {}
         self.inputs: list[Path] = list(tables)
         self._datasets: dict[str, xr.Dataset] = {}
@@ -153,9 +156,24 @@ def link(words: str, address: str) -> Markup:
     return Markup('<a class="nobreak" href="{}">{}</a>').format(address, words)
 
 
-def warned(words: object, *, serious: bool) -> object:
-    """Return ``words``, marked as a warning where they are ``serious``."""
-    return Markup('<span class="warn">{}</span>').format(words) if serious else words
+_LISTED = 8  # values of a varied parameter that are listed one by one
+
+
+def value_of(name: str, value: float | None) -> str:
+    """Return the value of a parameter, or what it is derived from."""
+    if value is None or math.isnan(value):
+        return f"as {FIELDS[name].derived}"
+    return number(value)
+
+
+def values_of(dataset: "xr.Dataset", name: str) -> str:
+    """Return the values of a parameter in a dataset: "5, 7, 10", or "0.25 to 10, 240 values"."""
+    values = dataset[name].values
+    if values.ndim == 0:
+        return value_of(name, float(values))
+    if values.size <= _LISTED:
+        return ", ".join(number(value) for value in values)
+    return f"{number(values[0])} to {number(values[-1])}, {values.size} values"
 
 
 def assignments(values: Iterable[tuple[str, str]]) -> Markup:

@@ -139,7 +139,7 @@ class HardCases(Strict):
             for damping in self.base.damping:
                 values = {"contact_stiffness": stiffness, "contact_damping": damping}
                 found[f"base_{stiffness:g}_{damping:g}"] = HardCase(
-                    title=f"base k_a = {stiffness:g}, h_a = {damping:g}",
+                    title=f"base k_a = {stiffness:,.10g}, h_a = {damping:,.10g}",
                     at=self.base.at | values,
                     until=self.base.until,
                 )
