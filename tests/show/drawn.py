@@ -49,3 +49,12 @@ def named(artists, label: str) -> list:
 
 def curve_lines(axes) -> list:
     return [line for line in axes.lines if " = " in line.get_label() and line.get_label()[0] == "$"]
+
+
+def followed(dataset: xr.Dataset, lost: list[tuple[int, int]]) -> xr.Dataset:
+    """The dataset with ``insertion``: all that align go in but those at ``lost``, which jam."""
+    flags = np.where(dataset["outcome"].values == Outcome.ALIGNED, 5, -1).astype(np.int8)
+    for place in lost:
+        flags[place] = 6
+    attributes = {"flag_values": [-1, 5, 6], "flag_meanings": "not_aligned inserted jammed"}
+    return dataset.assign(insertion=(dataset["outcome"].dims, flags, attributes))

@@ -9,8 +9,8 @@ from matplotlib.patches import PathPatch
 from model.events.outcomes import Outcome
 from model.show import plots, style
 from model.show.areas import LEFT_LABEL, stability_map
-from model.show.axes import FAILED_LABEL, NOT_ALIGNED
-from tests.show.drawn import NAN, grid, named
+from model.show.axes import FAILED_LABEL, NOT_ALIGNED, NOT_INSERTED
+from tests.show.drawn import NAN, followed, grid, named
 
 
 @pytest.fixture
@@ -62,6 +62,15 @@ def test_cells_that_left_the_scene_or_failed_can_be_told(area):
     ):
         (patch,) = named(patches, label)
         np.testing.assert_array_equal(covered(patch, area), area["outcome"].values == outcome)
+
+
+def test_cells_that_align_and_do_not_go_in_are_dotted(area):
+    (dots,) = named(stability_map(followed(area, [(0, 5)])).axes[0].patches, NOT_INSERTED)
+    assert np.argwhere(covered(dots, area)).tolist() == [[0, 5]]
+    # On the grid of the figure that a refined map shows, which has cells of its own.
+    coarse = followed(area.isel(press_force=[0, 3, 6]), [(2, 8)])
+    (dots,) = named(stability_map(area, coarse).axes[0].patches, NOT_INSERTED)
+    assert np.argwhere(covered(dots, area)).tolist() == [[5, 8], [6, 8]]
 
 
 def test_the_legend_of_a_map_names_only_what_is_there(area):

@@ -7,9 +7,9 @@ from matplotlib.path import Path as Outline
 
 from model.events.outcomes import Outcome
 from model.show import style
-from model.show.axes import FAILED_LABEL
+from model.show.axes import FAILED_LABEL, NOT_INSERTED
 from model.show.curves import SENSITIVE_LABEL, curves
-from tests.show.drawn import DURATIONS, NAN, curve_lines, grid, named
+from tests.show.drawn import DURATIONS, NAN, curve_lines, followed, grid, named
 
 
 def segments(line) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -107,6 +107,14 @@ def test_sensitive_points_are_circled_and_explained(family):
     assert circles.get_markerfacecolor() == "none"
     notes = [text.get_text() for text in figure.legends[1].get_texts()]
     assert notes == [SENSITIVE_LABEL]
+
+
+def test_points_that_align_and_do_not_go_in_are_crossed(family):
+    figure = curves(followed(family, [(0, 3), (2, 4)]))
+    (crosses,) = named(figure.axes[0].lines, NOT_INSERTED)
+    x = family["press_force"].values
+    assert crosses.get_xydata().tolist() == [[x[3], 3.8], [x[4], 6.9]]
+    assert not named(curves(followed(family, [])).axes[0].lines, NOT_INSERTED)
 
 
 def test_failed_runs_are_marked_as_such(family):

@@ -1,5 +1,6 @@
 """Plot a dataset."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from model.show.plots import draw
@@ -7,6 +8,6 @@ from model.show.style import save
 from model.study.datasets import read_dataset
 
 
-def run(data: Path, pictures: list[Path]) -> None:
-    """Plot what the dataset's kind asks for."""
-    save(draw(read_dataset(data)), pictures[0].with_suffix(""))
+def run(data: Path, pictures: list[Path], coarse: Sequence[Path] = ()) -> None:
+    """Plot what the dataset's kind asks for; of a refined map, ``coarse`` is the figure's."""
+    save(draw(read_dataset(data), *map(read_dataset, coarse)), pictures[0].with_suffix(""))

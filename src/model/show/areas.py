@@ -19,10 +19,12 @@ from model.show import style
 from model.show.axes import (
     FAILED_LABEL,
     NOT_ALIGNED,
+    NOT_INSERTED,
     Bools,
     Floats,
     axis_label,
     cell_edges,
+    not_inserted,
     runs_of,
 )
 from model.show.overlays import add_contours, add_marks, add_reliable
@@ -36,8 +38,11 @@ _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 LEFT_LABEL = "of these, leaves the scene"
 
 
-def stability_map(dataset: "xr.Dataset") -> Figure:
+def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
     """Draw durations in colour where the part aligns, hatching where it does not.
+
+    Where it aligns and does not go in, by ``insertion`` in the dataset or in ``coarse``, the same
+    plane on a coarser grid, there are dots.
 
     A refined map (study/maps.py) is drawn with contours of the duration, the outline of its
     reliable area, and the operating points of other figures.
@@ -60,6 +65,14 @@ def stability_map(dataset: "xr.Dataset") -> Figure:
         if failed.any():
             shade = {"facecolor": style.VERMILLION, "linewidth": 0.0}
             handles.append(_add_area(axes, *edges, failed, FAILED_LABEL, **shade))
+        followed = dataset if coarse is None else coarse
+        lost = not_inserted(followed)
+        if lost.any():
+            cells = (
+                cell_edges(followed[str(x.name)].values),
+                cell_edges(followed[str(y.name)].values),
+            )
+            handles.append(_add_area(axes, *cells, lost, NOT_INSERTED, **style.NOT_INSERTED))
         if not gaps.all():
             _colour_durations(figure, axes, edges, durations, axis_label(dataset["tau_align"]))
         axes.add_collection(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from model.events.outcomes import Outcome
 from model.show.words import math
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ Bools = NDArray[np.bool_]
 
 FAILED_LABEL = "run failed"
 NOT_ALIGNED = "does not align"
+NOT_INSERTED = "aligns, but does not go in"
 
 
 def symbol_of(coordinate: "xr.DataArray") -> str:
@@ -46,3 +48,13 @@ def runs_of(mask: Bools) -> Iterator[tuple[int, int]]:
     """Yield the runs of True in ``mask``, shape (n,), as (first, one past the last)."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     yield from zip(steps[::2].tolist(), steps[1::2].tolist(), strict=True)
+
+
+def not_inserted(dataset: "xr.Dataset") -> Bools:
+    """Return where a part aligns and does not go in; nowhere if the dataset does not say."""
+    aligned = np.asarray(dataset["outcome"].values == Outcome.ALIGNED)
+    if "insertion" not in dataset:
+        return np.zeros_like(aligned)
+    flags = dataset["insertion"].attrs
+    place = flags["flag_meanings"].split().index("inserted")
+    return aligned & (dataset["insertion"].values != flags["flag_values"][place])

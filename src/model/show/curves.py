@@ -17,10 +17,12 @@ from model.show import style
 from model.show.axes import (
     FAILED_LABEL,
     NOT_ALIGNED,
+    NOT_INSERTED,
     Bools,
     Floats,
     axis_label,
     cell_edges,
+    not_inserted,
     runs_of,
     symbol_of,
 )
@@ -47,7 +49,13 @@ def curves(dataset: "xr.Dataset") -> Figure:
             _draw_curve(axes, row, swept.values, durations[row], f"{symbol_of(family)} = {value:g}")
             for row, value in enumerate(family.values)
         ]
-        notes = _mark_sensitive(axes, swept.values, durations, dataset["sensitive"].values == 1)
+        marked = {
+            SENSITIVE_LABEL: dataset["sensitive"].values == 1,
+            NOT_INSERTED: not_inserted(dataset),
+        }
+        notes = []
+        for label, points in marked.items():
+            notes += _mark(axes, swept.values, durations, points, label)
         if strip is not None:
             notes += _draw_strip(strip, swept.values, gaps, failed)
         edges = cell_edges(swept.values)
@@ -99,21 +107,19 @@ def _draw_curve(axes: Axes, index: int, swept: Floats, durations: Floats, name: 
     return line
 
 
-def _mark_sensitive(axes: Axes, swept: Floats, durations: Floats, sensitive: Bools) -> list[Line2D]:
-    row, column = np.nonzero(sensitive & ~np.isnan(durations))
+_MARKS: dict[str, dict[str, Any]] = {
+    SENSITIVE_LABEL: {"marker": "o", "markersize": 4.5, "markerfacecolor": "none"},
+    NOT_INSERTED: {"marker": "x", "markersize": 3.5},
+}
+
+
+def _mark(axes: Axes, swept: Floats, durations: Floats, points: Bools, label: str) -> list[Line2D]:
+    row, column = np.nonzero(points & ~np.isnan(durations))
     if not row.size:
         return []
-    return axes.plot(
-        swept[column],
-        durations[row, column],
-        linestyle="none",
-        marker="o",
-        markersize=4.5,
-        markerfacecolor="none",
-        markeredgecolor=style.BLACK,
-        markeredgewidth=0.7,
-        label=SENSITIVE_LABEL,
-    )
+    look = {"linestyle": "none", "markeredgecolor": style.BLACK, "markeredgewidth": 0.7}
+    x, y = swept[column], durations[row, column]
+    return axes.plot(x, y, label=label, **look, **_MARKS[label])
 
 
 def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[Line2D]:

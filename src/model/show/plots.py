@@ -20,8 +20,12 @@ _DRAW: "Mapping[str, Callable[[xr.Dataset], Figure]]" = {
 }
 
 
-def draw(dataset: "xr.Dataset") -> Figure:
+def draw(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
     """Draw the figure of a dataset of the study, by its attribute ``kind``.
+
+    Args:
+        dataset: of a figure, or a refined map.
+        coarse: of the figure that a refined map shows.
 
     Raises:
         ValueError: a dataset of no known kind.
@@ -29,4 +33,4 @@ def draw(dataset: "xr.Dataset") -> Figure:
     kind = str(dataset.attrs.get("kind"))
     if kind not in _DRAW:
         raise ValueError(f"kind = {kind!r}: must be one of {', '.join(_DRAW)}")
-    return _DRAW[kind](dataset)
+    return stability_map(dataset, coarse) if kind == "map" else _DRAW[kind](dataset)
