@@ -117,7 +117,11 @@ def _mark(axes: Axes, swept: Floats, durations: Floats, points: Bools, label: st
     row, column = np.nonzero(points & ~np.isnan(durations))
     if not row.size:
         return []
-    look = {"linestyle": "none", "markeredgecolor": style.BLACK, "markeredgewidth": 0.7}
+    look: dict[str, Any] = {
+        "linestyle": "none",
+        "markeredgecolor": style.BLACK,
+        "markeredgewidth": 0.7,
+    }
     x, y = swept[column], durations[row, column]
     return axes.plot(x, y, label=label, **look, **_MARKS[label])
 
