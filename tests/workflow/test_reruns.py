@@ -44,7 +44,7 @@ MUTATIONS = [
      {"schematic", "plot", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD, *TABLED}),
     ("src/model/show/schematics/sheet.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
-    ("src/model/show/report/page.html.j2", "What this is", "What it is", LAST),
+    ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),
     ("src/model/tracking/records.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
     ("verification/without_location/engine.py", "import ", "import math as _unused\nimport ",
      {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
