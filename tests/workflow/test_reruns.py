@@ -136,8 +136,8 @@ def test_another_number_of_chunks_computes_that_figure_anew(
     tiny["figures"]["fig13"]["chunks"] = 2
     project.configure(tiny)
     planned = project.planned()
-    # Its picture is that of its refined map.
-    assert rules(planned) == {"chunk", "merge", *FIXED, *JUDGED}
+    # Its picture is that of its refined map, with the figure's own points that do not go in.
+    assert rules(planned) == {"chunk", "merge", *FIXED, *DRAWN}
     of_all = {"draw_wrong_points", *JUDGED}
     assert all("fig13" in output or rule in of_all for rule, output in planned)
 
