@@ -23,14 +23,14 @@ from model.engines.batch.scheduling import integrate_all, new_many
 from model.engines.queue import new_queue
 from model.engines.record import STATE
 from model.engines.results import RunResult
-from model.engines.scalar.loop import integrate_each, new_single
 from model.engines.scalar.tableaux import DOP853
 from model.events.outcomes import Outcome, Reason
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
-from model.runs.engines import NO_TRACK, batch_engine
+from model.runs.engines import batch_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings
+from model.runs.simulate import simulate_once
 from model.study.csv_tables import read_records, records_text
 from verification.methods import METHODS, Method, Package
 from verification.plans import HardCasesPlan
@@ -116,21 +116,17 @@ def problem_of(plan: HardCasesPlan, name: str) -> Problem:
 
 def run_once(parameters: Parameters, settings: Settings, *, batch: bool = False) -> Truth:
     """Return one run by the reference or the batch engine, without an estimate of its error."""
+    if not batch:
+        return Truth.of(simulate_once(parameters, settings))
     rows = Batch.stack([parameters]).constants(settings.readings)
-    tolerances, queue = np.array([settings.tolerance]), new_queue(waiting=1, threads=1)
     results = np.empty((1, len(RunResult._fields)))
-    if batch:
-        _, method, control = settings.for_kernels
-        scene = in_vector_kernels(settings.scene)
-        many = new_many(scene, settings.may_settle)
-        integrate_all(rows, tolerances, scene, method, control, queue, results, many)
-        runs = many.runs
-    else:
-        single = new_single(settings.method.method)
-        integrate_each(rows, tolerances, *settings.for_kernels, NO_TRACK, queue, results, single)
-        runs = single.runs
+    _, method, control = settings.for_kernels
+    scene = in_vector_kernels(settings.scene)
+    many = new_many(scene, settings.may_settle)
+    tolerances, queue = np.array([settings.tolerance]), new_queue(waiting=1, threads=1)
+    integrate_all(rows, tolerances, scene, method, control, queue, results, many)
     result = RunResult(*results[0].tolist())
-    state = runs[0, STATE : STATE + STATE_SIZE].copy()
+    state = many.runs[0, STATE : STATE + STATE_SIZE].copy()
     return Truth(Outcome(int(result.outcome)), result.tau_align, state)
 
 
