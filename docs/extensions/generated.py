@@ -10,7 +10,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from model.cli.main import _parser
-from model.engines.results import COURSE, RESULTS, Result
+from model.engines.results import COURSE, RESULTS, TWIN, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.events.table import EVENTS
 from model.physics.parameters import FIELDS, Parameters
@@ -164,7 +164,7 @@ GENERATED: dict[str, Callable[[], str]] = {
     "parameters": _parameters,
     "reasons": _reasons,
     "units": _units,
-    "variables": lambda: _variables_of(RESULTS),
+    "variables": lambda: _variables_of({**RESULTS, **TWIN}),
     "histories": lambda: _variables_of(COURSE),
 }
 

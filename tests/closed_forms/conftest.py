@@ -62,7 +62,7 @@ class Course:
         row = np.array(self.p)
         self.parameters, self.steps = parameters, []
         single = new_single(DOP853.method)
-        control = Control(horizon, 50_000_000, may_settle=0.0, alignment_only=0.0)
+        control = Control(horizon, 50_000_000, may_settle=0.0, alignment_only=0.0, pressed=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
         begin(row, tolerance, in_kernels(ALIGNMENT), control, runs, 0)
         if state is not None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from model import Readings, Settings, simulate
+from model import SUSPENDED, Readings, Settings, simulate
 from model.engines.scalar.tableaux import RK4
 
 
@@ -25,6 +25,9 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
         ({"tolerance": float("nan")}, "tolerance = nan: must be between"),
         ({"max_evaluations": 0}, "max_evaluations = 0: must be >= 1"),
         ({"method": RK4}, "method = RK4: has no error estimate"),
+        ({"start": "press"}, "unknown start 'press'. Did you mean 'pressed'"),
+        ({"start": "pressed", "scene": SUSPENDED}, "'suspended' must declare edge_on_face"),
+        ({"start": "pressed", "readings": Readings.printed()}, "needs the consistent readings"),
     ],
 )
 def test_values_outside_their_range_are_refused(device, change, message):

@@ -9,16 +9,17 @@ import xarray as xr
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 
-from model.events.outcomes import Outcome
+from model.events.outcomes import Outcome, Unvibrated
+from model.show.areas import ADDED_LABELS, SLOW_LABEL, vibration_map
 from model.show.artists import disagreements
 from model.show.axes import NOT_ALIGNED
-from model.show.overlays import MARK_LABEL, RELIABLE_LABEL, round_levels
+from model.show.overlays import MARK_LABEL, RELIABLE_LABEL, VIBRATION_LABEL, round_levels
 from model.show.plots import draw
 
 CELLS = 32
 
 
-def dataset(marks=(), reliable=True) -> xr.Dataset:
+def dataset(marks=(), reliable=True, unvibrated=False) -> xr.Dataset:
     """A map that aligns to the right of a slanting border, reliably a little further in."""
     x, y = np.linspace(1.0, 30.0, CELLS + 1), np.linspace(0.25, 10.0, CELLS + 1)
     right = x[None, :] - 2.0 * y[:, None]
@@ -31,6 +32,11 @@ def dataset(marks=(), reliable=True) -> xr.Dataset:
         "outcome": (dims, outcome),
         "reliable": (dims, (sure & reliable).astype(np.int8)),
     }
+    if unvibrated:  # without vibration it aligns below f0 = 5, on either side of the border
+        ends = np.where(y < 5.0, Unvibrated.ALIGNS, Unvibrated.RESTS)
+        ends = np.repeat(ends.astype(np.int8)[:, None], x.size, axis=1)
+        variables["unvibrated"] = (dims, ends)
+        variables["slow_tilt"] = (dims, np.where(right < 10.0, 0.1, np.nan))
     coordinates = {
         "tilt_stiffness": ("tilt_stiffness", x, {"long_name": "tilt stiffness", "symbol": "k_φ"}),
         "press_force": ("press_force", y, {"long_name": "pressing force", "symbol": "f0"}),
@@ -61,7 +67,7 @@ def test_a_map_shows_areas_contours_and_the_reliable_area():
     figure = draw(shown)
     assert disagreements(shown) == []
     assert words(figure) == [NOT_ALIGNED, RELIABLE_LABEL]
-    (outline,) = contours(figure, "_reliable")
+    (outline,) = contours(figure, f"_{RELIABLE_LABEL}")
     x, y = (shown[name].values for name in ("tilt_stiffness", "press_force"))
     for across, up in np.concatenate([path.vertices for path in outline.get_paths()]):
         assert across - 2.0 * up == pytest.approx(4.0, abs=2.0 * (x[1] - x[0]))
@@ -72,8 +78,35 @@ def test_a_map_shows_areas_contours_and_the_reliable_area():
     assert all(np.nanmin(tau) < level < np.nanmax(tau) for level in lines.levels)
 
 
+def test_the_area_that_needs_vibration_is_outlined():
+    shown = dataset(unvibrated=True)
+    figure = draw(shown)
+    assert VIBRATION_LABEL in words(figure)
+    (outline,) = contours(figure, f"_{VIBRATION_LABEL}")
+    low = np.concatenate([path.vertices for path in outline.get_paths()])[:, 1].min()
+    assert low == pytest.approx(5.0, abs=10.0 / CELLS)
+
+
+def test_what_vibration_adds_is_shown_as_four_areas():
+    shown = dataset(unvibrated=True)
+    figure = vibration_map(shown)
+    assert words(figure) == [*ADDED_LABELS, SLOW_LABEL]
+    outcome, ends = shown["outcome"].values, shown["unvibrated"].values
+    x, y = (shown[name].values for name in ("tilt_stiffness", "press_force"))
+    centres = np.column_stack([each.ravel() for each in np.meshgrid(x, y)])
+    areas = {each.get_label(): each for each in figure.axes[0].patches}
+    for label, vibrated, pressed in zip(
+        ADDED_LABELS, (True, True, False, False), (True, False, True, False), strict=True
+    ):
+        drawn = areas[label].get_path().contains_points(centres).reshape(outcome.shape)
+        expected = ((outcome == Outcome.ALIGNED) == vibrated) & (
+            (ends == Unvibrated.ALIGNS) == pressed
+        )
+        np.testing.assert_array_equal(drawn, expected, err_msg=label)
+
+
 def test_without_reliability_there_is_no_outline():
-    assert contours(draw(dataset(reliable=False)), "_reliable") == []
+    assert contours(draw(dataset(reliable=False)), f"_{RELIABLE_LABEL}") == []
     without = dataset()
     del without.attrs["ensemble_phases"]
     assert RELIABLE_LABEL not in words(draw(without))

@@ -10,6 +10,7 @@ import xarray as xr
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES
 from model.runs.align import align
+from model.runs.twin import twin_results
 from model.study.config import load_study, study_path
 from model.study.datasets import (
     VARIABLES,
@@ -46,9 +47,10 @@ def dataset(sweep: Sweep) -> xr.Dataset:
 
 def test_a_merged_grid_is_the_batch(sweep: Sweep, dataset: xr.Dataset) -> None:
     assert dataset.sizes == {"tilt_stiffness": 5, "press_force": 9}
-    whole = align(sweep.batch(np.arange(45)), sweep.settings.settings)
+    batch, settings = sweep.batch(np.arange(45)), sweep.settings.settings
+    whole = vars(align(batch, settings)) | twin_results(batch, settings)
     for name in VARIABLES:
-        expected = getattr(whole, name).reshape(5, 9)
+        expected = whole[name].reshape(5, 9)
         np.testing.assert_array_equal(dataset[name].values, expected, err_msg=name)
 
 

@@ -20,6 +20,13 @@ def test_the_example_aligns():
     assert read_device(EXAMPLE).doubts == []
 
 
+def test_a_device_may_state_the_start_of_its_runs(tmp_path):
+    path = tmp_path / "peg.yaml"
+    path.write_text(EXAMPLE.read_text(encoding="utf-8") + "start: pressed\n", "utf-8")
+    assert read_device(path).start == "pressed"
+    assert read_device(EXAMPLE).start is None
+
+
 def test_changes_are_in_the_units_of_the_file():
     before, after = (load_device(EXAMPLE, change) for change in ({}, {"press_force": "0.03 kN"}))
     assert after.parameters.press_force == pytest.approx(3.0 * before.parameters.press_force)
@@ -170,6 +177,7 @@ def test_a_doubtful_value_is_named(changes, words):
         ("mass: heavy", "mass = 'heavy': must be a number in kg"),
         ("mass: true", "mass = True: must be a number in kg"),
         ("mass: 1", "axial_stiffness is missing: a device needs"),
+        ("start: slow", "unknown start 'slow'. Valid: simultaneous, pressed"),
         ("mas: 1", "unknown quantity of a device 'mas'. Did you mean 'mass'"),
         ("mass: 1\nmass: 2", "mass: given twice"),
         ("? [1]\n: 2", "cannot be read as YAML"),

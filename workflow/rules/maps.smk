@@ -5,6 +5,8 @@ from model.study.largest_misalignment import limit_plan
 from model.study.map_datasets import marks_of
 from model.study.maps import map_plan
 
+WITH_VIBRATION = ("fig13", "friction_press_force")  # of these, what vibration adds is drawn
+
 plan = dict(
     plan=lambda wildcards: (
         limit_plan(study)
@@ -32,6 +34,14 @@ job(
         marks=lambda wildcards: marks_of(study, wildcards.map),
     ),
     message="map {wildcards.map}: assembling its parts",
+)
+
+job(
+    "draw_vibration",
+    dict(pictures=pictures(root / "figures/maps/{map}_vibration")),
+    dict(data=root / "data/maps/{map}.nc"),
+    wildcards=dict(map="|".join(WITH_VIBRATION)),
+    message="map {wildcards.map}: plotting what vibration adds",
 )
 
 job(

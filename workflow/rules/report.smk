@@ -4,11 +4,13 @@ page_pictures = [
     *(root / f"figures/{figure}" for figure in FIGURES),
     *(root / place for place in (*PICTURES.values(), *HARD_PICTURES.values())),
     *(root / f"figures/{name}" for name in ("claims", "contact_stiffness")),
+    *(root / f"figures/maps/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
     *identified_pictures,
 ]
 page_data = [
     *expand(root / "data/{figure}.nc", figure=COMPUTED),
     *expand(root / "data/maps/{map}.nc", map=MAPS),
+    *other_start,
     *fixed_steps,
     *contact_data,
     *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
@@ -44,3 +46,4 @@ job(
 rule maps:
     input:
         [pictures(root / f"figures/maps/{map}") for map in study.map_names if map not in MAPS],
+        [pictures(root / f"figures/maps/{map}_vibration") for map in WITH_VIBRATION],

@@ -8,13 +8,14 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from model.cli.tables import in_columns
 from model.physics.compiled import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import TIME
 from model.physics.readings import READING_NAMES, Readings
+from model.physics.rest import Start
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from model.study.config import FIGURES, load_study, study_path
@@ -76,7 +77,7 @@ def figure_name(text: str) -> str:
 
 
 def add_model_options(parser: Any) -> None:
-    """Add --device, --set, --readings, --reading, --horizon and --tolerance, and their table."""
+    """Add --device, --set, --readings, --reading, --start and others, and their table."""
     parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     add = parser.add_argument
     words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
@@ -98,6 +99,11 @@ def add_model_options(parser: Any) -> None:
         dest="switches",
         help=words,
     )
+    words = (
+        "press and vibration set in together, or the part rests under a slow press before it "
+        "vibrates (default: as in the device's file, or the study)"
+    )
+    add("--start", choices=get_args(Start), help=words)
     words = "latest time, in seconds with --device, else in units of 1/p (default: the study's)"
     add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
@@ -132,13 +138,15 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
 
 def device_of(
     baseline: Parameters, arguments: argparse.Namespace
-) -> tuple[Units | None, Parameters]:
-    """Return the device of --device and --set, and its units if it is stated in SI.
+) -> tuple[Units | None, Parameters, Start | None]:
+    """Return the device of --device and --set, its units if it is stated in SI, and its start.
 
-    Without a device file --set changes the ``baseline``, which has no units.
+    Without a device file --set changes the ``baseline``, which has neither.
     """
     stated = stated_device(arguments)
-    return (None, _changed(baseline, arguments.changes)) if stated is None else stated.device
+    if stated is None:
+        return None, _changed(baseline, arguments.changes), None
+    return *stated.device, stated.start
 
 
 def stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
@@ -164,11 +172,14 @@ def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
 
 
 def settings_of(
-    of_study: Settings, arguments: argparse.Namespace, units: Units | None = None
+    of_study: Settings,
+    arguments: argparse.Namespace,
+    units: Units | None = None,
+    start: Start | None = None,
 ) -> Settings:
     """Return the study's settings, changed by the options of ``add_model_options``.
 
-    A horizon is read in seconds for a device with ``units``.
+    A horizon is read in seconds for a device with ``units``. ``start`` is that of its file.
     """
     switches: dict[str, Any] = asdict(of_study.readings)
     if arguments.readings:
@@ -184,7 +195,12 @@ def settings_of(
             horizon = read_amount("horizon", arguments.horizon, "s").value / units.of(TIME)
     if arguments.tolerance is not None:
         tolerance = number("tolerance", arguments.tolerance)
-    return Settings(readings=Readings(**switches), horizon=horizon, tolerance=tolerance)
+    return Settings(
+        readings=Readings(**switches),
+        start=arguments.start or start or of_study.start,
+        horizon=horizon,
+        tolerance=tolerance,
+    )
 
 
 def parameter_table(baseline: Parameters) -> str:

@@ -18,6 +18,7 @@ from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME, Quantity
 from model.physics.units import Units
 from model.runs.simulate import simulate
+from model.runs.twin import twin_words
 from model.study.config import load_study, study_path
 
 if TYPE_CHECKING:
@@ -42,8 +43,8 @@ def add(commands: Any) -> None:
 
 def _assess(arguments: argparse.Namespace) -> int:
     study = load_study(study_path())
-    units, device = device_of(study.baseline, arguments)
-    settings = settings_of(study.settings.settings, arguments, units)
+    units, device, start = device_of(study.baseline, arguments)
+    settings = settings_of(study.settings.settings, arguments, units, start)
     announce_compilation()
     from model.study.assessment import assess  # noqa: PLC0415  (only this command)
 
@@ -52,10 +53,11 @@ def _assess(arguments: argparse.Namespace) -> int:
         print_json(_record(found, units))
         return 0
     print("\n".join(_report(found, units)))
+    print(twin_words(device, settings))
     if found.failing_start is not None:
         run = simulate(device.replace(**found.failing_start), settings)
-        start = ", ".join(f"{name} = {value:.4g}" for name, value in found.failing_start.items())
-        print(f"{'for example':<16}{start}: {run.message}")
+        failing = ", ".join(f"{name} = {value:.4g}" for name, value in found.failing_start.items())
+        print(f"{'for example':<16}{failing}: {run.message}")
         print(f"{'what to do':<16}{run.remedy}")
     return 0
 

@@ -103,8 +103,8 @@ def _map(arguments: argparse.Namespace) -> int:
 
 def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
     study = load_study(study_path())
-    units, parameters = device_of(study.baseline, arguments)
-    settings = settings_of(study.settings.settings, arguments, units)
+    units, parameters, start = device_of(study.baseline, arguments)
+    settings = settings_of(study.settings.settings, arguments, units, start)
     resolution = _resolution(arguments.resolution)
     spans = _span("--x", arguments.x), _span("--y", arguments.y)
     # Checked in the units of the command line, so that a refusal names the values given.
@@ -114,7 +114,10 @@ def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
     from model.study.maps import plan_of  # noqa: PLC0415
 
     run_settings = RunSettings(
-        readings=asdict(settings.readings), horizon=settings.horizon, tolerance=settings.tolerance
+        readings=asdict(settings.readings),
+        horizon=settings.horizon,
+        tolerance=settings.tolerance,
+        start=settings.start,
     )
     every = min(study.maps.ensemble.every, max(resolution // _ENSEMBLE, 1))
     ensemble = study.maps.ensemble.model_copy(update={"every": every})
@@ -149,7 +152,7 @@ class _Bar:
     """Progress bar on one line of a terminal; silent elsewhere."""
 
     _WIDTH = 24
-    _LAYERS = {"paper": "outcomes", "ensemble": "reliability"}  # noqa: RUF012 - never changed
+    _LAYERS = {"paper": "outcomes", "twin": "unvibrated", "ensemble": "reliability"}  # noqa: RUF012 - never changed
 
     def __init__(self) -> None:
         self._shown = sys.stderr.isatty()
@@ -175,10 +178,14 @@ class _Bar:
 
 def _report(dataset: "xr.Dataset") -> list[str]:
     aligned = float((dataset["outcome"] == 0).mean())
+    from model.study.map_datasets import ONLY_VIBRATED, added  # noqa: PLC0415  (as in _map)
+
+    by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
     nodes = dataset["outcome"].size
     rows = [
         ("aligns", f"{100.0 * aligned:.3g} % of the map"),
         ("reliable", f"{100.0 * float(dataset['reliable'].mean()):.3g} % of the map"),
+        ("vibration", f"{100.0 * by_vibration:.3g} % of the map: does not align without it"),
         ("flagged", f"{100.0 * float(dataset['flagged'].mean()):.3g} %: may end differently"),
         ("computed", f"{100.0 * dataset.attrs['computed_share']:.3g} % of {nodes:,} nodes"),
         ("trajectories", f"{dataset.attrs['trajectories']:,} starts, the ensemble's included"),

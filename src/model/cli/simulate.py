@@ -19,12 +19,14 @@ from model.cli.files import check_picture, save_picture
 from model.cli.si import in_words
 from model.cli.tables import print_json
 from model.engines.results import COURSE, RESULTS
-from model.events.outcomes import Outcome
+from model.events.outcomes import Outcome, Unvibrated
 from model.physics.notation import State
+from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import PLAIN, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
+from model.runs.twin import twin_results, twin_words
 from model.study.config import load_study, study_path
 from model.tracking.provenance import version
 
@@ -47,8 +49,8 @@ def add(commands: Any) -> None:
 
 def _simulate(arguments: argparse.Namespace) -> int:
     study = load_study(study_path())
-    units, parameters = device_of(study.baseline, arguments)
-    settings = settings_of(study.settings.settings, arguments, units)
+    units, parameters, start = device_of(study.baseline, arguments)
+    settings = settings_of(study.settings.settings, arguments, units, start)
     if arguments.plot is not None:
         check_picture(arguments.plot)
     announce_compilation()
@@ -57,6 +59,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
         print_json(_record(run, settings) | ({"si": _in_si(run, units)} if units else {}))
     else:
         lines = _report_in_si(run, units) if units else _report(run)
+        lines.append(twin_words(parameters, settings))
         if units and arguments.dimensionless:
             lines += ["", "dimensionless:", *_report(run)[1:], _units_line(units)]
         print("\n".join(lines))
@@ -155,6 +158,12 @@ def _final_state(run: Trajectory) -> dict[str, float]:
     return dict(zip(State._fields, run.state[-1].tolist(), strict=True))
 
 
+def _twin(parameters: Parameters, settings: Settings) -> dict[str, Any]:
+    found = twin_results(Batch.stack([parameters]), settings)
+    values = {name: column[0].item() for name, column in found.items()}
+    return values | {"unvibrated": _name(Unvibrated(values["unvibrated"]))}
+
+
 def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
     """Return the record of a run, for --json."""
     return {
@@ -163,10 +172,12 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "reason": _name(run.reason),
         "message": run.message,
         "remedy": run.remedy,
+        **_twin(run.parameters, settings),
         "final_time": float(run.time[-1]),
         "final_state": _final_state(run),
         "parameters": asdict(run.parameters),
         "readings": asdict(settings.readings),
+        "start": settings.start,
         "scene": settings.scene.name,
         "method": settings.method.name,
         "horizon": settings.horizon,

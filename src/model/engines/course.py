@@ -52,17 +52,20 @@ from model.physics.compiled import kernel
 from model.physics.geometry import bottom_corner, edge_place, resting_height
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
+from model.physics.rest import rest_under_press
 from model.physics.scenes import CLOSED, OPEN, START, STICKING
 
 _ALIGNED = int(Outcome.ALIGNED)
 _SETTLED = int(Outcome.SETTLED)
 _HORIZON_REACHED = int(Outcome.HORIZON_REACHED)
+_LEFT_SCENE = int(Outcome.LEFT_SCENE)
 _FAILED = int(Outcome.FAILED)
 _NONE = int(Reason.NONE)
 _IMPOSSIBLE_START = int(Reason.IMPOSSIBLE_START)
 _TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
 _CHATTER = int(Reason.CHATTER)
 _NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
+_NO_REST = int(Reason.NO_REST)
 
 _FIRST_STEP = 1e-2
 _SHORTEST_STEP = 1e-12  # after an event
@@ -79,12 +82,14 @@ class Control(NamedTuple):
         max_evaluations: largest number of right-hand-side evaluations.
         may_settle: 1.0 to stop a run in periodic steady state, else 0.0.
         alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
+        pressed: 1.0 to start at rest under the press, else 0.0.
     """
 
     horizon: float
     max_evaluations: int
     may_settle: float
     alignment_only: float
+    pressed: float
 
 
 class History(NamedTuple):
@@ -118,6 +123,15 @@ def start(p, declared):
         return State(x, y - corner_y, tilt, 0.0, 0.0, 0.0), mode
     mode = with_face(START, RIGHT_EDGE, CLOSED if declared.edge_on_face else OPEN)
     return State(x, y, tilt, 0.0, 0.0, 0.0), mode
+
+
+@kernel
+def _start_pressed(p, i, runs):
+    """State and mode at τ = 0 at rest on A1 under the press; the run ends if there is no rest."""
+    rest = rest_under_press(p)
+    if not rest.found:
+        _end(runs, i, _LEFT_SCENE, _NO_REST)
+    return State(rest.x, rest.y, rest.tilt, 0.0, 0.0, 0.0), with_face(START, RIGHT_EDGE, CLOSED)
 
 
 @kernel
@@ -160,14 +174,15 @@ def begin(row, tolerance, scene, control, runs, i):
     runs[i, TAU_ALIGN], runs[i, TAU_CORNERS_INSIDE], runs[i, TILT_AT_ALIGNMENT] = nan, nan, nan
     if control.alignment_only != 0.0:
         runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # and stay so; see note_step
-    else:
-        runs[i, TILT_MAX] = abs(p.initial_tilt)
     for which in range(MOST_EVENTS):
         runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, scene.declared)
-    if scene.events.start_is_impossible(q, p, mode):
+    if control.pressed != 0.0 and not _starts_past_the_end(q, p, mode):
+        q, mode = _start_pressed(p, i, runs)
+    runs[i, TILT_MAX] = max(runs[i, TILT_MAX], abs(q.tilt))  # 0 before, or NaN
+    if runs[i, OUTCOME] == CONTINUES and scene.events.start_is_impossible(q, p, mode):
         fail(runs, i, _IMPOSSIBLE_START)
-    else:
+    if runs[i, OUTCOME] == CONTINUES:
         mode, possible = decide_friction(0.0, q, p, mode, True, True)
         if not possible:
             fail(runs, i, _NO_FRICTION_SOLUTION)

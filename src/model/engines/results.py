@@ -1,6 +1,7 @@
 """Results of a run: the one table of their names, types, meanings, quantities and tolerances.
 
-The fields of ``Results`` are the table. The following are derived from it: the columns in which
+The fields of ``Results`` are the table, with ``TWIN`` for the unvibrated twin of a run. The
+following are derived from it: the columns in which
 engines write results (record.py) and ``RunResult``, which reads them; ``Alignments`` and
 ``Trajectory``; the variables of datasets with their attributes; the lines that the command line
 prints; the tolerances of comparisons with the reference. To add a result, add a field here, and
@@ -18,12 +19,14 @@ import numpy as np
 from model.engines.tolerances import (
     Tolerance,
     by_error,
+    equal,
     equal_if_aligned,
+    of_rest,
     of_sampled_force,
     of_sampled_tilt,
     of_share,
 )
-from model.events.outcomes import Outcome, Reason
+from model.events.outcomes import Outcome, Reason, Unvibrated
 from model.physics.notation import State
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
 from model.physics.tables import entries, field_of
@@ -164,10 +167,26 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
 
 
 RESULTS: Mapping[str, Result] = entries(Results)
-KINDS: Mapping[str, Kind] = {
+KINDS: dict[str, Kind] = {
     f.name: _KINDS[f.type]._replace(stored=np.int64) if RESULTS[f.name].wide else _KINDS[f.type]
     for f in fields(Results)
 }
+
+# Results of the unvibrated twin of a run (runs/twin.py), which the datasets of the study hold.
+TWIN: Mapping[str, Result] = {
+    "unvibrated": Result(
+        "how the same run ends without vibration", tolerance=equal, flags=Unvibrated, line=None
+    ),
+    "unvibrated_tilt": Result(
+        "tilt at which it rests without vibration; NaN where it does not", ANGLE, tolerance=of_rest
+    ),
+    "slow_tilt": Result(
+        "tilt at which it rests if it is pressed slowly; NaN where it does not",
+        ANGLE,
+        tolerance=of_rest,
+    ),
+}
+KINDS |= {name: _KINDS[OutcomeT if each.flags else Real] for name, each in TWIN.items()}
 
 # Further numbers of a run from its engine; see ``RunResult``.
 _BESIDES = ("time", "end_tilt", "end_on_edge", "rejected", "tracked")

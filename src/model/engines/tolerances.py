@@ -22,6 +22,8 @@ TILT_SAMPLED = 1e-4
 FORCE_SAMPLED = 2e-2
 # A run that settles may do so a period sooner or later.
 SHARE_SETTLED = 1e-2
+# Without vibration a part that comes to rest still moves by this much when its run ends.
+TILT_AT_REST = 1e-3
 # Of a run that lasts to the horizon the share moves by less than 1e-9 at tighter tolerances.
 SHARE_AT_HORIZON = 1e-6
 
@@ -57,6 +59,16 @@ def of_share(runs: Compared) -> Array:
     """Admit the change of a share of the time that another end of the run causes."""
     ends = [runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.HORIZON_REACHED]
     return np.select(ends, [by_error(runs) + 1e-8, SHARE_AT_HORIZON], SHARE_SETTLED)
+
+
+def of_rest(runs: Compared) -> Array:
+    """Admit what is left of the motion where a part comes to rest."""
+    return np.full(runs.value.shape, TILT_AT_REST)
+
+
+def equal(runs: Compared) -> Array:
+    """Admit no difference."""
+    return np.zeros(runs.value.shape)
 
 
 def equal_if_aligned(runs: Compared) -> Array:

@@ -42,6 +42,7 @@ class Reason(IntEnum):
     NOT_FINITE = 12
     NO_FRICTION_SOLUTION = 13
     CHAOTIC = 14
+    NO_REST = 15
 
 
 OUTCOME_TEXT: dict[Outcome, str] = {
@@ -69,6 +70,14 @@ REASON_TEXT: dict[Reason, str] = {
     Reason.NO_FRICTION_SOLUTION: "no friction force satisfies this reading's friction law",
     Reason.CHAOTIC: "its motion is chaotic, and whether it ever aligns is chance: another "
     "tolerance may answer otherwise",
+    Reason.NO_REST: "pressed slowly it does not come to rest on the edge: it topples or slides off "
+    "before the vibration sets in",
+}
+
+UNVIBRATED_TEXT: dict[Unvibrated, str] = {
+    Unvibrated.ALIGNS: "aligns all the same",
+    Unvibrated.RESTS: "rests on the edge",
+    Unvibrated.LEAVES: "topples or leaves the edge",
 }
 
 _REMEDY_OF_OUTCOME: dict[Outcome, str] = {
@@ -89,6 +98,8 @@ _REMEDY_OF_REASON: dict[Reason, str] = {
     Reason.CHATTER: "change the tolerance; report the parameters if it stays",
     Reason.CHAOTIC: "change press_force, tilt_stiffness or frequency: a longer horizon leaves it "
     "to chance",
+    Reason.NO_REST: "lower press_force, or raise tilt_stiffness or friction, so that it rests; or "
+    "start = 'simultaneous'",
     Reason.NO_FRICTION_SOLUTION: "use the consistent readings normal_sign and side_force, under "
     "which friction always has a solution",
 }

@@ -1,15 +1,16 @@
-"""Settings of a run: readings, scene, method, tolerance and horizon, with their checks."""
+"""Settings of a run: readings, scene, start, method, tolerance and horizon, with their checks."""
 
 import math
 import numbers
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, get_args
 
 from model.engines.course import Control
 from model.engines.scalar.tableaux import DOP853, Method, Tableau
 from model.events.kernels import SceneKernels, in_kernels
 from model.physics.parameters import check_name
 from model.physics.readings import Readings
+from model.physics.rest import Start
 from model.physics.scenes import ALIGNMENT, Scene
 
 
@@ -20,6 +21,10 @@ class Settings:
     Attributes:
         readings: variants of the paper's equations.
         scene: the contacts that are modelled.
+        start: "simultaneous": the press and the vibration set in together, on a part that touches
+            the base without load (paper). "pressed": the part rests under the press, which has
+            risen slowly, and then the vibration sets in; needs the consistent readings. The
+            initial tilt then has no effect. A part without rest leaves the scene at once.
         horizon: latest time τ of a run, > 0, dimensionless.
         tolerance: largest local error of a step, 1e-14 to 1e-2, relative to 1 + |state|.
         max_evaluations: largest number of right-hand-side evaluations of one integration, >= 1.
@@ -36,6 +41,7 @@ class Settings:
 
     readings: Readings = field(default_factory=Readings)
     scene: Scene = ALIGNMENT
+    start: Start = "simultaneous"
     horizon: float = 300.0
     tolerance: float = 1e-10
     max_evaluations: int = 20_000_000
@@ -51,6 +57,15 @@ class Settings:
         for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
                 raise TypeError(f"{name} = {getattr(self, name)!r}: must be a {kind.__name__}")
+        check_name(self.start, get_args(Start), "start")
+        if self.start == "pressed" and self.readings != Readings.consistent():
+            raise ValueError(
+                "start = 'pressed': needs the consistent readings; choose them or 'simultaneous'"
+            )
+        if self.start == "pressed" and "edge_on_face" not in self.scene.contacts:
+            raise ValueError(
+                f"start = 'pressed': the scene {self.scene.name!r} must declare edge_on_face"
+            )
         if not (self.horizon > 0.0 and math.isfinite(self.horizon)):
             raise ValueError(f"horizon = {self.horizon!r}: must be a finite number > 0")
         if not 1e-14 <= self.tolerance <= 1e-2:
@@ -73,6 +88,7 @@ class Settings:
             int(self.max_evaluations),
             float(self.may_settle),
             float(self.alignment_only),
+            float(self.start == "pressed"),
         )
 
 

@@ -1,17 +1,23 @@
 """The unvibrated twin of a run: the same part pressed the same way, but not vibrated.
 
 A run is vibratory alignment if its twin comes to rest on the edge A1 (paper, sect. 1: the part
-"gets tilted and takes stable equilibrium position"; then vibration moves it).
+"gets tilted and takes stable equilibrium position"; then vibration moves it). The twin is pressed
+at once, as the run; where only its overshoot makes it fall in, it rests if it is pressed slowly.
 """
 
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from model.engines.record import constants_in
 from model.engines.results import RunResult
-from model.events.outcomes import Outcome, Unvibrated
-from model.physics.parameters import Batch
+from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
+from model.physics.compiled import kernel
+from model.physics.parameters import Batch, Parameters
+from model.physics.readings import Readings
+from model.physics.rest import rest_under_press
 from model.runs.engines import engine_for
 from model.runs.settings import Settings
 
@@ -33,7 +39,7 @@ class Unvibrations(NamedTuple):
 
 
 def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> Unvibrations:
-    """Run the parameter sets of ``batch`` without excitation; equal ones are run once.
+    """Run the sets of ``batch`` without excitation from the simultaneous start; equal ones once.
 
     Args:
         batch: the vibrated runs.
@@ -43,6 +49,7 @@ def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> Unvibrations
     still = np.zeros(len(batch))
     twins = Batch({**batch.values, "frequency": still, "phase": still})
     rows, which = np.unique(twins.constants(settings.readings), axis=0, return_inverse=True)
+    settings = replace(settings, start="simultaneous", alignment_only=True)
     run = engine_for(settings, cores=cores)
     found = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     rests = (found.outcome == Outcome.SETTLED) & (found.end_on_edge == 1.0) & (found.end_tilt > 0.0)
@@ -50,3 +57,45 @@ def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> Unvibrations
     ends = np.where(found.outcome == Outcome.ALIGNED, Unvibrated.ALIGNS, ends).astype(np.int8)
     which = which.reshape(-1)
     return Unvibrations(ends[which], np.where(rests, found.end_tilt, np.nan)[which])
+
+
+def slow_tilt(batch: Batch, settings: Settings) -> Array:
+    """Return the tilts at which parts rest under a slow press, shape (n,); NaN without rest.
+
+    NaN as well unless the readings are consistent, since physics/rest.py knows no others.
+    """
+    tilts = np.full(len(batch), np.nan)
+    if settings.readings == Readings.consistent():
+        _rest_of_each(batch.constants(settings.readings), tilts)
+    return tilts
+
+
+def twin_results(batch: Batch, settings: Settings, cores: int = 1) -> dict[str, NDArray[Any]]:
+    """Return the results in ``TWIN`` of the sets of ``batch``, each of shape (n,)."""
+    found = unvibrated(batch, settings, cores)
+    return {
+        "unvibrated": found.outcome,
+        "unvibrated_tilt": found.tilt,
+        "slow_tilt": slow_tilt(batch, settings),
+    }
+
+
+def twin_words(parameters: Parameters, settings: Settings) -> str:
+    """Return the end of the unvibrated twin in a line of words."""
+    found = twin_results(Batch.stack([parameters]), settings)
+    outcome, tilt, slow = (column[0] for column in found.values())
+    words = UNVIBRATED_TEXT[Unvibrated(outcome)]
+    if outcome == Unvibrated.RESTS:
+        words += f", tilted by {np.degrees(tilt):.2g}°"
+    elif np.isfinite(slow):
+        words += f"; pressed slowly it rests, tilted by {np.degrees(slow):.2g}°"
+    return f"without vibration: {words}"
+
+
+@kernel
+def _rest_of_each(rows, tilts):
+    """Write the tilt of each part that rests under a slow press into ``tilts``."""
+    for row in range(rows.shape[0]):
+        rest = rest_under_press(constants_in(rows[row]))
+        if rest.found:
+            tilts[row] = rest.tilt

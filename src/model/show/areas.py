@@ -1,6 +1,6 @@
 """Figs. 13 and 14: areas of stable alignment, and the map of the largest misalignment."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +27,14 @@ from model.show.axes import (
     not_inserted,
     runs_of,
 )
-from model.show.overlays import add_contours, add_marks, add_reliable
+from model.show.overlays import (
+    add_contours,
+    add_marks,
+    add_outline,
+    add_reliable,
+    add_vibration,
+)
+from model.study.map_datasets import added
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +43,20 @@ _SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are
 _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 
 LEFT_LABEL = "of these, leaves the scene"
+SLOW_LABEL = "inside, it rests if pressed slowly"
+# In the order of ``map_datasets.added``.
+ADDED_LABELS = (
+    "aligns, vibrated or not",
+    "aligns only if vibrated",
+    "aligns only if not vibrated",
+    "does not align, vibrated or not",
+)
+_ADDED: tuple[Mapping[str, Any], ...] = (
+    {"facecolor": style.SKY_BLUE, "edgecolor": style.BLUE, "hatch": "...", "linewidth": 0.0},
+    {"facecolor": style.GREEN, "linewidth": 0.0},
+    {"facecolor": style.ORANGE, "edgecolor": style.BLACK, "hatch": "\\\\\\\\", "linewidth": 0.0},
+    style.NON_ALIGNING,
+)
 
 
 def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
@@ -88,11 +109,44 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
         axes.spines[["top", "right"]].set_visible(True)
         if "resolution" in dataset.attrs:
             add_contours(axes, x.values, y.values, durations)
-            handles += [*add_reliable(axes, dataset), *add_marks(axes, dataset)]
+            handles += [*add_reliable(axes, dataset), *add_vibration(axes, dataset)]
+            handles += add_marks(axes, dataset)
         figure.legend(
             handles=handles,
             loc="outside lower center",
             ncols=len(handles) if len(handles) < 4 else 2,
+            handler_map={PathPatch: HandlerPatch()},
+            handleheight=1.4,
+        )
+        return figure
+
+
+def vibration_map(dataset: "xr.Dataset") -> Figure:
+    """Draw where the part aligns only if vibrated, only if not, in both ways, and in neither.
+
+    The outline holds the parts that come to rest on the edge if they are pressed slowly.
+    """
+    y, x = (dataset[name] for name in dataset["outcome"].dims)
+    edges, found = (cell_edges(x.values), cell_edges(y.values)), added(dataset)
+    with style.context():
+        figure = style.new_figure(height=11.0 * style.CENTIMETRE)
+        axes = figure.subplots()
+        axes.grid(visible=False)
+        handles: list[Patch | Line2D] = [
+            _add_area(axes, *edges, found == kind, label, **look)
+            for kind, (label, look) in enumerate(zip(ADDED_LABELS, _ADDED, strict=True))
+        ]
+        rests = np.isfinite(dataset["slow_tilt"].values)
+        handles += add_outline(axes, dataset, rests, SLOW_LABEL, style.BLACK, "-")
+        axes.set_xlim(edges[0][0], edges[0][-1])
+        axes.set_ylim(edges[1][0], edges[1][-1])
+        axes.set_xlabel(axis_label(x))
+        axes.set_ylabel(axis_label(y))
+        axes.spines[["top", "right"]].set_visible(True)
+        figure.legend(
+            handles=handles,
+            loc="outside lower center",
+            ncols=2,
             handler_map={PathPatch: HandlerPatch()},
             handleheight=1.4,
         )

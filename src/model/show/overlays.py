@@ -6,7 +6,7 @@ the legend.
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,6 +17,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from model.show import style
+from model.study.map_datasets import ONLY_VIBRATED, added
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,6 +26,7 @@ Floats = NDArray[np.float64]
 Place = tuple[float, float]
 
 RELIABLE_LABEL = "reliable: at every phase"
+VIBRATION_LABEL = "inside, it does not align unless vibrated"
 MARK_LABEL = "other figures, by number"
 _CONTOURS = 5  # approximate number
 _CONTOUR_NODES = 128  # nodes along a side from which contours are drawn, at most
@@ -88,15 +90,43 @@ def add_reliable(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
     """Draw the outline of the reliable area."""
     if "reliable" not in dataset or "ensemble_phases" not in dataset.attrs:
         return []
-    y, x = (dataset[name].values for name in dataset["reliable"].dims)
-    reliable = dataset["reliable"].values
-    if reliable.min() == reliable.max():
+    reliable = dataset["reliable"].values == 1
+    return add_outline(axes, dataset, reliable, RELIABLE_LABEL, style.VERMILLION, "-")
+
+
+def add_vibration(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:
+    """Draw the outline of the area in which the part does not align without vibration."""
+    if "unvibrated" not in dataset:
         return []
+    inside = added(dataset) == ONLY_VIBRATED
+    return add_outline(axes, dataset, inside, VIBRATION_LABEL, style.BLACK, "--")
+
+
+def add_outline(
+    axes: Axes,
+    dataset: "xr.Dataset",
+    inside: NDArray[np.bool_],
+    label: str,
+    colour: str,
+    line: Literal["-", "--"],
+) -> list[Line2D]:
+    """Draw the outline of the nodes ``inside``; return its handle, or none without an outline."""
+    if inside.all() or not inside.any():
+        return []
+    y, x = (dataset[name].values for name in dataset["outcome"].dims)
     outline: QuadContourSet = axes.contour(
-        x, y, reliable.astype(float), [0.5], colors=style.VERMILLION, linewidths=1.6, zorder=3.0
+        x,
+        y,
+        inside.astype(float),
+        [0.5],
+        colors=colour,
+        linestyles=line,
+        linewidths=1.6,
+        zorder=3.0,
     )
-    outline.set_label("_reliable")
-    return [Line2D([], [], color=style.VERMILLION, linewidth=1.6, label=RELIABLE_LABEL)]
+    outline.set_label(f"_{label}")
+    outline.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
+    return [Line2D([], [], linewidth=1.6, label=label, color=colour, linestyle=line)]
 
 
 def add_marks(axes: Axes, dataset: "xr.Dataset") -> list[Line2D]:

@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.engines.results import COURSE, KINDS, RESULTS, Result
+from model.engines.results import COURSE, KINDS, RESULTS, TWIN, Result
 from model.events.outcomes import Outcome
-from model.physics.parameters import FIELDS
+from model.physics.parameters import FIELDS, Batch
 from model.physics.quantities import ANGLE
 from model.runs.align import align
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
+from model.runs.twin import twin_results
 from model.study.files import whole_file
 from model.study.sweeps import Sweep
 
@@ -63,7 +64,7 @@ def _attributes(result: Result) -> dict[str, Any]:
 
 # Attributes of the results that datasets hold, and of the course of a trajectory.
 VARIABLES: Mapping[str, dict[str, Any]] = {
-    name: _attributes(result) for name, result in RESULTS.items() if result.stored
+    name: _attributes(result) for name, result in {**RESULTS, **TWIN}.items() if result.stored
 }
 HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
     name: _attributes(result) for name, result in COURSE.items()
@@ -79,9 +80,10 @@ def parameter_attributes(name: str) -> dict[str, Any]:
 def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.Dataset:
     """Run one chunk of a sweep; its variables lie over ``point``, the flat index into the grid."""
     points = sweep.points_of_chunk(chunk, chunks)
-    results = align(sweep.batch(points), sweep.settings.settings, cores=cores)
+    batch, settings = sweep.batch(points), sweep.settings.settings
+    results = vars(align(batch, settings, cores=cores)) | twin_results(batch, settings, cores)
     return xr.Dataset(
-        {name: (POINT, getattr(results, name).astype(KINDS[name].stored)) for name in VARIABLES},
+        {name: (POINT, results[name].astype(KINDS[name].stored)) for name in VARIABLES},
         coords={POINT: points},
         attrs={"figure": sweep.figure, "sweep": sweep.identity, "chunk": chunk, "chunks": chunks},
     )
@@ -121,8 +123,10 @@ def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
     variables: dict[str, Any] = {
         name: ("time", values, HISTORY_VARIABLES[name]) for name, values in run.course.items()
     }
+    twin = twin_results(Batch.stack([sweep.baseline]), sweep.settings.settings)
+    results = vars(run) | {name: column[0] for name, column in twin.items()}
     for name, attributes in VARIABLES.items():
-        value = np.asarray(getattr(run, name))
+        value = np.asarray(results[name])
         one_byte = KINDS[name].stored is np.int8
         variables[name] = ((), value.astype(np.int8) if one_byte else value, attributes)
     time = ("time", run.time, {"units": "1", "long_name": "time", "symbol": "τ"})

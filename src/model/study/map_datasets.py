@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from model.engines.results import TWIN
+from model.events.outcomes import Outcome, Unvibrated
 from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME
 from model.physics.units import UNITS, Units
@@ -33,6 +35,7 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
         "long_name": "a start displaced by the tolerance ends differently, where computed",
         **_NO_YES,
     },
+    **{name: VARIABLES[name] for name in TWIN},
     "flagged": {
         "long_name": "the outcome may be another",
         "comment": f"sensitive, or filled within {BESIDE} nodes of another outcome",
@@ -49,6 +52,22 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
     },
 }
 """Attributes of the variables of a map, in the order of its dataset."""
+
+BOTH, ONLY_VIBRATED, ONLY_PRESSED, NEITHER = range(4)
+
+
+def added(dataset: xr.Dataset) -> NDArray[np.int64]:
+    """Return the share of vibration at every point of a map or figure, in the shape of its outcome.
+
+    BOTH: the part aligns with and without vibration; ONLY_VIBRATED, ONLY_PRESSED: it aligns with
+    vibration alone, or without alone; NEITHER: it aligns in no way.
+    """
+    vibrated = dataset["outcome"].values == Outcome.ALIGNED
+    pressed = dataset["unvibrated"].values == Unvibrated.ALIGNS
+    return np.select(
+        [vibrated & pressed, vibrated, pressed], [BOTH, ONLY_VIBRATED, ONLY_PRESSED], NEITHER
+    )
+
 
 Mark = tuple[str, list[float], list[float]]
 """(figure, its values of x, its values of y): two values are the ends of a range."""

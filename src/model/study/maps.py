@@ -9,6 +9,7 @@ ensemble is tried on a coarser lattice, refined as well.
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from pydantic import model_validator
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.runs.align import align
+from model.runs.twin import twin_results
 from model.study.config import (
     LARGEST_MISALIGNMENT,
     MAPS,
@@ -118,9 +120,9 @@ class MapPlan(Plan):
         return [] if self.ensemble is None else starts_of(self.baseline, self.ensemble)
 
     def layers(self, cores: int = 1) -> list[Layer]:
-        """Return the layers "paper" and, with an ensemble, "ensemble"."""
-        paper = _paper_layer(self, cores)
-        return [paper] if self.ensemble is None else [paper, _ensemble_layer(self, cores)]
+        """Return the layers "paper", "twin" and, with an ensemble, "ensemble"."""
+        layers = [_paper_layer(self, cores), _twin_layer(self, cores)]
+        return layers if self.ensemble is None else [*layers, _ensemble_layer(self, cores)]
 
 
 def map_plan(study: Study, name: str) -> MapPlan:
@@ -179,6 +181,11 @@ PAPER: Columns = {
     "sensitive": np.array(-1, dtype=np.int8),
     "rhs_evaluations": np.array(0, dtype=np.int64),
 }
+UNVIBRATED: Columns = {
+    "unvibrated": np.array(-1, dtype=np.int8),
+    "unvibrated_tilt": np.array(np.nan),
+    "slow_tilt": np.array(np.nan),
+}
 ENSEMBLE: Columns = {
     "aligned": np.array(-1, dtype=np.int16),
     "tau_worst": np.array(np.nan),
@@ -198,6 +205,20 @@ def _paper_layer(plan: MapPlan, cores: int) -> Layer:
         return areas(found["outcome"]), graded(plan, rows, columns, found["tau_align"])
 
     return Layer("paper", plan.lattice, PAPER, compute, compare)
+
+
+def _twin_layer(plan: MapPlan, cores: int) -> Layer:
+    """The end without vibration, and the rest under a slow press, without errors."""
+    settings, base = plan.settings.settings, plan.baseline
+
+    def compute(rows: Ints, columns: Ints, _: Known) -> Columns:
+        return twin_results(Batch.of(base, **plan.swept(rows, columns)), settings, cores)
+
+    def compare(rows: Ints, _: Ints, found: Columns) -> tuple[Ints, Floats]:
+        kind = 2 * found["unvibrated"].astype(np.int64) + np.isfinite(found["slow_tilt"])
+        return kind, np.full(rows.shape, np.nan)
+
+    return Layer("twin", replace(plan.lattice, lines=0), UNVIBRATED, compute, compare)
 
 
 def _ensemble_layer(plan: MapPlan, cores: int) -> Layer:
@@ -258,6 +279,8 @@ def assemble(
     outcome = paper.spread(columns["outcome"])
     aligns = outcome == Outcome.ALIGNED
     sensitive = columns["sensitive"] == 1
+    twin, unvibrated = refined["twin"], known["twin"].columns
+    rests = {name: twin.filled(unvibrated[name]) for name in ("unvibrated_tilt", "slow_tilt")}
     reliable, share, worst = aligns, *np.full((2, *aligns.shape), np.nan)
     trajectories = paper.computed.astype(np.int32)
     if plan.ensemble is not None:
@@ -273,6 +296,8 @@ def assemble(
         "tau_align": np.where(aligns, paper.filled(columns["tau_align"]), np.nan),
         "tau_error": columns["tau_error"],
         "sensitive": sensitive.astype(np.int8),
+        "unvibrated": twin.spread(unvibrated["unvibrated"]),
+        **rests,
         "flagged": (sensitive | paper.beside(BESIDE)).astype(np.int8),
         "level": paper.level.astype(np.int8),
         "trajectories": trajectories,
@@ -285,7 +310,8 @@ def assemble(
 
 def evaluations(known: Mapping[str, Known]) -> int:
     """Return the evaluations of the equations of motion at all known nodes."""
-    return sum(int(each.columns["rhs_evaluations"].sum()) for each in known.values())
+    counted = (each.columns for each in known.values() if "rhs_evaluations" in each.columns)
+    return sum(int(columns["rhs_evaluations"].sum()) for columns in counted)
 
 
 def part_counts(plan: MapPlan, known: Mapping[str, Known]) -> dict[str, int]:

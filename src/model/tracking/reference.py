@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import COURSE, RESULTS
+from model.engines.results import COURSE, RESULTS, TWIN
 from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
 from model.study.config import FIGURES, SCHEMATICS
@@ -119,7 +119,7 @@ def _numbers(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
     outcome = _values(reference, "outcome")
     error = _values(reference, "tau_error").astype(np.float64)
     same_end = _regular(reference) & (outcome == _values(built, "outcome"))
-    for name, result in RESULTS.items():
+    for name, result in {**RESULTS, **TWIN}.items():
         if result.tolerance is None:
             continue
         old, new = (_values(each, name).astype(np.float64) for each in (reference, built))

@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from model.physics.parameters import Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
+from model.physics.rest import Start
 from model.runs.settings import Settings
 from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Strict, Text, Tolerance
@@ -32,12 +33,15 @@ class RunSettings(Strict):
     """Latest time τ of a run."""
     tolerance: Tolerance
     """Local error of a step."""
+    start: Start = "simultaneous"
+    """Press and vibration set in together, or the part rests under the press before it vibrates."""
 
     @model_validator(mode="after")
-    def _readings_exist(self) -> "RunSettings":
+    def _fit_together(self) -> "RunSettings":
         if isinstance(self.readings, dict):
             for name in self.readings:
                 check_name(name, READING_NAMES, "reading")
+        _ = self.settings  # a pressed start needs the consistent readings
         return self
 
     @property
@@ -47,7 +51,9 @@ class RunSettings(Strict):
             readings = Readings(**self.readings)
         else:
             readings = getattr(Readings, self.readings)()
-        return Settings(readings=readings, horizon=self.horizon, tolerance=self.tolerance)
+        return Settings(
+            readings=readings, start=self.start, horizon=self.horizon, tolerance=self.tolerance
+        )
 
 
 class Study(Strict):

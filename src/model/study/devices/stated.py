@@ -4,11 +4,12 @@ import math
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import yaml
 
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
+from model.physics.rest import Start
 from model.physics.units import UNITS, Device, device
 from model.study.devices.amounts import Tolerance, read_amount, read_range
 from model.study.devices.base import BASE, pair_of, with_base
@@ -21,7 +22,7 @@ LIMITS: Mapping[str, tuple[str, str]] = {
     "tilt": ("largest tilt until alignment", "rad"),
 }
 QUANTITIES = (*UNITS, *PARAMETER_NAMES, *BASE)
-_DESIGN = ("materials", "free", "limits")
+_BESIDES = ("materials", "free", "limits", "start")
 
 
 class DeviceError(ValueError):
@@ -40,6 +41,7 @@ class StatedDevice:
         free: ranges within which a design may choose a quantity.
         limits: largest admissible values of the names in ``LIMITS``.
         changes: quantities set besides the file, as they were given.
+        start: start of its runs (``Settings.start``), or None.
     """
 
     source: Path
@@ -49,6 +51,7 @@ class StatedDevice:
     free: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     limits: Mapping[str, float] = field(default_factory=dict)
     changes: Mapping[str, object] = field(default_factory=dict)
+    start: Start | None = None
 
     @property
     def device(self) -> Device:
@@ -117,7 +120,7 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
     changes = {} if changes is None else changes
     mapping = _mapping(path)
     try:
-        values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _DESIGN})
+        values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _BESIDES})
         changed, others = _amounts({n: v for n, v in changes.items() if n != "materials"})
         materials = changes.get("materials", mapping.get("materials"))
         stated = StatedDevice(
@@ -128,6 +131,7 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
             free=_ranges(mapping.get("free", {})),
             limits=_limits(mapping.get("limits", {})),
             changes=dict(changes),
+            start=_start(mapping.get("start")),
         )
         check_sense(stated.resolved({}) if _is_whole(stated) else stated.quantities)
         _check_tolerances(stated)
@@ -197,6 +201,12 @@ def _section(name: str, given: object) -> Mapping[str, object]:
 def _ranges(given: object) -> dict[str, tuple[float, float]]:
     section = _section("free", given)
     return {name: read_range(name, value, unit_of(name)) for name, value in section.items()}
+
+
+def _start(given: Any) -> Start | None:
+    if given is not None:
+        check_name(str(given), get_args(Start), "start")
+    return given
 
 
 def _limits(given: object) -> dict[str, float]:

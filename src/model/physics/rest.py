@@ -1,0 +1,181 @@
+"""Rest of the part on the edge A1 under a press that rises slowly: equilibrium with dry friction.
+
+Pressed slowly, the part passes through equilibria. In the coordinates s (of A1 along the bottom
+face), d (depth) and φ the mass centre is C = A1 - s e_t + (b - d) e_n, and with the force F and the
+moment M_φ of the suspension equilibrium asks for
+
+    n = k_a d = -F·e_n,   T = -F·e_t,   s n + (b - d) T + M_φ = 0.
+
+While |T| <= μ n the edge sticks and s stays; beyond, it slides until |T| = μ n. The load rises from
+0 to the whole in steps short enough for both. A fold, where the equilibrium ceases to be stable,
+ends the path: the part topples or slides off. To first order, sticking,
+
+    φ = f0 s / (k_φ + s² + k_x b² - f0 b)       (φ_st = 0, x_st = x(0), y_st = b).
+"""
+
+from math import isfinite
+from typing import Literal, NamedTuple
+
+from model.physics.compiled import kernel
+from model.physics.forces import applied_forces, excitation
+from model.physics.geometry import edge_place
+from model.physics.notation import LEFT_EDGE, State
+from model.physics.trigonometry import sine_cosine
+
+Start = Literal["simultaneous", "pressed"]
+"""Start of a run: press and vibration set in together, or the part rests before it vibrates."""
+
+_LONGEST_STEP = 1.0 / 16.0  # of the load
+_SHORTEST_STEP = 1e-4  # the load of a fold is known to this share of the whole
+_LARGEST_TURN = 0.05  # of the tilt in one step, rad
+_ITERATIONS = 30
+_RESOLUTION = 1e-13  # of the equilibrium, in units of the forces and moments that balance
+_DIFFERENCE = 1e-7  # for derivatives
+
+
+class Rest(NamedTuple):
+    """State of a part that has been pressed slowly; all rates are zero.
+
+    Attributes:
+        x, y, tilt: mass centre and tilt; of the last equilibrium if there is no rest.
+        found: True if the part rests on A1 alone under the whole load.
+    """
+
+    x: float
+    y: float
+    tilt: float
+    found: bool
+
+
+class _Balance(NamedTuple):
+    """Forces at one place and tilt: what equilibrium asks of the contact, and the moment left."""
+
+    load: float
+    friction: float
+    moment: float
+    scale: float  # of the moment
+    x: float
+    y: float
+
+
+@kernel
+def _unloaded_height(s, p):
+    """Ordinate of the mass centre at the tilt φ_st of the relaxed spring, with A1 at ``s``."""
+    sine, cosine = sine_cosine(p.rest_tilt)
+    return -s * sine + p.half_height * cosine
+
+
+@kernel
+def _suspension(x, y, tilt, share, first, p):
+    """(x, y, moment) of the forces without contact, excitation excluded.
+
+    ``first`` is the axial force at the first touch; of it ``share`` acts.
+    """
+    force = applied_forces(0.0, State(x, y, tilt, 0.0, 0.0, 0.0), p)
+    return force.x, force.y - excitation(0.0, p) - (1.0 - share) * first, force.moment
+
+
+@kernel
+def _balance(s, tilt, share, first, p):
+    """``_Balance`` with A1 at ``s`` of the bottom face; the depth follows from the normal force."""
+    sine, cosine = sine_cosine(tilt)
+    x0 = p.slot_half_width - s * cosine - p.half_height * sine
+    y0 = -s * sine + p.half_height * cosine
+    # The normal force is linear in the depth as far as the suspension is: one secant step.
+    fx, fy, _ = _suspension(x0, y0, tilt, share, first, p)
+    at_0 = fx * sine - fy * cosine
+    fx, fy, _ = _suspension(x0 + sine, y0 - cosine, tilt, share, first, p)
+    depth = at_0 / (p.contact_stiffness + at_0 - (fx * sine - fy * cosine))
+    x, y = x0 + depth * sine, y0 - depth * cosine
+    fx, fy, moment = _suspension(x, y, tilt, share, first, p)
+    load, friction = fx * sine - fy * cosine, -fx * cosine - fy * sine
+    turning, sliding = s * load, (p.half_height - depth) * friction
+    scale = 1.0 + abs(turning) + abs(sliding) + abs(moment)
+    return _Balance(load, friction, turning + sliding + moment, scale, x, y)
+
+
+@kernel
+def _slides_by(at, direction, p):
+    """Friction that equilibrium asks for beyond its limit, signed; ``direction`` is its sign."""
+    return at.friction - direction * p.friction * at.load
+
+
+@kernel
+def _sticking(s, tilt, share, first, p):
+    """(tilt, stable): equilibrium with A1 held at ``s``, by Newton's iteration from ``tilt``."""
+    start = tilt
+    for _ in range(_ITERATIONS):
+        at = _balance(s, tilt, share, first, p)
+        beyond = _balance(s, tilt + _DIFFERENCE, share, first, p)
+        slope = (beyond.moment - at.moment) / _DIFFERENCE
+        if not slope < 0.0 or not abs(tilt - start) < _LARGEST_TURN:
+            return tilt, False
+        tilt -= at.moment / slope
+        if abs(at.moment) <= _RESOLUTION * at.scale:
+            return tilt, True
+    return tilt, False
+
+
+@kernel
+def _sliding(s, tilt, direction, share, first, p):
+    """(s, tilt, stable): equilibrium at the limit of friction, by Newton's iteration."""
+    start, h = tilt, _DIFFERENCE
+    for _ in range(_ITERATIONS):
+        at = _balance(s, tilt, share, first, p)
+        turned, moved = (
+            _balance(s, tilt + h, share, first, p),
+            _balance(s + h, tilt, share, first, p),
+        )
+        slip = _slides_by(at, direction, p)
+        m_tilt, m_s = (turned.moment - at.moment) / h, (moved.moment - at.moment) / h
+        g_tilt = (_slides_by(turned, direction, p) - slip) / h
+        g_s = (_slides_by(moved, direction, p) - slip) / h
+        # Stable if the moment falls with the tilt, and the excess of friction with the slide.
+        determinant = m_tilt * g_s - m_s * g_tilt
+        if not (m_tilt < 0.0 and determinant > 0.0) or not abs(tilt - start) < _LARGEST_TURN:
+            return s, tilt, False
+        tilt -= (at.moment * g_s - slip * m_s) / determinant
+        s -= (slip * m_tilt - at.moment * g_tilt) / determinant
+        if abs(at.moment) + abs(slip) <= _RESOLUTION * at.scale:
+            return s, tilt, abs(s) < p.half_width
+    return s, tilt, False
+
+
+@kernel
+def _loaded(s, tilt, share, first, p):
+    """(s, tilt, stable) under a ``share`` of the load, near an equilibrium under a smaller one."""
+    held, stable = _sticking(s, tilt, share, first, p)
+    if stable:
+        at = _balance(s, held, share, first, p)
+        if abs(at.friction) <= p.friction * at.load:
+            return s, held, True
+        direction = 1.0 if at.friction > 0.0 else -1.0
+        return _sliding(s, tilt, direction, share, first, p)
+    return s, tilt, False
+
+
+@kernel
+def rest_under_press(p):
+    """Return the ``Rest`` of a part that is pressed slowly at its misalignment, tilted by φ_st.
+
+    Consistent readings only. The excitation does not act.
+    """
+    sine, cosine = sine_cosine(p.rest_tilt)
+    s = (p.slot_half_width - p.misalignment - p.half_height * sine) / cosine
+    tilt = p.rest_tilt
+    y = _unloaded_height(s, p)
+    _, first, _ = _suspension(p.misalignment, y, tilt, 1.0, 0.0, p)
+    share, step, rests = 0.0, _LONGEST_STEP, abs(s) < p.half_width
+    while rests and share < 1.0:
+        step = min(step, 1.0 - share)
+        share_then = 1.0 if step == 1.0 - share else share + step
+        s_then, tilt_then, rests = _loaded(s, tilt, share_then, first, p)
+        if rests:
+            share, s, tilt = share_then, s_then, tilt_then
+            step = min(2.0 * step, _LONGEST_STEP)
+        elif step > _SHORTEST_STEP:
+            step, rests = 0.5 * step, True
+    at = _balance(s, tilt, share, first, p)
+    beside = edge_place(LEFT_EDGE, at.x, at.y, tilt, p).along_face + p.half_width
+    found = rests and at.load > 0.0 and tilt > 0.0 and beside <= 0.0 and isfinite(tilt)
+    return Rest(at.x, at.y, tilt, found)
