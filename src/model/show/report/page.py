@@ -13,6 +13,7 @@ from model.show.report import (
     contact_stiffness,
     figures,
     identification,
+    vibration,
 )
 from model.show.report.section import Results, Section, subscripts
 from model.show.style import FORMATS
@@ -25,6 +26,7 @@ Make = Callable[[Results], Section | None]
 FINDINGS: tuple[Make, ...] = (
     answer.section,
     figures.figures,
+    vibration.section,
     claims.section,
     contact_stiffness.section,
     identification.section,

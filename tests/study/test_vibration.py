@@ -1,0 +1,62 @@
+"""Shares of the vibration, and what another start changes: from made-up points."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from model.events.outcomes import Outcome, Reason, Unvibrated
+from model.study.map_datasets import BOTH, NEITHER, ONLY_PRESSED, ONLY_VIBRATED, added
+from model.study.vibration import by_start, shares_of
+
+NAN = np.nan
+A, S, L = Outcome.ALIGNED, Outcome.SETTLED, Outcome.LEFT_SCENE
+
+
+@pytest.fixture
+def points() -> xr.Dataset:
+    """Four points that align, by vibration, by overshoot, by press and by toppling; two others."""
+    columns = {
+        "outcome": [A, A, A, A, S, S],
+        "reason": [Reason.NONE] * 6,
+        "unvibrated": [
+            Unvibrated.RESTS, Unvibrated.ALIGNS, Unvibrated.ALIGNS, Unvibrated.LEAVES,
+            Unvibrated.ALIGNS, Unvibrated.RESTS,
+        ],
+        "slow_tilt": [0.1, 0.1, NAN, NAN, NAN, 0.2],
+        "tilt_at_alignment": [0.1, 0.2, -0.4, 0.2, NAN, NAN],
+        "tau_corners_inside": [1.1, 2.1, 3.1, NAN, NAN, NAN],
+        "tau_align": [1.0, 2.0, 3.0, 4.0, NAN, NAN],
+        "separations": [0, 0, 3, 0, 5, 0],
+    }  # fmt: skip
+    return xr.Dataset({name: ("f", np.array(values)) for name, values in columns.items()})
+
+
+def test_shares_are_of_the_aligned_points(points):
+    found = shares_of(points)
+    assert (found.points, found.aligned) == (6, 4)
+    assert (found.static, found.overshoot, found.not_resting) == (0.5, 0.25, 0.75)
+    assert (found.tilt_median, found.tilt_largest) == (pytest.approx(0.2), 0.4)
+    assert (found.corners, found.lifting) == (0.75, 0.25)
+
+
+def test_without_aligned_points_there_are_no_shares(points):
+    found = shares_of(points.isel(f=slice(4, None)))
+    assert found.aligned == 0
+    assert np.isnan([found.static, found.tilt_median, found.lifting]).all()
+
+
+def test_vibration_adds_one_of_four(points):
+    expected = [ONLY_VIBRATED, BOTH, BOTH, ONLY_VIBRATED, ONLY_PRESSED, NEITHER]
+    np.testing.assert_array_equal(added(points), expected)
+
+
+def test_two_starts_are_compared_where_both_align(points):
+    other = points.assign(
+        outcome=("f", [A, L, A, A, S, A]),
+        reason=("f", [0, Reason.NO_REST, 0, 0, 0, 0]),
+        tau_align=("f", [2.0, NAN, 3.0, 8.0, NAN, 1.0]),
+    )
+    found = by_start(points, other)
+    assert (found.aligned, found.other_aligned) == (pytest.approx(4 / 6), pytest.approx(4 / 6))
+    assert found.no_rest == pytest.approx(1 / 6)
+    assert found.ratio == 2.0
