@@ -41,6 +41,8 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     assert record["tau_worst"] == pytest.approx(3.0 * units.time)
     assert record["leeways"][0]["value"] == pytest.approx(10.0)
     assert record["leeways"][0]["high"] == pytest.approx(5.0 * units.force)
+    assert record["unvibrated"] == "rests"
+    assert 0.0 < record["slow_tilt"] < record["unvibrated_tilt"] < 0.2
     assert assess("--json") == cli.DONE
     record = json.loads(capsys.readouterr().out)
     assert (record["units"], record["tau_worst"]) == ("1", 3.0)
@@ -51,8 +53,9 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
     assert assess(*COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8") == cli.DONE
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("not reliable    aligns from 0 of 32 starts")
-    assert lines[1].startswith("for example     phase = 0, initial_tilt = 0.001: ")
-    assert lines[2].startswith("what to do")
+    assert lines[1].startswith("without vibration: ")
+    assert lines[2].startswith("for example     phase = 0, initial_tilt = 0.001: ")
+    assert lines[3].startswith("what to do")
 
 
 @pytest.mark.parametrize(

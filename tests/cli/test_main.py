@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
@@ -402,3 +403,19 @@ def test_a_doubtful_device_runs_with_a_warning(capsys):
     err = capsys.readouterr().err
     assert err.startswith("vibralign: warning: ")
     assert "amplitude = 6 mm is larger than half_width = 5 mm" in err
+
+
+def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, capsys):
+    path = tmp_path / "peg.yaml"
+    path.write_text((Path(__file__).parents[2] / "docs/peg.yaml").read_text() + "start: pressed\n")
+
+    def start_of(*arguments):
+        assert cli.main(["simulate", "--horizon", "0.01", "--json", *arguments]) == cli.DONE
+        record = json.loads(capsys.readouterr().out)
+        assert record["unvibrated"] in ("aligns", "rests", "leaves")
+        return record["start"]
+
+    assert start_of() == "simultaneous"
+    assert start_of("--start", "pressed") == "pressed"
+    assert start_of("--device", str(path)) == "pressed"
+    assert start_of("--device", str(path), "--start", "simultaneous") == "simultaneous"

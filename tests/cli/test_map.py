@@ -31,7 +31,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert err == ""  # no bar where nobody looks
     assert {line.split()[0] for line in out.splitlines()} == {
-        "aligns", "reliable", "flagged", "computed", "trajectories",
+        "aligns", "reliable", "vibration", "flagged", "computed", "trajectories",
     }  # fmt: skip
     with xr.open_dataset(tmp_path / "map.nc") as stored:
         assert set(stored) == set(MAP_VARIABLES)

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from model.engines.tolerances import MARGIN
-from model.events.outcomes import Outcome
+from model.events.outcomes import Outcome, Unvibrated
 from model.study.config import load_study, study_path
 from model.study.datasets import history_dataset, write_dataset
 from model.study.sweeps import sweep_of
@@ -44,6 +44,9 @@ def curves() -> xr.Dataset:
         "reason": np.zeros((10, 10), dtype=np.int8),
         "sensitive": sensitive,
         "separations": np.zeros((10, 10), dtype=np.int32),
+        "unvibrated": np.full((10, 10), Unvibrated.RESTS, dtype=np.int8),
+        "unvibrated_tilt": np.full((10, 10), 0.1),
+        "slow_tilt": np.full((10, 10), 0.1),
     }
     return xr.Dataset(
         {name: (dims, values) for name, values in numbers.items()},
@@ -67,6 +70,13 @@ def found(**changes: dict[tuple[int, int], float]) -> list[str]:
 
 def test_the_same_data_agree() -> None:
     assert found() == []
+
+
+def test_a_twin_may_rest_a_little_elsewhere_and_not_end_otherwise() -> None:
+    assert found(unvibrated_tilt={(1, 1): 0.1005}, slow_tilt={(1, 1): 0.0995}) == []
+    assert found(unvibrated_tilt={(1, 1): 0.102}) == ["unvibrated_tilt"]
+    assert found(slow_tilt={(1, 1): np.nan}) == ["slow_tilt"]
+    assert found(unvibrated={(1, 1): Unvibrated.ALIGNS}) == ["unvibrated"]
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from model.cli.arguments import (
     device_of,
     settings_of,
 )
+from model.cli.simulate import twin_record
 from model.cli.tables import in_columns, print_json
 from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME, Quantity
@@ -50,7 +51,7 @@ def _assess(arguments: argparse.Namespace) -> int:
 
     found = assess(device, settings, study.maps.ensemble, cores=os.cpu_count() or 1)
     if arguments.json:
-        print_json(_record(found, units))
+        print_json(_record(found, units) | twin_record(device, settings))
         return 0
     print("\n".join(_report(found, units)))
     print(twin_words(device, settings))

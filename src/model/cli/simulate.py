@@ -158,7 +158,8 @@ def _final_state(run: Trajectory) -> dict[str, float]:
     return dict(zip(State._fields, run.state[-1].tolist(), strict=True))
 
 
-def _twin(parameters: Parameters, settings: Settings) -> dict[str, Any]:
+def twin_record(parameters: Parameters, settings: Settings) -> dict[str, Any]:
+    """Return the end of the unvibrated twin, for --json."""
     found = twin_results(Batch.stack([parameters]), settings)
     values = {name: column[0].item() for name, column in found.items()}
     return values | {"unvibrated": _name(Unvibrated(values["unvibrated"]))}
@@ -172,7 +173,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "reason": _name(run.reason),
         "message": run.message,
         "remedy": run.remedy,
-        **_twin(run.parameters, settings),
+        **twin_record(run.parameters, settings),
         "final_time": float(run.time[-1]),
         "final_state": _final_state(run),
         "parameters": asdict(run.parameters),
