@@ -11,6 +11,7 @@
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
+# make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make schema     the JSON schemas of config/ anew, which editors complete and check its files by
@@ -18,11 +19,12 @@
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
 # PYTHON=python3.13 chooses the Python to build the environment with, CORES=8 the cores to use,
-# SNAKEMAKE_FLAGS=... adds options to every run of the study.
+# SNAKEMAKE_FLAGS=... adds options to every run of the study; PROFILE=slurm runs its jobs on a cluster.
 
 PYTHON ?= python3
 CORES ?= 2
 SNAKEMAKE_FLAGS ?=
+PROFILE ?= default
 BENCH_FLAGS ?=
 UV_VERSION := 0.13.8
 
@@ -33,37 +35,46 @@ SHELL := /bin/sh
 # The tools of the environment, and nothing from the caller's Python. Set for each command and not
 # for the whole file, because PYTHON is looked up outside the environment that it builds.
 in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
+ifeq ($(PROFILE),slurm)
+in_study_env := PATH="$(CURDIR)/.venv-slurm/bin:$$PATH"
+study_environment := environment-slurm
+else
+in_study_env := $(in_env)
+study_environment := environment
+cores_of_study := -c$(CORES)
+endif
 unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy identification
 .PHONY: test lint types floors workflow unit environment python lock schema
-.PHONY: fuzz truth bench nightly same-bytes export-test docs clean distclean
+.PHONY: fuzz truth bench nightly same-bytes export-test slurm-test docs clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
-# $(call run_study,OPTIONS AND TARGETS), under a lock of our own; see workflow/settle.py.
+# $(call run_study,OPTIONS AND TARGETS), under a lock of our own; see workflow/settle.py. The caller's
+# options come last: one that takes several values would take the targets for some.
 run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
-	export $(in_env); \
-	run="snakemake -c$(CORES) $(SNAKEMAKE_FLAGS) $(1)"; \
+	export $(in_study_env); \
+	run="snakemake $(1) --workflow-profile profiles/$(PROFILE) $(cores_of_study) $(SNAKEMAKE_FLAGS)"; \
 	python workflow/settle.py $$run; \
 	exec $$run'
 
-all: environment
+all: $(study_environment)
 	$(call run_study,)
 
-fig%: environment
+fig%: $(study_environment)
 	$(call run_study,$@)
 
-smoke: environment
+smoke: $(study_environment)
 	$(call run_study,--configfile config/smoke.yaml)
 
-maps: environment
+maps: $(study_environment)
 	$(call run_study,maps)
 
-accuracy: environment
+accuracy: $(study_environment)
 	$(call run_study,accuracy)
 
-identification: environment
+identification: $(study_environment)
 	$(call run_study,identification)
 
 SETS ?= 10000
@@ -101,6 +112,12 @@ unit: environment
 
 export-test: environment-export
 	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/tracking/test_export.py
+
+# On a Slurm of its own; STUDY=smoke builds the whole smoke study on it.
+slurm-test: environment-slurm
+	VIBRALIGN_STUDY=$(STUDY_ON_SLURM) PATH="$(CURDIR)/.venv-slurm/bin:$$PATH" \
+		pytest -rPs -m slurm tests/workflow/test_slurm.py
+STUDY_ON_SLURM ?= tiny
 
 docs: environment-docs
 	rm -rf site
@@ -197,6 +214,8 @@ lock: python
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
 	$(call pin,requirements.lock,--extra plot --extra study --extra dev)
 	$(call pin,requirements-export.lock,--extra export --extra study --extra dev)
+	$(call pin,requirements-slurm.lock,--extra slurm --extra plot --extra study --extra dev \
+		--constraints requirements.lock)
 	$(call pin,requirements-docs.lock,--extra docs --constraints requirements.lock)
 	$(call pin,requirements-bench.lock,--extra bench --constraints requirements.lock)
 	rm -rf .lock-venv
@@ -207,6 +226,7 @@ pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproj
 	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)
 
 clean:
+	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m model.tracking.cluster
 	rm -rf results results-* .snakemake build dist site
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 

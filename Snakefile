@@ -52,4 +52,6 @@ rule all:
         page_files,
 
 
+if workflow.is_main_process:
+    announce(study_hash, codes)
 unread = None  # the rules are, from here

@@ -3,7 +3,8 @@
 ``REQUEST`` is a JSON object: ``job`` names the file in jobs/, ``run`` the run, such as
 chunk/fig06/0, and ``record`` the sidecar, empty for none. Its ``params``, and ``inputs`` and
 ``outputs`` of ``FILES``, hold the arguments of the job's function by name. Before anything is
-computed, an argument that is missing, unknown or of another type is refused.
+computed, an argument that is missing, unknown or of another type is refused; and so is a job whose
+code or configuration was edited after it was submitted, since it may wait on a cluster for hours.
 """
 
 import json
@@ -16,7 +17,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from model.tracking.provenance import Job
+from model.tracking.provenance import Job, code_hash, edited_since
 
 _HERE = Path(__file__).resolve().parent
 
@@ -32,6 +33,9 @@ def main() -> None:
     request, files = map(json.loads, sys.argv[1:])
     name, inputs, outputs = request["job"], files["inputs"], files["outputs"]
     job = Job(*request["run"].split("/"), sources=(_HERE / "run.py", _HERE / f"jobs/{name}.py"))
+    code = code_hash(_HERE.parent, "workflow/run.py", f"workflow/jobs/{name}.py")
+    if edited := edited_since(files["study"], name, code):
+        sys.exit(f"job {name} refused: its {edited} was edited after it was submitted; start again")
     function: Any = import_module(f"jobs.{name}").run
     given = json.dumps({**request["params"], **inputs, **outputs})
     try:

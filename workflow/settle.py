@@ -6,7 +6,8 @@ a power cut. It then refuses to start until told --unlock, which would let both 
 were alive. Hence the order:
 
 1. `make` holds a lock of its own, see hold.py. The rest is done here.
-2. Refuse if a Snakemake that was started by hand is alive in this folder.
+2. Refuse if a Snakemake that was started by hand is alive in this folder, on this machine or on
+   another, or if Slurm still holds jobs of this folder.
 3. Wait for jobs that outlived a killed Snakemake, since they still write.
 4. A lock that is left now is a dead one: unlock. Half-written files are made again by
    rerun-incomplete in the profile.
@@ -21,7 +22,9 @@ from pathlib import Path
 
 import psutil
 
-from model.tracking.records import discard_damaged
+from model.tracking.cluster import refuse_held_jobs
+from model.tracking.history import history_folder, is_running
+from model.tracking.records import TrackingError, discard_damaged
 
 
 def alive(matches: Callable[[list[str]], bool]) -> Iterator[psutil.Process]:
@@ -43,9 +46,10 @@ def is_snakemake(words: list[str]) -> bool:
 
 
 def is_job(words: list[str]) -> bool:
-    """Return whether a command line is that of a job, or of the shell that started it."""
+    """Return whether a command line is that of a job, of its shell, or submits one to Slurm."""
     runner = Path(words[0]).name.startswith(("python", "sh", "bash"))
-    return runner and any("workflow/run.py" in word for word in words[1:3])
+    submits = Path(words[0]).name == "sbatch"
+    return submits or (runner and any("workflow/run.py" in word for word in words[1:3]))
 
 
 def main() -> None:
@@ -53,15 +57,24 @@ def main() -> None:
     snakemakes = [str(process.pid) for process in alive(is_snakemake)]
     if snakemakes:
         sys.exit(f"Snakemake already runs in this directory, process {', '.join(snakemakes)}")
+    roots = [history.parent for history in sorted(Path().glob("*/history"))]
+    elsewhere = [lock.stem for root in roots for lock in history_folder(root).glob("*.lock")
+                 if is_running(root, lock.stem)]  # fmt: skip
+    if elsewhere:
+        sys.exit(f"Snakemake runs in this directory on another machine, invocation {elsewhere[0]}")
     jobs = list(alive(is_job))
     if jobs:
         print("waiting for", len(jobs), "processes of an interrupted run to end", file=sys.stderr)
         psutil.wait_procs(jobs)
+    try:
+        refuse_held_jobs(Path.cwd())
+    except TrackingError as held:
+        sys.exit(str(held))
     locks = Path(".snakemake/locks")
     if locks.is_dir() and any(locks.iterdir()):
         subprocess.run([*sys.argv[1:], "--unlock"], check=True)
-    for history in sorted(Path().glob("*/history")):
-        for name in discard_damaged(history.parent):
+    for root in roots:
+        for name in discard_damaged(root):
             print(f"{name}: not as its job left it, will be made anew", file=sys.stderr)
 
 

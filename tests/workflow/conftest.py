@@ -125,8 +125,10 @@ class Workspace:
         for kind in ("png", "svg", "pdf")
     )
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, profile: str = "default", **added: str) -> None:
         self.folder = folder
+        self.profile = profile
+        self.added = added  # to the environment of every command
         folder.mkdir(exist_ok=True)
         self.checkout = PROJECT
         for part in PARTS:
@@ -142,7 +144,8 @@ class Workspace:
 
     def _make_environment(self) -> None:
         """Stand-in for .venv with the Python that runs the tests, and the package."""
-        tools = self.folder / ".venv" / "bin"
+        suffix = "-slurm" if self.profile == "slurm" else ""
+        tools = self.folder / f".venv{suffix}" / "bin"
         tools.mkdir(parents=True)
         run = f'PYTHONPATH="{self.sources}" exec "{sys.executable}"'
         for name, words in {"python": "", "snakemake": "-m snakemake"}.items():
@@ -159,7 +162,7 @@ class Workspace:
     def environment(self) -> dict[str, str]:
         """So that jobs import the package from ``checkout``, and no test's invocation."""
         kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_INV" not in name}
-        return {**kept, "PYTHONPATH": self.sources}
+        return {**kept, "PYTHONPATH": self.sources, **self.added}
 
     def snakemake(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
         """Run Snakemake to its end."""
@@ -192,7 +195,8 @@ class Workspace:
     def make_command(self, *targets: str) -> list[str]:
         """`make`, the documented command, for some targets of the tiny study."""
         flags = " ".join([*targets, *STUDY])
-        made = ["--old-file=environment", f"PYTHON={sys.executable}"]
+        old = [f"--old-file=environment{suffix}" for suffix in ("", "-slurm")]
+        made = [*old, f"PYTHON={sys.executable}", f"PROFILE={self.profile}"]
         return ["make", "--no-print-directory", *made, f"SNAKEMAKE_FLAGS={flags}"]
 
     def make(self, *targets: str, **options: Any) -> subprocess.CompletedProcess[str]:

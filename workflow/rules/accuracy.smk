@@ -29,6 +29,7 @@ job(
     },
     record=root / "accuracy/judge.run.json",
     message="judging the trials",
+    local=True,
 )
 
 printed("accuracy", root / "accuracy/summary.txt", "the result of the trials")

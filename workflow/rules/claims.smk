@@ -25,6 +25,7 @@ job(
     dict(table=root / "claims.csv"),
     dict(figures=expand(root / "data/{figure}.nc", figure=COMPUTED), runs=claims_data),
     message="judging the claims of the paper",
+    local=True,
 )
 
 job(
@@ -32,6 +33,7 @@ job(
     dict(pictures=pictures(root / "figures/claims")),
     dict(data=claims_data),
     message="drawing the runs that only the claims ledger needs",
+    local=True,
 )
 
 job(
@@ -51,4 +53,5 @@ job(
     dict(pictures=pictures(root / "figures/contact_stiffness")),
     dict(data=contact_data),
     message="drawing the figures on other bases",
+    local=True,
 )

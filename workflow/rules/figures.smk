@@ -46,6 +46,7 @@ job(
     {**sweep, **wording},
     wildcards=dict(figure="|".join(GRIDDED)),
     message="{wildcards.figure}: merging its chunks",
+    local=True,
 )
 
 job(
@@ -77,6 +78,7 @@ job(
     ),
     wildcards=dict(figure="|".join(SCHEMATICS)),
     message="{wildcards.figure}: drawing the model",
+    local=True,
 )
 
 # Of a figure that is a map, the refined map is shown.
@@ -93,6 +95,7 @@ job(
     ),
     wildcards=dict(figure="|".join(COMPUTED)),
     message="{wildcards.figure}: plotting",
+    local=True,
 )
 
 # `snakemake -c2 fig06` builds one figure.

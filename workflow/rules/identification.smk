@@ -27,6 +27,7 @@ job(
     ),
     wildcards=dict(picture="structure|claims|readings"),
     message="identification: drawing {wildcards.picture}",
+    local=True,
 )
 
 job(
@@ -45,6 +46,7 @@ job(
         curves=expand(root / "data/{figure}.nc", figure=banded.figures),
     ),
     message="identification: drawing the bands",
+    local=True,
 )
 
 # A reading is a preset, or the one reading that is corrected while all others stay as printed.
@@ -116,6 +118,7 @@ job(
     ),
     dict(study=study),
     message="identification: the best set, the ensemble, splits and readings",
+    local=True,
 )
 
 printed("identification", found / "summary.txt", "the result of the identification")

@@ -1,10 +1,11 @@
 """Definition of rules: the directives that all jobs share are stated here only."""
 
+import hashlib
 import json
 import re
 from pathlib import Path
 
-from model.tracking.provenance import code_hash
+from model.tracking.provenance import announce, code_hash
 
 
 def pictures(place):
@@ -18,9 +19,15 @@ def by_name(files):
     return {name: each if isinstance(each, str) else list(each) for name, each in opened}
 
 
+codes = {}  # of every job, by its name
+study_hash = hashlib.sha256(study.model_dump_json().encode()).hexdigest()[:16]
+
+
 def code(name):
     """Return the hash of what a job runs: an edit reruns exactly what depends on it."""
-    return code_hash(Path(workflow.basedir), "workflow/run.py", f"workflow/jobs/{name}.py")
+    sources = ("workflow/run.py", f"workflow/jobs/{name}.py")
+    codes[name] = code_hash(Path(workflow.basedir), *sources)
+    return codes[name]
 
 
 def job(
@@ -34,6 +41,9 @@ def job(
     runs=None,
     run=None,
     record=None,
+    minutes=10,
+    mem_mb=1000,
+    local=False,
 ):
     """Define the rule of a job, which calls the function in jobs/NAME.py.
 
@@ -50,6 +60,10 @@ def job(
         runs: the job's file in jobs/, where it is not NAME.
         run: the run's name, and that of its log; else NAME and the output's wildcards in order.
         record: the sidecar, if it is not beside the first output; "" for none.
+        minutes: time limit on a cluster, at least five times the time of the full study. Every
+            further attempt has twice the time and the memory.
+        mem_mb: memory on a cluster, in MB, at least twice the greatest of the full study.
+        local: run beside Snakemake on a cluster, too: of jobs that draw, merge or index.
     """
     runs = runs or name
     first = next(iter(outputs.values()))
@@ -69,7 +83,8 @@ def job(
         return json.dumps(asked, default=lambda model: model.model_dump(mode="json"))
 
     def files(wildcards, input, output):
-        return json.dumps({"inputs": by_name(input), "outputs": by_name(output)})
+        named = {"inputs": by_name(input), "outputs": by_name(output)}
+        return json.dumps({**named, "study": study_hash})
 
     rule:
         name:
@@ -83,8 +98,13 @@ def job(
             root / f"logs/{run}.log",
         wildcard_constraints:
             **wildcards,
+        localrule: local
         conda:
             "../envs/study.yaml"
+        threads: 1
+        resources:
+            runtime=lambda wildcards, attempt: minutes * 2 ** (attempt - 1),
+            mem_mb=lambda wildcards, attempt: mem_mb * 2 ** (attempt - 1),
         params:
             code=code(runs),
             request=request,
@@ -105,6 +125,7 @@ def printed(name, text, message):
             text,
         log:
             root / f"logs/{name}.log",
+        localrule: True
         conda:
             "../envs/study.yaml"
         message:

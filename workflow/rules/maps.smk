@@ -34,6 +34,7 @@ job(
         marks=lambda wildcards: marks_of(study, wildcards.map),
     ),
     message="map {wildcards.map}: assembling its parts",
+    local=True,
 )
 
 job(
@@ -51,4 +52,5 @@ job(
     runs="plot",
     run="plot/{map}",
     message="map {wildcards.map}: plotting",
+    local=True,
 )

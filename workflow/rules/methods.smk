@@ -63,6 +63,7 @@ for picture, sources in drawn_from.items():
         ),
         runs="draw_precision",
         message=f"speed against error: drawing {picture}",
+        local=True,
     )
 
 for picture, place in HARD_PICTURES.items():
@@ -73,4 +74,5 @@ for picture, place in HARD_PICTURES.items():
         dict(picture=picture, spec=study.hard_cases),
         runs="draw_hard_cases",
         message=f"hard cases: drawing {picture}",
+        local=True,
     )

@@ -3,7 +3,9 @@
 import atexit
 import sys
 
+from model.tracking.cluster import refuse_held_jobs
 from model.tracking.invocation import Invocation
+from model.tracking.records import TrackingError
 
 invocation = Invocation(Path("results"))  # until the configuration names another root
 unread = ""  # why the rules could not be read; None when they are
@@ -37,6 +39,10 @@ if workflow.is_main_process:
 
 
 onstart:
+    try:
+        refuse_held_jobs(Path.cwd())
+    except TrackingError as held:
+        raise WorkflowError(str(held))
     invocation.start()
 
 

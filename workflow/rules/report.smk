@@ -29,6 +29,7 @@ job(
     ),
     dict(study=study, root=str(root)),
     message="rendering the report",
+    local=True,
 )
 
 # Snakemake's handlers write the index anew when an invocation ends, so that one of a single figure,
@@ -39,6 +40,7 @@ job(
     dict(after=root / "report.run.json"),
     record="",
     message="indexing all runs",
+    local=True,
 )
 
 

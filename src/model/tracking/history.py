@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 from pathlib import Path
 
+from model.tracking.cluster import slurm_reasons
 from model.tracking.records import (
     Record,
     TrackingError,
@@ -44,7 +45,10 @@ def completed(root: Path, record: Record, outcome: str, ended: datetime | None) 
     name, since = record["invocation"], record["started_stamp"]
     runs = [each for each in sidecars(root).values() if each.get("invocation") == name]
     idle = record.get("idle", False)
-    failures = [] if idle or outcome in ("running", "done") else runs_without_sidecar(root, since)
+    failures = []
+    if not idle and outcome not in ("running", "done"):
+        reasons = slurm_reasons(root, record.get("snakemake_log"))
+        failures = runs_without_sidecar(root, since, reasons)
     if not idle and outcome == "failed" and all(f["status"] == "interrupted" for f in failures):
         outcome = "interrupted"
     wall = round(ended.timestamp() - since, 3) if ended else None

@@ -7,6 +7,7 @@ import importlib.metadata
 import json
 import os
 import platform
+import resource
 import subprocess
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
@@ -20,6 +21,8 @@ from model.study.files import whole_file
 _PACKAGE = Path(__file__).resolve().parents[1]
 # Environment variable with the name of the invocation that started a job.
 INVOCATION = "VIBRALIGN_INVOCATION"
+# Environment variable with what its jobs run: hashes of the study and of each job's code, as JSON.
+SUBMITTED = "VIBRALIGN_SUBMITTED"
 _TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
 
 
@@ -134,6 +137,26 @@ def code_hash(project: Path, *sources: str) -> str:
     return hashlib.sha256(combined.encode()).hexdigest()[:16]
 
 
+def announce(study: str, codes: Mapping[str, str]) -> None:
+    """Pass to the jobs that this process starts or submits the hashes of what they are to run.
+
+    Args:
+        study: hash of the configuration.
+        codes: ``code_hash`` of each job, by its name.
+    """
+    os.environ[SUBMITTED] = json.dumps({"study": study, "codes": dict(codes)})
+
+
+def edited_since(study: str, name: str, code: str) -> str | None:
+    """Return what of a job is not as the process that submitted it announced, or None."""
+    announced = json.loads(os.environ.get(SUBMITTED, "null"))
+    if announced and announced["codes"].get(name, code) != code:
+        return "code"
+    if announced and announced["study"] != study:
+        return "configuration"
+    return None
+
+
 def file_hash(path: Path) -> str:
     """Return the sha256 of a file's content."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
@@ -217,6 +240,7 @@ class Job:
             "outputs": _hashes(outputs, record.parent),
             "started": self.started.isoformat(timespec="milliseconds"),
             "wall_seconds": round((datetime.now(UTC) - self.started).total_seconds(), 3),
+            "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
             "invocation": os.environ.get(INVOCATION),
             "host": platform.node(),
             "processor": platform.machine(),

@@ -16,6 +16,8 @@ file on disk belongs to. An invocation can be exported to it (export.py).
 
 import json
 import shutil
+import time
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -71,18 +73,24 @@ def sidecars(root: Path) -> dict[Path, Record]:
     }
 
 
-def runs_without_sidecar(root: Path, since: float) -> list[Record]:
+def runs_without_sidecar(root: Path, since: float, reasons: Mapping[str, str]) -> list[Record]:
     """Return the runs that began after the time stamp ``since`` and left a log, but no sidecar.
 
     Snakemake deletes the outputs of a job before it starts, and again when it fails; the log stays.
+    ``reasons``, by the names of runs, are taken where a run's own log is silent, or it never began.
     """
+    logs = {
+        log.relative_to(root / "logs").with_suffix("").as_posix(): log
+        for log in (root / "logs").glob("**/*.log")
+        if log.stat().st_mtime >= since
+    }
     whole = {record["run"] for record in sidecars(root).values()} | _NO_RUNS
     found = []
-    for log in sorted((root / "logs").glob("**/*.log")):
-        run = log.relative_to(root / "logs").with_suffix("").as_posix()
-        if run in whole or log.stat().st_mtime < since:
-            continue
-        status, reason = _last_word(log)
+    for run in sorted((logs.keys() | reasons.keys()) - whole):
+        status, reason = _last_word(logs[run]) if run in logs else ("interrupted", "")
+        if run in reasons and status == "interrupted":
+            status, reason = "failed", reasons[run]
+        began = logs[run].stat().st_mtime if run in logs else time.time()
         found.append(
             {
                 "run": run,
@@ -90,8 +98,8 @@ def runs_without_sidecar(root: Path, since: float) -> list[Record]:
                 "figure": next((part for part in run.split("/") if part.startswith("fig")), None),
                 "status": status,
                 "reason": reason,
-                "log": log.relative_to(root).as_posix(),
-                "started": iso(datetime.fromtimestamp(log.stat().st_mtime, UTC)),
+                "log": f"logs/{run}.log",
+                "started": iso(datetime.fromtimestamp(began, UTC)),
             }
         )
     return found
