@@ -5,7 +5,8 @@
 # make maps       the stability maps that the paper does not have, into results/figures/maps
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make identification  what the paper leaves unstated, searched for anew: an hour and a half; the result is committed
-# make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million
+# make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, of
+#                 which what is there already is not tried again
 # make truth      alignment times against heyoka and MuJoCo, in the environment of the benchmark
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
@@ -45,9 +46,9 @@ cores_of_study := -c$(CORES)
 endif
 unexport PYTHONHOME PYTHONPATH
 
-.PHONY: all smoke maps accuracy identification
+.PHONY: all smoke maps accuracy identification fuzz
 .PHONY: test lint types floors workflow unit environment python lock schema
-.PHONY: fuzz truth bench nightly same-bytes export-test slurm-test docs clean distclean
+.PHONY: truth bench nightly same-bytes export-test slurm-test docs clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -78,8 +79,8 @@ identification: $(study_environment)
 	$(call run_study,identification)
 
 SETS ?= 10000
-fuzz: environment
-	$(in_env) python -m verification.fuzz_campaign --sets $(SETS)
+fuzz: $(study_environment)
+	$(call run_study,fuzz --config accuracy={\"fuzz\":{\"sets\":$(SETS)}})
 
 # $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE.
 hold = $(PYTHON) workflow/hold.py $(1) $(2)

@@ -42,6 +42,7 @@ include: "workflow/rules/claims.smk"
 include: "workflow/rules/identification.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/accuracy.smk"
+include: "workflow/rules/fuzz.smk"
 
 
 rule all:

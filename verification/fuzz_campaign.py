@@ -1,60 +1,75 @@
-"""Campaign of `make fuzz`: run random sets and print every property that they break."""
+"""Campaign of `make fuzz`: properties of many random sets, in parts that are added up."""
 
-import argparse
-import sys
+import json
 from collections import Counter
-from time import perf_counter
+from collections.abc import Sequence
+from pathlib import Path
 
-from verification.fuzz import SETTINGS, UNEXPLAINED_SHARE, Finding, try_sets
+from verification.fuzz import SETTINGS, UNEXPLAINED_SHARE, Finding, Report, try_sets
 
 _AT_ONCE = 2000
 _SHOWN = 10  # findings of each kind
+HOLDS = "every property holds"
 
 
-def main() -> int:
-    """Run the campaign of the command line; return 1 if a property is broken, else 0."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sets", type=int, default=10_000, help="how many")
-    parser.add_argument("--first", type=int, default=0, help="number of the first")
-    parser.add_argument("--seed", type=int, default=2007)
-    arguments = parser.parse_args()
-    if arguments.sets < 1 or arguments.first < 0 or arguments.seed < 0:
-        parser.error("--sets must be >= 1, --first and --seed >= 0")
-    started = perf_counter()
+def added(reports: Sequence[Report]) -> Report:
+    """Return the sum of several reports."""
     endings: Counter[str] = Counter()
-    findings: list[Finding] = []
-    unexplained: list[Finding] = []
-    sensitive = done = near = alone = 0
-    for first in range(0, arguments.sets, _AT_ONCE):
-        count = min(_AT_ONCE, arguments.sets - first)
-        report = try_sets(arguments.seed, arguments.first + first, count)
+    for report in reports:
         endings.update(report.endings)
-        findings += report.findings
-        unexplained += report.unexplained
-        sensitive += report.sensitive
-        near += report.against_neighbour
-        alone += report.against_reference
-        done += count
-        for finding in report.findings:
-            print(f"set {finding.number}: {finding.what}: {finding.found}", flush=True)
-        if first // _AT_ONCE % 10 == 0:
-            print(f"{done} sets, {len(findings)} findings, {perf_counter() - started:.0f} s",
-                  flush=True)  # fmt: skip
-    print(f"{done} sets of seed {arguments.seed} from {arguments.first}, horizon "
-          f"{SETTINGS.horizon:g}, tolerance {SETTINGS.tolerance:g}, at most "
-          f"{SETTINGS.max_evaluations} evaluations a run; {sensitive} sensitive; "
-          f"{near} compared with a neighbour, {alone} with the reference engine")  # fmt: skip
-    for name, number in endings.most_common():
-        print(f"{number:9}  {name}")
-    told = findings + unexplained
+    return Report(
+        sum(each.sets for each in reports),
+        dict(sorted(endings.items())),
+        sum(each.sensitive for each in reports),
+        sum(each.against_neighbour for each in reports),
+        sum(each.against_reference for each in reports),
+        sum(each.evaluations for each in reports),
+        [finding for each in reports for finding in each.findings],
+        [finding for each in reports for finding in each.unexplained],
+    )
+
+
+def try_part(seed: int, first: int, count: int) -> Report:
+    """Run ``count`` sets from number ``first`` on, some thousand at a time."""
+    starts = range(first, first + count, _AT_ONCE)
+    return added([try_sets(seed, n, min(_AT_ONCE, first + count - n)) for n in starts])
+
+
+def report_text(report: Report) -> str:
+    """Return a report as JSON."""
+    told = {
+        name: [list(each) for each in getattr(report, name)] for name in ("findings", "unexplained")
+    }
+    return json.dumps(report._asdict() | told, indent=1) + "\n"
+
+
+def read_report(path: Path) -> Report:
+    """Read what ``report_text`` returned."""
+    stored = json.loads(path.read_text(encoding="utf-8"))
+    for name in ("findings", "unexplained"):
+        stored[name] = [Finding(*each) for each in stored[name]]
+    return Report(**stored)
+
+
+def summary(report: Report, seed: int) -> str:
+    """Return what a campaign found, as text; its last line is ``HOLDS`` if nothing is broken."""
+    head = (
+        f"{report.sets} sets of seed {seed}, horizon {SETTINGS.horizon:g}, tolerance "
+        f"{SETTINGS.tolerance:g}, at most {SETTINGS.max_evaluations} evaluations a run; "
+        f"{report.sensitive} sensitive; {report.against_neighbour} compared with a neighbour, "
+        f"{report.against_reference} with the reference engine"
+    )
+    often = sorted(report.endings.items(), key=lambda each: -each[1])
+    lines = [head, *(f"{number:9}  {name}" for name, number in often)]
+    told = report.findings + report.unexplained
     for what, number in Counter(finding.what for finding in told).items():
-        print(f"{number} sets: {what}")
-        for finding in [each for each in told if each.what == what][:_SHOWN]:
-            print(f"    set {finding.number}: {finding.found}")
-    if not findings:
-        print("every property holds")
-    return 1 if findings or len(unexplained) > UNEXPLAINED_SHARE * done else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        lines.append(f"{number} sets: {what}")
+        shown = [each for each in told if each.what == what][:_SHOWN]
+        lines += [f"    set {finding.number}: {finding.found}" for finding in shown]
+    if len(report.unexplained) > UNEXPLAINED_SHARE * report.sets:
+        lines.append(
+            f"more than a share of {UNEXPLAINED_SHARE:g} failed without a reason of its own"
+        )
+    elif not report.findings:
+        lines.append(HOLDS)
+    return "\n".join(lines) + "\n"

@@ -164,7 +164,9 @@ def _profiles() -> str:
             (f"`{key}`", f"`{json.dumps(value)}`", meanings.get(key, ""))
             for key, value in yaml.safe_load(text).items()
         )
-        parts.append(f"## profiles/{file.parent.name}\n\n{_table(('key', 'value', 'meaning'), rows)}")
+        parts.append(
+            f"## profiles/{file.parent.name}\n\n{_table(('key', 'value', 'meaning'), rows)}"
+        )
     return "\n\n".join(parts)
 
 

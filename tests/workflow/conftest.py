@@ -37,6 +37,7 @@ TINY: dict[str, Any] = {
         "horizon": 30.0,
         "sets": 4,
         "chunks": 2,
+        "fuzz": {"sets": 5, "sets_a_job": 2},
         "settled": {"sets": 4, "chunks": 1, "longer": 2.0},
     },
     "precision": {

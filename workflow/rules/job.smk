@@ -115,8 +115,11 @@ def job(
             "python workflow/run.py {params.request:q} {params.files:q} > {log} 2>&1"
 
 
-def printed(name, text, message):
-    """Define the rule that prints a file, also where nothing had to be computed for it."""
+def printed(name, text, message, must_end=""):
+    """Define the rule that prints a file, also where nothing had to be computed for it.
+
+    It fails if the last line of the file is not ``must_end``, where that is given.
+    """
 
     rule:
         name:
@@ -128,7 +131,9 @@ def printed(name, text, message):
         localrule: True
         conda:
             "../envs/study.yaml"
+        params:
+            must_end=must_end,
         message:
             message
         shell:
-            "cat {input} | tee {log}"
+            "cat {input} | tee {log}; tail -n 1 {input} | grep -q {params.must_end:q}"

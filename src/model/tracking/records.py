@@ -30,9 +30,14 @@ _FOLDERS = ("data", "figures", "benchmarks", "accuracy", "identification")
 _PLACES = ("", *(f"{folder}/**/" for folder in _FOLDERS))  # of sidecars
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
 _FULL = 1_000_000  # bytes: less than this is a full disk
-_NO_RUNS = {"index", "accuracy", "identification"}  # without sidecars: they write the index, print
+_NO_RUNS = {
+    "index",
+    "accuracy",
+    "identification",
+    "fuzz",
+}  # without sidecars: they write the index, print
 # Rules whose outputs are parts of others, and rules of whose results copies are kept.
-PARTS = frozenset({"chunk", "trial", "map_part", "identify_sample"})
+PARTS = frozenset({"chunk", "trial", "fuzz_part", "map_part", "identify_sample"})
 KEPT = frozenset({"merge", "history", "claims"})
 
 

@@ -38,6 +38,17 @@ class SettledTrial(Strict):
     """Horizons for which a settled run is continued."""
 
 
+class Fuzz(Strict):
+    """Properties of runs on random sets over the whole domain; see verification/fuzz.py."""
+
+    seed: int = Field(ge=0)
+    """Seed of the random draws."""
+    sets: int = Field(ge=1)
+    """Number of random sets."""
+    sets_a_job: int = Field(ge=1)
+    """Number of sets that one job tries; the profile of a cluster merges jobs."""
+
+
 class Accuracy(Strict):
     """Trials of the integrator's accuracy on random sets; see verification/accuracy.py."""
 
@@ -49,6 +60,8 @@ class Accuracy(Strict):
     """Number of random sets that are compared with a tight run and the independent solution."""
     chunks: int = Field(ge=1, le=1000)
     """Number of jobs that the sets are divided among."""
+    fuzz: Fuzz
+    """Properties that must hold of every run."""
     settled: SettledTrial
     """Trial of the runs that end as settled."""
     ranges: Annotated[dict[str, Range], AfterValidator(parameter_names)]
