@@ -13,6 +13,7 @@
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
+# make efficiency  what the overhead of a cluster costs, simulated: docs/efficiency.png
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make schema     the JSON schemas of config/ anew, which editors complete and check its files by
@@ -48,7 +49,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy identification fuzz
 .PHONY: test lint types floors workflow unit environment python lock schema
-.PHONY: truth bench nightly same-bytes export-test slurm-test docs clean distclean
+.PHONY: truth bench nightly same-bytes export-test slurm-test efficiency docs clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -113,6 +114,10 @@ unit: environment
 
 export-test: environment-export
 	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/tracking/test_export.py
+
+# Of the jobs of a full build in results/; see docs/efficiency.md.
+efficiency: environment
+	$(in_env) python -m verification.cluster_efficiency
 
 # On a Slurm of its own; STUDY=smoke builds the whole smoke study on it.
 slurm-test: environment-slurm

@@ -10,6 +10,9 @@ from model.study.config import ConfigError, check_study, study_files
 min_version("9.0")
 
 
+report: "workflow/report/study.rst"
+
+
 include: "workflow/rules/recording.smk"
 
 

@@ -25,6 +25,7 @@ job(
     dict(table=root / "claims.csv"),
     dict(figures=expand(root / "data/{figure}.nc", figure=COMPUTED), runs=claims_data),
     message="judging the claims of the paper",
+    reported=("Claims", "claims"),
     local=True,
 )
 
@@ -33,6 +34,7 @@ job(
     dict(pictures=pictures(root / "figures/claims")),
     dict(data=claims_data),
     message="drawing the runs that only the claims ledger needs",
+    reported=("Claims", "claims_runs"),
     local=True,
 )
 
@@ -53,5 +55,6 @@ job(
     dict(pictures=pictures(root / "figures/contact_stiffness")),
     dict(data=contact_data),
     message="drawing the figures on other bases",
+    reported=("Claims", "contact_stiffness"),
     local=True,
 )

@@ -78,6 +78,7 @@ job(
     ),
     wildcards=dict(figure="|".join(SCHEMATICS)),
     message="{wildcards.figure}: drawing the model",
+    reported=("Figures of the paper", "figure"),
     local=True,
 )
 
@@ -95,6 +96,7 @@ job(
     ),
     wildcards=dict(figure="|".join(COMPUTED)),
     message="{wildcards.figure}: plotting",
+    reported=("Figures of the paper", "figure"),
     local=True,
 )
 

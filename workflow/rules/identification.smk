@@ -27,6 +27,7 @@ job(
     ),
     wildcards=dict(picture="structure|claims|readings"),
     message="identification: drawing {wildcards.picture}",
+    reported=("Identification", "identification"),
     local=True,
 )
 
@@ -46,6 +47,7 @@ job(
         curves=expand(root / "data/{figure}.nc", figure=banded.figures),
     ),
     message="identification: drawing the bands",
+    reported=("Identification", "identification"),
     local=True,
 )
 

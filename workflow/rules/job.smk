@@ -44,6 +44,7 @@ def job(
     minutes=10,
     mem_mb=1000,
     local=False,
+    reported=None,
 ):
     """Define the rule of a job, which calls the function in jobs/NAME.py.
 
@@ -64,11 +65,18 @@ def job(
             further attempt has twice the time and the memory.
         mem_mb: memory on a cluster, in MB, at least twice the greatest of the full study.
         local: run beside Snakemake on a cluster, too: of jobs that draw, merge or index.
+        reported: category and caption (in workflow/report/) of the first output in
+            `snakemake --report`.
     """
     runs = runs or name
     first = next(iter(outputs.values()))
     first = first[0] if isinstance(first, list) else first
     run = run or Path(name, *re.findall(r"{\w+}", str(first))).as_posix()
+    if reported:
+        shown = report(str(first), caption=f"../report/{reported[1]}.rst", category=reported[0])
+        key, files_of_first = next(iter(outputs.items()))
+        rest = files_of_first[1:] if isinstance(files_of_first, list) else None
+        outputs = {**outputs, key: shown if rest is None else [shown, *rest]}
     if record is None:
         record = Path(first).with_suffix(".run.json")
 

@@ -52,5 +52,6 @@ job(
     runs="plot",
     run="plot/{map}",
     message="map {wildcards.map}: plotting",
+    reported=("Stability maps", "map"),
     local=True,
 )

@@ -63,6 +63,7 @@ for picture, sources in drawn_from.items():
         ),
         runs="draw_precision",
         message=f"speed against error: drawing {picture}",
+        reported=("Methods", "methods"),
         local=True,
     )
 
@@ -74,5 +75,6 @@ for picture, place in HARD_PICTURES.items():
         dict(picture=picture, spec=study.hard_cases),
         runs="draw_hard_cases",
         message=f"hard cases: drawing {picture}",
+        reported=("Methods", "hard_cases"),
         local=True,
     )

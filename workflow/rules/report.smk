@@ -29,6 +29,7 @@ job(
     ),
     dict(study=study, root=str(root)),
     message="rendering the report",
+    reported=("The whole study on one page", "page"),
     local=True,
 )
 
