@@ -103,6 +103,17 @@ def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any
     assert "trying chunk" not in again.stdout + again.stderr
 
 
+def test_fuzz_with_more_sets_tries_only_the_further_ones(workspace: Any) -> None:
+    more = ("--config", 'accuracy={"fuzz": {"sets": 7}}')
+    run = workspace.snakemake("fuzz")
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "5 sets of seed 2007" in run.stdout
+    assert run.stdout.splitlines().count("every property holds") == 1
+    dry = workspace.dry_run("fuzz", *more)
+    # Of parts of two sets, the third had one of its two; the fourth is new.
+    assert "fuzz_part 2" in " ".join(dry.stdout.split()), dry.stdout + dry.stderr
+
+
 def test_another_folder_order_and_number_of_cores_give_the_same_bytes(
     workspace: Any, built: Any
 ) -> None:

@@ -90,9 +90,9 @@ job(
         data=lambda wildcards: root
         / ("data/maps" if wildcards.figure in MAPS else "data")
         / f"{wildcards.figure}.nc",
-        coarse=lambda wildcards: [root / f"data/{wildcards.figure}.nc"]
-        if wildcards.figure in MAPS
-        else [],
+        coarse=lambda wildcards: (
+            [root / f"data/{wildcards.figure}.nc"] if wildcards.figure in MAPS else []
+        ),
     ),
     wildcards=dict(figure="|".join(COMPUTED)),
     message="{wildcards.figure}: plotting",

@@ -30,12 +30,8 @@ _FOLDERS = ("data", "figures", "benchmarks", "accuracy", "identification")
 _PLACES = ("", *(f"{folder}/**/" for folder in _FOLDERS))  # of sidecars
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
 _FULL = 1_000_000  # bytes: less than this is a full disk
-_NO_RUNS = {
-    "index",
-    "accuracy",
-    "identification",
-    "fuzz",
-}  # without sidecars: they write the index, print
+# Without sidecars: these write the index, and print.
+_NO_RUNS = {"index", "accuracy", "identification", "fuzz"}
 # Rules whose outputs are parts of others, and rules of whose results copies are kept.
 PARTS = frozenset({"chunk", "trial", "fuzz_part", "map_part", "identify_sample"})
 KEPT = frozenset({"merge", "history", "claims"})
