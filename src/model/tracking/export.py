@@ -19,6 +19,10 @@ from model.study.files import whole_folder
 from model.tracking.provenance import file_hash, write_json
 from model.tracking.records import PARTS, Record, kept_result
 
+# What a crate has beside the Snakefile, so that it can be run again without the repository.
+_SOURCES = ("workflow", "config", "profiles", "src", "verification")
+_BESIDE = ("CITATION.cff", "Containerfile", "LICENSE", "Makefile", "README.md", "pyproject.toml",
+           "requirements.lock")  # fmt: skip
 _PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
@@ -272,7 +276,8 @@ def _add_workflow(crate: Any, record: Record, project: Path) -> Any:
         words["version"] = commit + ("+changes" if record["git"]["dirty"] else "")
     for name, value in words.items():
         workflow[name] = value
-    for path in sorted((project / "workflow").rglob("*")):
+    places = [path for folder in _SOURCES for path in sorted((project / folder).rglob("*"))]
+    for path in [*(project / name for name in _BESIDE), *places]:
         if path.is_file() and "__pycache__" not in path.parts:
             _add_file(crate, path, path.relative_to(project).as_posix())
     return workflow
