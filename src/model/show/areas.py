@@ -43,7 +43,7 @@ _SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are
 _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 
 LEFT_LABEL = "of these, leaves the scene"
-SLOW_LABEL = "inside, it rests if pressed slowly"
+SLOW_LABEL = "ticked side: rests if pressed slowly"
 # In the order of ``map_datasets.added``.
 ADDED_LABELS = (
     "aligns, vibrated or not",
@@ -124,7 +124,7 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
 def vibration_map(dataset: "xr.Dataset") -> Figure:
     """Draw where the part aligns only if vibrated, only if not, in both ways, and in neither.
 
-    The outline holds the parts that come to rest on the edge if they are pressed slowly.
+    A line, ticked inwards, holds the parts that rest on the edge if they are pressed slowly.
     """
     y, x = (dataset[name] for name in dataset["outcome"].dims)
     edges, found = (cell_edges(x.values), cell_edges(y.values)), added(dataset)

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import Stroke, withStroke
+from matplotlib.patheffects import Stroke, withStroke, withTickedStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 Place = tuple[float, float]
 
 RELIABLE_LABEL = "reliable: at every phase"
-VIBRATION_LABEL = "inside, it does not align unless vibrated"
+VIBRATION_LABEL = "ticked side: aligns only if vibrated"
 MARK_LABEL = "other figures, by number"
 _CONTOURS = 5  # approximate number
 _CONTOUR_NODES = 128  # nodes along a side from which contours are drawn, at most
@@ -110,7 +110,7 @@ def add_outline(
     colour: str,
     line: Literal["-", "--"],
 ) -> list[Line2D]:
-    """Draw the outline of the nodes ``inside``; return its handle, or none without an outline."""
+    """Draw the outline of the nodes ``inside``, ticked inwards; return its handle, if it is any."""
     if inside.all() or not inside.any():
         return []
     y, x = (dataset[name].values for name in dataset["outcome"].dims)
@@ -125,7 +125,8 @@ def add_outline(
         zorder=3.0,
     )
     outline.set_label(f"_{label}")
-    outline.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
+    ticks = withTickedStroke(spacing=8.0, angle=90.0, length=0.5, linewidth=0.8)
+    outline.set_path_effects([withStroke(linewidth=2.6, foreground="white"), ticks])
     return [Line2D([], [], linewidth=1.6, label=label, color=colour, linestyle=line)]
 
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CAPTION = (
-    "What vibration adds over tilt stiffness and pressing force. Inside the outline the part rests "
-    "on the edge if it is pressed slowly."
+    "What vibration adds over tilt stiffness and pressing force. On the ticked side of the line "
+    "the part rests on the edge if it is pressed slowly."
 )
 _CLAIM = Markup('<a class="nobreak" href="#claim-{}">{}</a>')
 
