@@ -66,6 +66,7 @@ job(
     dict(sweep=lambda wildcards: from_other_start(sweep_of(study, wildcards.figure)), **wording),
     wildcards=dict(figure="|".join(COMPUTED)),
     message="{wildcards.figure}: computing it from the other start",
+    minutes=20,
 )
 other_start = expand(root / "data/other_start/{figure}.nc", figure=COMPUTED)
 
