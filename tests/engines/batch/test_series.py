@@ -27,7 +27,7 @@ from model.engines.batch.series_plan import (
     SINES,
     TILT,
     WIDTH,
-    operations,
+    Plan,
 )
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, new_workspace
@@ -165,6 +165,18 @@ def test_curvature_bounds_bound_the_distance_from_a_line(support: int, side: int
             )
             off = np.abs(middle - 0.5 * (left + right))
             assert (off <= 0.25**2 / 8.0 * bends * (1.0 + 1e-9) + 1e-12).all()
+
+
+def operations(support: int, side: int) -> int:
+    """Return the floating-point operations of the series of one run in a kind of mode."""
+    plan, count = Plan(recurrences(support, side)), 0
+    for row in plan.stage:
+        orders = ORDER + 1 if plan.is_ahead(row) else ORDER
+        if row.kind in ("product", "quotient"):
+            count += orders * (orders + 1)  # a product and a sum for each term
+        elif row.kind == "sum":
+            count += 2 * orders * len(row.of[1])
+    return count + 2 * ORDER * sum(len(each.terms) for each in plan.series.accelerations)
 
 
 def test_a_sliding_part_takes_ten_products() -> None:

@@ -14,7 +14,6 @@ from model.engines.batch.series import (
     Recurrences,
     Row,
     Watched,
-    recurrences,
 )
 
 WIDTH = 8  # runs in a vector
@@ -125,15 +124,3 @@ class Plan:
     def products(self, ahead: bool) -> list[Row]:
         """Return all products and quotients, of positions alone or all others."""
         return [row for products, _ in self.stages(ahead) for row in products]
-
-
-def operations(support: int, side: int) -> int:
-    """Return the floating-point operations of the series of one run in a kind of mode."""
-    plan, count = Plan(recurrences(support, side)), 0
-    for row in plan.stage:
-        orders = ORDER + 1 if plan.is_ahead(row) else ORDER
-        if row.kind in ("product", "quotient"):
-            count += orders * (orders + 1)  # a product and a sum for each term
-        elif row.kind == "sum":
-            count += 2 * orders * len(row.of[1])
-    return count + 2 * ORDER * sum(len(each.terms) for each in plan.series.accelerations)
