@@ -286,7 +286,7 @@ def test_smoke_changes_only_sizes() -> None:
         run == {"swept": {"count": run["swept"]["count"]}} for run in smoke["claims_runs"].values()
     )
     assert all(set(grid) == {"points"} for grid in smoke["contact_stiffness"]["figures"].values())
-    assert set(smoke["accuracy"]) == {"sets", "chunks", "settled"}
+    assert set(smoke["accuracy"]) == {"sets", "chunks", "settled", "fuzz"}
     assert set(smoke["accuracy"]["settled"]) == {"sets", "chunks"}
     for spec in smoke["figures"].values():
         for key, value in spec.items():

@@ -132,7 +132,7 @@ class Maps(Strict):
 
     resolution: Resolution
     """Finest cells along a side."""
-    chunks: int = Field(ge=1, le=64)
+    chunks: int = Field(ge=1, le=1000)
     """Number of jobs that a map is divided among."""
     ensemble: Ensemble
     """Initial conditions of the test for reliable alignment."""
