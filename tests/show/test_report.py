@@ -3,175 +3,31 @@
 import base64
 import re
 import shutil
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from markupsafe import escape
 
 from model.events.outcomes import Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.report import background
-from model.show.report import page as report_page
 from model.show.report.background import READING_WORDS
 from model.show.report.contact_stiffness import sentences
 from model.show.report.figures import HEAD, Counts, _ranges
-from model.show.report.section import Results, subscripts, symbol
-from model.show.words import number, percent, power, short
-from model.study.claims import judge, tally
-from model.study.claims.table import ledger_text, lines_of
+from model.show.report.section import Results, subscripts
+from model.show.words import percent, short
+from model.study.claims import tally
 from model.study.config import FIGURES
 from model.study.contact_comparison import claims_on_bases
-from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
-from model.study.sweeps import sweep_of
-from verification.hard_cases import table_of
+from model.study.datasets import write_dataset
+from tests.show.report_data import PIXEL, Page, article, plain, render_report
 from verification.plans import HARD_PICTURES, PICTURES
-from verification.report import SECTIONS
 from verification.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
 from verification.report.work_precision_plots import CAPTIONS, advice
-from verification.work_precision import timings_table
 
-# The smallest picture there is: one transparent pixel.
-PIXEL = base64.b64decode(
-    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
-)
-VOID = {"meta", "img", "br", "link", "input", "hr"}
-MOST_WORDS = 4000  # visible when the page is opened: some fifteen minutes at most, five to skim
-
-
-def render_report(results):
-    return report_page.render_report(results, SECTIONS)
-
-
-class Page(HTMLParser):
-    """Elements of a page, its words, those in sight, and whether every element was closed."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.elements: list[tuple[str, dict[str, str | None]]] = []
-        self.open: list[str] = []
-        self.words: list[str] = []
-        self.in_sight: list[str] = []
-        self.feed(text)
-        self.close()
-
-    def handle_starttag(self, tag, attrs):
-        self.elements.append((tag, dict(attrs)))
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        if {"style", "script", "title"} & {*self.open}:
-            return
-        self.words += data.split()
-        if self.open.count("details") == self.open.count("summary"):
-            self.in_sight += data.split()
-
-    def all(self, tag: str) -> list[dict[str, str | None]]:
-        return [attributes for name, attributes in self.elements if name == tag]
-
-
-@pytest.fixture(scope="module")
-def study(small_study):
-    return small_study(points=10, cells=5)
-
-
-@pytest.fixture(scope="module")
-def datasets(study):
-    found = {}
-    for name, spec in study.figures.items():
-        if spec.kind == "history":
-            found[name] = history_dataset(sweep_of(study, name), spec.title, spec.caption)
-        elif spec.kind != "schematic":
-            sweep = sweep_of(study, name)
-            parts = [compute_chunk(sweep, 0, 1)]
-            found[name] = merge_chunks(sweep, spec.title, spec.caption, parts)
-    return found
-
-
-@pytest.fixture(scope="module")
-def lines(datasets):
-    return lines_of(judge(datasets))
-
-
-@pytest.fixture(scope="module")
-def bases(study, datasets):
-    varied = ["contact_stiffness", "damping_ratio"]
-    found = {}
-    for name in study.contact_stiffness.figures:
-        parts = [
-            datasets[name].assign_coords(contact_stiffness=k, damping_ratio=0.05)
-            for k in (100.0, 1e6)
-        ]
-        found[name] = xr.concat(parts, "variation", coords=varied, combine_attrs="override")
-    return found
-
-
-@pytest.fixture(scope="module")
-def refined(datasets):
-    """As the refined map of the figure at the head: its left half is not reliable."""
-    reliable = np.ones(datasets[HEAD]["outcome"].shape, dtype=np.int8)
-    reliable[:, :2] = 0
-    return datasets[HEAD].assign(reliable=(datasets[HEAD]["outcome"].dims, reliable))
-
-
-@pytest.fixture(scope="module")
-def root(
-    study, datasets, refined, lines, bases, timed_settings, wrong_datasets, judged, tmp_path_factory
-):
-    root = tmp_path_factory.mktemp("results")
-    for name, dataset in datasets.items():
-        write_dataset(dataset, root / f"data/{name}.nc")
-        write_dataset(without_rest(dataset), root / f"data/other_start/{name}.nc")
-    write_dataset(refined, root / f"data/maps/{HEAD}.nc")
-    for name, dataset in bases.items():
-        write_dataset(dataset, root / f"data/contact_stiffness/{name}.nc")
-    for name, dataset in wrong_datasets.items():
-        write_dataset(dataset.assign_attrs(sweep=""), root / f"data/fixed_steps/{name}.nc")
-    (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
-    for folder in ("benchmarks", "figures"):
-        (root / folder).mkdir()
-    (root / "benchmarks/precision.csv").write_text(timings_table(timed_settings), encoding="utf-8")
-    (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
-    (root / "figures/maps").mkdir()
-    drawn = "claims", "contact_stiffness", "maps/fig13_vibration"
-    places = [f"figures/{name}" for name in (*study.figures, *drawn)]
-    for place in (*places, *PICTURES.values(), *HARD_PICTURES.values()):
-        (root / f"{place}.png").write_bytes(PIXEL)
-    return root
-
-
-@pytest.fixture(scope="module")
-def rendered(study, root):
-    return render_report(Results(root, study))
-
-
-def without_rest(dataset: xr.Dataset) -> xr.Dataset:
-    """As from the other start: no part comes to rest under the press."""
-    none = {
-        "outcome": Outcome.LEFT_SCENE, "reason": Reason.NO_REST, "tau_align": np.nan,
-        "tilt_at_alignment": np.nan, "tau_corners_inside": np.nan,
-    }  # fmt: skip
-    return dataset.assign(
-        {name: xr.full_like(dataset[name], value) for name, value in none.items()}
-    )
-
-
-def article(text: str, name: str) -> str:
-    """The article on one figure, without tags and with single spaces."""
-    part = re.search(rf'<article aria-labelledby="{name}">.*?</article>', text, re.DOTALL)
-    assert part
-    return plain(part[0])
-
-
-def plain(html: str) -> str:
-    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", html)).replace("&#39;", "'")
+MOST_WORDS = 4000  # in sight when the page is opened
 
 
 def test_the_page_is_well_formed_and_asks_for_nothing_from_outside(rendered):
@@ -497,50 +353,3 @@ def test_what_is_missing_is_named(study, root, tmp_path, place):
     (some / place).unlink()
     with pytest.raises(ValueError, match=f"needs .*{re.escape(place)}: build it"):
         render_report(Results(some, study))
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (3.2e-9, "3 × 10⁻⁹"),
-        (1e-8, "10⁻⁸"),
-        (44.0, "40"),
-        (0.02, "0.02"),
-        (0.0, "0"),
-        (float("nan"), "–"),
-    ],
-)
-def test_errors_are_written_with_one_digit(value, text):
-    assert str(power(value)) == text
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.25, "0.25"),
-        (1e6, "1,000,000"),
-        (2e-5, "0.00002"),
-        (1.5e-9, "1.5 × 10⁻⁹"),
-        (1e-10, "10⁻¹⁰"),
-        (1234567.0, "1,234,570"),
-    ],
-)
-def test_numbers_are_written_with_six_digits(value, text):
-    assert number(value) == text
-
-
-def test_shares_near_one_and_far_below_are_percentages():
-    assert [percent(each) for each in (0.999, 1.0, 1e-8)] == ["100 %", "100 %", "0.000001 %"]
-
-
-@pytest.mark.parametrize(
-    ("text", "shown"),
-    [
-        ("f0", "<i>f</i><sub>0</sub>"),
-        ("k_φ", "<i>k</i><sub>φ</sub>"),
-        ("x_st", "<i>x</i><sub>st</sub>"),
-        ("x(0)", "<i>x(0)</i>"),
-    ],
-)
-def test_symbols_are_set_as_in_the_paper(text, shown):
-    assert str(symbol(text)) == shown

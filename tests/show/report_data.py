@@ -1,0 +1,160 @@
+"""Results of a small study as the report takes them, and a parser of the page."""
+
+import base64
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from model.events.outcomes import Outcome, Reason
+from model.show.report import page as report_page
+from model.show.report.figures import HEAD
+from model.show.report.section import Results
+from model.study.claims import judge
+from model.study.claims.table import ledger_text, lines_of
+from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
+from model.study.sweeps import sweep_of
+from verification.hard_cases import table_of
+from verification.plans import HARD_PICTURES, PICTURES
+from verification.report import SECTIONS
+from verification.work_precision import timings_table
+
+# The smallest picture there is: one transparent pixel.
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
+)
+VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+
+def render_report(results):
+    return report_page.render_report(results, SECTIONS)
+
+
+class Page(HTMLParser):
+    """Elements of a page, its words, those in sight, and whether every element was closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.words: list[str] = []
+        self.in_sight: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if {"style", "script", "title"} & {*self.open}:
+            return
+        self.words += data.split()
+        if self.open.count("details") == self.open.count("summary"):
+            self.in_sight += data.split()
+
+    def all(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.elements if name == tag]
+
+
+def article(text: str, name: str) -> str:
+    """The article on one figure, without tags and with single spaces."""
+    part = re.search(rf'<article aria-labelledby="{name}">.*?</article>', text, re.DOTALL)
+    assert part
+    return plain(part[0])
+
+
+def plain(html: str) -> str:
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", html)).replace("&#39;", "'")
+
+
+def without_rest(dataset: xr.Dataset) -> xr.Dataset:
+    """As from the other start: no part comes to rest under the press."""
+    none = {
+        "outcome": Outcome.LEFT_SCENE, "reason": Reason.NO_REST, "tau_align": np.nan,
+        "tilt_at_alignment": np.nan, "tau_corners_inside": np.nan,
+    }  # fmt: skip
+    return dataset.assign(
+        {name: xr.full_like(dataset[name], value) for name, value in none.items()}
+    )
+
+
+@pytest.fixture(scope="module")
+def study(small_study):
+    return small_study(points=10, cells=5)
+
+
+@pytest.fixture(scope="module")
+def datasets(study):
+    found = {}
+    for name, spec in study.figures.items():
+        if spec.kind == "history":
+            found[name] = history_dataset(sweep_of(study, name), spec.title, spec.caption)
+        elif spec.kind != "schematic":
+            sweep = sweep_of(study, name)
+            parts = [compute_chunk(sweep, 0, 1)]
+            found[name] = merge_chunks(sweep, spec.title, spec.caption, parts)
+    return found
+
+
+@pytest.fixture(scope="module")
+def lines(datasets):
+    return lines_of(judge(datasets))
+
+
+@pytest.fixture(scope="module")
+def bases(study, datasets):
+    varied = ["contact_stiffness", "damping_ratio"]
+    found = {}
+    for name in study.contact_stiffness.figures:
+        parts = [
+            datasets[name].assign_coords(contact_stiffness=k, damping_ratio=0.05)
+            for k in (100.0, 1e6)
+        ]
+        found[name] = xr.concat(parts, "variation", coords=varied, combine_attrs="override")
+    return found
+
+
+@pytest.fixture(scope="module")
+def refined(datasets):
+    """As the refined map of the figure at the head: its left half is not reliable."""
+    reliable = np.ones(datasets[HEAD]["outcome"].shape, dtype=np.int8)
+    reliable[:, :2] = 0
+    return datasets[HEAD].assign(reliable=(datasets[HEAD]["outcome"].dims, reliable))
+
+
+@pytest.fixture(scope="module")
+def root(
+    study, datasets, refined, lines, bases, timed_settings, wrong_datasets, judged, tmp_path_factory
+):
+    root = tmp_path_factory.mktemp("results")
+    for name, dataset in datasets.items():
+        write_dataset(dataset, root / f"data/{name}.nc")
+        write_dataset(without_rest(dataset), root / f"data/other_start/{name}.nc")
+    write_dataset(refined, root / f"data/maps/{HEAD}.nc")
+    for name, dataset in bases.items():
+        write_dataset(dataset, root / f"data/contact_stiffness/{name}.nc")
+    for name, dataset in wrong_datasets.items():
+        write_dataset(dataset.assign_attrs(sweep=""), root / f"data/fixed_steps/{name}.nc")
+    (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
+    for folder in ("benchmarks", "figures"):
+        (root / folder).mkdir()
+    (root / "benchmarks/precision.csv").write_text(timings_table(timed_settings), encoding="utf-8")
+    (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
+    (root / "figures/maps").mkdir()
+    drawn = "claims", "contact_stiffness", "maps/fig13_vibration"
+    places = [f"figures/{name}" for name in (*study.figures, *drawn)]
+    for place in (*places, *PICTURES.values(), *HARD_PICTURES.values()):
+        (root / f"{place}.png").write_bytes(PIXEL)
+    return root
+
+
+@pytest.fixture(scope="module")
+def rendered(study, root):
+    return render_report(Results(root, study))
