@@ -13,11 +13,12 @@ from model.study.datasets import (
 from model.study.sweeps import Sweep
 
 
-def run(sweep: Sweep, title: str, caption: str, data: Path) -> dict[str, Any]:
+def run(sweep: Sweep, data: Path) -> dict[str, Any]:
     """Write the figure's dataset from that start."""
+    title, start = f"{sweep.figure} from the other start", sweep.settings.start
     if sweep.dimensions:
-        dataset = merge_chunks(sweep, title, caption, [compute_chunk(sweep, 0, 1)])
+        dataset = merge_chunks(sweep, title, start, [compute_chunk(sweep, 0, 1)])
     else:
-        dataset = history_dataset(sweep, title, caption)
+        dataset = history_dataset(sweep, title, start)
     write_dataset(dataset, data)
     return {**sweep.facts, "counts": outcome_counts(dataset)}

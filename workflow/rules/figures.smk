@@ -63,7 +63,7 @@ job(
     "other_start",
     dict(data=root / "data/other_start/{figure}.nc"),
     after_kernels,
-    dict(sweep=lambda wildcards: from_other_start(sweep_of(study, wildcards.figure)), **wording),
+    dict(sweep=lambda wildcards: from_other_start(sweep_of(study, wildcards.figure))),
     wildcards=dict(figure="|".join(COMPUTED)),
     message="{wildcards.figure}: computing it from the other start",
     minutes=20,
