@@ -7,6 +7,7 @@
 # make identification  what the paper leaves unstated, searched for anew: an hour and a half; the result is committed
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, of
 #                 which what is there already is not tried again
+# make yields     yields of two devices against a million devices each; DEVICES=100000 for fewer
 # make truth      alignment times against heyoka and MuJoCo, in the environment of the benchmark
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
@@ -49,7 +50,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy identification fuzz
 .PHONY: test lint types floors workflow unit environment python lock schema
-.PHONY: truth bench nightly same-bytes export-test slurm-test efficiency docs clean distclean
+.PHONY: yields truth bench nightly same-bytes export-test slurm-test efficiency docs clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -78,6 +79,10 @@ accuracy: $(study_environment)
 
 identification: $(study_environment)
 	$(call run_study,identification)
+
+DEVICES ?= 1000000
+yields: environment
+	$(in_env) python -m verification.yields --devices $(DEVICES) --cores $(CORES)
 
 SETS ?= 10000
 fuzz: $(study_environment)

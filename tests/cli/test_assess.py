@@ -7,7 +7,7 @@ import pytest
 
 from model.cli import main as cli
 from model.study import assessment
-from model.study.assessment import Assessment, Leeway
+from model.study.assessment import Assessment, BaseVerdict, Leeway
 from model.study.devices import load_device
 
 PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
@@ -15,30 +15,44 @@ COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
 IN_SECONDS = ["--horizon", "600 ms", "--tolerance", "1e-6"]  # of the peg: 60 of its units
 
 
+BASE = ["--set", "contact_stiffness=300 kN/m"]  # as the model takes it where it is left open
+
+
 def assess(*arguments: str) -> int:
     return cli.main(["assess", *arguments])
 
 
 def test_a_device_in_si_units_is_assessed_in_si_units(capsys):
-    assert assess("--device", PEG, *IN_SECONDS) == cli.DONE
+    assert assess("--device", PEG, *IN_SECONDS, *BASE) == cli.DONE
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].split() == ["reliable", "aligns", "from", "32", "of", "32", "starts"]
-    assert " s, by the start" in lines[1]
-    force = next(line for line in lines if "press_force" in line)
+    assert lines[0].split() == ["device", PEG]
+    assert lines[1].split() == ["reliable", "aligns", "from", "32", "of", "32", "starts"]
+    assert "ms, by the start" in lines[2] or " s, by the start" in lines[2]
+    assert lines[3].startswith("lift-offs       0 to 1; touches down at up to 0.0")
+    force = next(line for line in lines if line.startswith("  press_force"))
     assert force.endswith("its value 10 N")
 
 
 def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     units, device = load_device(Path(PEG), {})
     leeway = Leeway("press_force", device.press_force, 1.0, 5.0, False, True)
+    base = BaseVerdict(100.0, 0.8, starts=8, aligned=7, tau_best=2.0, tau_worst=3.0)
     found = Assessment(
-        starts=32, aligned=32, tau_best=2.0, tau_worst=3.0, failing_start=None, leeways=(leeway,)
+        starts=32,
+        aligned=32,
+        tau_best=2.0,
+        tau_worst=3.0,
+        failing_start=None,
+        leeways=(leeway,),
+        bases=(base,),
     )
     monkeypatch.setattr(assessment, "assess", lambda *_, **__: found)
     assert assess("--device", PEG, "--json") == cli.DONE
     record = json.loads(capsys.readouterr().out)
     assert record["units"] == "SI"
     assert record["tau_worst"] == pytest.approx(3.0 * units.time)
+    assert (record["reliable"], record["depends_on_base"]) == (False, True)
+    assert record["bases"][0]["contact_stiffness"] == pytest.approx(100.0 * 3000.0)
     assert record["leeways"][0]["value"] == pytest.approx(10.0)
     assert record["leeways"][0]["high"] == pytest.approx(5.0 * units.force)
     assert record["unvibrated"] == "rests"
@@ -52,10 +66,11 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
 def test_a_failing_start_is_named_with_a_remedy(capsys):
     assert assess(*COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8") == cli.DONE
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("not reliable    aligns from 0 of 32 starts")
-    assert lines[1].startswith("without vibration: ")
-    assert lines[2].startswith("for example     phase = 0, initial_tilt = 0.001: ")
-    assert lines[3].startswith("what to do")
+    assert lines[0] == "device          the study's, dimensionless (no --device)"
+    assert lines[1].startswith("not reliable    aligns from 0 of 32 starts")
+    example = next(i for i, line in enumerate(lines) if line.startswith("for example"))
+    assert lines[example].startswith("for example     phase = 0, initial_tilt = 0.001: ")
+    assert lines[example + 1].startswith(("reliable instead", "what to do"))
 
 
 @pytest.mark.parametrize(
@@ -64,6 +79,9 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
         (["--device", "no.yaml"], "no.yaml: cannot be read: No such file"),
         (["--device", PEG, "--set", "mass=0"], "mass = 0.0: must be a finite number > 0"),
         (["--set", "fricton=0.1"], "Did you mean 'friction'?"),
+        (["--devices", "100"], "devices = 100: must be a power of two"),
+        (["--require", "0.9"], "--require needs a device with tolerances"),
+        (["--require", "1.5"], "require = 1.5: must be between 0 and 1"),
         (["--horizon", "-1"], "horizon = -1.0: must be a finite number > 0"),
     ],
 )
@@ -73,3 +91,31 @@ def test_bad_input_is_refused_in_one_line(capsys, arguments, words):
     assert out == ""
     assert err.count("\n") == 1
     assert words in err
+
+
+def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
+    def found(*_, stated, bases):
+        assert stated is not None
+        assert not bases
+        verdicts = tuple(BaseVerdict(k, 0.5, 8, 8 if k < 1e4 else 3, 2.0, 3.0) for k in (1e3, 1e5))
+        return Assessment(32, 32, 2.0, 3.0, None, bases=verdicts)
+
+    monkeypatch.setattr(assessment, "assess", found)
+    assert assess("--device", PEG) == cli.DONE
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1] == "depends on the base: measure it"
+    assert "3 of 8" in next(line for line in lines if "(100,000 × axial)" in line)
+    assert "verdict and time still change at the stiffest base" in lines[-1]
+
+
+def test_a_yield_is_required_with_confidence(capsys, tmp_path):
+    path = tmp_path / "peg.yaml"
+    text = Path(PEG).read_text(encoding="utf-8").replace("friction: 0.15", "friction: 0.15 ± 0.02")
+    path.write_text(text + "contact_stiffness: 300 kN/m\n", encoding="utf-8")
+    given = ["--device", str(path), *IN_SECONDS, "--devices", "8"]
+    assert assess(*given, "--require", "0.5") == cli.DONE
+    said = capsys.readouterr().out
+    assert "yield           100 % (67.56 % to 100 %): 8 of 8 devices" in said  # 8 / (8 + 1.96²)
+    assert "required        50 %: met" in said
+    assert assess(*given, "--require", "0.9") == cli.FAILED
+    assert "required        90 %: not met" in capsys.readouterr().out

@@ -1,103 +1,166 @@
-"""Leeways of a device, against an oracle and against runs of the model."""
+"""Verdicts, bases and leeways of a device, against oracles and against runs of the model."""
+
+import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from model.runs.settings import Settings
-from model.study import assessment
-from model.study.assessment import STEP, STEPS, assess
+from model import Settings, simulate
+from model.study.assessment import Assessment, BaseVerdict, assess, reliable_at
+from model.study.assessment.assess import impact_speed
+from model.study.assessment.leeways import FINEST, STEP, STEPS, VARIED, leeways, nearest
 from model.study.config import Ensemble
-from model.study.starts import FromEveryStart, from_every_start, starts_of
+from model.study.devices import load_device, read_device
+from model.study.starts import from_every_start, starts_of
 
+PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)
 COARSE = Settings(horizon=60.0, tolerance=1e-7)
 
 
-def oracle(monkeypatch, **limits):
-    """Devices are reliable where each of ``limits`` (lowest, highest) holds; the calls are kept."""
+def oracle(device, **limits):
+    """A device reliable where each of ``limits`` (lowest, highest) holds, and the calls."""
     calls = []
 
-    def every_start(device, swept, starts, *_):
+    def is_reliable(swept):
         calls.append(swept)
         count = len(next(iter(swept.values())))
         reliable = np.ones(count, dtype=bool)
         for name, (low, high) in limits.items():
             values = swept.get(name, np.full(count, getattr(device, name)))
             reliable &= (low <= values) & (values <= high)
-        aligned = np.ones((count, len(starts)), dtype=bool)
-        aligned[:, 1] = reliable
-        tau = np.where(aligned, np.arange(1.0, 1.0 + len(starts)), np.nan)
-        return FromEveryStart(aligned, tau, np.zeros(count, dtype=np.int64))
+        return reliable
 
-    monkeypatch.setattr(assessment, "from_every_start", every_start)
-    return calls
+    return is_reliable, calls
 
 
-def test_a_leeway_ends_at_the_last_value_that_is_reliable(device, monkeypatch):
+def test_a_leeway_ends_less_than_half_a_per_cent_before_a_failure(device):
     device = device.replace(press_force=2.0, friction=0.1)
-    oracle(monkeypatch, press_force=(1.5, 2.9), friction=(0.0, 0.15))
-    found = assess(device, COARSE, ENSEMBLE)
-    assert (found.reliable, found.starts, found.aligned) == (True, 6, 6)
-    assert (found.tau_best, found.tau_worst) == (1.0, 6.0)
-    force, friction = (
-        next(each for each in found.leeways if each.parameter == name)
-        for name in ("press_force", "friction")
-    )
-    assert force.low == pytest.approx(2.0 * STEP**-4)  # 1.587; the next is 1.498
-    assert force.high == pytest.approx(2.0 * STEP**6)  # 2.828; the next is 2.997
+    is_reliable, _ = oracle(device, press_force=(1.5, 2.9), friction=(0.0, 0.15))
+    found = {each.parameter: each for each in leeways(device, is_reliable)}
+    force, friction = found["press_force"], found["friction"]
+    assert FINEST < 0.005
+    assert force.low / (1.0 + FINEST) < 1.5 <= force.low
+    assert force.high <= 2.9 < force.high * (1.0 + FINEST)
     assert (force.bounded_below, force.bounded_above) == (True, True)
     assert friction.low == pytest.approx(0.1 * STEP**-STEPS)
+    assert friction.high <= 0.15 < friction.high * (1.0 + FINEST)
     assert (friction.bounded_below, friction.bounded_above) == (False, True)
 
 
-def test_one_parameter_varies_at_a_time_and_trials_stop_at_a_failure(device, monkeypatch):
-    calls = oracle(monkeypatch, press_force=(0.99 * device.press_force, np.inf))
-    found = assess(device, COARSE, ENSEMBLE)
-    assert {each.parameter for each in found.leeways} == set(assessment.VARIED)
-    for swept in calls[1:]:
+def test_one_parameter_varies_at_a_time_and_trials_stop_at_a_failure(device):
+    is_reliable, calls = oracle(device, press_force=(0.99 * device.press_force, np.inf))
+    assert {each.parameter for each in leeways(device, is_reliable)} == set(VARIED)
+    for swept in calls:
         off = sum(values != getattr(device, name) for name, values in swept.items())
         assert (off == 1).all()
-    below = [values < device.press_force for values in (each["press_force"] for each in calls[1:2])]
-    later = [each["press_force"] for each in calls[2:] if "press_force" in each]
-    assert below[0].any()
-    assert all((values >= device.press_force).all() for values in later)
+    least = min(each["press_force"].min() for each in calls if "press_force" in each)
+    assert least == pytest.approx(device.press_force * STEP**-4)  # those tried together
 
 
-def test_trials_stop_at_the_bound_of_a_parameter(device, monkeypatch):
+def test_trials_stop_at_the_bound_of_a_parameter(device):
     device = device.replace(misalignment=0.9 * device.half_width * (2.0 + device.clearance))
-    oracle(monkeypatch)
-    found = assess(device, COARSE, ENSEMBLE)
-    wide = next(each for each in found.leeways if each.parameter == "misalignment")
+    found = leeways(device, oracle(device)[0])
+    wide = next(each for each in found if each.parameter == "misalignment")
     assert wide.high < device.half_width * (2.0 + device.clearance) < wide.high * STEP
     assert not wide.bounded_above
 
 
-def test_a_device_that_is_not_reliable_has_no_leeway(device, monkeypatch):
-    oracle(monkeypatch, press_force=(100.0, np.inf))
-    found = assess(device, COARSE, ENSEMBLE)
-    assert not found.reliable
-    assert (found.aligned, found.leeways) == (5, ())
-    assert found.failing_start == starts_of(device, ENSEMBLE)[1]
+def test_a_parameter_of_zero_has_no_leeway(device):
+    found = leeways(device.replace(friction=0.0), oracle(device)[0])
+    assert {each.parameter for each in found} == set(VARIED) - {"friction"}
 
 
-def test_a_parameter_of_zero_has_no_leeway(device, monkeypatch):
-    oracle(monkeypatch)
-    found = assess(device.replace(friction=0.0), COARSE, ENSEMBLE)
-    assert {each.parameter for each in found.leeways} == set(assessment.VARIED) - {"friction"}
+def test_the_nearest_reliable_values_have_a_direction(device):
+    device = device.replace(press_force=2.0, tilt_stiffness=10.0)
+    [force] = nearest(device, oracle(device, press_force=(2.3, 5.0))[0])
+    assert (force.parameter, force.below) == ("press_force", None)
+    assert force.above / (1.0 + FINEST) < 2.3 <= force.above
+    [force] = nearest(device, oracle(device, press_force=(1.0, 1.7))[0])
+    assert force.below <= 1.7 < force.below * (1.0 + FINEST)
+    assert nearest(device, oracle(device, press_force=(100.0, 200.0))[0]) == ()
 
 
 def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device):
     found = assess(device, COARSE, ENSEMBLE)
-    assert found.reliable
+    assert (found.reliable, found.starts, found.aligned) == (True, 6, 6)
     starts = starts_of(device, ENSEMBLE)
-    tried = 0
-    for leeway in found.leeways:
-        for last, bounded, ratio in (
-            (leeway.low, leeway.bounded_below, 1.0 / STEP),
-            (leeway.high, leeway.bounded_above, STEP),
-        ):
-            values = {leeway.parameter: np.array([last, last * ratio if bounded else last])}
-            reliable = from_every_start(device, values, starts, COARSE).reliable
-            assert reliable.tolist() == [True, not bounded], (leeway.parameter, last)
-            tried += bounded
-    assert tried
+    bounded = [each for each in found.leeways if each.bounded_above]
+    assert bounded
+    for leeway in bounded:
+        values = {leeway.parameter: np.array([leeway.high, leeway.high * (1.0 + FINEST)])}
+        reliable = from_every_start(device, values, starts, COARSE).reliable
+        assert reliable.tolist() == [True, False], leeway.parameter
+
+
+def test_an_unreliable_device_is_reliable_at_its_nearest_values(device):
+    device = device.replace(press_force=8.0, tilt_stiffness=4.0)
+    found = assess(device, COARSE, ENSEMBLE)
+    assert not found.reliable
+    assert found.leeways == ()
+    assert found.nearest
+    starts = starts_of(device, ENSEMBLE)
+    for each in found.nearest:
+        ends = [end for end in (each.below, each.above) if end is not None]
+        values = {each.parameter: np.array(ends)}
+        assert from_every_start(device, values, starts, COARSE).reliable.all(), each.parameter
+
+
+def verdict(stiffness, restitution=0.5, aligned=8, worst=3.0):
+    return BaseVerdict(stiffness, restitution, 8, aligned, 2.0, worst)
+
+
+def test_a_verdict_holds_on_every_base_or_depends_on_it():
+    def of(*bases, failing=None):
+        return Assessment(8, 8 if failing is None else 0, 2.0, 3.0, failing, bases=bases)
+
+    everywhere = of(verdict(1e2), verdict(1e4))
+    assert (everywhere.reliable, everywhere.depends_on_base) == (True, False)
+    somewhere = of(verdict(1e2), verdict(1e4, aligned=0))
+    assert (somewhere.reliable, somewhere.depends_on_base) == (False, True)
+    nowhere = of(verdict(1e2, aligned=0), failing={"phase": 0.0})
+    assert (nowhere.reliable, nowhere.depends_on_base) == (False, False)
+
+
+def test_the_rigid_limit_begins_where_nothing_changes_any_more():
+    bases = [verdict(1e2, worst=4.0), verdict(1e3, worst=3.04), verdict(1e4)]
+    assert Assessment(8, 8, 2.0, 3.0, None, bases=tuple(bases)).rigid_from == 1e3
+    bases += [verdict(1e2, 0.8), verdict(1e3, 0.8, aligned=7), verdict(1e4, 0.8)]
+    assert Assessment(8, 8, 2.0, 3.0, None, bases=tuple(bases)).rigid_from == 1e4
+
+
+def test_an_open_base_is_tried_over_decades_and_a_stated_one_is_not():
+    for changes, count in (({}, 10), ({"contact_stiffness": 3e5}, 0)):
+        stated = read_device(PEG, {"tilt_stiffness": 0.3, **changes})
+        found = assess(stated.device.parameters, COARSE, ENSEMBLE, stated=stated)
+        assert len(found.bases) == count
+        assert found.reliable
+    found = read_device(PEG, {"contact_stiffness": 3e5, "contact_damping": 20.0})
+    device = found.device.parameters
+    bases = assess(device, COARSE, ENSEMBLE, stated=found, bases=True).bases
+    assert [each.restitution for each in bases] == [None] * 5
+
+
+def test_an_impact_speed_is_that_of_a_fall(device):
+    flying = device.replace(press_force=0.5, frequency=3.0, contact_stiffness=1e5)
+    run = simulate(flying, Settings(tolerance=1e-9, horizon=20.0))
+    assert run.separations > 0
+    landed = np.flatnonzero((run.contact_force[:-1] == 0.0) & (run.contact_force[1:] > 0.0))
+    # the depth d = b + r·e_n just before the touch-down falls to 0 at this rate
+    x, y, tilt = run.state[:, 0], run.state[:, 1], run.state[:, 2]
+    across = -(device.slot_half_width - x) * -np.sin(tilt) * -1.0 - y * np.cos(tilt)
+    depth = device.half_height + across
+    before = landed[landed > 0] - 1
+    rates = (depth[before + 1] - depth[before]) / (run.time[before + 1] - run.time[before])
+    assert impact_speed(run) == pytest.approx(rates.max(), rel=0.2)
+    assert impact_speed(simulate(device.replace(press_force=3.0), horizon=0.1)) == 0.0
+
+
+def test_reliable_forces_are_asked_in_si_units():
+    peg = load_device(PEG, {"tilt_stiffness": 0.3})
+    found = reliable_at(peg, COARSE, press_force=[10.0, 40.0])
+    assert found.tolist() == [True, False]
+    with pytest.raises(ValueError, match="Did you mean 'press_force'"):
+        reliable_at(peg, presforce=[1.0])
+    assert math.isclose(peg.units.force, 3.0)

@@ -1,8 +1,9 @@
-"""``vibralign assess``: assess the reliability of a device and the leeway of its parameters."""
+"""``vibralign assess``: assess a device: verdict, base, leeways, and its yield."""
 
 import argparse
 import os
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from model.cli.arguments import (
@@ -11,19 +12,27 @@ from model.cli.arguments import (
     add_model_options,
     announce_compilation,
     device_of,
+    number,
     settings_of,
+    stated_device,
 )
+from model.cli.files import check_file, check_picture
+from model.cli.si import in_words, scale, si_words
 from model.cli.simulate import twin_record
 from model.cli.tables import in_columns, print_json
 from model.physics.parameters import FIELDS
-from model.physics.quantities import TIME, Quantity
+from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.simulate import simulate
 from model.runs.twin import twin_words
 from model.study.config import load_study, study_path
 
 if TYPE_CHECKING:
-    from model.study.assessment import Assessment, Leeway
+    from model.study.assessment import Assessment, Leeway, Nearest, Yield
+    from model.study.assessment.worst_corner import WorstCorner
+    from model.study.devices import StatedDevice
+
+_WIDTH = 16
 
 
 def add(commands: Any) -> None:
@@ -32,72 +41,280 @@ def add(commands: Any) -> None:
         commands,
         "assess",
         _assess,
-        "assess the reliability and speed of a device and the leeway of its parameters",
-        ". A reliable device aligns from every phase of "
-        "the excitation and initial tilt that the study tries. Each parameter is then varied, the "
-        "others held, by up to a factor of four or until the device is not reliable.",
-        epilog="exit code: 0 the device was assessed, with any result; 2 bad input",
+        "assess the reliability and speed of a device, its leeways and its yield",
+        ". A reliable device aligns from every phase of the excitation and initial tilt that the "
+        "study tries; if its file states no base, on bases of 100 to 1,000,000 times its axial "
+        "stiffness as well. Each parameter is then varied, the others held, by up to a factor of "
+        "four or until the device is not reliable. If the file states tolerances, devices are "
+        "drawn within them: their yield, and what is to blame for failures.",
+        epilog="exit code: 0 the device was assessed; 1 the yield of --require is not met; "
+        "2 bad input",
     )
+    add = parser.add_argument
+    add("--bases", action="store_true", help="try the span of bases even if the base is stated")
+    words = "exit with 1 unless the yield is at least this, with 95 %% confidence"
+    add("--require", metavar="YIELD", help=words)
+    words = "devices drawn within the tolerances, a power of two (default: 4096)"
+    add("--devices", metavar="N", default="4096", help=words)
+    words = "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4"
+    add("--sheet", type=Path, metavar="FILE", help=words)
     add_model_options(parser)
     add_json(parser)
 
 
 def _assess(arguments: argparse.Namespace) -> int:
     study = load_study(study_path())
-    units, device, start = device_of(study.baseline, arguments)
+    stated = stated_device(arguments)
+    if stated is None:
+        units, device, start = device_of(study.baseline, arguments)
+    else:
+        (units, device), start = stated.device, stated.start
     settings = settings_of(study.settings.settings, arguments, units, start)
+    required, devices = _required(arguments, stated)
+    if arguments.sheet is not None:
+        check_file(arguments.sheet, "--sheet", ["html"])
+        check_picture(arguments.sheet.with_suffix(".png"))
+        if stated is None:
+            raise ValueError("--sheet needs --device FILE")
     announce_compilation()
     from model.study.assessment import assess  # noqa: PLC0415  (only this command)
 
-    found = assess(device, settings, study.maps.ensemble, cores=os.cpu_count() or 1)
+    ensemble, cores = study.maps.ensemble, os.cpu_count() or 1
+    found = assess(device, settings, ensemble, cores, stated=stated, bases=arguments.bases)
+    drawn, corner = None, None
+    if stated is not None and stated.tolerances:
+        drawn, corner = _drawn(stated, ensemble, settings, cores, devices)
+    met = drawn is None or required is None or drawn.low >= required
     if arguments.json:
-        print_json(_record(found, units) | twin_record(device, settings))
-        return 0
-    print("\n".join(_report(found, units)))
-    print(twin_words(device, settings))
+        print_json(
+            _record(found, units)
+            | twin_record(device, settings)
+            | {"yield": drawn and _yield_record(drawn, corner, stated)}
+        )
+        return int(not met)
+    shown = None if arguments.dimensionless else units
+    groups = {"Verdict": _report(found, shown, stated)}
+    groups["Verdict"].append(twin_words(device, settings))
     if found.failing_start is not None:
         run = simulate(device.replace(**found.failing_start), settings)
         failing = ", ".join(f"{name} = {value:.4g}" for name, value in found.failing_start.items())
-        print(f"{'for example':<16}{failing}: {run.message}")
-        print(f"{'what to do':<16}{run.remedy}")
-    return 0
+        groups["Verdict"].append(_line("for example", f"{failing}: {run.message}"))
+    groups["Leeways"] = [*_advice(found, shown), *_varied(found, shown)]
+    if drawn is not None and stated is not None:
+        groups["Yield"] = _yield_report(drawn, corner, stated, required)
+    print("\n".join(line for lines in groups.values() for line in lines))
+    if arguments.sheet is not None and stated is not None:
+        from model.cli.sheet import write_sheet  # noqa: PLC0415  (as above)
+
+        write_sheet(arguments.sheet, stated, groups, study, settings)
+    return int(not met)
 
 
-def _scale(units: Units | None, quantity: Quantity) -> tuple[float, str]:
-    """Value of one dimensionless ``quantity`` in the units of the user, and its unit."""
-    if units is None:
-        return 1.0, ""
-    return units.of(quantity), "" if quantity.unit == "1" else f" {quantity.unit}"
+def _required(
+    arguments: argparse.Namespace, stated: "StatedDevice | None"
+) -> tuple[float | None, int]:
+    devices = int(number("devices", arguments.devices))
+    if devices < 2 or devices & (devices - 1):
+        raise ValueError(f"devices = {arguments.devices}: must be a power of two, 2 or more")
+    if arguments.require is None:
+        return None, devices
+    required = number("require", arguments.require)
+    if not 0.0 < required < 1.0:
+        raise ValueError(f"require = {arguments.require}: must be between 0 and 1")
+    if stated is None or not stated.tolerances:
+        raise ValueError("--require needs a device with tolerances, such as friction: 0.15 ± 0.05")
+    return required, devices
 
 
-def _report(found: "Assessment", units: Units | None) -> list[str]:
-    time, second = _scale(units, TIME)
-    words = "reliable" if found.reliable else "not reliable"
-    lines = [f"{words:<16}aligns from {found.aligned} of {found.starts} starts"]
+def _drawn(
+    stated: "StatedDevice", ensemble: Any, settings: Any, cores: int, devices: int
+) -> tuple["Yield", "WorstCorner | None"]:
+    from dataclasses import replace  # noqa: PLC0415
+
+    from model.study.assessment import yield_of  # noqa: PLC0415
+    from model.study.assessment.worst_corner import worst_corner  # noqa: PLC0415
+    from model.study.assessment.yields import STATISTICAL_TOLERANCE  # noqa: PLC0415
+    from model.study.starts import starts_of  # noqa: PLC0415
+
+    settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
+    starts = starts_of(stated.device.parameters, ensemble)
+    drawn, known = yield_of(stated, starts, settings, cores, devices=devices)
+    return drawn, worst_corner(stated, known, starts, settings, cores)
+
+
+def _line(name: str, words: str) -> str:
+    return f"{name:<{_WIDTH}}{words}"
+
+
+def _report(found: "Assessment", units: Units | None, stated: "StatedDevice | None") -> list[str]:
+    device = str(stated.source) if stated else "the study's, dimensionless (no --device)"
+    starts = f"aligns from {found.aligned} of {found.starts} starts"
+    if found.depends_on_base:
+        lines = [_line("depends on the base", ": measure it"), _line("", starts)]
+        lines[0] = "depends on the base: measure it"
+    else:
+        lines = [_line("reliable" if found.reliable else "not reliable", starts)]
+    if found.bases:
+        lines[-1] += ", on a base of 100 times the axial stiffness" if _open(stated) else ""
+    lines.insert(0, _line("device", device))
     if found.aligned:
-        shortest, longest = time * found.tau_best, time * found.tau_worst
-        lines.append(f"{'alignment time':<16}{shortest:.4g} to {longest:.4g}{second}, by the start")
-    if found.leeways:
-        lines.append("stays reliable while, one parameter at a time,")
-        lines += in_columns([_row(each, units) for each in found.leeways])
-    return lines
+        times = (in_words(tau, TIME, units) for tau in (found.tau_best, found.tau_worst))
+        lines.append(_line("alignment time", f"{' to '.join(times)}, by the start"))
+    few, most = found.separations
+    hops = f"{few} to {most}" if few != most else str(few)
+    speed = in_words(found.impact_speed, SPEED, units)
+    lines.append(_line("lift-offs", f"{hops}; touches down at up to {speed}"))
+    force = in_words(found.contact_force_max, FORCE, units)
+    tilt = in_words(found.tilt_max, ANGLE, units)
+    lines.append(_line("at most", f"contact force {force}, tilt {tilt}"))
+    return lines + _bases(found, units)
+
+
+def _open(stated: "StatedDevice | None") -> bool:
+    return stated is not None and not stated.base_is_stated
+
+
+def _bases(found: "Assessment", units: Units | None) -> list[str]:
+    if not found.bases:
+        return []
+    rows = []
+    for each in found.bases:
+        impact = (
+            "damping as stated"
+            if each.restitution is None
+            else (f"restitution {each.restitution:g}")
+        )
+        times = "-"
+        if each.aligned:
+            both = (in_words(t, TIME, units) for t in (each.tau_best, each.tau_worst))
+            times = " to ".join(both)
+        stiffness = in_words(each.contact_stiffness, STIFFNESS, units)
+        ratio = f"({each.contact_stiffness:,.0f} × axial)"
+        rows.append((stiffness, ratio, impact, f"{each.aligned} of {each.starts}", times))
+    rigid = found.rigid_from
+    words = "still change at the stiffest base"
+    if rigid is not None and rigid < found.bases[-1].contact_stiffness:
+        words = f"no longer change from {in_words(rigid, STIFFNESS, units)} on"
+    return ["contact stiffness, impact, starts that align, alignment time:", *in_columns(rows),
+            _line("stiff bases", f"verdict and time {words}")]  # fmt: skip
+
+
+def _advice(found: "Assessment", units: Units | None) -> list[str]:
+    if found.failing_start is None:
+        return []
+    if not found.nearest:
+        words = "no single parameter makes it reliable within a factor of four: change two (map)"
+        return [_line("what to do", words)]
+    lines = ["reliable instead, one parameter at a time, with"]
+    return lines + in_columns([_nearest_row(each, units) for each in found.nearest])
+
+
+def _varied(found: "Assessment", units: Units | None) -> list[str]:
+    if not found.leeways:
+        return []
+    lines = ["stays reliable while, one parameter at a time (ends known to 0.4 %),"]
+    return lines + in_columns([_row(each, units) for each in found.leeways])
 
 
 def _row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
-    one, unit = _scale(units, FIELDS[leeway.parameter].quantity)
-    low = f"{one * leeway.low:.4g}" + ("" if leeway.bounded_below else " or less")
-    high = f"{one * leeway.high:.4g}" + ("" if leeway.bounded_above else " or more")
-    own = f"its value {one * leeway.value:.4g}{unit}"
-    return leeway.parameter, f"from {low}", f"to {high}", own
+    low, high, own = (
+        _value(leeway.parameter, each, units) for each in (leeway.low, leeway.high, leeway.value)
+    )
+    low += "" if leeway.bounded_below else " or less"
+    high += "" if leeway.bounded_above else " or more"
+    return leeway.parameter, f"from {low}", f"to {high}", f"its value {own}"
+
+
+def _nearest_row(each: "Nearest", units: Units | None) -> tuple[str, ...]:
+    ends = [
+        f"{_value(each.parameter, end, units)} or a little {word}"
+        for end, word in ((each.below, "less"), (each.above, "more"))
+        if end is not None
+    ]
+    return (
+        each.parameter,
+        ", or ".join(ends),
+        f"its value {_value(each.parameter, each.value, units)}",
+    )
+
+
+def _value(parameter: str, value: float, units: Units | None) -> str:
+    return in_words(value, FIELDS[parameter].quantity, units)
+
+
+def _yield_report(
+    drawn: "Yield", corner: "WorstCorner | None", stated: "StatedDevice", required: float | None
+) -> list[str]:
+    percent = [f"{100.0 * each:.4g} %" for each in (drawn.share, drawn.low, drawn.high)]
+    lines = [
+        _line(
+            "yield",
+            f"{percent[0]} ({percent[1]} to {percent[2]}): {drawn.going_in} of {drawn.devices} "
+            "devices within the tolerances go in from every start",
+        )
+    ]
+    if required is not None:
+        word = "met" if drawn.low >= required else "not met"
+        lines.append(_line("required", f"{100.0 * required:.4g} %: {word}"))
+    for name, values, quantity in (
+        ("alignment time", drawn.time, TIME),
+        ("contact force", drawn.force, FORCE),
+    ):
+        words = ", ".join(si_words(each, quantity) for each in values)
+        lines.append(_line(name, f"{words} (5, 50, 95 %)"))
+    if drawn.blame:
+        lines.append("to blame, Sobol' indices: first order and total, of failure and of time")
+        lines += in_columns(
+            [
+                (each.quantity, *(_index(v) for v in (
+                    each.failure, each.failure_total, each.time, each.time_total)))
+                for each in drawn.blame
+            ]
+        )  # fmt: skip
+    if corner is None:
+        lines.append(
+            _line("worst corner", "no combination within the tolerances was found to fail")
+        )
+    else:
+        off = ", ".join(f"{name} = {value:.6g}" for name, value in corner.quantities.items())
+        words = f"{off}: fails at {100.0 * corner.distance:.3g} % of the tolerances"
+        lines += [_line("worst corner", words), f"  {corner.command(stated)}"]
+    return lines
+
+
+def _index(value: float) -> str:
+    return "-" if value != value else f"{value:.2f}"  # noqa: PLR0124 - NaN
+
+
+def _yield_record(
+    drawn: "Yield", corner: "WorstCorner | None", stated: "StatedDevice | None"
+) -> dict[str, Any]:
+    worst = None
+    if corner is not None and stated is not None:
+        worst = asdict(corner) | {"command": corner.command(stated)}
+    return asdict(drawn) | {"share": drawn.share, "worst_corner": worst}
 
 
 def _record(found: "Assessment", units: Units | None) -> dict[str, Any]:
     """The assessment as JSON, in SI units for a device in SI; NaN becomes null."""
-    record = asdict(found) | {"reliable": found.reliable}
-    time, _ = _scale(units, TIME)
-    for name in ("tau_best", "tau_worst"):
-        record[name] = time * record[name] if found.aligned else None
-    for leeway in record["leeways"]:
-        one, _ = _scale(units, FIELDS[leeway["parameter"]].quantity)
-        leeway |= {name: one * leeway[name] for name in ("value", "low", "high")}
+    record = asdict(found) | {
+        "reliable": found.reliable,
+        "depends_on_base": found.depends_on_base,
+        "rigid_from": found.rigid_from,
+    }
+    time, stiffness = scale(units, TIME), scale(units, STIFFNESS)
+    for each in (record, *record["bases"]):
+        for name in ("tau_best", "tau_worst"):
+            each[name] = time * each[name] if each["aligned"] else None
+    record["contact_force_max"] *= scale(units, FORCE)
+    record["impact_speed"] *= scale(units, SPEED)
+    for each in record["bases"]:
+        each["contact_stiffness"] *= stiffness
+    if record["rigid_from"] is not None:
+        record["rigid_from"] *= stiffness
+    for each in (*record["leeways"], *record["nearest"]):
+        one = scale(units, FIELDS[each["parameter"]].quantity)
+        for name in ("value", "low", "high", "below", "above"):
+            if each.get(name) is not None:
+                each[name] *= one
     return {"units": "1" if units is None else "SI", **record}

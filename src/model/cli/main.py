@@ -17,6 +17,7 @@ from model.cli import (
     accept,
     assess,
     claims,
+    design,
     diff,
     export,
     map,  # noqa: A004  (the name of the command)
@@ -28,7 +29,7 @@ from model.cli import (
 from model.tracking.provenance import version
 
 # In the order of the help; each module has ``add(commands)``.
-COMMANDS = (simulate, assess, map, runs, show, diff, export, verify, accept, claims)
+COMMANDS = (simulate, assess, design, map, runs, show, diff, export, verify, accept, claims)
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
 

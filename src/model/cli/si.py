@@ -15,7 +15,7 @@ from model.physics.units import Units
 
 # Prefixes below the lower bound and from the upper one on: unit and its value in the SI unit.
 _SMALL = {LENGTH: ("mm", 1e-3, 0.1), TIME: ("ms", 1e-3, 0.1)}
-_LARGE = {STIFFNESS: ("kN/m", 1e3, 1e4), FORCE: ("kN", 1e3, 1e4)}
+_LARGE = {STIFFNESS: [("MN/m", 1e6, 1e7), ("kN/m", 1e3, 1e4)], FORCE: [("kN", 1e3, 1e4)]}
 DIGITS = 4
 
 
@@ -31,11 +31,11 @@ def in_words(value: float, quantity: Quantity, units: Units | None) -> str:
 
 def si_words(value: float, quantity: Quantity) -> str:
     """Return a ``value`` in SI units with four digits and its unit, a tilt in degrees as well."""
-    if not math.isfinite(value):
-        return "none" if math.isnan(value) else "unlimited"
+    if math.isnan(value):
+        return "none"
     unit, one = display(value, quantity)
     text = f"{value / one:.{DIGITS}g}" + (f" {unit}" if unit else "")
-    return f"{text} ({math.degrees(value):.3g}°)" if quantity == ANGLE else text
+    return f"{text} ({math.degrees(value):.1f}°)" if quantity == ANGLE else text
 
 
 def display(value: float, quantity: Quantity) -> tuple[str, float]:
@@ -43,6 +43,7 @@ def display(value: float, quantity: Quantity) -> tuple[str, float]:
     size = abs(value)
     if quantity in _SMALL and 0.0 < size < _SMALL[quantity][2]:
         return _SMALL[quantity][:2]
-    if quantity in _LARGE and size >= _LARGE[quantity][2]:
-        return _LARGE[quantity][:2]
+    for unit, one, least in _LARGE.get(quantity, ()):
+        if size >= least:
+            return unit, one
     return ("" if quantity == PLAIN else quantity.unit), 1.0

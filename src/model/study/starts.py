@@ -7,6 +7,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,25 @@ class FromEveryStart:
         return found
 
 
+# Outcomes of a run in which the part goes in.
+GOES_IN = (Outcome.ALIGNED,)
+
+
+def every_start(
+    devices: Batch, starts: Starts, settings: Settings, cores: int = 1
+) -> dict[str, NDArray[Any]]:
+    """Run every device from every start.
+
+    Returns the fields of ``RunResult`` and ``goes_in``, each of shape (devices, starts).
+    """
+    values = {name: np.repeat(each, len(starts)) for name, each in devices.values.items()}
+    for name in starts[0]:
+        values[name] = np.tile([start[name] for start in starts], len(devices))
+    found = run_once(Batch(values), settings, cores=cores)
+    shaped = {name: each.reshape(len(devices), len(starts)) for name, each in found.items()}
+    return {**shaped, "goes_in": np.isin(shaped["outcome"], GOES_IN)}
+
+
 def from_every_start(
     device: Parameters,
     swept: Mapping[str, NDArray[np.float64]],
@@ -68,19 +88,10 @@ def from_every_start(
     Raises:
         ValueError: as ``Batch.of``.
     """
-    count = len(next(iter(swept.values())))
-    values = {name: np.repeat(value, len(starts)) for name, value in swept.items()}
-    for name in starts[0]:
-        values[name] = np.tile([start[name] for start in starts], count)
     settings = replace(settings, alignment_only=True)
-    endings = run_once(Batch.of(device, **values), settings, cores=cores)
-    outcome, tau, evaluations = (
-        endings[name].reshape(count, len(starts))
-        for name in ("outcome", "tau_align", "rhs_evaluations")
-    )
-    aligned = outcome == Outcome.ALIGNED
+    found = every_start(Batch.of(device, **swept), starts, settings, cores)
     return FromEveryStart(
-        aligned=aligned,
-        tau_align=np.where(aligned, tau, np.nan),
-        rhs_evaluations=evaluations.sum(axis=1).astype(np.int64),
+        aligned=found["goes_in"],
+        tau_align=np.where(found["goes_in"], found["tau_align"], np.nan),
+        rhs_evaluations=found["rhs_evaluations"].sum(axis=1).astype(np.int64),
     )

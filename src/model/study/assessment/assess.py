@@ -1,0 +1,267 @@
+"""Assess a device: its alignment from every start, on its base, and the leeway of its parameters.
+
+A device is made with tolerances and wears, and phase and tilt at touch-down cannot be controlled: a
+*reliable* device aligns from every start (starts.py). If the base is not stated, a span of bases is
+tried, each with a lively and a dull impact.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from model.physics.parameters import FIELDS, Batch, Parameters, check_name
+from model.physics.units import Device
+from model.runs.settings import Settings
+from model.runs.simulate import Trajectory, simulate_once
+from model.study.assessment.leeways import Leeway, Nearest, leeways, nearest
+from model.study.config import Ensemble, load_study, study_path
+from model.study.devices import StatedDevice
+from model.study.starts import Starts, every_start, from_every_start, starts_of
+
+DECADES = (1e2, 1e3, 1e4, 1e5, 1e6)  # contact stiffness, in axial stiffnesses
+RESTITUTIONS = (0.3, 0.8)  # tried where no impact is stated
+_FEW = 12  # every so many starts are tried first, since most failures fail from many
+_BASE_STARTS = 4  # every so many starts are tried on a base
+_SAME_TIME = 0.02  # times of two bases that count as the same
+
+
+@dataclass(frozen=True)
+class BaseVerdict:
+    """Results of a device on one base, from every start; dimensionless.
+
+    Attributes:
+        contact_stiffness: K_a over K_Y.
+        restitution: of an impact; None where the device states the damping.
+        starts, aligned: number of starts, and of those from which the device aligns.
+        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN if there is none.
+    """
+
+    contact_stiffness: float
+    restitution: float | None
+    starts: int
+    aligned: int
+    tau_best: float
+    tau_worst: float
+
+    @property
+    def reliable(self) -> bool:
+        """True if the device aligns from every start on this base."""
+        return self.aligned == self.starts
+
+    def agrees_with(self, other: "BaseVerdict") -> bool:
+        """Return whether as many starts align, in the same time within 2 %."""
+        times = (self.tau_best, other.tau_best), (self.tau_worst, other.tau_worst)
+        return self.aligned == other.aligned and all(
+            math.isnan(one) or abs(one - two) <= _SAME_TIME * two for one, two in times
+        )
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """Results of a device from every start, its bases and its leeways; all dimensionless.
+
+    Attributes:
+        starts, aligned: number of starts, and of those from which the device aligns.
+        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN if there is none.
+        failing_start: the first start from which the device does not align, or None.
+        contact_force_max, tilt_max: largest of all starts.
+        separations: fewest and most lift-offs before alignment.
+        impact_speed: largest closing rate at a touch-down in the slowest or failing start.
+        leeways: of the parameters in ``VARIED`` that are not 0; empty if not reliable.
+        nearest: reliable values of these parameters; empty if reliable.
+        bases: verdicts on other bases; empty if none was tried.
+    """
+
+    starts: int
+    aligned: int
+    tau_best: float
+    tau_worst: float
+    failing_start: Mapping[str, float] | None
+    contact_force_max: float = math.nan
+    tilt_max: float = math.nan
+    separations: tuple[int, int] = (0, 0)
+    impact_speed: float = 0.0
+    leeways: tuple[Leeway, ...] = ()
+    nearest: tuple[Nearest, ...] = ()
+    bases: tuple[BaseVerdict, ...] = ()
+
+    @property
+    def reliable(self) -> bool:
+        """True if the device aligns from every start, on every base that was tried."""
+        return self.failing_start is None and all(each.reliable for each in self.bases)
+
+    @property
+    def depends_on_base(self) -> bool:
+        """True if the device is reliable on some of the bases, and not on others."""
+        verdicts = {self.failing_start is None, *(each.reliable for each in self.bases)}
+        return len(verdicts) > 1
+
+    @property
+    def rigid_from(self) -> float | None:
+        """Contact stiffness from which on neither verdict nor time changes, of those tried."""
+        found = None
+        for stiffness in sorted({each.contact_stiffness for each in self.bases}, reverse=True):
+            for each in self.bases:
+                limit = [b for b in self.bases if b.restitution == each.restitution][-1]
+                if each.contact_stiffness == stiffness and not each.agrees_with(limit):
+                    return found
+            found = stiffness
+        return found
+
+
+def assess(
+    device: Parameters,
+    settings: Settings,
+    ensemble: Ensemble,
+    cores: int = 1,
+    *,
+    stated: StatedDevice | None = None,
+    bases: bool = False,
+) -> Assessment:
+    """Assess ``device`` by some thousand runs on ``cores``.
+
+    Args:
+        device: the device as the model takes it.
+        settings: settings of the runs.
+        ensemble: the starts.
+        cores: number of threads.
+        stated: the same device as its file states it. A base that it leaves open is varied.
+        bases: vary the base even if it is stated.
+    """
+    starts = starts_of(device, ensemble)
+    own = every_start(Batch.stack([device]), starts, settings, cores)
+    aligned, tau = own["goes_in"][0], own["tau_align"][0]
+    failing = [start for start, aligns in zip(starts, aligned, strict=True) if not aligns]
+    slowest = failing[0] if failing else starts[int(np.argmax(tau))]
+    run = simulate_once(device.replace(**slowest), settings)
+
+    def is_reliable(swept: Mapping[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
+        return _reliable(device, swept, starts, settings, cores)
+
+    varied = stated is not None and (bases or not stated.base_is_stated)
+    return Assessment(
+        starts=len(starts),
+        aligned=int(aligned.sum()),
+        tau_best=_of(np.min, tau[aligned]),
+        tau_worst=_of(np.max, tau[aligned]),
+        failing_start=failing[0] if failing else None,
+        contact_force_max=_of(np.nanmax, own["contact_force_max"][0]),
+        tilt_max=_of(np.nanmax, own["tilt_max"][0]),
+        separations=(int(own["separations"].min()), int(own["separations"].max())),
+        impact_speed=impact_speed(run),
+        leeways=() if failing else leeways(device, is_reliable),
+        nearest=nearest(device, is_reliable) if failing else (),
+        bases=on_bases(stated, starts, settings, cores) if stated and varied else (),
+    )
+
+
+def _reliable(
+    device: Parameters,
+    swept: Mapping[str, NDArray[np.float64]],
+    starts: Starts,
+    settings: Settings,
+    cores: int,
+) -> NDArray[np.bool_]:
+    """Return where the device is reliable; the other starts only where a few of them align."""
+    reliable = from_every_start(device, swept, starts[::_FEW], settings, cores).reliable
+    left = np.flatnonzero(reliable)
+    others = [start for i, start in enumerate(starts) if i % _FEW]
+    if left.size and others:
+        some = {name: values[left] for name, values in swept.items()}
+        reliable[left] = from_every_start(device, some, others, settings, cores).reliable
+    return reliable
+
+
+def on_bases(
+    stated: StatedDevice, starts: Starts, settings: Settings, cores: int = 1
+) -> tuple[BaseVerdict, ...]:
+    """Return the verdicts on bases of every stiffness in ``DECADES``, softest first."""
+    quantities = stated.resolved({})
+    axial = quantities["axial_stiffness"]
+    own = stated.quantities.get("restitution")
+    impacts: tuple[float | None, ...] = RESTITUTIONS if own is None else (own,)
+    if "contact_damping" in stated.quantities:
+        impacts = (None,)
+    plain = replace(stated, materials=None, quantities=_without_base(stated.quantities))
+    tried = [(ratio, impact) for impact in impacts for ratio in DECADES]
+    devices = [
+        plain.at(
+            {"contact_stiffness": ratio * axial}
+            | ({} if impact is None else {"restitution": impact})
+        ).parameters
+        for ratio, impact in tried
+    ]
+    starts = starts[::_BASE_STARTS]
+    quick = replace(settings, alignment_only=True, tolerance=max(settings.tolerance, 1e-6))
+    found = every_start(Batch.stack(devices), starts, quick, cores)
+    return tuple(
+        BaseVerdict(
+            ratio,
+            impact,
+            len(starts),
+            int(aligned.sum()),
+            _of(np.min, tau[aligned]),
+            _of(np.max, tau[aligned]),
+        )
+        for (ratio, impact), aligned, tau in zip(
+            tried, found["goes_in"], found["tau_align"], strict=True
+        )
+    )
+
+
+def _without_base(quantities: Mapping[str, float]) -> dict[str, float]:
+    sizes = ("edge_radius", "plate_thickness", "plate_radius")
+    return {name: value for name, value in quantities.items() if name not in sizes}
+
+
+def impact_speed(run: Trajectory) -> float:
+    """Return the largest closing rate of edge A1 at a touch-down of the run, 0 without any."""
+    force = run.contact_force
+    landings = np.flatnonzero((force[:-1] == 0.0) & (force[1:] > 0.0) & (run.time[:-1] > 0.0))
+    edge = run.parameters.slot_half_width
+    rates = []
+    for x, y, tilt, x_rate, y_rate, tilt_rate in run.state[landings]:
+        across_x = x_rate + tilt_rate * y
+        across_y = y_rate + tilt_rate * (edge - x)
+        rates.append(across_x * math.sin(tilt) - across_y * math.cos(tilt))
+    return float(max(rates, default=0.0))
+
+
+def reliable_at(
+    device: Device,
+    settings: Settings | None = None,
+    *,
+    cores: int = 1,
+    **quantities: ArrayLike,
+) -> NDArray[np.bool_]:
+    """Return where a device aligns from every start of the study, shape (n,).
+
+    Args:
+        device: as ``load_device`` returns it.
+        settings: settings of the runs; those of the study if None.
+        cores: number of threads.
+        **quantities: parameters that are varied together, in SI units, each of shape (n,):
+            ``press_force=[8.0, 10.0, 12.0]``.
+
+    Raises:
+        ValueError: an unknown parameter, shapes that differ, or a value outside its rule.
+    """
+    for name in quantities:
+        check_name(name, tuple(FIELDS), "parameter")
+    study = load_study(study_path())
+    swept = {
+        name: np.atleast_1d(np.asarray(values, dtype=np.float64))
+        / device.units.of(FIELDS[name].quantity)
+        for name, values in quantities.items()
+    } or {"friction": np.array([device.parameters.friction])}
+    starts = starts_of(device.parameters, study.maps.ensemble)
+    settings = settings or study.settings.settings
+    return _reliable(device.parameters, swept, starts, settings, cores)
+
+
+def _of(statistic: object, values: NDArray[np.float64]) -> float:
+    finite = values[np.isfinite(values)]
+    return float(statistic(finite)) if finite.size else math.nan  # type: ignore[operator]

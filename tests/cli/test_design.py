@@ -1,0 +1,66 @@
+"""``vibralign design``: output, files and refusals."""
+
+import json
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from model.cli import main as cli
+
+PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
+QUICK = ["--generations", "1", "--population", "5", "--horizon", "600 ms", "--set"]
+QUICK += ["contact_stiffness=300 kN/m"]
+
+
+@pytest.fixture
+def peg(tmp_path):
+    def write(limits):
+        path = tmp_path / "peg.yaml"
+        more = f"free: {{tilt_stiffness: 0.2 to 0.4 N m/rad}}\nlimits: {{{limits}}}\n"
+        path.write_text(PEG.read_text(encoding="utf-8") + more, encoding="utf-8")
+        return str(path)
+
+    return write
+
+
+def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
+    out, plot = tmp_path / "design.nc", tmp_path / "front.png"
+    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, "--out", str(out)]
+    assert cli.main([*given, "--plot", str(plot)]) == cli.DONE
+    said = capsys.readouterr().out
+    assert said.startswith("recommended       tilt_stiffness = 0.")
+    assert "largest contact_force" in said
+    assert "friction 0.1 " in said
+    assert "friction 0.2 " in said
+    assert plot.stat().st_size > 10_000
+    with xr.open_dataset(out) as dataset:
+        assert dataset.attrs["free"] == "tilt_stiffness"
+        assert set(dataset["front"].values.tolist()) <= {0, 1}
+        tried = dataset.sizes["candidate"]
+    assert cli.main([*given, "--json"]) == cli.DONE  # continued from its file: nothing is new
+    record = json.loads(capsys.readouterr().out)
+    assert record["tried"] == tried
+    assert record["feasible"]
+
+
+def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
+    assert cli.main(["design", "--device", peg("contact_force: 8 N"), *QUICK]) == cli.FAILED
+    said = capsys.readouterr().out
+    assert said.startswith("no setting of those tried keeps the limits")
+    assert "what to relax     contact_force from 8 N to " in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "design needs --device FILE"),
+        (["--device", str(PEG)], "nothing is free"),
+        (["--device", str(PEG), "--generations", "0"], "generations = 0: must be a whole number"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(capsys, arguments, words):
+    assert cli.main(["design", *arguments]) == cli.REFUSED
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert words in err

@@ -1,0 +1,121 @@
+"""Designs: judged by devices around a setting, against a full grid, continued, and advised."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model import Settings
+from model.study import design as designs
+from model.study.assessment.yields import Devices
+from model.study.datasets import write_dataset
+from model.study.design import FARTHEST, Search, design_dataset, known_of, misjudged
+from model.study.devices import read_device
+
+PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+COARSE = Settings(horizon=60.0, tolerance=1e-6)
+STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
+FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}
+
+
+def search(limits=None, **changes):
+    stated = read_device(PEG, {"contact_stiffness": 3e5, "friction": "0.15 ± 0.05", **changes})
+    return Search(replace(stated, free=FREE, limits=limits or {}), STARTS, COARSE)
+
+
+def oracle(monkeypatch):
+    """Devices go in below a friction of 0.1 + f0/100; time 1/f0, force 2 f0; the calls' sizes."""
+    calls = []
+
+    def run(_, values, *_settings):
+        force, friction = values["press_force"], values["friction"]
+        calls.append(force.size)
+        goes_in = friction < 0.1 + force / 100.0
+        time = np.where(goes_in, 1.0 / force, np.nan)
+        nothing = np.where(goes_in, -1, 0)
+        return Devices(values, goes_in, time, time[:, None], 2.0 * force, 0.1 * force, nothing)
+
+    monkeypatch.setattr(designs, "run_devices", run)
+    return calls
+
+
+def test_share_margin_and_measures_are_those_of_the_devices_around(monkeypatch):
+    oracle(monkeypatch)
+    found = search().judge(np.array([[24.0, 0.5], [9.0, 0.5], [4.0, 0.5]]))
+    # friction 0.15 ± 0.05: fails from 0.34, 0.19 and 0.14 on, 3.8, 0.8 and -0.2 tolerances off
+    assert found.margin[0] == FARTHEST
+    assert 0.7 <= found.margin[1] <= 1.0
+    assert found.share[0] == 1.0
+    assert found.share[1] == pytest.approx(0.9, abs=0.07)
+    assert found.margin[2] == 0.0
+    assert found.measures["time"] == pytest.approx(1.0 / np.array([24.0, 9.0, 4.0]))
+
+
+def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatch):
+    oracle(monkeypatch)
+    best = search({"contact_force": 40.0}).run(8, 12)
+    assert best.feasible
+    assert best.setting["press_force"] == pytest.approx(20.0, abs=1.0)  # 2 f0 = 40
+    assert best.binding(FREE) == ["limit of contact_force"]
+    times = best.judged.measures["time"][best.front]
+    assert (np.diff(times) > 0.0).all()
+    assert (np.diff(best.judged.margin[best.front]) > 0.0).all()
+
+
+def test_a_limit_that_none_keeps_is_named_with_what_it_would_take(monkeypatch):
+    oracle(monkeypatch)
+    best = search({"time": 0.08, "contact_force": 22.0}).run(8, 12)
+    assert not best.feasible
+    relaxed = best.to_relax()  # time <= 0.08 asks for f0 >= 12.5, and a force of 25
+    assert relaxed["contact_force"] == pytest.approx(25.0, rel=0.1)
+    assert relaxed["time"] == pytest.approx(1.0 / 11.0, rel=0.1)  # at f0 = 11
+
+
+def test_an_interrupted_search_is_continued_and_ends_alike(monkeypatch, tmp_path):
+    calls = oracle(monkeypatch)
+    whole = search()
+    expected = whole.run(4, 8)
+    first = search()
+    first.run(2, 8)
+    path = tmp_path / "design.nc"
+    dataset = design_dataset(first, designs.Design(first.all_known(), 0, {}))
+    write_dataset(dataset, path)
+    import xarray as xr  # noqa: PLC0415
+
+    again = search()
+    with xr.open_dataset(path) as stored:
+        again.known.update(known_of(stored, again))
+        assert known_of(stored, search(press_force=11.0)) == {}
+    calls.clear()
+    found = again.run(4, 8)
+    assert found.setting == expected.setting
+    assert sum(calls) < (len(whole.known) - len(first.known) + 1) * len(again._offsets())
+
+
+def test_a_misjudged_friction_moves_the_recommendation(monkeypatch):
+    oracle(monkeypatch)
+    one = search({"contact_force": 40.0})
+    one.run(6, 12)
+    rough = misjudged(one, 0.3, 6, 12)
+    assert (rough.feasible, rough.keeps) == (False, False)  # 0.35 asks for f0 > 25
+    smooth = misjudged(one, 0.1, 6, 12)
+    assert (smooth.feasible, smooth.keeps, smooth.share) == (True, True, 1.0)
+
+
+def test_a_device_without_tolerances_is_judged_with_ten_per_cent():
+    stated = replace(read_device(PEG), free=FREE)
+    assert set(Search(stated, STARTS, COARSE).stated.tolerances) == set(designs.ASSUMED_OF)
+    with pytest.raises(ValueError, match="nothing is free"):
+        Search(read_device(PEG), STARTS, COARSE)
+
+
+def test_the_design_of_the_peg_is_not_beaten_by_a_full_grid():
+    limits = {"contact_force": 30.0, "time": 0.12}
+    peg = search(limits)
+    best = peg.run(6, 12)
+    assert best.feasible
+    force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 9), np.linspace(0.1, 0.9, 9))
+    grid = search(limits).judge(np.stack([force.ravel(), tilt.ravel()], axis=1))
+    assert grid.keeps(limits).any()
+    assert best.judged.score(limits)[best.best] <= grid.score(limits).min()
