@@ -13,6 +13,7 @@ from model.physics.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
 from model.runs.align import Alignments, align
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
+from model.study.assessment import reliable_at
 from model.study.devices import StatedDevice, load_device, read_device
 
 __all__ = [
@@ -35,12 +36,3 @@ __all__ = [
     "reliable_at",
     "simulate",
 ]
-
-
-def __getattr__(name: str) -> object:
-    """Return ``reliable_at``, whose study is imported when it is asked for."""
-    if name == "reliable_at":
-        from model.study.assessment import reliable_at  # noqa: PLC0415  (scipy: half a second)
-
-        return reliable_at
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -6,7 +6,7 @@ import pytest
 
 from model import Settings
 from model.physics.parameters import Batch
-from model.study.assessment import yield_of
+from model.study.assessment.yields import yield_of
 from model.study.devices import read_device
 from model.study.starts import every_start
 

@@ -9,7 +9,7 @@ import pytest
 from model import Settings
 from model.cli import main as cli
 from model.study.assessment import worst_corner as corners
-from model.study.assessment import yield_of, yields
+from model.study.assessment import yields
 from model.study.assessment.worst_corner import worst_corner
 from model.study.assessment.yields import (
     Devices,
@@ -18,6 +18,7 @@ from model.study.assessment.yields import (
     interval,
     sobol_cubes,
     sobol_indices,
+    yield_of,
 )
 from model.study.devices import Tolerance, read_device
 

@@ -28,8 +28,9 @@ from model.runs.twin import twin_words
 from model.study.config import load_study, study_path
 
 if TYPE_CHECKING:
-    from model.study.assessment import Assessment, Leeway, Nearest, Yield
+    from model.study.assessment import Assessment, Leeway, Nearest
     from model.study.assessment.worst_corner import WorstCorner
+    from model.study.assessment.yields import Yield
     from model.study.devices import StatedDevice
 
 _WIDTH = 16
@@ -131,9 +132,11 @@ def _drawn(
 ) -> tuple["Yield", "WorstCorner | None"]:
     from dataclasses import replace  # noqa: PLC0415
 
-    from model.study.assessment import yield_of  # noqa: PLC0415
     from model.study.assessment.worst_corner import worst_corner  # noqa: PLC0415
-    from model.study.assessment.yields import STATISTICAL_TOLERANCE  # noqa: PLC0415
+    from model.study.assessment.yields import (  # noqa: PLC0415
+        STATISTICAL_TOLERANCE,
+        yield_of,
+    )
     from model.study.starts import starts_of  # noqa: PLC0415
 
     settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))

@@ -1,0 +1,70 @@
+"""The sheet of a device that ``vibralign assess --sheet`` writes."""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from model.physics.parameters import FIELDS
+from model.runs.settings import Settings
+from model.runs.simulate import simulate_once
+from model.show.device_sheet import Sheet, render
+from model.study.config import RunSettings, Span, Study
+from model.study.devices import StatedDevice
+from model.study.files import whole_file
+from model.study.map_datasets import in_si, map_dataset
+from model.study.map_parts import nothing_known
+from model.study.maps import plan_of
+
+_AXES = ("tilt_stiffness", "press_force")  # of the map, if the file frees no two quantities
+_SPAN = 2.5  # of the map, either way, if the file states no range
+_RESOLUTION = 32
+_TOLERANCE = 1e-7  # local error of a step, at least
+
+
+def write_sheet(
+    path: Path,
+    stated: StatedDevice,
+    groups: Mapping[str, Sequence[str]],
+    study: Study,
+    settings: Settings,
+) -> None:
+    """Write the sheet of an assessed device: its printed ``groups`` of lines, a map and a run.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
+    device = stated.device
+    names = [name for name in (*stated.free, *_AXES) if name in FIELDS]
+    spans = [_span(stated, name) for name in dict.fromkeys(names)][:2]
+    run_settings = RunSettings(
+        readings=asdict(settings.readings),
+        start=settings.start,
+        horizon=settings.horizon,
+        tolerance=settings.tolerance,
+    )
+    ensemble = study.maps.ensemble.model_copy(update={"every": 1})
+    plan = plan_of(
+        "map", device.parameters, run_settings, (spans[0], spans[1]), _RESOLUTION, ensemble
+    )
+    title = f"Area of stable alignment over {spans[0].parameter} and {spans[1].parameter}"
+    cores = os.cpu_count() or 1
+    plane = map_dataset(plan, nothing_known(plan), title, "Of a device sheet.", cores=cores)
+    verdict = groups["Verdict"][1]
+    sheet = Sheet(
+        stated=stated,
+        verdict=" ".join(verdict.split()),
+        reliable=verdict.startswith("reliable"),
+        lines=[("Verdict", groups["Verdict"][2:]), *list(groups.items())[1:]],
+        run=simulate_once(device.parameters, settings),
+        plane=in_si(plane, device.units),
+    )
+    with whole_file(path) as part:
+        part.write_text(render(sheet), encoding="utf-8")
+
+
+def _span(stated: StatedDevice, name: str) -> Span:
+    own, one = stated.resolved({})[name], stated.device.units.of(FIELDS[name].quantity)
+    low, high = stated.free.get(name, (own / _SPAN, own * _SPAN))
+    return Span(parameter=name, start=low / one, stop=high / one)

@@ -1,0 +1,148 @@
+"""Sheet of a device: one page of HTML with its pictures, that prints on two A4 pages."""
+
+import base64
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import jinja2
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+
+from model.show import plots, style
+from model.show.history import trajectory
+from model.show.schematics.pose import resting_pose
+from model.study.devices import StatedDevice
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from model.runs.simulate import Trajectory
+
+MODEL_LIMITS = (
+    "It is a model of one plane: a round part may also turn about the other axis.",
+    "Friction is dry, with one coefficient for rest and motion; springs and dampers are linear.",
+    "The base is a spring with a damper at the contact, and moves nowhere else.",
+    "A run ends when the part falls in; whether it then jams is another question.",
+    "The robot holds still: no path error, no control of force.",
+)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Contents of a sheet.
+
+    Attributes:
+        stated: the device.
+        verdict: the headline.
+        reliable: the verdict is good.
+        lines: the assessment as printed, in groups (title, lines).
+        run: one run over time.
+        plane: map of the device in SI units.
+        explorer: address of the explorer with this device, or None.
+    """
+
+    stated: StatedDevice
+    verdict: str
+    reliable: bool
+    lines: Sequence[tuple[str, Sequence[str]]]
+    run: "Trajectory"
+    plane: "xr.Dataset"
+    explorer: str | None = None
+
+
+def render(sheet: Sheet) -> str:
+    """Return the page; the same bytes for the same contents."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("model.show", "."),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    units = sheet.stated.device.units
+    with style.context():
+        pictures = {
+            "device": _picture(_drawing(sheet.stated)),
+            "map": _picture(_map(sheet)),
+            "run": _picture(trajectory(sheet.run, units)),
+        }
+    return environment.get_template("device_sheet.html.j2").render(
+        name=sheet.stated.source.stem,
+        sheet=sheet,
+        pictures=pictures,
+        quantities=_quantities(sheet.stated),
+        limits=MODEL_LIMITS,
+    )
+
+
+def _picture(figure: Figure) -> str:
+    """Return a figure as the address of an image: SVG, with letters as paths."""
+    with style.context(), mpl.rc_context({"svg.fonttype": "path"}):
+        file = io.BytesIO()
+        figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode()
+
+
+def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
+    from model.study.devices.stated import unit_of  # noqa: PLC0415
+
+    rows = []
+    for name, value in stated.resolved({}).items():
+        unit = unit_of(name).replace("1", "")
+        tolerance = stated.tolerances.get(name)
+        spread = ""
+        if tolerance is not None:
+            sign = "±" if tolerance.kind == "uniform" else "σ"
+            spread = f"{sign} {tolerance.around(value):.3g}"
+        rows.append((name.replace("_", " "), f"{value:.4g} {unit}".strip(), spread))
+    return rows
+
+
+def _drawing(stated: StatedDevice) -> Figure:
+    """The part beside the hole at the start, to scale, with a tilt that can be seen."""
+    device = stated.device
+    pose = resting_pose(device.parameters)
+    length = 1e3 * device.units.amplitude
+    corners = length * np.array(pose.corners())
+    edge = length * device.parameters.slot_half_width
+    width = length * device.parameters.half_width
+    depth = 1.2 * width
+    figure = style.new_figure(6.0 * style.CENTIMETRE, 8.5 * style.CENTIMETRE)
+    axes = figure.subplots()
+    look: Any = {"facecolor": "#DDDDDD", "edgecolor": style.BLACK, "linewidth": 0.8}
+    axes.add_patch(Rectangle((-edge - 1.5 * width, -depth), 1.5 * width, depth, **look))
+    axes.add_patch(Rectangle((edge, -depth), 1.5 * width, depth, **look))
+    axes.add_patch(Polygon(corners, closed=True, facecolor="#BFD9EA", edgecolor=style.BLUE))
+    axes.plot([0, 0], [-depth, corners[:, 1].max()], color=style.GREY, linestyle="-.", lw=0.6)
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.set_xlabel("mm")
+    axes.set_ylabel("mm")
+    axes.autoscale_view()
+    return figure
+
+
+def _map(sheet: Sheet) -> Figure:
+    """The map of the device, with its own point and the box of its tolerances."""
+    figure = plots.draw(sheet.plane)
+    axes = figure.axes[0]
+    y, x = (str(name) for name in sheet.plane["outcome"].dims)
+    own: Mapping[str, float] = sheet.stated.resolved({})
+    spread = {
+        name: sheet.stated.tolerances[name].around(own[name])
+        if name in sheet.stated.tolerances
+        else 0.0
+        for name in (x, y)
+    }
+    axes.add_patch(
+        Rectangle(
+            (own[x] - spread[x], own[y] - spread[y]), 2 * spread[x], 2 * spread[y],
+            fill=False, edgecolor=style.VERMILLION, linewidth=1.5,
+        )
+    )  # fmt: skip
+    axes.plot(own[x], own[y], "P", color=style.VERMILLION, markersize=8)
+    return figure

@@ -1,0 +1,32 @@
+"""The device sheet: self-contained, the same bytes, with the numbers of its device."""
+
+import re
+from pathlib import Path
+
+from model.cli.sheet import write_sheet
+from model.runs.settings import Settings
+from model.study.config import load_study, study_path
+from model.study.devices import read_device
+
+PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
+GROUPS = {
+    "Verdict": ["device  peg", "reliable   aligns from 32 of 32 starts", "at most  19 N"],
+    "Leeways": ["friction to 0.3"],
+    "Yield": ["yield 100 %"],
+}
+
+
+def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
+    study = load_study(study_path())
+    stated, settings = read_device(PEG), Settings(horizon=40.0, tolerance=1e-6)
+    pages = []
+    for name in ("one.html", "two.html"):
+        write_sheet(tmp_path / name, stated, GROUPS, study, settings)
+        pages.append((tmp_path / name).read_bytes())
+    assert pages[0] == pages[1]
+    page = pages[0].decode()
+    assert page.count("data:image/svg+xml;base64,") == 3
+    assert not re.search(r'(src|href)="(?!data:)', page)
+    assert "reliable aligns from 32 of 32 starts" in page
+    assert re.search(r"<td>press force</td><td>10 N</td><td>± 1</td>", page)
+    assert "@page { size: A4" in page
