@@ -49,7 +49,7 @@ def slurm() -> Iterator[Slurm]:
 def cluster(slurm: Slurm, make_workspace: Any, tmp_path: Path) -> Iterator[Any]:
     """A workspace whose jobs are Slurm's; the queue is empty before and after."""
     yield make_workspace(tmp_path / "project", "slurm", **slurm.environment)
-    slurm.call("scontrol", "update", "nodename=n1,n2", "state=resume")
+    resume(slurm)
     slurm.empty()
 
 
@@ -76,7 +76,9 @@ def drain(slurm: Slurm) -> None:
 
 
 def resume(slurm: Slurm) -> None:
-    slurm.call("scontrol", "update", "nodename=n1,n2", "state=resume")
+    """Let it begin; nodes that are not drained cannot be resumed."""
+    if "drain" in slurm.call("sinfo", "--noheader", "--format=%T"):
+        slurm.call("scontrol", "update", "nodename=n1,n2", "state=resume")
 
 
 def kill_snakemake(process: Any) -> None:
