@@ -15,6 +15,7 @@
 # make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
 # make efficiency  what the overhead of a cluster costs, simulated: docs/efficiency.png
+# make browser-test  the explorer in a headless Chromium; `make script-types` checks its scripts' types
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make schema     the JSON schemas of config/ anew, which editors complete and check its files by
@@ -50,7 +51,8 @@ unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy identification fuzz
 .PHONY: test lint types floors workflow unit environment python lock schema
-.PHONY: yields truth bench nightly same-bytes export-test slurm-test efficiency docs clean distclean
+.PHONY: yields truth bench nightly same-bytes browser-test script-types export-test slurm-test efficiency docs
+.PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
 
@@ -116,6 +118,14 @@ workflow: environment
 
 unit: environment
 	$(call check,pytest --numprocesses $(CORES) --dist loadgroup --no-loadscope-reorder)
+
+browser-test: environment
+	$(call check,pytest -m browser tests/show/explorer)
+
+# Types of the explorer's scripts, from their comments, where npm can fetch the checker.
+script-types:
+	npx --yes --package typescript@5.9.3 tsc --noEmit --strict --checkJs --allowJs --target es2022 \
+		--lib es2022,dom,dom.iterable src/model/show/explorer/*.js
 
 export-test: environment-export
 	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/tracking/test_export.py

@@ -12,7 +12,11 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 OWN = {"model", "benchmarks", "verification", "tests"}
-DISTRIBUTIONS = {"yaml": "pyyaml", "sksundae": "scikit-sundae"}  # where the import's name differs
+DISTRIBUTIONS = {
+    "yaml": "pyyaml",
+    "sksundae": "scikit-sundae",
+    "PIL": "pillow",
+}  # where the import's name differs
 STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package
     **dict.fromkeys(("physics", "events", "engines", "runs"), ()),

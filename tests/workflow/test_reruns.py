@@ -24,16 +24,17 @@ OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
 ON_BASES = {"contact_stiffness", "draw_contact"}
 COMPUTED = {
     "chunk", "history", "merge", "other_start", "precision", "fixed_steps", *MAPPED, *OWN_RUNS,
-    *ON_BASES, "hard_cases", *DRAWN, *BESIDE, *HARD,
+    *ON_BASES, "hard_cases", *DRAWN, *BESIDE, *HARD, "explorer",
 }  # fmt: skip
 BANDED = {"identified_bands", "draw_bands"}  # of the sets that were identified
 TABLED = {"draw_identification", "draw_bands"}  # what is drawn of the committed tables
-EVERYTHING = {"kernels", "unlocated_kernels", "schematic", *COMPUTED, *BANDED, *TABLED}
+KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
+EVERYTHING = {*KERNELS, "schematic", *COMPUTED, *BANDED, *TABLED}
 
 # (file, what stands there, what a mutation puts there, the rules that must run again)
 MUTATIONS = [
     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
-     {"kernels", "unlocated_kernels", *COMPUTED, *BANDED, *TABLED}),
+     {*KERNELS, *COMPUTED, *BANDED, *TABLED}),
     ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5',
@@ -46,15 +47,16 @@ MUTATIONS = [
     ("src/model/show/schematics/sheet.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),
+    ("src/model/show/explorer/page.main.js", "CELLS = 65", "CELLS = 33", {"explorer", *LAST}),
     ("src/model/tracking/records.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
     ("verification/without_location/engine.py", "import ", "import math as _unused\nimport ",
      {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
     ("verification/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/cli/main.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/jobs/merge.py", "import ", "import math as _unused\nimport ",
-     {"merge", *FIXED, *DRAWN, "draw_bands"}),
+     {"merge", *FIXED, *DRAWN, "draw_bands", "explorer"}),
     ("src/model/study/maps.py", "PERIODS = 0.4", "PERIODS = 0.5",
-     {*MAPPED, "plot", *LAST}),
+     {*MAPPED, "plot", "explorer", *LAST}),
     ("workflow/jobs/plot.py", "import ", "import math as _unused\nimport ",
      {"plot", *LAST}),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
@@ -118,7 +120,7 @@ def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[s
     project.configure(tiny)
     planned = project.planned()
     # Maps mark where other figures stand: they are assembled anew, and not computed.
-    marked = {"map", "draw_vibration", "plot", "draw_bands", *JUDGED}
+    marked = {"map", "draw_vibration", "plot", "draw_bands", "explorer", *JUDGED}
     assert rules(planned) == {"chunk", "merge", "other_start", *marked}
     assert all("fig11" in output or rule in marked for rule, output in planned)
 
@@ -127,8 +129,9 @@ def test_a_caption_computes_nothing(project: Any, tiny: dict[str, Any]) -> None:
     tiny["figures"]["fig11"]["title"] = "Another title"
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"merge", "draw_bands", *DRAWN}
-    assert all("fig11" in output or rule in {"draw_bands", *JUDGED} for rule, output in planned)
+    assert rules(planned) == {"merge", "draw_bands", "explorer", *DRAWN}
+    of_all = {"draw_bands", "explorer", *JUDGED}
+    assert all("fig11" in output or rule in of_all for rule, output in planned)
 
 
 def test_another_number_of_chunks_computes_that_figure_anew(
@@ -138,8 +141,8 @@ def test_another_number_of_chunks_computes_that_figure_anew(
     project.configure(tiny)
     planned = project.planned()
     # Its picture is that of its refined map, with the figure's own points that do not go in.
-    assert rules(planned) == {"chunk", "merge", *FIXED, *DRAWN}
-    of_all = {"draw_wrong_points", *JUDGED}
+    assert rules(planned) == {"chunk", "merge", "explorer", *FIXED, *DRAWN}
+    of_all = {"draw_wrong_points", "explorer", *JUDGED}
     assert all("fig13" in output or rule in of_all for rule, output in planned)
 
 
@@ -153,7 +156,7 @@ def test_a_setting_of_all_figures_computes_everything(project: Any, tiny: dict[s
 def test_a_run_of_the_ledger_runs_the_ledger_only(project: Any, tiny: dict[str, Any]) -> None:
     tiny["claims_runs"]["rubbing"]["held"] = {"frequency": 0.6}
     project.configure(tiny)
-    assert rules(project.planned()) == {*OWN_RUNS, *JUDGED}
+    assert rules(project.planned()) == {*OWN_RUNS, "explorer", *JUDGED}
 
 
 def test_a_lost_file_is_made_again(project: Any) -> None:

@@ -15,7 +15,7 @@ def run(study: Study, root: Path, files: list[Path], tables: list[Path], page: P
     Raises:
         ValueError: a section reads a file that the rule does not state.
     """
-    results = Results(root, study, tables)
+    results = Results(root, study, tables, live=True)
     text = render_report(results, SECTIONS)
     unstated = set(results.inputs) - {*files, *tables}
     if unstated:

@@ -18,12 +18,33 @@ page_data = [
 ]
 page_files = [*page_data, *(pictures(place) for place in page_pictures)]
 
-# The page shows the PNGs, and links to the other kinds of picture.
+# The engines as WebAssembly, and the page that runs them, with the two maps to begin with.
+job(
+    "page_engines",
+    dict(stated=root / "data/page_engines.json"),
+    after_kernels,
+    message="compiling the engines for the explorer",
+    minutes=10,
+)
+job(
+    "explorer",
+    dict(page=root / "explorer.html"),
+    dict(
+        after=root / "data/page_engines.json",
+        maps=expand(root / "data/{map}.nc", map=MAPS),
+        refined=expand(root / "data/maps/{map}.nc", map=MAPS),
+    ),
+    dict(study=study),
+    message="making the explorer",
+    local=True,
+)
+
+# The report shows the PNGs, and links to the other kinds of picture and to the explorer.
 job(
     "report",
     dict(page=root / "report.html"),
     dict(
-        after=[pictures(place)[1:] for place in page_pictures],
+        after=[root / "explorer.html", *(pictures(place)[1:] for place in page_pictures)],
         files=[*page_data, *(f"{place}.png" for place in page_pictures)],
         tables=identified_tables,
     ),

@@ -19,6 +19,7 @@ from model.cli import (
     claims,
     design,
     diff,
+    explore,
     export,
     map,  # noqa: A004  (the name of the command)
     runs,
@@ -29,7 +30,9 @@ from model.cli import (
 from model.tracking.provenance import version
 
 # In the order of the help; each module has ``add(commands)``.
-COMMANDS = (simulate, assess, design, map, runs, show, diff, export, verify, accept, claims)
+COMMANDS = (
+    simulate, assess, design, map, explore, runs, show, diff, export, verify, accept, claims
+)  # fmt: skip
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
 

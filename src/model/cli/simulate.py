@@ -15,7 +15,7 @@ from model.cli.arguments import (
     device_of,
     settings_of,
 )
-from model.cli.files import check_picture, save_picture
+from model.cli.files import check_file, check_picture, save_picture
 from model.cli.si import in_words
 from model.cli.tables import print_json
 from model.engines.results import COURSE, RESULTS
@@ -28,6 +28,7 @@ from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.twin import twin_results, twin_words
 from model.study.config import load_study, study_path
+from model.study.files import whole_file
 from model.tracking.provenance import version
 
 
@@ -44,6 +45,8 @@ def add(commands: Any) -> None:
     add_model_options(parser)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
+    words = "animate the run into FILE: a page (.html), or a GIF (.gif), which needs Chromium"
+    parser.add_argument("--animate", type=Path, metavar="FILE", help=words)
     add_json(parser)
 
 
@@ -53,6 +56,8 @@ def _simulate(arguments: argparse.Namespace) -> int:
     settings = settings_of(study.settings.settings, arguments, units, start)
     if arguments.plot is not None:
         check_picture(arguments.plot)
+    if arguments.animate is not None:
+        check_file(arguments.animate, "--animate", ["html", "gif"])
     announce_compilation()
     run = simulate(parameters, settings)
     if arguments.json:
@@ -66,7 +71,39 @@ def _simulate(arguments: argparse.Namespace) -> int:
     in_units = None if arguments.dimensionless else units
     if arguments.plot is not None and not _draw(run, arguments.plot, in_units):
         return 1
+    if arguments.animate is not None:
+        first = tuple(study.operating_point)
+        file = str(arguments.device or "")
+        if not _animate(parameters, in_units, settings, file, first, arguments.animate):
+            return 1
     return int(run.outcome == Outcome.FAILED)
+
+
+def _animate(
+    parameters: Parameters,
+    units: Units | None,
+    settings: Settings,
+    file: str,
+    first: tuple[str, ...],
+    path: Path,
+) -> bool:
+    # Imported here: what only a page needs.
+    from model.runs.in_browser import interface  # noqa: PLC0415
+    from model.runs.shown import shown_run  # noqa: PLC0415
+    from model.show.explorer.animation import run_gif, run_page  # noqa: PLC0415
+    from model.show.explorer.content import device_model  # noqa: PLC0415
+
+    table = interface(settings.scene)
+    model = device_model(parameters, units, file, settings, table, first)
+    page = run_page(model, shown_run(parameters, settings))
+    try:
+        data = run_gif(page) if path.suffix.lower() == ".gif" else page.encode()
+        with whole_file(path) as part:
+            part.write_bytes(data)
+    except (OSError, ValueError) as error:
+        print(f"vibralign: error: --animate {path}: {error}", file=sys.stderr)
+        return False
+    return True
 
 
 def _draw(run: Trajectory, path: Path, units: Units | None) -> bool:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from numba.core import types
+from numba.core.imputils import lower_constant
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     NativeValue,
@@ -69,6 +70,11 @@ def _type_of(kernel_set: KernelSet, _context: Any) -> KernelSetType:
 @unbox(KernelSetType)
 def _unbox(_type: Any, _value: Any, context: Any) -> NativeValue:
     return NativeValue(context.context.get_dummy_value())
+
+
+@lower_constant(KernelSetType)
+def _constant(context: Any, _builder: Any, _type: Any, _value: Any) -> Any:
+    return context.get_dummy_value()
 
 
 @infer_getattr

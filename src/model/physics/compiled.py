@@ -298,10 +298,9 @@ def inlined_kernel(function: Function) -> Function:
     return _compiled(function, forceinline=True)
 
 
-def _compiled(function: Function, forceinline: bool) -> Function:
-    if config.DISABLE_JIT:
-        return function
-    options = {
+def options_of(forceinline: bool) -> dict[str, Any]:
+    """Return numba's options of a kernel."""
+    return {
         "nopython": True,
         "nogil": True,
         "error_model": "numpy",
@@ -309,5 +308,10 @@ def _compiled(function: Function, forceinline: bool) -> Function:
         "_nrt": False,
         "forceinline": forceinline,
     }
-    compiled: Any = _Part(function, options)
+
+
+def _compiled(function: Function, forceinline: bool) -> Function:
+    if config.DISABLE_JIT:
+        return function
+    compiled: Any = _Part(function, options_of(forceinline))
     return compiled

@@ -66,15 +66,19 @@ def _outline(node: Any, imported: list[str]) -> list[Any]:
     return fields
 
 
+_COMPANIONS = {".j2", ".yaml", ".html", ".js", ".css"}
+
+
 @cache
 def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
     """Return (hash of the syntax tree and companions, package files imported) of one source file.
 
-    A companion is a template or table beside the source with its stem: report.html.j2, claims.yaml.
+    A companion is a template, table, script or style beside the source with its stem: page.html.j2,
+    claims.yaml, page.map.js.
     The result is kept by the files' contents, since each start of Snakemake and of a job needs it.
     """
     beside = sorted(path for path in source.parent.glob(f"{source.stem}.*")
-                    if path.suffix in {".j2", ".yaml"})  # fmt: skip
+                    if path.suffix in _COMPANIONS)  # fmt: skip
     code, *companions = (path.read_bytes() for path in (source, *beside))
     kept = _outlines() / hashlib.sha256(b"\0".join([code, *companions])).hexdigest()
     try:

@@ -1,0 +1,62 @@
+"""``vibralign explore``: make a page that runs a device live, in a browser and without network."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from model.cli.arguments import add_command, add_model_options, device_of, settings_of
+from model.cli.files import check_file
+from model.physics.readings import Readings
+from model.study.config import load_study, study_path
+from model.study.files import whole_file
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parsers of ``vibralign``."""
+    parser = add_command(
+        commands,
+        "explore",
+        _explore,
+        "make a page that runs a device live in a browser",
+        ", with sliders, an animated drawing and maps. The page is one file that needs no network. "
+        "Without --device and --set it is that of the study.",
+        epilog="exit code: 0 the page was made; 1 it could not be written; 2 bad input",
+    )
+    words = "page to write (.html); an old one is replaced when the new one is complete"
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=words)
+    add_model_options(parser)
+
+
+def _explore(arguments: argparse.Namespace) -> int:
+    check_file(arguments.out, "--out", ["html"])
+    study = load_study(study_path())
+    units, parameters, start = device_of(study.baseline, arguments)
+    settings = settings_of(study.settings.settings, arguments, units, start)
+    if settings.readings != Readings.consistent():
+        raise ValueError(
+            "explore: the page runs the consistent readings only; leave out --readings and "
+            "--reading, or use vibralign simulate --animate"
+        )
+    # Imported here: a second that only this command needs.
+    from model.runs.in_browser import are_cached, modules  # noqa: PLC0415
+    from model.show.explorer.content import device_model, study_model  # noqa: PLC0415
+    from model.show.explorer.page import build_page  # noqa: PLC0415
+
+    if sys.stderr.isatty() and not are_cached():
+        print("compiling the engines for the page, this once: a minute …", file=sys.stderr)
+    engines = modules()
+    if arguments.device is None and not arguments.changes:
+        model = study_model(study, engines.interface)
+    else:
+        file = str(arguments.device or "")
+        first = tuple(study.operating_point)
+        model = device_model(parameters, units, file, settings, engines.interface, first)
+    try:
+        with whole_file(arguments.out) as part:
+            part.write_text(build_page(model, engines), encoding="utf-8")
+    except OSError as error:
+        print(f"vibralign: error: {error}", file=sys.stderr)
+        return 1
+    print(f"open {arguments.out} in a browser")
+    return 0

@@ -1,0 +1,237 @@
+"""The engines as WebAssembly modules, for a page that runs them: the scalar and the batch engine.
+
+``python -m model.runs.in_browser FOLDER`` compiles them in a process of its own, and so does
+``modules`` where they are not cached. The functions take pointers into the memory of the page;
+shapes and columns are in ``interface``.
+"""
+
+import contextlib
+import gc
+import json
+import subprocess
+import sys
+import tempfile
+from math import isnan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+
+from model.engines.batch.event_kernels import in_vector_kernels
+from model.engines.batch.scheduling import Many, Waiting, integrate_all, new_many
+from model.engines.course import Control, History
+from model.engines.record import keep_result
+from model.engines.results import RunResult
+from model.engines.scalar.loop import Single, Workspace, new_single
+from model.engines.scalar.tableaux import DOP853
+from model.events.kernels import SceneKernels, in_kernels
+from model.events.table import EVENTS
+from model.physics.compiled import cache_folder, kernel
+from model.physics.parameters import (
+    FIELDS,
+    PARAMETER_NAMES,
+    REQUIRED_NAMES,
+    Batch,
+    Constants,
+    Parameters,
+)
+from model.physics.scenes import ALIGNMENT, Scene
+from model.physics.views import reader
+from model.physics.webassembly import NUMBERS, Function, array_at, compile_modules, whole_numbers
+from model.runs.settings import Settings
+from model.runs.shown import COLUMNS, integrate_shown
+
+_control_in = reader(Control, "control", "control[{} + 1]".format)
+
+
+# --- Kernels ------------------------------------------------------------------------------------
+
+
+def _usual() -> dict[str, float]:
+    """Return the constants of some parameters, for those that do not follow from parameters."""
+    some = Parameters(**(dict.fromkeys(REQUIRED_NAMES, 1.0) | {"misalignment": 0.1}))
+    (row,) = Batch.stack([some]).constants(Settings().readings)
+    return dict(zip(Constants._fields, row.tolist(), strict=True))
+
+
+_USUAL = _usual()
+
+
+def _resolved(name: str) -> str:
+    """Expression of a constant of the consistent readings, from the parameters ``given``."""
+    place = {each: f"given[{n}]" for n, each in enumerate(PARAMETER_NAMES)}
+    if name == "slot_half_width":
+        return f"{place['half_width']} * (1.0 + {place['clearance']})"
+    if name not in place:
+        return repr(_USUAL[name])
+    given, derived = place[name], FIELDS[name].derived
+    return f"{place[derived]} if isnan({given}) else {given}" if derived else given
+
+
+def _resolve() -> Any:
+    """Make the kernel that writes the ``Constants`` of the parameters ``given`` into ``row``."""
+    lines = [f"row[{n}] = {_resolved(name)}" for n, name in enumerate(Constants._fields)]
+    names: dict[str, Any] = {"isnan": isnan, "__name__": __name__}
+    exec("def resolve(given, row):\n    " + "\n    ".join(lines), names)  # noqa: S102 - written above
+    return kernel(names["resolve"])
+
+
+resolve = _resolve()
+
+
+# --- Exported functions -------------------------------------------------------------------------
+
+
+def _memory_of(value: Any, offset: int = 0) -> tuple[str, int]:
+    """Return the code that makes a value of the shapes of ``value`` in ``memory``, and its end.
+
+    ``value`` is an array, or a named tuple of arrays and of such tuples.
+    """
+    if isinstance(value, tuple):
+        parts = []
+        for each in value:
+            part, offset = _memory_of(each, offset)
+            parts.append(part)
+        return f"{type(value).__name__}({', '.join(parts)})", offset
+    pointer = "memory" if value.dtype == np.float64 else "whole_numbers(memory)"
+    first = -(-offset // 8) * 8  # a cache line
+    return f"array_at({pointer}, {first}, {value.shape!r})", first + int(value.size)
+
+
+_ARGUMENTS: dict[str, Any] = dict.fromkeys(
+    ("given", "control", "rows", "out", "results", "memory"), NUMBERS
+)
+_ARGUMENTS["rows"] = types.int32
+_TUPLES: tuple[Any, ...] = (Single, Workspace, Many, History, Waiting)
+_KERNELS: tuple[Any, ...] = (
+    array_at,
+    whole_numbers,
+    resolve,
+    integrate_shown,
+    integrate_all,
+    keep_result,
+)
+
+
+def _function(name: str, size: int, lines: list[str], scene: SceneKernels) -> Function:
+    """Make an exported function from its lines; its memory of ``size`` numbers begins as zeros."""
+    known: dict[str, Any] = {each.__name__: each for each in (*_TUPLES, *_KERNELS)}
+    known |= {"scene": scene, "method": DOP853.method, "control_in": _control_in}
+    head = [f"def {name}({', '.join(_ARGUMENTS)}):", f"array_at(memory, 0, ({size},))[:] = 0.0"]
+    code = "\n    ".join([*head, *lines])
+    exec(code, known)  # noqa: S102 - written in this module
+    return Function(name, known[name], tuple(_ARGUMENTS.values()))
+
+
+_CONSTANTS, _RESULTS, _GIVEN = len(Constants._fields), len(RunResult._fields), len(PARAMETER_NAMES)
+
+
+def _scalar(scene: Scene) -> tuple[Function, int]:
+    """Return ``run_one`` and the size of its memory.
+
+    It runs one set; ``out`` is the track, shape (``rows``, columns).
+    """
+    single, size = _memory_of(new_single(DOP853.method), _CONSTANTS)
+    lines = [
+        f"row = array_at(memory, 0, ({_CONSTANTS},))",
+        f"resolve(array_at(given, 0, ({_GIVEN},)), row)",
+        f"single, track = {single}, array_at(out, 0, (rows, {len(COLUMNS)}))",
+        "integrate_shown(row, control[0], scene, method, control_in(control), track, single)",
+        f"keep_result(single.runs, 0, array_at(results, 0, (1, {_RESULTS})), 0)",
+    ]
+    return _function("run_one", size, lines, in_kernels(scene)), size
+
+
+def _batch(scene: Scene) -> tuple[Function, int]:
+    """Return ``run_many`` and the size of its memory.
+
+    It runs ``rows`` sets; ``out`` is room for their constants and tolerances.
+    """
+    kernels = in_vector_kernels(scene)
+    many, size = _memory_of(new_many(kernels), 8)
+    lines = [
+        f"sets = array_at(given, 0, (rows, {_GIVEN}))",
+        f"constants = array_at(out, 0, (rows, {_CONSTANTS}))",
+        f"tolerances = array_at(out, rows * {_CONSTANTS}, (rows,))",
+        "for i in range(rows):",
+        "    resolve(sets[i], constants[i])",
+        "    tolerances[i] = control[0]",
+        "queue = array_at(whole_numbers(memory), 0, (2,))",
+        "queue[0], queue[1] = 0, rows",
+        f"ends = array_at(results, 0, (rows, {_RESULTS}))",
+        f"many, limits = {many}, control_in(control)",
+        "integrate_all(constants, tolerances, scene, method, limits, queue, ends, many)",
+    ]
+    return _function("run_many", size, lines, kernels), size
+
+
+# --- Modules ------------------------------------------------------------------------------------
+
+
+class Modules(NamedTuple):
+    """The two engines as WebAssembly, and what a page must know to call them."""
+
+    run_one: bytes
+    run_many: bytes
+    interface: dict[str, Any]
+
+
+def interface(scene: Scene = ALIGNMENT) -> dict[str, Any]:
+    """Return the names and numbers by which a page calls the engines and reads their results."""
+    return {
+        "parameters": PARAMETER_NAMES,
+        "columns": COLUMNS,
+        "results": RunResult._fields,
+        "control": ["tolerance", *Control._fields],
+        "defaults": [Settings().tolerance, *Settings().control],
+        "events": [each.name for each in scene.events or EVENTS],
+        "constants": _CONSTANTS,
+    }
+
+
+def _compile(folder: Path, scene: Scene = ALIGNMENT) -> None:
+    """Write the modules and their interface into ``folder``."""
+    made = _scalar(scene), _batch(scene)
+    table = interface(scene) | {"functions": {}}
+    compiled = compile_modules([function for function, _ in made])
+    for (function, size), module in zip(made, compiled, strict=True):
+        table["functions"][function.name] = {"stack": module.stack, "memory": size}
+        (folder / f"{function.name}.wasm").write_bytes(module.binary)
+    (folder / "interface.json").write_text(json.dumps(table))
+
+
+def _folder() -> Path:
+    return cache_folder() / "webassembly"
+
+
+def are_cached() -> bool:
+    """Return whether ``modules`` needs not compile them."""
+    return _folder().exists()
+
+
+def modules() -> Modules:
+    """Return the modules, compiled in a process of their own unless they are cached.
+
+    Raises:
+        RuntimeError: they do not compile; the message holds the compiler's.
+    """
+    folder = _folder()
+    if not folder.exists():
+        with tempfile.TemporaryDirectory(dir=folder.parent, ignore_cleanup_errors=True) as made:
+            command = [sys.executable, "-m", "model.runs.in_browser", made]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            if done.returncode != 0:
+                raise RuntimeError(f"the engines did not compile to WebAssembly:\n{done.stderr}")
+            with contextlib.suppress(OSError):  # another process was faster
+                Path(made).rename(folder)
+    return Modules(
+        (folder / "run_one.wasm").read_bytes(),
+        (folder / "run_many.wasm").read_bytes(),
+        json.loads((folder / "interface.json").read_text()),
+    )
+
+
+if __name__ == "__main__":
+    gc.disable()  # as in compiled.py
+    _compile(Path(sys.argv[1]))

@@ -1,0 +1,116 @@
+"""Runs to be shown: a track with the mode, the contact forces and the event of every row."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from model.engines.course import begin
+from model.engines.record import (
+    EVENT_COUNT,
+    MADE,
+    OUTCOME,
+    TRACKED,
+    constants_of,
+    keep_result,
+    mode_of,
+)
+from model.engines.results import COURSE, RunResult
+from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single, track_run
+from model.events.kernels import MOST_EVENTS
+from model.events.transitions import CONTINUES
+from model.physics.compiled import kernel
+from model.physics.motion import Motion, motion
+from model.physics.notation import State
+from model.physics.parameters import Batch, Parameters
+from model.physics.scenes import Mode
+from model.physics.views import numbers, reader, writer
+from model.runs.engines import Array
+from model.runs.settings import Settings
+
+# The contact forces of ``Motion``: loads and friction.
+_FORCES: Any = numbers("_FORCES", [n for n in Motion._fields if n.endswith(("load", "friction"))])
+_EVENT = TRACK_COLUMNS
+_FIRST_MODE = _EVENT + 1
+_FIRST_FORCE = _FIRST_MODE + len(Mode._fields)
+COLUMNS = (
+    "time", *COURSE, "event",
+    *(f"mode_{name}" for name in Mode._fields), *(f"at_{name}" for name in _FORCES._fields),
+)  # fmt: skip
+"""Columns of a track: time, course, number of the event that led there from 1, mode, forces."""
+
+_USUAL_TRACK = 4096  # rows; a longer one is run again with enough rows
+_keep_mode = writer(Mode, "track, row", lambda n: f"track[row, {_FIRST_MODE + n}]")
+_keep_forces = writer(_FORCES, "track, row", lambda n: f"track[row, {_FIRST_FORCE + n}]")
+_state_at = reader(State, "track, row", lambda n: f"track[row, {n + 1}]")
+
+
+@kernel
+def _note_modes(mode, event, track, first, end, p):
+    """Write event, mode and forces of the rows ``first`` to ``end`` of a track."""
+    for row in range(first, min(end, track.shape[0])):
+        track[row, _EVENT] = event
+        _keep_mode(mode, track, row)
+        _keep_forces(motion(track[row, 0], _state_at(track, row), p, mode), track, row)
+
+
+@kernel
+def _mark_events(runs, i):
+    """Mark the events so far in another way that counts alike; the next one has the usual mark."""
+    for which in range(MOST_EVENTS):
+        if runs[i, MADE + which] != 0.0:
+            runs[i, MADE + which] = 2.0
+
+
+@kernel
+def _next_event(runs, i):
+    """Return the number of the event since ``_mark_events``, counted from 1."""
+    for which in range(MOST_EVENTS):
+        if runs[i, MADE + which] == 1.0:
+            return which + 1.0
+    return 0.0
+
+
+@kernel
+def integrate_shown(row, tolerance, scene, method, control, track, single):
+    """Integrate as ``integrate`` does, with event, mode and forces in the track; see ``COLUMNS``.
+
+    An event's row is that after it; the row before it has the same time.
+    """
+    runs, history, work = single.runs, single.history, single.work
+    i = runs.shape[0] - 1
+    begin(row, tolerance, scene, control, runs, i)
+    track_run(scene.events, track, work.scratch, runs, i)
+    p = constants_of(runs, i)
+    _note_modes(mode_of(runs, i), 0.0, track, 0, 1, p)
+    while runs[i, OUTCOME] == CONTINUES:
+        first, events, before = int(runs[i, TRACKED]), runs[i, EVENT_COUNT], mode_of(runs, i)
+        _mark_events(runs, i)
+        advance(scene, method, control, track, history, work, runs, i)
+        end = int(runs[i, TRACKED])
+        if runs[i, EVENT_COUNT] != events:
+            end -= 1
+            _note_modes(mode_of(runs, i), _next_event(runs, i), track, end, end + 1, p)
+        _note_modes(before, 0.0, track, first, end, p)
+
+
+class Shown(NamedTuple):
+    """Results of a run by name, and its track, shape (rows, columns); see ``COLUMNS``."""
+
+    results: dict[str, float]
+    track: Array
+
+
+def shown_run(parameters: Parameters, settings: Settings) -> Shown:
+    """Run one parameter set once, without an estimate of the error; dimensionless."""
+    (row,) = Batch.stack([parameters]).constants(settings.readings)
+    scene, method, control = settings.for_kernels
+    rows = _USUAL_TRACK
+    while True:
+        single, track = new_single(method), np.empty((rows, len(COLUMNS)))
+        integrate_shown(row, settings.tolerance, scene, method, control, track, single)
+        results = np.empty((1, len(RunResult._fields)))
+        keep_result(single.runs, 0, results, 0)
+        found = RunResult(*results[0].tolist())
+        if found.tracked <= rows:
+            return Shown(found._asdict(), track[: int(found.tracked)])
+        rows = int(found.tracked)

@@ -1,0 +1,271 @@
+"""What a page of the explorer knows: parameters, presets, words, and stored maps.
+
+Values are in the page's units: dimensionless for the study, SI for a device.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.engines.results import COURSE
+from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
+from model.physics.parameters import FIELDS, Field, Parameters
+from model.physics.quantities import ANGLE, TIME
+from model.physics.units import Units
+from model.runs.settings import Settings
+from model.show.explorer.page import packed
+from model.show.words import figure_title
+from model.study.config import CURVES, HISTORIES, MAPS, Axis, Curves, Family, Map, Study
+
+_UNITLESS = Units(mass=1.0, axial_stiffness=1.0, amplitude=1.0)
+# Axes of the map where a preset states none.
+_WITH_PLANE: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
+_PANELS = ("x", "y", "tilt", "contact_force")
+_SMALL_ANGLE = 0.05
+_LEVELS = 254  # of a stored duration
+_MOST_NODES = 257  # along a side of a stored outline
+
+_EVENT_WORDS: Mapping[str, str] = {
+    "aligned": "the edge is past the corner: aligned",
+    "corners_inside": "both bottom corners are inside the slot",
+    "face_load": "the load on the edge vanishes: lift-off",
+    "face_gap": "the gap at the edge opens",
+    "face_reload": "the edge presses again",
+    "right_edge_enters": "the part lands on the edge",
+    "left_edge_enters": "the part lands on the far edge",
+    "side_load": "the far edge no longer presses",
+    "support_slip": "the slip at the edge ends or turns",
+    "side_slip": "the slip at the far edge ends or turns",
+}
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Units of a page: those of a device, or none."""
+
+    units: Units | None
+
+    def of(self, quantity: Any) -> float:
+        """Return one dimensionless unit in the page's unit."""
+        return 1.0 if self.units is None else self.units.of(quantity)
+
+    def unit(self, quantity: Any) -> str:
+        """Return the name of the unit; empty for none."""
+        named = self.units is not None or quantity is ANGLE
+        return quantity.unit if named and quantity.unit != "1" else ""
+
+    def values(self, parameters: Parameters) -> dict[str, float | None]:
+        """Return the parameters in the page's units."""
+        shown = parameters if self.units is None else self.units.in_si(parameters)
+        return shown.given()
+
+
+def study_model(
+    study: Study, interface: Mapping[str, Any], maps: Sequence[tuple[Path, Path]] = ()
+) -> dict[str, Any]:
+    """Return the content of the study's page.
+
+    ``maps`` are the datasets of MAPS, each that of the figure and the refined one.
+    """
+    scales = Scales(None)
+    presets = {name: _figure(study, name) for name in sorted((*HISTORIES, *CURVES, *MAPS))}
+    for name, case in study.hard_cases.cases.items():
+        values = study.baseline.replace(**case.at).given()
+        presets[f"case_{name}"] = {"group": "Hard cases", "title": case.title, "values": values}
+    return {
+        **_model("vibralign explorer", study.baseline, scales, study.settings.settings, interface),
+        "parameters": _parameters(study.baseline, scales, [*study.operating_point], _axes(study)),
+        "presets": {name: _WITH_PLANE | each for name, each in presets.items()},
+        "first": CURVES[0],
+        "maps": {name: _stored_map(study, name, *of) for name, of in zip(MAPS, maps, strict=False)},
+    }  # fmt: skip
+
+
+def device_model(
+    device: Parameters,
+    units: Units | None,
+    file: str,
+    settings: Settings,
+    interface: Mapping[str, Any],
+    first: Sequence[str],
+) -> dict[str, Any]:
+    """Return the content of the page of a device, in SI units if it has ``units``."""
+    scales = Scales(units)
+    title = file or "the study's device"
+    preset = {**_WITH_PLANE, "group": "Device", "title": title, "values": scales.values(device)}
+    return {
+        **_model(f"vibralign explorer: {file}", device, scales, settings, interface),
+        "device": file,
+        "parameters": _parameters(device, scales, tuple(first), {}),
+        "presets": {"device": preset},
+        "first": "device",
+        "maps": {},
+    }
+
+
+def _model(
+    title: str,
+    baseline: Parameters,
+    scales: Scales,
+    settings: Settings,
+    interface: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Content that every page has."""
+    time = scales.unit(TIME)
+    return {
+        "title": title,
+        "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, one run without an "
+        "estimate of its error; vibralign simulate gives that.",
+        "device": "",
+        "units": vars(scales.units) if scales.units else False,
+        "interface": interface,
+        "control": dict(
+            zip(interface["control"], (settings.tolerance, *settings.control), strict=True)
+        ),
+        "baseline": scales.values(baseline),
+        "outcomes": {int(each): text for each, text in OUTCOME_TEXT.items()},
+        "reasons": {int(each): text for each, text in REASON_TEXT.items()},
+        "remedies": {f"{o:d},{r:d}": remedy(o, r) for o, r in product(Outcome, Reason)},
+        "events": [_EVENT_WORDS.get(e, e.replace("_", " ")) for e in interface["events"]],
+        "panels": [
+            {
+                "name": name,
+                "label": ", ".join(
+                    filter(None, (COURSE[name].symbol, scales.unit(COURSE[name].quantity)))
+                ),
+                "scale": scales.of(COURSE[name].quantity),
+            }
+            for name in _PANELS
+        ],
+        "time": {
+            "scale": scales.of(TIME),
+            "unit": time,
+            "label": f"time, {time}" if time else "τ, in units of 1/p",
+        },
+    }
+
+
+# --- Parameters ---------------------------------------------------------------------------------
+
+
+def _axes(study: Study) -> dict[str, tuple[float, float]]:
+    """Return the range of each parameter over all figures that vary it."""
+    found: dict[str, tuple[float, float]] = {}
+    for spec in study.figures.values():
+        axes: tuple[Axis | Family, ...] = ()
+        if isinstance(spec, Curves):
+            axes = spec.swept, spec.family
+        elif isinstance(spec, Map):
+            axes = spec.x, spec.y
+        for axis in axes:
+            low, high = found.get(axis.parameter, (math.inf, -math.inf))
+            found[axis.parameter] = min(low, *axis.values), max(high, *axis.values)
+    return found
+
+
+def _range(
+    name: str, field: Field, values: Mapping[str, float | None], unit: float
+) -> tuple[float, float]:
+    """Return the range of a slider around a device's value."""
+    value = values[field.derived] if values[name] is None and field.derived else values[name]
+    assert value is not None  # noqa: S101 - derived parameters are derived from given ones
+    if name == "phase":
+        return 0.0, 2.0 * math.pi
+    if field.quantity is ANGLE:
+        return value - _SMALL_ANGLE, value + _SMALL_ANGLE
+    size = abs(value) or unit
+    if field.derived:
+        return value - size, value + size
+    return (0.0 if field.bound == ">= 0" or value == 0.0 else value / 5.0), 3.0 * size
+
+
+def _parameters(
+    device: Parameters,
+    scales: Scales,
+    first: Sequence[str],
+    axes: Mapping[str, tuple[float, float]],
+) -> list[dict[str, Any]]:
+    """Return what the page knows of each parameter, those in ``first`` at the top."""
+    values, found = scales.values(device), []
+    for name in sorted(FIELDS, key=lambda each: each not in first):
+        field = FIELDS[name]
+        least, most = axes.get(name) or _range(name, field, values, scales.of(field.quantity))
+        found.append(
+            {
+                "name": name,
+                "symbol": field.symbol,
+                "words": field.description.partition(";")[0],
+                "unit": scales.unit(field.quantity),
+                "scale": scales.of(field.quantity),
+                "si": 1.0 if scales.units else _UNITLESS.of(field.quantity),
+                "rule": field.rule,
+                "bound": field.bound,
+                "derived": field.derived or "",
+                "least": least,
+                "most": most,
+                "first": name in first,
+            }
+        )
+    return found
+
+
+# --- Presets and maps of the study --------------------------------------------------------------
+
+
+def _figure(study: Study, name: str) -> dict[str, Any]:
+    """Return the operating point of a figure, in the middle of what it varies, and its plane."""
+    spec, values = study.figures[name], study.parameters(name).given()
+    preset: dict[str, Any] = {
+        "group": "Figures", "title": f"{figure_title(name)}: {spec.title}", "words": spec.caption,
+    }  # fmt: skip
+    if isinstance(spec, Curves):
+        values[spec.family.parameter] = spec.family.values[len(spec.family.values) // 2]
+    axes: list[Axis] = []
+    if isinstance(spec, Curves):
+        axes = [spec.swept]
+        preset |= {"x": spec.swept.parameter, "y": spec.family.parameter}
+    elif isinstance(spec, Map):
+        axes = [spec.x, spec.y]
+        preset |= {"x": spec.x.parameter, "y": spec.y.parameter}
+    for axis in axes:
+        value = values[axis.parameter]
+        if value is None or not axis.start <= value <= axis.stop:
+            values[axis.parameter] = 0.5 * (axis.start + axis.stop)
+    preset["spans"] = {axis.parameter: [axis.start, axis.stop] for axis in axes}
+    return {**preset, "values": values}
+
+
+def _stored_map(study: Study, name: str, data: Path, refined: Path) -> dict[str, Any]:
+    """Return a figure's map as stored: durations in equal ratios, and where it is reliable."""
+    from model.study.datasets import read_dataset  # noqa: PLC0415 - xarray, for the study only
+
+    spec = study.figures[name]
+    assert isinstance(spec, Map)  # noqa: S101 - one of MAPS
+    tau = _square(read_dataset(data)["tau_align"].values, None)
+    known = tau[~np.isnan(tau)]
+    least, most = (float(known.min()), float(known.max())) if known.size else (1.0, 1.0)
+    steps = math.log(most / least) or 1.0
+    share = np.nan_to_num(np.log(tau / least) / steps, nan=-1.0)
+    levels = np.where(share < 0.0, 0, 1 + np.rint(share * _LEVELS)).astype(np.uint8)
+    found = {
+        "x": spec.x.parameter, "y": spec.y.parameter,
+        "xs": [spec.x.start, spec.x.stop], "ys": [spec.y.start, spec.y.stop],
+        "cells": len(tau), "least": least, "most": most,
+        "duration": packed(levels.tobytes()), "values": study.parameters(name).given(),
+    }  # fmt: skip
+    reliable = _square(read_dataset(refined)["reliable"].values, _MOST_NODES)
+    found["reliable"] = packed(reliable.astype(np.uint8).tobytes())
+    return found
+
+
+def _square(values: NDArray[Any], most: int | None) -> NDArray[Any]:
+    """Return as many rows as columns, at most ``most`` of each, nearest values."""
+    side = min(values.shape[1], most or values.shape[1])
+    rows, columns = (np.rint(np.linspace(0, n - 1, side)).astype(int) for n in values.shape)
+    return values[np.ix_(rows, columns)]

@@ -1,0 +1,211 @@
+// The drawing of the part on its springs over the slot, to scale; pure functions of what they draw.
+
+/**
+ * @typedef {{x: number, y: number, tilt: number, time: number, [name: string]: number}} Frame
+ * @typedef {{exaggeration: number, ghost: Frame | null, colours: Record<string, string>}} Options
+ * @typedef {(x: number, y: number) => [number, number]} Place
+ */
+
+const COLOURS = {
+  ink: "#1b1b1b", faint: "#6e6e6e", base: "#d9d4cc", part: "#a9cbe8", edge: "#0072B2", ghost: "#6e6e6e",
+  normal: "#D55E00", friction: "#009E73", holder: "#e9e9e9",
+};
+const OPEN = 0, CLOSED = 1;
+
+/** Return what the supporting contact does, in words. @param {Frame} frame */
+function contactWords(frame) {
+  const support = frame.mode_face === CLOSED || frame.mode_corner === CLOSED;
+  const words = [];
+  if (support) words.push(frame.mode_support_slip === 0 ? "sticks on the edge" : frame.mode_support_slip < 0 ? "slides to the left" : "slides to the right");
+  else words.push(frame.mode_dropped ? "falls into the slot" : "in flight");
+  if (frame.mode_side === CLOSED) words.push("touches the slot's other edge");
+  return words.join(", ");
+}
+
+/** Return the kind of contact: "sticks", "slides" or "flies". @param {Frame} frame */
+function contactKind(frame) {
+  if (frame.mode_face !== CLOSED && frame.mode_corner !== CLOSED) return "flies";
+  return frame.mode_support_slip === 0 ? "sticks" : "slides";
+}
+
+/**
+ * Return centre and tilt as drawn: with an exaggerated tilt the part still touches its edge where it does.
+ * @param {Frame} frame @param {any} device @param {number} exaggeration
+ */
+function drawnPose(frame, device, exaggeration) {
+  const { x, y, tilt } = frame;
+  if (exaggeration === 1) return { x, y, tilt };
+  const edge = (frame.mode_edge || 1) * device.slot_half_width;
+  const [sine, cosine] = [Math.sin(tilt), Math.cos(tilt)];
+  const along = (edge - x) * cosine - y * sine, axis = -(edge - x) * sine - y * cosine;
+  const drawn = Math.max(-1.2, Math.min(1.2, tilt * exaggeration));
+  const [s, c] = [Math.sin(drawn), Math.cos(drawn)];
+  return { x: edge - along * c + axis * s, y: -along * s - axis * c, tilt: drawn };
+}
+
+/** @param {CanvasRenderingContext2D} g @param {[number, number]} from @param {[number, number]} to @param {string} colour */
+function arrow(g, from, to, colour) {
+  const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
+  if (length < 1) return;
+  const [ux, uy] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length], head = Math.min(9, length);
+  g.strokeStyle = g.fillStyle = colour;
+  g.lineWidth = 2.5;
+  g.beginPath();
+  g.moveTo(...from);
+  g.lineTo(to[0] - ux * head * 0.7, to[1] - uy * head * 0.7);
+  g.stroke();
+  g.beginPath();
+  g.moveTo(...to);
+  g.lineTo(to[0] - ux * head - uy * head * 0.5, to[1] - uy * head + ux * head * 0.5);
+  g.lineTo(to[0] - ux * head + uy * head * 0.5, to[1] - uy * head - ux * head * 0.5);
+  g.fill();
+}
+
+/** @param {CanvasRenderingContext2D} g @param {[number, number]} from @param {[number, number]} to */
+function spring(g, from, to) {
+  const turns = 6, [dx, dy] = [to[0] - from[0], to[1] - from[1]], length = Math.hypot(dx, dy) || 1;
+  const [nx, ny] = [(-dy / length) * 5, (dx / length) * 5];
+  g.beginPath();
+  g.moveTo(...from);
+  for (let k = 0; k <= 2 * turns; k += 1) {
+    const at = 0.15 + (0.7 * (k + 0.5)) / (2 * turns + 1), side = k % 2 ? 1 : -1;
+    g.lineTo(from[0] + dx * at + nx * side, from[1] + dy * at + ny * side);
+  }
+  g.lineTo(...to);
+  g.stroke();
+}
+
+/** @param {CanvasRenderingContext2D} g @param {Place} place @param {{x: number, y: number, tilt: number}} pose @param {any} device */
+function outline(g, place, pose, device) {
+  const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)], a = device.half_width, b = device.half_height;
+  g.beginPath();
+  for (const [u, v] of [[-a, -b], [a, -b], [a, b], [-a, b]]) g.lineTo(...place(pose.x + u * c - v * s, pose.y + u * s + v * c));
+  g.closePath();
+}
+
+/** Draw the base with its slot. @param {CanvasRenderingContext2D} g @param {Place} place @param {number} slot @param {number[]} box */
+function drawBase(g, place, slot, [left, top, width, height]) {
+  const [edge, ground] = place(slot, 0), [other] = place(-slot, 0);
+  g.fillStyle = COLOURS.base;
+  g.strokeStyle = COLOURS.ink;
+  g.lineWidth = 1.5;
+  for (const [from, to, lip] of [[left, other, other], [edge, left + width, edge]]) {
+    g.fillRect(from, ground, to - from, top + height - ground);
+    g.beginPath();
+    g.moveTo(from === lip ? left + width : left, ground);
+    g.lineTo(lip, ground);
+    g.lineTo(lip, top + height);
+    g.stroke();
+  }
+  g.strokeStyle = COLOURS.faint;
+  g.lineWidth = 0.75;
+  g.setLineDash([6, 3, 1, 3]);
+  g.beginPath();
+  g.moveTo(...place(0, 1e3));
+  g.lineTo(...place(0, -1e3));
+  g.stroke();
+  g.setLineDash([]);
+}
+
+/** Draw the contact forces of a frame as arrows. @param {CanvasRenderingContext2D} g @param {Place} place @param {Frame} frame @param {any} device @param {any} pose @param {number} scale */
+function drawForces(g, place, frame, device, pose, scale) {
+  const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)];
+  const edge = (frame.mode_edge || 1) * device.slot_half_width;
+  const push = (/** @type {number[]} */ at, /** @type {number[]} */ way, /** @type {number} */ force, /** @type {string} */ colour) => {
+    const [x, y] = place(at[0], at[1]);
+    arrow(g, [x, y], [x + way[0] * force * scale, y - way[1] * force * scale], colour);
+  };
+  if (frame.mode_face === CLOSED || frame.mode_corner === CLOSED) {
+    const onFace = frame.mode_face === CLOSED;
+    const corner = [pose.x + (frame.mode_edge || 1) * device.half_width * c + device.half_height * s, 0];
+    const at = onFace ? [edge, 0] : corner;
+    push(at, onFace ? [-s, c] : [0, 1], Math.max(frame.at_support_load, 0), COLOURS.normal);
+    push(at, onFace ? [c, s] : [1, 0], frame.at_support_friction, COLOURS.friction);
+  }
+  if (frame.mode_side === CLOSED) {
+    const at = [(frame.mode_side_edge || -1) * device.slot_half_width, 0];
+    push(at, [c, s], Math.max(frame.at_side_load, 0), COLOURS.normal);
+    push(at, [-s, c], frame.at_side_friction, COLOURS.friction);
+  }
+}
+
+/**
+ * Draw one frame: the whole part on its springs at the left, the slot enlarged at the right.
+ * @param {CanvasRenderingContext2D} g @param {number} width @param {number} height
+ * @param {Frame} frame @param {any} device parameters, dimensionless @param {Options} options
+ */
+function drawScene(g, width, height, frame, device, options) {
+  g.clearRect(0, 0, width, height);
+  g.fillStyle = "#ffffff";
+  g.fillRect(0, 0, width, height);
+  const whole = Math.round(width * 0.4), a = device.half_width, b = device.half_height;
+  const tall = 2 * b + 3.2 * Math.max(a, 0.3 * b), scale = Math.min((height - 20) / (tall + a), (whole - 10) / (6 * a));
+  const near = Math.min((height - 10) / (2.6 * a), (width - whole - 10) / (3.4 * a));
+  const push = (0.22 * height) / Math.max(1, device.force_shown);
+  for (const [left, wide, unit, below, springs] of /** @type {[number, number, number, number, boolean][]} */ ([
+    [0, whole, scale, 1.1 * a * scale, true],
+    [whole + 6, width - whole - 6, near, Math.min(0.42 * height, 1.1 * a * near), false],
+  ])) {
+    g.save();
+    g.beginPath();
+    g.rect(left, 0, wide, height);
+    g.clip();
+    /** @type {Place} */
+    const place = (x, y) => [left + wide / 2 + unit * x, height - below - unit * y];
+    drawBase(g, place, device.slot_half_width, [left, 0, wide, height]);
+    const pose = drawnPose(frame, device, options.exaggeration);
+    if (options.ghost) {
+      outline(g, place, drawnPose(options.ghost, device, options.exaggeration), device);
+      g.setLineDash([5, 4]);
+      g.strokeStyle = COLOURS.ghost;
+      g.lineWidth = 1.5;
+      g.stroke();
+      g.setLineDash([]);
+    }
+    if (springs) drawHolder(g, place, frame, device, pose, unit, tall, [left, wide]);
+    outline(g, place, pose, device);
+    g.fillStyle = COLOURS.part;
+    g.globalAlpha = 0.85;
+    g.fill();
+    g.globalAlpha = 1;
+    g.strokeStyle = COLOURS.edge;
+    g.lineWidth = 2;
+    g.stroke();
+    if (springs) {
+      g.fillStyle = COLOURS.ink;
+      g.beginPath();
+      g.arc(...place(pose.x, pose.y), 3, 0, 7);
+      g.fill();
+    } else drawForces(g, place, frame, device, pose, push);
+    g.restore();
+  }
+  g.strokeStyle = COLOURS.faint;
+  g.lineWidth = 1;
+  g.strokeRect(whole + 6.5, 0.5, width - whole - 7, height - 1);
+  g.fillStyle = COLOURS.faint;
+  g.font = "12px system-ui, sans-serif";
+  g.fillText("to scale", 6, height - 6);
+  g.fillText(options.exaggeration === 1 ? "at the slot, enlarged" : `at the slot, enlarged; tilt × ${options.exaggeration}`, whole + 14, height - 8);
+}
+
+/** Draw the holder, which vibrates, and the springs between it and the part. @param {CanvasRenderingContext2D} g @param {Place} place @param {Frame} frame @param {any} device @param {any} pose @param {number} unit @param {number} tall @param {number[]} span */
+function drawHolder(g, place, frame, device, pose, unit, tall, [left, wide]) {
+  const swing = Math.sin(device.frequency * frame.time + device.phase), a = device.half_width;
+  const plate = tall - 0.4 * a - swing * Math.min(1, 0.6 * a);
+  const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)], b = device.half_height;
+  const top = place(pose.x - b * s, pose.y + b * c), [, y] = place(0, plate);
+  g.strokeStyle = COLOURS.faint;
+  g.lineWidth = 1.25;
+  spring(g, [top[0], y], top);
+  const [middle, height] = place(pose.x - a * c, pose.y - a * s), wall = left + 10;
+  spring(g, [wall, height], [middle, height]);
+  g.fillStyle = COLOURS.holder;
+  g.strokeStyle = COLOURS.ink;
+  g.fillRect(left + 6, y - 10, wide - 12, 10);
+  g.strokeRect(left + 6, y - 10, wide - 12, 10);
+  g.beginPath();
+  g.moveTo(wall, y);
+  g.lineTo(wall, height + 0.6 * a * unit);
+  g.lineWidth = 2;
+  g.stroke();
+}

@@ -1,0 +1,270 @@
+// The map over two parameters: computed from coarse to fine in Workers, along the boundary first.
+
+/**
+ * @typedef {{x: string, y: string, xs: [number, number], ys: [number, number], cells: number,
+ *   tau: Float64Array, outcome: Int8Array, step: Uint8Array, stored: boolean, reliable: Uint8Array | null}} MapData
+ */
+
+const UNKNOWN = -1, ALIGNED = 0;
+const FIRST_STEP = 8, CHUNK = 192;
+const CIVIDIS = [[0, 34, 78], [24, 52, 111], [63, 74, 108], [92, 97, 109], [119, 120, 112], [147, 144, 113], [177, 168, 106], [208, 195, 94], [240, 222, 78], [254, 232, 56]];
+const INSET = { left: 58, right: 10, top: 8, bottom: 40 };
+
+/** Return an empty map. @param {string} x @param {string} y @param {[number, number]} xs @param {[number, number]} ys @param {number} cells @returns {MapData} */
+function emptyMap(x, y, xs, ys, cells) {
+  const size = cells * cells;
+  return { x, y, xs, ys, cells, tau: new Float64Array(size).fill(NaN), outcome: new Int8Array(size).fill(UNKNOWN), step: new Uint8Array(size), stored: false, reliable: null };
+}
+
+/** Return a map from its stored numbers: 0 where it does not align, else the duration in 254 equal ratios. @param {any} stored @returns {Promise<MapData>} */
+async function storedMap(stored) {
+  const map = emptyMap(stored.x, stored.y, stored.xs, stored.ys, stored.cells);
+  const duration = new Uint8Array(await unpacked(stored.duration));
+  duration.forEach((level, node) => {
+    map.outcome[node] = level > 0 ? ALIGNED : 1;
+    map.tau[node] = level > 0 ? stored.least * (stored.most / stored.least) ** ((level - 1) / 254) : NaN;
+  });
+  map.step.fill(1);
+  map.stored = true;
+  if (stored.reliable) map.reliable = new Uint8Array(await unpacked(stored.reliable));
+  return map;
+}
+
+/** Return the values of a node. @param {MapData} map @param {number} node @returns {[number, number]} */
+function valuesAt(map, node) {
+  const n = map.cells - 1, column = node % map.cells, row = Math.floor(node / map.cells);
+  return [map.xs[0] + ((map.xs[1] - map.xs[0]) * column) / n, map.ys[0] + ((map.ys[1] - map.ys[0]) * row) / n];
+}
+
+/** Return the nodes of one step in the order of their computation: those beside a change of outcome first. @param {MapData} map @param {number} step */
+function nodesOf(map, step) {
+  const coarse = 2 * step, { cells, outcome } = map;
+  /** @type {number[]} */
+  const edge = [];
+  /** @type {number[]} */
+  const rest = [];
+  for (let row = 0; row < cells; row += step) {
+    for (let column = 0; column < cells; column += step) {
+      const node = row * cells + column;
+      if (outcome[node] !== UNKNOWN) continue;
+      const found = new Set();
+      if (step < FIRST_STEP) {
+        const top = row - (row % coarse), left = column - (column % coarse);
+        for (const r of [top, Math.min(top + coarse, cells - 1 - ((cells - 1) % coarse))]) {
+          for (const c of [left, Math.min(left + coarse, cells - 1 - ((cells - 1) % coarse))]) found.add(outcome[r * cells + c] === ALIGNED);
+        }
+      }
+      (found.size > 1 ? edge : rest).push(node);
+    }
+  }
+  return [...edge, ...rest];
+}
+
+/** Computes maps in Workers; a new one replaces the one under way. */
+class Mapper {
+  /** @param {BufferSource} binary @param {Interface} about @param {string} code @param {(map: MapData, done: boolean) => void} changed */
+  constructor(binary, about, code, changed) {
+    this.about = about;
+    this.changed = changed;
+    this.generation = 0;
+    this.pending = 0;
+    /** @type {MapData | null} */
+    this.map = null;
+    /** @type {number[]} */
+    this.queue = [];
+    this.step = 0;
+    const url = URL.createObjectURL(new Blob([code], { type: "text/javascript" }));
+    const count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 2));
+    /** @type {Worker[]} */
+    this.idle = [];
+    this.workers = Array.from({ length: count }, () => {
+      const worker = new Worker(url);
+      worker.onmessage = (message) => this.receive(worker, message.data);
+      worker.postMessage({ binary, about });
+      return worker;
+    });
+  }
+
+  /** Compute a map. @param {MapData} map @param {Record<string, number>} values parameters, in the map's units @param {(name: string, value: number) => number} converted @param {Record<string, number>} control */
+  compute(map, values, converted, control) {
+    this.generation += 1;
+    this.map = map;
+    this.control = control;
+    this.setOf = (/** @type {number} */ node) => {
+      const [x, y] = valuesAt(map, node);
+      const all = { ...values, [map.x]: x, [map.y]: y };
+      return this.about.parameters.map((name) => converted(name, all[name]));
+    };
+    this.step = FIRST_STEP;
+    this.queue = nodesOf(map, this.step);
+    this.pending = 0;
+    this.feed();
+  }
+
+  /** Stop computing. */
+  stop() {
+    this.generation += 1;
+    this.queue = [];
+    this.map = null;
+  }
+
+  feed() {
+    while (this.map && this.queue.length && this.idle.length) {
+      const worker = /** @type {Worker} */ (this.idle.pop());
+      const share = Math.ceil(this.queue.length / (2 * this.workers.length));
+      const nodes = this.queue.splice(0, Math.max(16, Math.min(CHUNK, share)));
+      this.pending += 1;
+      const chunk = { generation: this.generation, nodes, sets: nodes.map(/** @type {any} */ (this.setOf)), control: this.control };
+      worker.postMessage({ chunk });
+    }
+  }
+
+  /** @param {Worker} worker @param {any} message */
+  receive(worker, message) {
+    this.idle.push(worker);
+    const { map } = this;
+    if (map && message.generation === this.generation) {
+      this.pending -= 1;
+      const width = this.about.results.length;
+      const [tau, outcome] = ["tau_align", "outcome"].map((name) => this.about.results.indexOf(name));
+      message.nodes.forEach((/** @type {number} */ node, /** @type {number} */ n) => {
+        map.outcome[node] = message.results[n * width + outcome];
+        map.tau[node] = message.results[n * width + tau];
+        map.step[node] = this.step;
+      });
+      if (!this.queue.length && !this.pending && this.step > 1) {
+        this.step /= 2;
+        this.queue = nodesOf(map, this.step);
+      }
+      this.changed(map, !this.queue.length && !this.pending);
+    }
+    this.feed();
+  }
+}
+
+/** Return red, green and blue of a duration. @param {number} share */
+function colour(share) {
+  const at = Math.max(0, Math.min(1, share)) * (CIVIDIS.length - 1), n = Math.min(Math.floor(at), CIVIDIS.length - 2), part = at - n;
+  return CIVIDIS[n].map((each, k) => Math.round(each + part * (CIVIDIS[n + 1][k] - each)));
+}
+
+/** Return shortest and longest duration as they are coloured, on a logarithmic scale; the longest 2 % have one colour. @param {MapData} map */
+function durations(map) {
+  const known = Array.from(map.tau).filter(Number.isFinite).sort((a, b) => a - b);
+  if (!known.length) return [1, 2];
+  const shortest = Math.max(known[0], 1e-9);
+  return [shortest, Math.max(known[Math.floor(0.98 * (known.length - 1))], 1.001 * shortest)];
+}
+
+/** Return the places of a map on a canvas. @param {MapData} map @param {number} width @param {number} height */
+function mapPlaces(map, width, height) {
+  const wide = width - INSET.left - INSET.right, tall = height - INSET.top - INSET.bottom;
+  return {
+    x: (/** @type {number} */ v) => INSET.left + (wide * (v - map.xs[0])) / (map.xs[1] - map.xs[0]),
+    y: (/** @type {number} */ v) => INSET.top + tall - (tall * (v - map.ys[0])) / (map.ys[1] - map.ys[0]),
+    valueX: (/** @type {number} */ p) => map.xs[0] + Math.max(0, Math.min(1, (p - INSET.left) / wide)) * (map.xs[1] - map.xs[0]),
+    valueY: (/** @type {number} */ p) => map.ys[0] + Math.max(0, Math.min(1, (INSET.top + tall - p) / tall)) * (map.ys[1] - map.ys[0]),
+    wide, tall,
+  };
+}
+
+/** Draw a map with its axes and the chosen point. @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {MapData} map @param {{x: string, y: string}} labels @param {[number, number]} point @param {boolean} outlined */
+function drawMap(g, width, height, map, labels, point, outlined) {
+  const { cells } = map, place = mapPlaces(map, width, height), [shortest, longest] = durations(map);
+  g.clearRect(0, 0, width, height);
+  g.save();
+  g.beginPath();
+  g.rect(INSET.left, INSET.top, place.wide, place.tall);
+  g.clip();
+  g.fillStyle = "#ffffff";
+  g.fillRect(INSET.left, INSET.top, place.wide, place.tall);
+  const hatch = hatching(g), size = [place.wide / (cells - 1), place.tall / (cells - 1)];
+  for (const step of [8, 4, 2, 1]) {
+    for (let node = 0; node < cells * cells; node += 1) {
+      if (map.step[node] !== step) continue;
+      const [x, y] = valuesAt(map, node);
+      const left = Math.floor(place.x(x) - (size[0] * step) / 2), top = Math.floor(place.y(y) - (size[1] * step) / 2);
+      const right = Math.ceil(place.x(x) + (size[0] * step) / 2), bottom = Math.ceil(place.y(y) + (size[1] * step) / 2);
+      if (map.outcome[node] === ALIGNED) g.fillStyle = `rgb(${colour(Math.log(map.tau[node] / shortest) / Math.log(longest / shortest)).join(",")})`;
+      else g.fillStyle = hatch;
+      if (map.outcome[node] !== ALIGNED) g.clearRect(left, top, right - left, bottom - top);
+      g.fillRect(left, top, right - left, bottom - top);
+    }
+  }
+  if (map.reliable && outlined) drawReliable(g, map, place);
+  g.restore();
+  drawAxes(g, width, height, map, labels, place);
+  const [px, py] = [place.x(point[0]), place.y(point[1])];
+  for (const [line, style] of /** @type {[number, string][]} */ ([[5, "#ffffff"], [2.5, "#D55E00"]])) {
+    g.lineWidth = line;
+    g.strokeStyle = style;
+    g.beginPath();
+    g.arc(px, py, 7, 0, 7);
+    g.moveTo(px - 12, py);
+    g.lineTo(px + 12, py);
+    g.moveTo(px, py - 12);
+    g.lineTo(px, py + 12);
+    g.stroke();
+  }
+}
+
+/** Draw the outline of the nodes that align from every start. @param {CanvasRenderingContext2D} g @param {MapData} map @param {any} place */
+function drawReliable(g, map, place) {
+  const { cells } = map, reliable = /** @type {Uint8Array} */ (map.reliable);
+  const n = Math.round(Math.sqrt(reliable.length));
+  const [dx, dy] = [place.wide / (n - 1), place.tall / (n - 1)];
+  g.beginPath();
+  for (let row = 0; row < n; row += 1) {
+    for (let column = 0; column < n; column += 1) {
+      const x = INSET.left + dx * column, y = INSET.top + place.tall - dy * row, here = reliable[row * n + column];
+      if (column + 1 < n && here !== reliable[row * n + column + 1]) { g.moveTo(x + dx / 2, y - dy / 2); g.lineTo(x + dx / 2, y + dy / 2); }
+      if (row + 1 < n && here !== reliable[(row + 1) * n + column]) { g.moveTo(x - dx / 2, y - dy / 2); g.lineTo(x + dx / 2, y - dy / 2); }
+    }
+  }
+  g.strokeStyle = "#ffffff";
+  g.lineWidth = 4;
+  g.stroke();
+  g.strokeStyle = "#000000";
+  g.lineWidth = 1.75;
+  g.stroke();
+}
+
+/** Return the pattern of what does not align. @param {CanvasRenderingContext2D} g */
+function hatching(g) {
+  const tile = document.createElement("canvas");
+  tile.width = tile.height = 8;
+  const t = /** @type {CanvasRenderingContext2D} */ (tile.getContext("2d"));
+  t.fillStyle = "#f4f4f4";
+  t.fillRect(0, 0, 8, 8);
+  t.strokeStyle = "#8a8a8a";
+  t.lineWidth = 1.2;
+  t.beginPath();
+  for (const shift of [-8, 0, 8]) { t.moveTo(shift - 1, 9); t.lineTo(shift + 9, -1); }
+  t.stroke();
+  return /** @type {CanvasPattern} */ (g.createPattern(tile, "repeat"));
+}
+
+/** @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {MapData} map @param {{x: string, y: string}} labels @param {any} place */
+function drawAxes(g, width, height, map, labels, place) {
+  g.font = "12px system-ui, sans-serif";
+  g.fillStyle = "#333333";
+  g.strokeStyle = "#555555";
+  g.lineWidth = 1;
+  g.strokeRect(INSET.left, INSET.top, place.wide, place.tall);
+  g.textAlign = "center";
+  for (const tick of ticks(map.xs[0], map.xs[1], 5)) g.fillText(String(tick), place.x(tick), height - INSET.bottom + 15);
+  g.fillText(labels.x, INSET.left + place.wide / 2, height - 6);
+  g.textAlign = "right";
+  for (const tick of ticks(map.ys[0], map.ys[1], 5)) g.fillText(String(tick), INSET.left - 4, place.y(tick) + 4);
+  g.save();
+  g.translate(12, INSET.top + place.tall / 2);
+  g.rotate(-Math.PI / 2);
+  g.textAlign = "center";
+  g.fillText(labels.y, 0, 0);
+  g.restore();
+}
+
+/** Return the colours of durations as a CSS gradient. */
+function gradient() {
+  return `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
+}

@@ -1,0 +1,171 @@
+// x, y, tilt and contact force over time, with a cursor and a band that shows how the part is supported.
+
+/**
+ * @typedef {{time: Float64Array, columns: Record<string, Float64Array>, rows: number}} Track
+ * @typedef {{name: string, label: string, scale: number}} Panel
+ */
+
+const KINDS = { sticks: "#E69F00", slides: "#56B4E9", flies: "#ffffff" };
+const MARGIN = { left: 62, right: 10, top: 6, bottom: 34 }, BAND = 10;
+
+/** Return a track by columns. @param {Float64Array} numbers @param {string[]} names @param {number} rows @returns {Track} */
+function trackOf(numbers, names, rows) {
+  /** @type {Record<string, Float64Array>} */
+  const columns = {};
+  names.forEach((name, n) => {
+    columns[name] = new Float64Array(rows);
+    for (let row = 0; row < rows; row += 1) columns[name][row] = numbers[row * names.length + n];
+  });
+  return { time: columns.time, columns, rows };
+}
+
+/** Return the last row at or before a time. @param {Track} track @param {number} time */
+function rowAt(track, time) {
+  let low = 0, high = track.rows - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (track.time[middle] <= time) low = middle; else high = middle - 1;
+  }
+  return low;
+}
+
+/** Return the frame at a time; between two rows of the same mode it is interpolated. @param {Track} track @param {number} time @returns {any} */
+function frameAt(track, time) {
+  const row = rowAt(track, time), next = Math.min(row + 1, track.rows - 1);
+  const span = track.time[next] - track.time[row], part = span > 0 ? Math.max(0, Math.min(1, (time - track.time[row]) / span)) : 0;
+  /** @type {Record<string, number>} */
+  const frame = {};
+  for (const [name, values] of Object.entries(track.columns)) {
+    const whole = name.startsWith("mode_") || name === "event";
+    frame[name] = whole ? values[row] : values[row] + part * (values[next] - values[row]);
+  }
+  frame.time = Math.min(time, track.time[track.rows - 1]);
+  return frame;
+}
+
+/** Return three or so round numbers between two. @param {number} low @param {number} high @param {number} count */
+function ticks(low, high, count) {
+  const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 5, 10].find((each) => each * power >= rough) ?? 10);
+  const found = [];
+  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n += 1) found.push(Number((n * step).toPrecision(9)));
+  return found;
+}
+
+/** Draw a curve, from pixel to pixel its lowest and highest value. @param {CanvasRenderingContext2D} g @param {Track} track @param {string} name @param {(t: number) => number} across @param {(v: number) => number} down */
+function drawCurve(g, track, name, across, down) {
+  const values = track.columns[name];
+  g.beginPath();
+  let column = -1, low = 0, high = 0;
+  for (let row = 0; row < track.rows; row += 1) {
+    const x = across(track.time[row]), y = down(values[row]);
+    if (Math.floor(x) === column) {
+      if (y < low || y > high) g.lineTo(x, y);
+      low = Math.min(low, y);
+      high = Math.max(high, y);
+    } else {
+      g.lineTo(x, y);
+      column = Math.floor(x);
+      low = high = y;
+    }
+  }
+  g.stroke();
+}
+
+/** Return the function from time to pixels, and its inverse. @param {number} width @param {number} end */
+function timeAxis(width, end) {
+  const span = width - MARGIN.left - MARGIN.right;
+  return {
+    across: (/** @type {number} */ time) => MARGIN.left + (span * time) / end,
+    back: (/** @type {number} */ x) => Math.max(0, Math.min(end, (end * (x - MARGIN.left)) / span)),
+  };
+}
+
+/**
+ * Draw the panels of a run, and of another one beside it.
+ * @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {Track} track
+ * @param {Track | null} other @param {Panel[]} panels @param {{time: number, end: number, label: string, scale: number}} axis
+ */
+function drawPlots(g, width, height, track, other, panels, axis) {
+  g.clearRect(0, 0, width, height);
+  g.font = "12px system-ui, sans-serif";
+  const { across } = timeAxis(width, axis.end), inner = height - MARGIN.top - MARGIN.bottom - BAND - 4;
+  const tall = inner / panels.length;
+  panels.forEach((panel, n) => {
+    let [low, high] = [Infinity, -Infinity];
+    for (const each of other ? [track, other] : [track]) {
+      for (let row = 0; row < each.rows && each.time[row] <= axis.end; row += 1) {
+        low = Math.min(low, each.columns[panel.name][row]);
+        high = Math.max(high, each.columns[panel.name][row]);
+      }
+    }
+    if (!(high - low > 1e-9)) [low, high] = [low - 0.5, high + 0.5];
+    const top = MARGIN.top + n * tall, gap = 7;
+    const down = (/** @type {number} */ v) => top + tall - gap - ((v - low) / (high - low)) * (tall - 2 * gap);
+    g.strokeStyle = "#d8d8d8";
+    g.lineWidth = 1;
+    g.strokeRect(MARGIN.left, top + 2, width - MARGIN.left - MARGIN.right, tall - 4);
+    g.fillStyle = "#444444";
+    g.textAlign = "right";
+    for (const tick of ticks(low * panel.scale, high * panel.scale, 2)) {
+      const y = down(tick / panel.scale);
+      g.fillText(String(tick), MARGIN.left - 4, y + 4);
+      g.beginPath();
+      g.moveTo(MARGIN.left, y);
+      g.lineTo(width - MARGIN.right, y);
+      g.stroke();
+    }
+    g.save();
+    g.beginPath();
+    g.rect(MARGIN.left, top, width - MARGIN.left - MARGIN.right, tall);
+    g.clip();
+    if (other) {
+      g.strokeStyle = "#6e6e6e";
+      g.setLineDash([4, 3]);
+      drawCurve(g, other, panel.name, across, down);
+      g.setLineDash([]);
+    }
+    g.strokeStyle = "#0072B2";
+    g.lineWidth = 1.5;
+    drawCurve(g, track, panel.name, across, down);
+    g.restore();
+    g.textAlign = "left";
+    g.fillStyle = "rgba(255,255,255,0.8)";
+    g.fillRect(MARGIN.left + 3, top + 4, g.measureText(panel.label).width + 6, 15);
+    g.fillStyle = "#1b1b1b";
+    g.fillText(panel.label, MARGIN.left + 6, top + 16);
+  });
+  drawBand(g, track, across, MARGIN.top + inner + 2, width);
+  g.fillStyle = "#444444";
+  g.textAlign = "center";
+  for (const tick of ticks(0, axis.end * axis.scale, Math.max(3, width / 110))) g.fillText(String(tick), across(tick / axis.scale), height - MARGIN.bottom + 14);
+  g.textAlign = "right";
+  g.fillText(axis.label, width - MARGIN.right, height - 4);
+  g.strokeStyle = "#D55E00";
+  g.lineWidth = 1.5;
+  g.beginPath();
+  g.moveTo(across(axis.time), MARGIN.top);
+  g.lineTo(across(axis.time), height - MARGIN.bottom);
+  g.stroke();
+}
+
+/** Draw how the part is supported over time, and a mark at every event. @param {CanvasRenderingContext2D} g @param {Track} track @param {(t: number) => number} across @param {number} top @param {number} width */
+function drawBand(g, track, across, top, width) {
+  let from = 0;
+  const kindOf = (/** @type {number} */ row) => contactKind(/** @type {any} */ ({
+    mode_face: track.columns.mode_face[row], mode_corner: track.columns.mode_corner[row], mode_support_slip: track.columns.mode_support_slip[row],
+  }));
+  for (let row = 1; row <= track.rows; row += 1) {
+    const kind = kindOf(from);
+    if (row < track.rows && kindOf(row) === kind) continue;
+    const right = Math.min(across(track.time[Math.min(row, track.rows - 1)]), width - MARGIN.right), left = across(track.time[from]);
+    g.fillStyle = KINDS[kind];
+    g.fillRect(left, top, Math.max(right - left, 0.5), BAND);
+    from = row;
+  }
+  g.fillStyle = "#1b1b1b";
+  for (let row = 0; row < track.rows; row += 1) if (track.columns.event[row] > 0) g.fillRect(across(track.time[row]) - 0.4, top + BAND - 4, 0.8, 4);
+  g.strokeStyle = "#6e6e6e";
+  g.lineWidth = 1;
+  g.strokeRect(MARGIN.left, top, width - MARGIN.left - MARGIN.right, BAND);
+}

@@ -1,0 +1,50 @@
+"""The explorer as one file: template, style and scripts of this folder, with a model inlined.
+
+The scripts are plain and share one scope; ``SCRIPTS`` is their order. The page needs no network.
+"""
+
+import base64
+import gzip
+import html
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from model.runs.in_browser import Modules
+
+SCRIPTS = ("engine", "state", "drawing", "plots", "map", "main")
+_WORKER = ("engine", "worker")
+_HERE = Path(__file__).resolve().parent
+
+
+def packed(data: bytes) -> str:
+    """Return bytes, compressed, as text; the same bytes give the same text."""
+    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode()
+
+
+def build_page(model: Mapping[str, Any], modules: Modules | None) -> str:
+    """Return the page of a model (content.py), with the engines unless it only shows a run."""
+    engines: dict[str, Any] = {}
+    if modules is not None:
+        binaries = {"run_one": modules.run_one, "run_many": modules.run_many}
+        engines = {
+            "modules": {name: packed(binary) for name, binary in binaries.items()},
+            "worker": "\n".join(_text(f"page.{name}.js") for name in _WORKER),
+        }
+    stated = json.dumps({**model, **engines}, ensure_ascii=False, allow_nan=False)
+    parts = {
+        "title": html.escape(model["title"]),
+        "footer": html.escape(model["footer"]),
+        "style": _text("page.css"),
+        "model": stated.replace("</", "<\\/"),
+        "script": "\n".join(_text(f"page.{name}.js") for name in SCRIPTS),
+    }
+    page = _text("page.html")
+    for name, text in parts.items():
+        page = page.replace(f"@{name}@", text)
+    return page
+
+
+def _text(name: str) -> str:
+    return (_HERE / name).read_text(encoding="utf-8")

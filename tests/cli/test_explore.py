@@ -1,0 +1,86 @@
+"""``vibralign explore`` and ``simulate --animate``: files, and refusals before anything is made."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from model.cli import main as cli
+from model.runs import in_browser
+from model.runs.in_browser import Modules, interface
+
+PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+
+
+@pytest.fixture
+def engines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Engines that are not compiled."""
+    monkeypatch.setattr(in_browser, "modules", lambda: Modules(b"one", b"many", interface()))
+
+
+def model_in(page: Path) -> dict:
+    return json.loads(
+        page.read_text(encoding="utf-8").partition('id="model">')[2].partition("</script>")[0]
+    )
+
+
+@pytest.mark.usefixtures("engines")
+def test_a_device_gets_a_page_in_its_units(tmp_path, capsys):
+    page = tmp_path / "peg.html"
+    assert (
+        cli.main(["explore", "--device", PEG, "--set", "press_force=12", "--out", str(page)]) == 0
+    )
+    assert str(page) in capsys.readouterr().out
+    assert model_in(page)["baseline"]["press_force"] == pytest.approx(12.0)
+    assert model_in(page)["device"] == PEG
+
+
+@pytest.mark.usefixtures("engines")
+def test_without_a_device_the_page_is_that_of_the_study(tmp_path):
+    page = tmp_path / "study.html"
+    assert cli.main(["explore", "--out", str(page)]) == cli.DONE
+    assert "fig13" in model_in(page)["presets"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--out", "peg.txt"], "must end in .html"),
+        (["--out", "no/such/peg.html"], "does not exist"),
+        (["--out", "peg.html", "--readings", "printed"], "consistent readings only"),
+    ],
+)
+def test_refusals(arguments, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["explore", *arguments]) == cli.REFUSED
+    assert message in capsys.readouterr().err
+
+
+def test_a_run_is_animated_as_a_page(tmp_path):
+    page = tmp_path / "run.html"
+    arguments = [
+        "simulate",
+        "--set",
+        "press_force=4",
+        "--tolerance",
+        "1e-6",
+        "--animate",
+        str(page),
+    ]
+    assert cli.main(arguments) == cli.DONE
+    model = model_in(page)
+    assert model["run"]["results"]["outcome"] == 0.0
+    assert model["baseline"]["press_force"] == 4.0
+
+
+def test_a_gif_without_a_browser_is_refused_in_words(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("CHROMIUM", "/no/such/browser")
+    gif = tmp_path / "run.gif"
+    assert cli.main(["simulate", "--tolerance", "1e-6", "--animate", str(gif)]) == cli.FAILED
+    assert "drawn by a browser" in capsys.readouterr().err
+    assert not gif.exists()
+
+
+def test_an_animation_of_another_kind_is_refused(tmp_path, capsys):
+    assert cli.main(["simulate", "--animate", str(tmp_path / "run.mp4")]) == cli.REFUSED
+    assert "must end in one of .html, .gif" in capsys.readouterr().err

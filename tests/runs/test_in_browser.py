@@ -1,0 +1,201 @@
+"""The engines as WebAssembly, run without a browser, against the same engines in Python."""
+
+import ctypes
+import os
+import platform
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from model import Batch, align
+from model.engines.results import RunResult
+from model.events.outcomes import Outcome
+from model.physics.parameters import PARAMETER_NAMES
+from model.physics.scenes import CLOSED
+from model.runs.engines import Engine, engine_for
+from model.runs.errors import SENSITIVE, outcomes_differ
+from model.runs.in_browser import modules
+from model.runs.settings import Settings
+from model.runs.shown import COLUMNS
+from model.runs.simulate import simulate_once
+from model.study.config import load_study, study_path
+from verification.trials import trial_of
+
+wasmtime = pytest.importorskip("wasmtime")
+
+SETS = 500
+MOST_ROWS = 20_000
+SETTINGS = Settings()
+
+
+class Browser:
+    """A module as the page runs it: the memory, the stack and the C library's functions."""
+
+    def __init__(self, binary: bytes, name: str, interface: dict[str, Any]) -> None:
+        store = wasmtime.Store()
+        module = wasmtime.Module(store.engine, binary)
+        wanted = {each.name: each.type for each in module.imports}
+        number = wasmtime.ValType.f64()
+        libm = ctypes.CDLL(None)
+        imports = []
+        self.functions = set()
+        for each, kind in wanted.items():
+            if each == "__linear_memory":
+                self.memory = wasmtime.Memory(store, wasmtime.MemoryType(wasmtime.Limits(1, None)))
+                imports.append(self.memory)
+            elif each == "__stack_pointer":
+                value = wasmtime.Val.i32(interface["functions"][name]["stack"])
+                imports.append(wasmtime.Global(store, kind, value))
+            elif isinstance(kind, wasmtime.FuncType):
+                self.functions.add(each)
+                function = libm[each]
+                function.restype = ctypes.c_double
+                function.argtypes = [ctypes.c_double] * len(kind.params)
+                assert list(map(str, [*kind.params, *kind.results])) == [str(number)] * (
+                    len(kind.params) + 1
+                )
+                imports.append(wasmtime.Func(store, kind, function))
+            else:
+                raise AssertionError(f"the module imports {each}, which no page gives it")
+        self.function = wasmtime.Instance(store, module, imports).exports(store)[name]
+        self.store, self.about, self.name = store, interface, name
+
+    def run(self, sets: np.ndarray, rows: int = MOST_ROWS, **control: float) -> tuple[Any, Any]:
+        """Return the results of the sets, and with ``run_one`` the track of its one set."""
+        one, count = self.name == "run_one", len(sets)
+        settings = dict(zip(self.about["control"], self.about["defaults"], strict=True)) | control
+        rows, width = (rows, len(COLUMNS)) if one else (count, self.about["constants"] + 1)
+        about = self.about["functions"][self.name]
+        ends = count * len(RunResult._fields)
+        # numba's own results first: a function's value and its error
+        sizes = 2, sets.size, len(settings), rows * width, ends, about["memory"]
+        places = about["stack"] + 8 * np.concatenate(
+            [[0], np.cumsum([-(-n // 8) * 8 for n in sizes])]
+        )
+        missing = int(places[-1]) - self.memory.data_len(self.store)
+        if missing > 0:
+            self.memory.grow(self.store, -(-missing // 65536))
+        value, given, limits, out, results, memory = map(int, places[:-1])
+        self.memory.write(self.store, sets.tobytes(), given)
+        self.memory.write(self.store, np.array([*settings.values()]).tobytes(), limits)
+        arguments = value, value + 8, given, limits, rows, out, results, memory
+        assert self.function(self.store, *arguments) == 0
+        return self._array(results, (count, -1), sizes[4]), self._array(
+            out, (rows, width), sizes[3]
+        )
+
+    def _array(self, at: int, shape: tuple[int, ...], size: int) -> np.ndarray:
+        data = self.memory.read(self.store, at, at + 8 * size)
+        return np.frombuffer(bytes(data)).reshape(shape)
+
+
+@pytest.fixture(scope="module")
+def engines() -> dict[str, Browser]:
+    made = modules()
+    return {
+        name: Browser(getattr(made, name), name, made.interface) for name in ("run_one", "run_many")
+    }
+
+
+@pytest.fixture(scope="module")
+def batch() -> Batch:
+    return trial_of(load_study(study_path()), "error").batch(np.arange(SETS))
+
+
+@pytest.fixture(scope="module")
+def sets(batch: Batch) -> np.ndarray:
+    return np.column_stack([batch.values[name] for name in PARAMETER_NAMES])
+
+
+def _one_at_a_time(engine: Browser, sets: np.ndarray) -> np.ndarray:
+    return np.vstack([engine.run(row[np.newaxis], rows=0)[0] for row in sets])
+
+
+@pytest.fixture(scope="module")
+def ran(engines: dict[str, Browser], sets: np.ndarray) -> dict[str, np.ndarray]:
+    """Results of both modules, shape (sets, fields)."""
+    return {
+        "scalar": _one_at_a_time(engines["run_one"], sets),
+        "batch": engines["run_many"].run(sets)[0],
+    }
+
+
+@pytest.mark.parametrize("engine", ["scalar", "batch"])
+def test_outcomes_and_times_are_those_of_python(
+    engine: Engine, batch: Batch, ran: dict[str, np.ndarray]
+) -> None:
+    """Python's processor may round a product and a sum once; only in sensitive sets it shows.
+
+    A periodic motion may be seen to settle later: see ``outcomes_differ``.
+    """
+    rows = batch.constants(SETTINGS.readings)
+    there = RunResult(*engine_for(SETTINGS, engine)(rows, np.full(SETS, SETTINGS.tolerance)).T)
+    here = RunResult(*ran[engine].T)
+    differ = outcomes_differ(here.outcome, there.outcome, alike=True)
+    times = np.where(np.isnan(here.tau_align + there.tau_align), 0.0,
+                     np.abs(here.tau_align - there.tau_align))  # fmt: skip
+    suspects = np.flatnonzero(differ | (times > SENSITIVE))
+    assert suspects.size <= 0.02 * SETS
+    if suspects.size:
+        assert align([batch[int(row)] for row in suspects], SETTINGS, engine=engine).sensitive.all()
+    assert np.median(times[there.outcome == Outcome.ALIGNED]) < 1e-12
+
+
+_REFERENCE = """
+import sys
+import numpy as np
+from model.physics.parameters import PARAMETER_NAMES, Batch
+from model.runs.engines import engine_for
+from model.runs.settings import Settings
+from model.runs.shown import COLUMNS
+name, sets, found = sys.argv[1], np.load(sys.argv[2]), sys.argv[3]
+rows = Batch(dict(zip(PARAMETER_NAMES, sets.T.copy()))).constants(Settings().readings)
+np.save(found, engine_for(Settings(), name)(rows, np.full(len(rows), Settings().tolerance)))
+"""
+
+
+@pytest.mark.skipif(
+    platform.machine() not in ("x86_64", "AMD64"),
+    reason="only x86 has a generic processor without fused multiply-add, as WebAssembly has none",
+)
+@pytest.mark.parametrize("engine", ["scalar", pytest.param("batch", marks=pytest.mark.nightly)])
+def test_every_field_is_equal_to_the_bit_without_fused_multiply_add(
+    engine: str, sets: np.ndarray, ran: dict[str, np.ndarray], tmp_path: Path
+) -> None:
+    given, found = tmp_path / "sets.npy", tmp_path / "found.npy"
+    np.save(given, sets)
+    command = [sys.executable, "-c", _REFERENCE, engine, str(given), str(found)]
+    subprocess.run(command, check=True, env=os.environ | {"NUMBA_CPU_NAME": "generic"})
+    np.testing.assert_array_equal(ran[engine], np.load(found))
+
+
+def test_track_is_that_of_python_with_mode_and_events(engines: dict[str, Browser]) -> None:
+    parameters = load_study(study_path()).parameters("fig05")
+    row = np.array([[np.nan if v is None else v for v in parameters.given().values()]])
+    results, track = engines["run_one"].run(row)
+    run = simulate_once(parameters, SETTINGS)
+    result = RunResult(*results[0])
+    shown = dict(zip(COLUMNS, track[: int(result.tracked)].T, strict=True))
+    # Samples are placed by the steps, whose lengths follow from errors near rounding.
+    for name, course in (("time", run.time), *run.course.items()):
+        np.testing.assert_allclose(shown[name], course, rtol=0.0, atol=1e-4)
+    assert result.tau_align == pytest.approx(run.tau_align, abs=1e-9)
+    events = shown["event"] != 0.0
+    assert events.sum() == result.events
+    np.testing.assert_array_equal(shown["time"][events], shown["time"][np.roll(events, -1)])
+    # The contact is lost at alignment, and the part falls.
+    assert shown["mode_dropped"][-1] == 1.0
+    dropped = int(np.argmax(shown["mode_dropped"]))
+    assert shown["time"][dropped] == result.tau_align
+    # The motion in each row is that of its mode: its load is the track's.
+    closed = shown["mode_face"] == CLOSED
+    loads = np.where(closed, shown["at_support_load"], 0.0)[~events]
+    np.testing.assert_allclose(np.maximum(loads, 0.0), shown["contact_force"][~events], atol=1e-9)
+
+
+def test_modules_ask_for_nothing_but_powers(engines: dict[str, Browser]) -> None:
+    assert engines["run_one"].functions | engines["run_many"].functions <= {"pow", "exp2", "memset"}
