@@ -42,7 +42,7 @@ def job(
     run=None,
     record=None,
     minutes=10,
-    mem_mb=1000,
+    mem_mb=2000,
     local=False,
     reported=None,
 ):
