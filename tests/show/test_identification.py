@@ -13,10 +13,12 @@ from model.show.identification import (
     readings_by_claims,
     structure_pairs,
 )
-from model.show.report.identification import content_of
-from model.study.config import Range
+from model.show.report.identification import content_of, exclusions
+from model.study.config import Aims, Range
 from model.study.identification.band_table import Band
 from model.study.identification.committed import (
+    BudgetFront,
+    FrontSet,
     IdentificationError,
     Identified,
     Split,
@@ -53,6 +55,16 @@ def found() -> Identified:
         splits=(Split(0, 1, 1, 1, 1, 1, 1), Split(1, 1, 1, 1, 0, 1, 0)),
         readings={"consistent": np.array([0.1, 0.2, -0.9]), "printed": np.array([-1, -0.1, 0.3])},
         made_with={"search": "0123", "claims": "4567"},
+        front=(
+            FrontSet(True, False, 52, "N1 M4", 0.2, 0.6, 0.25, 0.9),
+            FrontSet(False, False, 49, "N1 M4", 0.3, 0.7, 0.3, 0.8),
+            FrontSet(True, True, 51, "N1 M4", 0.1, 0.4, 0.2, 0.95),
+        ),
+        budget=(
+            BudgetFront(1000, 50, 0.3, 0.9, 0.3, 0.9),
+            BudgetFront(4000, 48, 0.1, 0.5, 0.2, 0.9),
+            BudgetFront(4000, 51, 0.2, 0.6, 0.2, 0.9),
+        ),
     )
 
 
@@ -67,6 +79,8 @@ def test_tables_are_read_as_they_were_written(tmp_path: Path, found: Identified)
     assert again.claims == found.claims
     assert again.splits == found.splits
     assert again.made_with == found.made_with
+    assert again.front == found.front
+    assert again.budget == found.budget
     np.testing.assert_array_equal(again.counted, found.counted)
     for name in ("margins", "ensemble_shares", "prior_shares"):
         np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
@@ -186,3 +200,16 @@ def test_the_section_says_which_claims_hang_on_which_correction(found: Identifie
     readings["normal_sign"] = readings["preload"]
     section = content_of(replace(found, readings=readings), CHOSEN, RANGES)
     assert (section["printed_only"], section["nowhere"]) == ("N1", "F6a")
+
+
+def test_claims_that_no_set_near_an_aim_shows_are_named() -> None:
+    aims = Aims(missing=1, beside=[], not_resting=0.1, not_resting_most=0.4, tilt=0.2, corners=0.9)
+    sets = (
+        FrontSet(True, False, 52, "N1 M4b", 0.5, 0.6, 0.3, 0.9),
+        FrontSet(True, False, 40, "N1 F8a F9a F9b", 0.1, 0.6, 0.3, 0.9),
+        FrontSet(True, False, 41, "N1 F8a F6a F6b", 0.14, 0.6, 0.3, 0.9),
+    )
+    assert exclusions(sets, aims) == [
+        ("rest unvibrated in nearly all figures (2 sets)", "F8a"),
+        ("show most claims (1 sets)", "M4b"),
+    ]

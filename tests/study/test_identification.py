@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.events.outcomes import Outcome
+from model.events.outcomes import Outcome, Unvibrated
 from model.physics.parameters import Parameters
 from model.study.claims import CLAIMS
+from model.study.claims.reading import Data
+from model.study.claims.regime import regime_of, summary_of
 from model.study.config import (
     CURVES,
     HISTORIES,
@@ -34,6 +36,8 @@ from model.study.identification.candidate import (
 )
 from model.study.identification.committed import IdentificationError, read_identified
 from model.study.identification.evaluate import datasets_of
+from model.study.identification.front import Wanted
+from model.study.identification.refine import refined, trials_of
 from model.study.identification.results import configured, made_with, search_of, split_of
 from model.study.identification.score import Judge, judge_of, reproduced_shares
 
@@ -219,6 +223,7 @@ def test_what_is_required_weighs_more_than_a_claim_and_in_no_half(judge: Judge) 
 
 def test_contenders_hold_what_is_required_and_differ_in_structure(judge: Judge) -> None:
     fifth = judge.ids.index("N1 (Fig. 5)")
+    assert judge.counted[:3].all()
     margins = np.full((4, len(judge.claims)), 0.1)
     margins[0, fifth] = -0.1  # reproduces all that counts, but lifts off
     margins[1, :2] = -0.1
@@ -261,17 +266,31 @@ def test_halves_share_no_claim_and_hold_all(judge: Judge) -> None:
     assert len({first.tobytes() for first, _ in splits}) == 5
 
 
-def test_what_is_admissible(judge: Judge) -> None:
-    margins = np.full((4, len(judge.claims)), 0.1)
-    margins[1, 0], margins[2, :2] = -0.1, -0.1
-    margins[3, judge.ids.index("N1 (Fig. 5)")] = -0.1
-    assert judge.admissible(margins, 0).tolist() == [True, False, False, False]
-    assert judge.admissible(margins, 1).tolist() == [True, True, False, False]
-    # What does not show what is required is not what the others are measured by.
-    assert judge.admissible(margins[1:], 0).tolist() == [True, False, False]
-    with pytest.raises(ValueError, match="no set shows what is required"):
-        judge.admissible(margins[3:], 4)
-    np.testing.assert_allclose(reproduced_shares(margins)[:3], [0.5, 0.75, 1.0])
+def test_a_claim_that_weighs_more_decides_between_sets(judge: Judge) -> None:
+    rest, other = judge.ids.index("M4b"), judge.ids.index("F6a")
+    margins = np.full((2, len(judge.claims)), judge.goal)
+    margins[0, rest], margins[1, [other, other + 1]] = -0.3, -0.3
+    assert judge.score(margins).argmax() == 0, "one claim less, not two"
+    heavy = judge.weighing(["M4b"], 8.0)
+    assert heavy.score(margins).argmax() == 1
+    np.testing.assert_array_equal(heavy.reproduced(margins), judge.reproduced(margins))
+    np.testing.assert_allclose(reproduced_shares(margins)[[rest, other]], [0.5, 0.5])
+
+
+def test_points_that_align_carry_their_unvibrated_twin(space: Space) -> None:
+    point = np.random.default_rng(12).random((3, len(space.names)))
+    for made in datasets_of(space, point, ("fig05", "fig06", "fig14", "rubbing")):
+        assert "unvibrated" not in made["rubbing"]
+        for name in ("fig05", "fig06", "fig14"):
+            dataset = made[name]
+            aligned = dataset["outcome"].values == Outcome.ALIGNED
+            ends = dataset["unvibrated"].values
+            np.testing.assert_array_equal(np.isfinite(ends), aligned)
+            tilts = dataset["unvibrated_tilt"].values
+            np.testing.assert_array_equal(np.isfinite(tilts), ends == Unvibrated.RESTS)
+        # The twin of a map over the frequency does not depend on it.
+        known = np.ma.masked_invalid(made["fig14"]["unvibrated"].values)
+        assert (known.max(axis=0) == known.min(axis=0)).all()
 
 
 def test_of_sets_that_show_as_much_the_one_contradicted_least_is_chosen(judge: Judge) -> None:
@@ -302,21 +321,58 @@ def test_a_search_repeats_itself_with_the_margins_of_its_points(space: Space, ju
     np.testing.assert_array_equal(samples.points[:, 0, structure], samples.points[:, 1, structure])
     evolution = Evolution(population=5, generations=1, trials=2, polished=1, passes=1, polish=3)
     whole = search.sample(Pool(structures=5, operating_points=2, chunks=1), 0)
-    points, margins = search.run(whole, [evolution, evolution], 0)
-    again, _ = search.run(whole, [evolution, evolution], 0)
-    np.testing.assert_array_equal(points, again)
-    assert len(points) == 22
-    (datasets,) = datasets_of(space, points[-1:], space.everything)
-    known_margins, against = judge.judged(datasets)
-    np.testing.assert_array_equal(known_margins, margins[-1])
-    first = search.first_population(whole, 5)
-    np.testing.assert_allclose(points[:5, structure], first[:, structure], atol=1e-15)
-    known = points[-1:]
-    from_known, more = search.run(whole, [evolution], 0, known)
-    np.testing.assert_allclose(from_known[0, structure], known[0, structure], atol=1e-15)
-    assert judge.score(more).max() >= judge.score(margins[-1])
-    failing = judge.counted & (known_margins <= 0.0)
-    assert 0 <= against <= failing.sum()
+    first = search.run(whole, evolution, 0, 0)
+    found = search.run(whole, evolution, 0, 1, first)
+    np.testing.assert_array_equal(found.points, search.run(whole, evolution, 0, 1, first).points)
+    np.testing.assert_array_equal(found.points[: len(first.points)], first.points)
+    assert 6 + 6 <= len(found.points) <= 22  # hopeless ones are not kept
+    begun = search.first_population(whole, 5)
+    np.testing.assert_allclose(found.points[:5, structure], begun[:, structure], atol=1e-15)
+    known = found.points[-1:]
+    from_known = search.run(whole, evolution, 0, 0, known=known)
+    np.testing.assert_allclose(from_known.points[0, structure], known[0, structure], atol=1e-15)
+    # The margins and the regime are those of the figures of the point; what is left to the finer
+    # grids has the worst margin.
+    (datasets,) = datasets_of(space, known, space.searched)
+    margins, _ = judge.judged(datasets)
+    np.testing.assert_array_equal(margins, found.margins[-1])
+    regimes = [regime_of(Data(datasets), name) for name in space.figures]
+    np.testing.assert_array_equal(summary_of(regimes), found.regimes[-1])
+    assert margins[judge.ids.index("M4")] == -1.0
+    again, against = search.judged(known)
+    assert again.margins[0, judge.ids.index("M1")] > 0.0
+    failing = judge.counted & (again.margins[0] <= 0.0)
+    assert 0 <= against[0] <= failing.sum()
+
+
+def test_a_structure_without_hope_is_not_judged_to_the_end(space: Space) -> None:
+    search = search_of(space)
+    trials = np.repeat(np.random.default_rng(13).random((1, len(space.names))), 2, axis=0)
+    others: list[float] = []
+    assert search.fit(trials, 1e3, others) is not None, "nothing is known of the other figures"
+    assert len(others) == 1
+    assert search.fit(trials, 1e3, others) is None
+    assert len(others) == 1
+
+
+def test_operating_points_chosen_by_the_aims_are_no_worse(study: Study, space: Space) -> None:
+    search, aims = search_of(space), study.identification.aims
+    wanted = Wanted(aims, space.everything)
+    points = np.random.default_rng(14).random((3, len(space.names)))
+    trials = trials_of(search, points[0], points, 5, 0)
+    np.testing.assert_array_equal(trials[0], points[0])
+    assert (trials[:, : search.size] == points[0, : search.size]).all()
+    np.testing.assert_array_equal(trials[2, search.size :], points[1, search.size :])
+    found = refined(search, trials, wanted)
+    own, _ = search.judged(points[:1])
+    before, after = (
+        wanted.worst(search.judge, each.margins, each.regimes)[0] for each in (own, found)
+    )
+    assert round(after, 2) <= round(before, 2)
+    # Margins and regime are those of the point that is returned.
+    again, _ = search.judged(found.points)
+    np.testing.assert_array_equal(again.margins, found.margins)
+    np.testing.assert_array_equal(again.regimes, found.regimes)
 
 
 def test_the_device_is_chosen_on_the_grids_of_the_figures(study: Study) -> None:
@@ -402,7 +458,9 @@ def test_the_committed_tables_name_the_search_and_the_claims_they_were_made_with
         found.points([*space.names, "fig15.friction"])
     other = space_of(study, finer=3)
     assert made_with(other, judge)["search"] != now["search"]
-    fewer = Judge(judge.claims[1:], judge.counted[1:], judge.goal, judge.required[1:])
+    fewer = Judge(
+        judge.claims[1:], judge.counted[1:], judge.goal, judge.required[1:], judge.weights[1:]
+    )
     assert made_with(space, fewer)["claims"] != now["claims"]
 
 

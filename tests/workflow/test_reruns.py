@@ -26,7 +26,7 @@ COMPUTED = {
     "chunk", "history", "merge", "other_start", "precision", "fixed_steps", *MAPPED, *OWN_RUNS,
     *ON_BASES, "hard_cases", *DRAWN, *BESIDE, *HARD, "explorer",
 }  # fmt: skip
-BANDED = {"identified_bands", "draw_bands"}  # of the sets that were identified
+BANDED = {"identified_bands", "draw_bands", "regimes"}  # of the sets that were identified
 TABLED = {"draw_identification", "draw_bands"}  # what is drawn of the committed tables
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED, *BANDED, *TABLED}
@@ -59,7 +59,8 @@ MUTATIONS = [
      {*MAPPED, "plot", "explorer", *LAST}),
     ("workflow/jobs/plot.py", "import ", "import math as _unused\nimport ",
      {"plot", *LAST}),
-    ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
+    ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7",
+     {"regimes", *JUDGED}),
     ("src/model/study/claims/runs.py", "_STATIC = 1.0", "_STATIC = 2.0",
      {*OWN_RUNS, *JUDGED, *BANDED}),
     ("src/model/show/report/claims.html.j2", "Thresholds", "on trial", LAST),

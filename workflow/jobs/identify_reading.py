@@ -14,7 +14,10 @@ def run(
 ) -> dict[str, Any]:
     """Search from the samples of the consistent reading."""
     search = search_of(space)
-    found = search.run(samples_of([read_dataset(path) for path in samples]), rounds, 0)
+    first = samples_of([read_dataset(path) for path in samples])
+    found = search.run(first, rounds[0], 0, 0)
+    for stage, evolution in enumerate(rounds[1:], start=1):
+        found = search.run(first, evolution, 0, stage, found)
     title = f"Candidates under the reading {reading}"
-    write_dataset(candidates_dataset(search, *found, title), data)
+    write_dataset(candidates_dataset(search, found, title), data)
     return {"sweep": space.identity}

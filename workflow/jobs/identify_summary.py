@@ -35,12 +35,12 @@ def run(
     under_readings = {path.stem: read_dataset(path) for path in readings}
     found = findings_of(study, pool, searches, halves, under_readings)
     title = "Admissible sets, on the finer grids"
-    sets = candidates_dataset(found.search, found.ensemble, found.ensemble_margins, title)
+    sets = candidates_dataset(found.search, found.ensemble, title)
     write_dataset(sets, ensemble)
     stated = configured(found.search.space, found.best)
     write_text(yaml.safe_dump(stated, sort_keys=False, allow_unicode=True), best)
     contents = tables_of(found.identified)
     for path in tables:
         write_text(contents[path.stem], path)
-    write_text(summary(found), text)
+    write_text(summary(found, study.identification.aims), text)
     return {"sweep": found.search.space.identity}

@@ -24,8 +24,9 @@ job(
         picture=lambda wildcards: wildcards.picture,
         structure=study.structure,
         law=study.identification.law,
+        aims=study.identification.aims,
     ),
-    wildcards=dict(picture="structure|claims|readings"),
+    wildcards=dict(picture="structure|claims|readings|front|budget"),
     message="identification: drawing {wildcards.picture}",
     reported=("Identification", "identification"),
     local=True,
@@ -51,6 +52,14 @@ job(
     local=True,
 )
 
+job(
+    "regimes",
+    dict(table=root / "data/regimes.csv"),
+    after_kernels,
+    dict(study=study),
+    message="identification: the regime of every figure, of the former device and of the study's",
+)
+
 # A reading is a preset, or the one reading that is corrected while all others stay as printed.
 READINGS = ["consistent", "printed", *READING_NAMES]
 law = study.identification
@@ -58,14 +67,26 @@ found = root / "identification"
 samples = dict(samples=expand(found / "samples/{chunk}.nc", chunk=range(law.pool.chunks)))
 
 
-def known_to(wildcards):
-    """Return the known sets for the last of the searches over all claims, none for the others.
+def start_of(wildcards):
+    """Return the search over all claims, None for one over a half of them.
 
-    Half of a first population of known sets would keep a search in their neighbourhood; and what was
-    found with all claims would tell of those held out.
+    Those begin from no known sets: what was found with all claims would tell of those held out.
     """
-    is_last = (wildcards.kind, int(wildcards.number)) == ("start", law.starts - 1)
-    return law.known if is_last else {}
+    return law.starts[int(wildcards.number)] if wildcards.kind == "start" else None
+
+
+def rounds_of(kind):
+    return law.rounds if kind == "start" else law.half
+
+
+def round_before(wildcards):
+    """Return the round that a round continues, none for the first."""
+    stage = int(wildcards.stage)
+    return [found / f"{wildcards.kind}{wildcards.number}/{stage - 1}.nc"] if stage else []
+
+
+def last_rounds(kind, count):
+    return expand(found / f"{kind}{{k}}/{len(rounds_of(kind)) - 1}.nc", k=range(count))
 
 
 job(
@@ -78,17 +99,21 @@ job(
 
 job(
     "identify_search",
-    dict(data=found / "{kind}{number}.nc"),
-    samples,
+    dict(data=found / "{kind}{number}/{stage}.nc"),
+    dict(**samples, before=round_before),
     dict(
         space=space_of(study),
-        rounds=lambda wildcards: law.rounds if wildcards.kind == "start" else law.half,
-        known=known_to,
+        evolution=lambda wildcards: rounds_of(wildcards.kind)[int(wildcards.stage)],
+        known=lambda wildcards: (
+            law.known if (start := start_of(wildcards)) and start.known else {}
+        ),
         kind=lambda wildcards: wildcards.kind,
         number=lambda wildcards: int(wildcards.number),
+        stage=lambda wildcards: int(wildcards.stage),
+        weight=lambda wildcards: start.weight if (start := start_of(wildcards)) else 1.0,
     ),
-    wildcards=dict(kind="start|half", number=r"\d+"),
-    message="identification: search {wildcards.kind} {wildcards.number}",
+    wildcards=dict(kind="start|half", number=r"\d+", stage=r"\d+"),
+    message="identification: search {wildcards.kind} {wildcards.number}, round {wildcards.stage}",
 )
 
 job(
@@ -114,8 +139,8 @@ job(
     ),
     dict(
         **samples,
-        starts=expand(found / "start{k}.nc", k=range(law.starts)),
-        half=expand(found / "half{k}.nc", k=range(law.splits)),
+        starts=last_rounds("start", len(law.starts)),
+        half=last_rounds("half", law.splits),
         readings=expand(found / "readings/{reading}.nc", reading=READINGS),
     ),
     dict(study=study),

@@ -15,6 +15,7 @@ page_data = [
     *contact_data,
     *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
     root / "claims.csv",
+    root / "data/regimes.csv",
 ]
 page_files = [*page_data, *(pictures(place) for place in page_pictures)]
 

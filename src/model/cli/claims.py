@@ -21,6 +21,13 @@ def add(commands: Any) -> None:
         epilog="exit code: 0 judged; 2 bad input",
     )
     add_root(parser, "results root")
+    parser.add_argument(
+        "--regime",
+        action="store_true",
+        help="print instead, by figure, the regime of the former device and of the study's: the "
+        "share of the aligned points that align, or do not rest, without vibration, the tilt at "
+        "alignment, corner conditions and lift-offs",
+    )
     add_json(parser)
 
 
@@ -31,6 +38,8 @@ def _claims(arguments: argparse.Namespace) -> int:
     from model.tracking.comparison import open_dataset  # noqa: PLC0415
 
     data: Path = arguments.root / "data"
+    if arguments.regime:
+        return _regime(data / "regimes.csv", arguments.json)
     found = [*sorted(data.glob("fig*.nc")), *sorted((data / "claims").glob("*.nc"))]
     if not found:
         raise ValueError(
@@ -54,4 +63,19 @@ def _claims(arguments: argparse.Namespace) -> int:
     ]
     print("\n".join(table(rows, ("claim", "verdict", "number", "must be", "margin", "statement"))))
     print(tally([line.verdict for line in lines]))
+    return 0
+
+
+def _regime(path: Path, as_json: bool) -> int:
+    from model.study.identification.regimes import read_regimes  # noqa: PLC0415
+
+    rows = [
+        {"device": row.device, "figure": row.figure}
+        | {name: round(value, 3) for name, value in row.regime._asdict().items()}
+        for row in read_regimes(path)
+    ]
+    if as_json:
+        print_json(rows)
+    else:
+        print("\n".join(table(rows, list(rows[0]))))
     return 0

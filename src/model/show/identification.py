@@ -156,9 +156,10 @@ def _draw_band(axes: Axes, bands: Sequence[Band], dataset: "xr.Dataset") -> None
         x, 0.0, 1.0, where=few, transform=axes.get_xaxis_transform(), color=style.GREY,
         alpha=_LIGHT, linewidth=0.0, step="mid",
     )  # fmt: skip
-    axes.set_yscale("log")
-    axes.yaxis.set_major_formatter(LogFormatter())
-    axes.yaxis.set_minor_formatter(LogFormatter())
+    if np.isfinite(band.middle).any() or np.isfinite(dataset["tau_align"].values[row]).any():
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(LogFormatter())
+        axes.yaxis.set_minor_formatter(LogFormatter())
     axes.set(xlim=(swept.values[0], swept.values[-1]), xlabel=axis_label(swept))
     title = figure_title(dataset.attrs["figure"])
     axes.set_title(f"{title}, {symbol_of(family)} = {band.at:g}", loc="left", pad=3.0)

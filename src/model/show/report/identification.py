@@ -1,16 +1,20 @@
 """The section on the identification: what the paper leaves unstated, and how unique it is."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from model.show.front import CAPTIONS as FRONT_CAPTIONS
 from model.show.identification import CAPTIONS, READING_LABELS, UNKNOWNS
-from model.show.report.section import Results, Section
-from model.study.config import Range
+from model.show.report.section import Results, Section, Table
+from model.show.words import figure_title
+from model.study.config import Aims, Range
 from model.study.identification.candidate import searched_of, space_of
-from model.study.identification.committed import PICTURES, Identified, read_identified
+from model.study.identification.committed import PICTURES, FrontSet, Identified, read_identified
+from model.study.identification.regimes import Row, read_regimes
 from model.study.identification.results import made_with
 from model.study.identification.score import judge_of
 
@@ -23,20 +27,39 @@ def section(results: Results) -> Section | None:
         return None
     study = results.study
     found, space = read_identified(results.tables[0].parent), space_of(study)
-    now = made_with(space, judge_of(space))
+    now, aims = made_with(space, judge_of(space)), study.identification.aims
     content = {
         **content_of(found, searched_of(study.structure), study.identification.law.structure),
         "changed": [WORDS_OF_PARTS[part] for part in now if found.made_with.get(part) != now[part]],
-        "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
+        "pictures": {
+            name: results.picture(place, {**CAPTIONS, **FRONT_CAPTIONS}[name])
+            for name, place in PICTURES.items()
+        },
+        "regimes": regime_table(read_regimes(results.file("data/regimes.csv"))),
+        "aims": aims,
+        "missing": len(found.front[-1].lacking - set(aims.beside)),
+        "exclusions": exclusions(found.front, aims),
     }
     template = Path(__file__).with_suffix(".html.j2")
     lead = (
         "The paper does not state the size of the part, the suspension but for its scaling, nor "
         f"most operating points. The best set found reproduces {content['reproduced']} of the "
         f"{content['counted']} claims that counted in the search; {content['sets']} sets with a "
-        "structure each were admissible, so the device is one of many."
+        "structure each are admissible, so it is one of many."
     )
     return Section("identification", "What the paper leaves unstated", template, content, lead)
+
+
+def regime_table(rows: Sequence[Row]) -> Table:
+    """Return the regimes by figure, one device beside the other."""
+    devices = list(dict.fromkeys(row.device for row in rows))
+    names = ("static", "not at rest", "median tilt", "largest", "corners", "lift-offs")
+    by_figure: dict[str, list[str]] = {}
+    for row in rows:
+        cells = by_figure.setdefault(row.figure, [figure_title(row.figure)])
+        cells += ["–" if math.isnan(each) else f"{each:.2f}" for each in row.regime]
+    columns = ["", *(f">{name}, {device}" for device in devices for name in names)]
+    return Table(columns, list(by_figure.values()))
 
 
 def content_of(
@@ -54,7 +77,10 @@ def content_of(
         low, median, high = np.quantile(found.ensemble[name], (0.05, 0.5, 0.95)).tolist()
         width = float(np.log(high / low) / (0.9 * np.log(law.high / law.low)))
         unknowns.append((*UNKNOWNS[name], chosen[name], low, median, high, width))
+    chosen_set = found.front[-1]
     return {
+        "chosen": chosen_set,
+        "candidates": max(each.candidates for each in found.budget),
         "sets": len(next(iter(found.ensemble.values()))),
         "reproduced": int((found.counted & (found.margins > 0.0)).sum()),
         "counted": int(found.counted.sum()),
@@ -65,6 +91,26 @@ def content_of(
         "prior_rate": float(np.nanmean(found.prior_shares[found.counted])),
         **_of_readings(found),
     }
+
+
+def exclusions(sets: Sequence[FrontSet], aims: Aims) -> list[tuple[str, str]]:
+    """Return which claims no set near an aim shows, though another set does.
+
+    Near is up to half as much again as the aim on the rest, and two claims fewer than the aim.
+    """
+    groups = {
+        "rest unvibrated in nearly all figures": lambda s: s.not_resting <= 1.5 * aims.not_resting,
+        "tilt slightly in every figure": lambda s: s.tilt <= aims.tilt,
+        "show most claims": lambda s: len(s.lacking - set(aims.beside)) <= aims.missing + 2,
+    }
+    everywhere = frozenset.intersection(*(each.lacking for each in sets))
+    found = []
+    for words, near in groups.items():
+        chosen = [each.lacking for each in sets if near(each)]
+        if chosen:
+            never = frozenset.intersection(*chosen) - everywhere
+            found.append((f"{words} ({len(chosen)} sets)", ", ".join(sorted(never)) or "none"))
+    return found
 
 
 def _of_readings(found: Identified) -> dict[str, Any]:

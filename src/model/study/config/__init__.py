@@ -21,7 +21,13 @@ from model.study.config.figures import (
     History,
     Map,
 )
-from model.study.config.identification import Evolution, Pool, SearchLaw
+from model.study.config.identification import (
+    Aims,
+    Evolution,
+    Identification,
+    Pool,
+    SearchLaw,
+)
 from model.study.config.load import (
     baseline,
     check_study,
@@ -35,8 +41,8 @@ from model.study.config.study import RunSettings, Study
 
 __all__ = [
     "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "LARGEST_MISALIGNMENT", "MAPS",
-    "SCHEMATICS", "Axis", "ClaimRun", "ConfigError", "Curves", "Ensemble", "Evolution", "Family",
-    "HardCase", "HardCases", "History", "Ladder", "Map", "Pool", "Range", "RunSettings",
-    "SearchLaw", "Span", "Study", "baseline", "check_plane", "check_study", "load_study",
-    "read_study", "study_files", "study_path",
+    "SCHEMATICS", "Aims", "Axis", "ClaimRun", "ConfigError", "Curves", "Ensemble", "Evolution",
+    "Family", "HardCase", "HardCases", "History", "Identification", "Ladder", "Map", "Pool",
+    "Range", "RunSettings", "SearchLaw", "Span", "Study", "baseline", "check_plane",
+    "check_study", "load_study", "read_study", "study_files", "study_path",
 ]  # fmt: skip

@@ -48,6 +48,12 @@ class Evolution(Strict):
     polish: int = Field(ge=2)
     """Operating points of each figure tried in each pass."""
 
+    @property
+    def candidates(self) -> int:
+        """Number of sets that the round judges."""
+        evolved = self.population * (self.generations + 1) * self.trials
+        return evolved + self.polished * self.passes * self.polish
+
 
 Counts = dict[str, Annotated[int, Field(ge=4)]]
 Ranges = Annotated[dict[str, Range], Field(min_length=1)]
@@ -66,6 +72,8 @@ class SearchLaw(Strict):
     """Values along each axis of each figure with a grid; other such figures are not computed."""
     run_counts: dict[str, Annotated[int, Field(ge=2)]]
     """Values along the swept axis of each run of the claims that is computed."""
+    finer_only: list[str]
+    """Runs of the claims that are judged on the finer grids only, to make a search cheaper."""
     structure: Ranges
     """Ranges of the parameters that all figures share."""
     stated: dict[str, ParameterValues]
@@ -76,6 +84,8 @@ class SearchLaw(Strict):
     """Claims that do not count in the score, each with the reason."""
     required: dict[str, list[str]]
     """Claims that a figure must reproduce, by figure."""
+    regime: list[str]
+    """Claims on the regime, which each search weighs differently."""
     goal: float = Field(gt=0.0, lt=1.0)
     """Margin above which a larger margin adds little to the score."""
 
@@ -94,6 +104,32 @@ class SearchLaw(Strict):
         return self
 
 
+class Start(Strict):
+    """A search over all claims."""
+
+    weight: float = Field(gt=0.0)
+    """Weight of each claim on the regime in its score, in claims."""
+    known: bool
+    """Begin from the known sets as well as from the first samples."""
+
+
+class Aims(Strict):
+    """Aims on claims and regime of a set; see identification/front.py."""
+
+    missing: int = Field(ge=1)
+    """Most claims that are not shown, without those ``beside``."""
+    beside: list[str]
+    """Claims that ask what the other aims ask."""
+    not_resting: float = Field(gt=0.0, le=1.0)
+    """Most of the share of aligned points that do not rest unvibrated, mean over the figures."""
+    not_resting_most: float = Field(gt=0.0, le=1.0)
+    """The same of the worst figure."""
+    tilt: float = Field(gt=0.0)
+    """Most of the median tilt at alignment of the worst figure, in radians."""
+    corners: float = Field(ge=0.0, lt=1.0)
+    """Least share of aligned points that meet the corner conditions, of the worst figure."""
+
+
 class Identification(Strict):
     """Identification of unstated parameters: searches, their effort, and the admissible sets."""
 
@@ -102,13 +138,19 @@ class Identification(Strict):
     pool: Pool
     """First samples, under the study's variant of the equations."""
     rounds: Annotated[list[Evolution], Field(min_length=1)]
-    """Rounds of each search over all claims."""
-    starts: int = Field(ge=1)
-    """Number of searches over all claims, each with its own random draws."""
+    """Rounds of each search over all claims; each is a job and continues the one before."""
+    starts: Annotated[list[Start], Field(min_length=1)]
+    """Searches over all claims, each with its own random draws."""
     known: dict[str, dict[str, float]]
-    """Sets found before, from which the last of these searches starts too, by name."""
+    """Sets found before, by name."""
+    former: dict[str, dict[str, float]]
+    """Former devices of the study, with which its device is compared, by name."""
     finer: int = Field(ge=1)
     """Number of best sets judged again with three times the values along each axis."""
+    refined: int = Field(ge=0)
+    """Number of best of these whose operating points are chosen anew by the aims."""
+    refine: int = Field(ge=2)
+    """Operating points of each figure tried for that."""
     final: int = Field(ge=1)
     """Number of best of these that are judged on the study's own grids."""
     finer_each: int = Field(ge=1)
@@ -117,8 +159,10 @@ class Identification(Strict):
     """Rounds of each search over half of the claims."""
     splits: int = Field(ge=1)
     """Number of random halvings of the claims."""
-    admissible: int = Field(ge=0)
-    """Claims fewer than the best set's that an admissible set may reproduce."""
+    aims: Aims
+    """Aims by which the device is chosen."""
+    admissible: float = Field(ge=1.0)
+    """Worst ratio to the aims of an admissible set, over the best set's."""
     reading_counts: Counts
     """As ``law.counts``, in the searches under each variant of the equations."""
     reading_rounds: Annotated[list[Evolution], Field(min_length=1)]

@@ -87,6 +87,11 @@ class Space(Plan):
         return tuple(name for names in self.parts.values() for name in names)
 
     @cached_property
+    def searched(self) -> tuple[str, ...]:
+        """Those that a search computes; the others are judged on the finer grids only."""
+        return tuple(name for name in self.everything if name not in self.law.finer_only)
+
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the coordinates: "inertia_ratio", …, "fig06.friction", …."""
         of_figures = [

@@ -15,9 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-TABLES = ("ensemble", "claims", "splits", "readings", "made_with")
+TABLES = ("ensemble", "claims", "splits", "readings", "made_with", "front", "budget")
 # Its pictures, and where each belongs in the results root, without extension.
 PICTURES: Mapping[str, str] = {
+    "front": "figures/identified_front",
+    "budget": "figures/identified_budget",
     "structure": "figures/identified_structure",
     "claims": "figures/identified_claims",
     "bands": "figures/identified_bands",
@@ -56,6 +58,40 @@ class Split(NamedTuple):
         return self.possible_reproduced / max(self.possible, 1)
 
 
+class FrontSet(NamedTuple):
+    """A set judged on the finer grids, or the chosen one; numbers as in ``claims.regime.Summary``.
+
+    ``claims`` are those shown without the ones that ask what the aims ask; ``best`` is true if no
+    other set is better in claims, in the share not resting, and in tilt; ``lacks`` names the claims
+    that count and that it does not reproduce.
+    """
+
+    best: bool
+    chosen: bool
+    claims: int
+    lacks: str
+    not_resting: float
+    not_resting_most: float
+    tilt: float
+    corners: float
+
+    @property
+    def lacking(self) -> frozenset[str]:
+        """Names of the claims that it does not reproduce."""
+        return frozenset(self.lacks.split())
+
+
+class BudgetFront(NamedTuple):
+    """A set on the front that the first ``candidates`` found, on the coarse grids."""
+
+    candidates: int
+    claims: int
+    not_resting: float
+    not_resting_most: float
+    tilt: float
+    corners: float
+
+
 @dataclass(frozen=True)
 class Identified:
     """The result of an identification.
@@ -70,6 +106,8 @@ class Identified:
         splits: identified on one half of the claims, judged on the other.
         readings: margins of the best set under each reading, each of shape (claims,).
         made_with: hashes of the "search" and of the "claims".
+        front: the sets judged on the finer grids, and last the chosen one on the study's own.
+        budget: fronts of parts of the budget, by rising number of candidates.
     """
 
     ensemble: Mapping[str, Array]
@@ -81,6 +119,8 @@ class Identified:
     splits: tuple[Split, ...]
     readings: Mapping[str, Array]
     made_with: Mapping[str, str]
+    front: tuple[FrontSet, ...]
+    budget: tuple[BudgetFront, ...]
 
     def points(self, names: Sequence[str]) -> Array:
         """Return the values of the admissible sets, shape (sets, names).
@@ -118,6 +158,8 @@ def tables_of(found: Identified) -> dict[str, str]:
             [(name, *margins.tolist()) for name, margins in found.readings.items()],
         ),
         "made_with": _text(("part", "hash"), found.made_with.items()),
+        "front": _text(FrontSet._fields, found.front),
+        "budget": _text(BudgetFront._fields, found.budget),
     }
 
 
@@ -152,6 +194,16 @@ def read_identified(folder: Path) -> Identified:
             splits=tuple(Split(*(int(cell) for cell in row)) for row in read["splits"][1:]),
             readings=_by_claim(read["readings"], tuple(claims)),
             made_with=dict(read["made_with"][1:]),
+            front=tuple(
+                FrontSet(
+                    row[0] == "True", row[1] == "True", int(row[2]), row[3], *map(float, row[4:])
+                )
+                for row in read["front"][1:]
+            ),
+            budget=tuple(
+                BudgetFront(int(row[0]), int(row[1]), *map(float, row[2:]))
+                for row in read["budget"][1:]
+            ),
         )
     except (ValueError, TypeError, IndexError) as error:
         raise IdentificationError(

@@ -12,14 +12,18 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from model.engines.results import RESULTS, RunResult
+from model.events.outcomes import Outcome
+from model.physics.parameters import FIELDS, Batch
 from model.physics.readings import Readings
 from model.runs.engines import batch_engine, scalar_engine
 from model.runs.simulate import simulate_once
+from model.runs.twin import unvibrated
 from model.study.claims.runs import COURSED, course_variables
 from model.study.identification.candidate import Space
 from model.study.sweeps import Sweep
 
 Array = NDArray[np.float64]
+_NAMES = tuple(FIELDS)
 _STORED = [name for name, each in RESULTS.items() if each.stored and not each.estimated]
 
 
@@ -35,13 +39,49 @@ def datasets_of(space: Space, points: Array, names: Sequence[str]) -> list[dict[
     batched = _grids(
         space, [sweep for each in sweeps for sweep in each.values() if _is_grid(sweep)]
     )
-    return [
+    found = [
         {
             name: next(batched) if _is_grid(sweep) else _with_courses(sweep)
             for name, sweep in each.items()
         }
         for each in sweeps
     ]
+    _add_twins(
+        space,
+        [
+            (sweep, name, datasets)
+            for each, datasets in zip(sweeps, found, strict=True)
+            for name, sweep in each.items()
+            if name in space.figures
+        ],
+    )
+    return found
+
+
+def _add_twins(space: Space, made: Sequence[tuple[Sweep, str, dict[str, xr.Dataset]]]) -> None:
+    """Add the unvibrated twins of figures' points that align; others count as not run."""
+    aligned = [
+        np.ravel(found[name]["outcome"].values) == Outcome.ALIGNED for _, name, found in made
+    ]
+    batches = [
+        sweep.batch(np.flatnonzero(flags)) if sweep.dimensions else Batch.stack([sweep.baseline])
+        for (sweep, _, _), flags in zip(made, aligned, strict=True)
+        if flags.any()
+    ]
+    twins = np.empty((2, 0))
+    if batches:
+        values = {name: np.concatenate([each.values[name] for each in batches]) for name in _NAMES}
+        twins = np.array(unvibrated(Batch(values), space.at_rest.settings), dtype=np.float64)
+    ends = np.cumsum([int(flags.sum()) for flags in aligned])[:-1]
+    parts = np.split(twins, ends, axis=1)
+    for (_, name, found), flags, part in zip(made, aligned, parts, strict=True):
+        like = found[name]["outcome"]
+        both = np.full((2, flags.size), math.nan)
+        both[:, flags] = part
+        found[name] = found[name].assign(
+            unvibrated=(like.dims, both[0].reshape(like.shape)),
+            unvibrated_tilt=(like.dims, both[1].reshape(like.shape)),
+        )
 
 
 def _is_grid(sweep: Sweep) -> bool:

@@ -3,13 +3,14 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.study.config import Study
+from model.study.claims.regime import Summary
+from model.study.config import Aims, Identification, Study
 from model.study.identification.candidate import (
     Space,
     inertias,
@@ -17,14 +18,18 @@ from model.study.identification.candidate import (
     space_of_figures,
     space_of_reading,
 )
-from model.study.identification.committed import Identified, Split
+from model.study.identification.committed import BudgetFront, FrontSet, Identified, Split
+from model.study.identification.front import Wanted, on_front, promising
+from model.study.identification.refine import refined, trials_of
 from model.study.identification.score import Judge, judge_of, reproduced_shares
-from model.study.identification.search import Samples, Search
+from model.study.identification.search import Found, Samples, Search, joined
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 DIGITS = 4  # of an identified value; the ensemble spreads far wider
+BUDGET_SHARES = (0.25, 0.5, 1.0)  # of the budget, whose fronts are compared
+SAFE = 0.03  # margin of a claim that other grids hardly turn
 FINER = 3  # factor on the number of values along each axis where the best are judged again
 
 
@@ -69,27 +74,33 @@ def samples_of(chunks: Sequence[xr.Dataset]) -> Samples:
     return Samples(points, np.concatenate([chunk["margin"].values for chunk in chunks]))
 
 
-def candidates_dataset(search: Search, points: Array, margins: Array, title: str) -> xr.Dataset:
-    """Return candidates with their values and the margin of each claim.
+def candidates_dataset(search: Search, found: Found, title: str) -> xr.Dataset:
+    """Return candidates with their values, the margin of each claim, and their regime.
 
     Args:
         search: by which they were found; its judge's ``counted`` claims made the score.
-        points: shape (m, unknowns).
-        margins: shape (m, claims).
+        found: the candidates.
         title: of the dataset.
     """
     space, judge = search.space, search.judge
     return xr.Dataset(
         {
-            "value": (("candidate", "unknown"), space.values(points)),
-            "margin": (("candidate", "claim"), margins),
-            "score": ("candidate", judge.score(margins)),
-            "reproduced": ("candidate", judge.reproduced(margins)),
+            "value": (("candidate", "unknown"), space.values(found.points)),
+            "margin": (("candidate", "claim"), found.margins),
+            "regime": (("candidate", "number"), found.regimes),
+            "score": ("candidate", judge.score(found.margins)),
+            "reproduced": ("candidate", judge.reproduced(found.margins)),
             "counted": ("claim", judge.counted.astype(np.int8)),
         },
-        {"unknown": list(space.names), "claim": list(judge.ids)},
+        {"unknown": list(space.names), "claim": list(judge.ids), "number": list(Summary._fields)},
         _attributes(space, "candidates", title),
     )
+
+
+def found_in(space: Space, dataset: xr.Dataset) -> Found:
+    """Return the candidates of a dataset."""
+    value, margin, regime = (dataset[name].values for name in ("value", "margin", "regime"))
+    return Found(space.point(value), margin, regime)
 
 
 def rounded(value: float) -> float:
@@ -123,20 +134,16 @@ class Findings:
 
     Attributes:
         search: the one over all claims.
-        tried: number of candidates of the searches over all and over half of the claims.
-        judged: number of them judged on the finer grids.
-        best: point of the best of them on the study's own grids.
-        ensemble: points of the admissible ones, shape (m, unknowns).
-        ensemble_margins: their margins on the finer grids, shape (m, claims).
+        judged: sets judged on the finer grids.
+        best: point of the device, on the study's own grids.
+        ensemble: the admissible ones of those judged, on the finer grids.
         identified: the same and more as committed.
     """
 
     search: Search
-    tried: int
-    judged: int
+    judged: Found
     best: Array
-    ensemble: Array
-    ensemble_margins: Array
+    ensemble: Found
     identified: Identified
 
 
@@ -157,23 +164,44 @@ def findings_of(
         readings: candidates under each reading.
     """
     law = study.identification
-    search, finer = search_of(space_of(study)), search_of(space_of(study, FINER))
-    space, judge = search.space, search.judge
+    space, aims = space_of(study), law.aims
+    search, finer = search_of(space), search_of(space_of(study, FINER))
+    searches = [found_in(space, each) for each in starts]
     # A set is admissible by what it shows, whichever claims it was searched by.
-    tried = xr.concat([each[["value", "margin"]] for each in (*starts, *halves)], "candidate")
-    rows, margins, _ = _judged_finer(finer, tried, law.finer)
-    values = tried["value"].values[rows]
-    last = space.point(values[judge.order(margins)[: law.final]])
-    shown, against = search_of(space_of_figures(study)).judged(last)
-    best = judge.order(shown, against)[0]
-    kept = judge.admissible(margins, law.admissible)
-    values, ensemble = values[kept], space.point(values[kept])
-    ensemble_shares = reproduced_shares(margins[kept])
+    tried = joined([*searches, *(found_in(space, each) for each in halves)])
+    judge, whole = search.judge, Wanted(aims, space.everything)
+    rows = _contenders(search, tried, law)
+    judged, _ = finer.judged(tried.points[rows])
+    order = promising(whole.ratios(judge, judged.margins, judged.regimes))
+    order = order[judge.holds(judged.margins)[order]]
+    safely = replace(whole, safe=SAFE)
+    judged = joined(
+        [
+            judged,
+            *(
+                refined(
+                    finer,
+                    trials_of(finer, judged.points[row], judged.points[order], law.refine, number),
+                    safely,
+                )
+                for number, row in enumerate(order[: law.refined])
+            ),
+        ]
+    )
+    ratios = whole.worst(judge, judged.margins, judged.regimes)
+    order = np.argsort(ratios, kind="stable")
+    last, _ = search_of(space_of_figures(study)).judged(judged.points[order[: law.final]])
+    best = int(np.argmin(whole.worst(judge, last.margins, last.regimes)))
+    kept = ratios <= law.admissible * ratios[order[0]]
+    shown = shown_of(search.judge, judged.margins, aims)
+    shown_last = shown_of(search.judge, last.margins, aims)
+    values = space.values(judged.points[kept])
+    ensemble_shares = reproduced_shares(judged.margins[kept])
     identified = Identified(
         ensemble=dict(zip(space.names, values.T, strict=True)),
-        claims=judge.ids,
-        counted=judge.counted,
-        margins=shown[best],
+        claims=search.judge.ids,
+        counted=search.judge.counted,
+        margins=last.margins[best],
         ensemble_shares=ensemble_shares,
         prior_shares=reproduced_shares(samples_of(samples).margins),
         splits=tuple(
@@ -186,29 +214,86 @@ def findings_of(
             )
             for name, found in readings.items()
         },
-        made_with=made_with(space, judge),
+        made_with=made_with(space, search.judge),
+        front=(
+            *_front_sets(search.judge, judged, shown, on_front(shown, judged.regimes)),
+            *_front_sets(
+                search.judge,
+                Found(*(each[best : best + 1] for each in last)),
+                shown_last[best : best + 1],
+                np.array([True]),
+                chosen=True,
+            ),
+        ),
+        budget=budget_of(search, searches, study),
     )
     return Findings(
         search=search,
-        tried=tried.sizes["candidate"],
-        judged=len(rows),
-        best=last[best],
-        ensemble=ensemble,
-        ensemble_margins=margins[kept],
+        judged=judged,
+        best=last.points[best],
+        ensemble=Found(*(each[kept] for each in judged)),
         identified=identified,
     )
 
 
-def _judged_finer(finer: Search, found: xr.Dataset, count: int) -> tuple[Rows, Array, list[int]]:
-    """Rows, margins and numbers of contradicted claims of a search's ``count`` best."""
-    points = finer.space.point(found["value"].values)
-    rows = finer.judge.contenders(points[:, : finer.size], found["margin"].values, count)
-    return rows, *finer.judged(points[rows])
+def _front_sets(
+    judge: Judge, found: Found, shown: Rows, best: Flags, chosen: bool = False
+) -> list[FrontSet]:
+    return [
+        FrontSet(bool(beats), chosen, int(claims), " ".join(judge.lacking(margins)), *regime)
+        for beats, claims, regime, margins in zip(
+            best, shown, found.regimes.tolist(), found.margins, strict=True
+        )
+    ]
+
+
+def shown_of(judge: Judge, margins: Array, aims: Aims) -> Rows:
+    """Return how many claims sets show, without those that ask what the aims ask."""
+    counted = judge.counted & ~np.isin(np.array(judge.ids), aims.beside)
+    return np.asarray((margins[..., counted] > 0.0).sum(axis=-1))
+
+
+def _contenders(search: Search, found: Found, law: Identification) -> Rows:
+    """Rows of the best: half by the ratio to the aims, half by the scores of the searches."""
+    structures = found.points[:, : search.size]
+    wanted = Wanted(law.aims, search.space.searched)
+    order = np.argsort(wanted.worst(search.judge, found.margins, found.regimes), kind="stable")
+    _, first = np.unique(structures[order], axis=0, return_index=True)
+    rows = [order[np.sort(first)[: law.finer // 2]]]
+    weights = sorted({start.weight for start in law.starts})
+    rows += [
+        search.weighing(weight).judge.contenders(
+            structures, found.margins, law.finer // (2 * len(weights))
+        )
+        for weight in weights
+    ]
+    return np.unique(np.concatenate(rows))
+
+
+def budget_of(search: Search, searches: Sequence[Found], study: Study) -> tuple[BudgetFront, ...]:
+    """Return the fronts that parts of the budget find, on the coarse grids.
+
+    A part of the budget is the same share of every search, as all of them are in order.
+    """
+    law, found = study.identification, []
+    for share in BUDGET_SHARES:
+        both = joined([Found(*(a[: round(share * len(a))] for a in each)) for each in searches])
+        holds = search.judge.holds(both.margins)
+        shown = shown_of(search.judge, both.margins, law.aims)[holds]
+        regimes = both.regimes[holds]
+        rows = np.flatnonzero(on_front(shown, regimes))
+        tried = law.pool.structures * law.pool.operating_points + round(
+            share * len(searches) * sum(each.candidates for each in law.rounds)
+        )
+        found += [BudgetFront(tried, int(shown[row]), *regimes[row].tolist()) for row in rows]
+    return tuple(found)
 
 
 def _best_margins(finer: Search, found: xr.Dataset, count: int) -> Array:
-    _, margins, against = _judged_finer(finer, found, count)
-    return np.asarray(margins[finer.judge.order(margins, against)[0]])
+    candidates = found_in(finer.space, found)
+    rows = finer.judge.contenders(candidates.points[:, : finer.size], candidates.margins, count)
+    judged, against = finer.judged(candidates.points[rows])
+    return np.asarray(judged.margins[finer.judge.order(judged.margins, against)[0]])
 
 
 def _split(finer: Search, number: int, half: xr.Dataset, count: int, possible: Flags) -> Split:
@@ -232,19 +317,26 @@ def split_of(number: int, halves: tuple[Flags, Flags], margins: Array, possible:
     return Split(number, *(int(each.sum()) for each in (*asked, *shown)))
 
 
-def summary(findings: Findings) -> str:
+def summary(findings: Findings, aims: Aims) -> str:
     """Return the result in a few lines; the tables and the report say more."""
     judge, found = findings.search.judge, findings.identified
     counted = int(judge.counted.sum())
+    chosen = found.front[-1]
+    missing = len(chosen.lacking - set(aims.beside))
 
     def lacking(margins: Array) -> str:
-        return ", ".join(np.array(judge.ids)[judge.counted & (margins <= 0.0)]) or "none"
+        return ", ".join(judge.lacking(margins)) or "none"
 
-    shown = f"{judge.reproduced(found.margins)} of {counted} claims"
     lines = [
-        f"the best of {findings.tried} candidates reproduces {shown}, own grids",
+        f"the device, of {found.budget[-1].candidates} candidates, own grids:",
+        f"claims without {', '.join(aims.beside)}: {chosen.claims}",
+        f"of these not: {missing} ({aims.missing})",
+        f"not resting unvibrated, in the mean: {chosen.not_resting:.3f} ({aims.not_resting})",
+        f"in the worst figure: {chosen.not_resting_most:.2f} ({aims.not_resting_most})",
+        f"median tilt at alignment in the worst figure: {chosen.tilt:.3f} ({aims.tilt})",
+        f"corner conditions in the worst figure: {chosen.corners:.3f} ({aims.corners})",
         f"not reproduced: {lacking(found.margins)}",
-        f"{len(findings.ensemble)} admissible sets of {findings.judged} judged on the finer grids",
+        f"{len(findings.ensemble.points)} of {len(findings.judged.points)} sets are admissible",
         "",
         "identified on half of the claims, judged on the other half",
     ]

@@ -6,7 +6,7 @@ them. The search compares candidates by ``Judge.score`` alone, and what it finds
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,12 +34,14 @@ class Judge:
         counted: which of them count, shape (claims,).
         goal: margin from which more of it is worth little.
         required: which must hold, as claims of their own that do not count, shape (claims,).
+        weights: of the claims in a score, shape (claims,).
     """
 
     claims: tuple[Claim, ...]
     counted: Flags
     goal: float
     required: Flags
+    weights: Array
 
     @property
     def ids(self) -> tuple[str, ...]:
@@ -49,7 +51,12 @@ class Judge:
     def counting(self, counted: Flags) -> "Judge":
         """The same with only some of the claims that count, and none required."""
         none = np.zeros_like(self.required)
-        return Judge(self.claims, self.counted & counted, self.goal, none)
+        return replace(self, counted=self.counted & counted, required=none)
+
+    def weighing(self, names: Collection[str], weight: float) -> "Judge":
+        """The same with another weight of the claims of these names."""
+        chosen = np.isin(np.array(self.ids), list(names))
+        return replace(self, weights=np.where(chosen, weight, self.weights))
 
     def halves(self, seed: int, split: int) -> tuple[Flags, Flags]:
         """Split the claims that count into two halves, drawn; each of shape (claims,).
@@ -88,7 +95,7 @@ class Judge:
         short = np.minimum(margins, self.goal) / self.goal
         worth = np.where(margins < 0.0, 2.0 * margins, short)
         worth = worth + 0.1 * np.maximum(margins - self.goal, 0.0)
-        return np.asarray(worth * (self.counted + _REQUIRED * self.required))
+        return np.asarray(worth * self.weights * (self.counted + _REQUIRED * self.required))
 
     def score(self, margins: Array) -> Array:
         """Return the sum of what the claims are worth; the greater the better."""
@@ -97,6 +104,10 @@ class Judge:
     def reproduced(self, margins: Array) -> Rows:
         """Return how many of the claims that count are reproduced."""
         return np.asarray((margins[..., self.counted] > 0.0).sum(axis=-1))
+
+    def lacking(self, margins: Array) -> list[str]:
+        """Return the claims that count and are not reproduced; margins of shape (claims,)."""
+        return np.array(self.ids)[self.counted & ~(margins > 0.0)].tolist()
 
     def holds(self, margins: Array) -> Flags:
         """Return whether all that is required holds."""
@@ -116,28 +127,17 @@ class Judge:
         return np.asarray(np.lexsort(keys))
 
     def contenders(self, structures: Array, margins: Array, count: int) -> Rows:
-        """Return the rows of the ``count`` best, of those with the same structure the best only.
+        """Return the rows of the ``count`` greatest scores, those that show what is required first.
 
-        ``structures`` has shape (m, 7).
+        Of rows with the same structure the best only; ``structures`` has shape (m, 7).
         """
-        order = self.order(margins)
+        order = np.lexsort([-self.score(margins), ~self.holds(margins)])
         _, first = np.unique(structures[order], axis=0, return_index=True)
         return np.asarray(order[np.sort(first)[:count]])
 
     def highest(self, margins: Array, count: int) -> Rows:
         """Return the rows of the ``count`` greatest scores, the greatest first."""
         return np.argsort(-self.score(margins), kind="stable")[:count]
-
-    def admissible(self, margins: Array, fewer: int) -> Flags:
-        """Return which show what is required and at most ``fewer`` claims less than the best.
-
-        Raises:
-            ValueError: none shows what is required.
-        """
-        holds, reproduced = self.holds(margins), self.reproduced(margins)
-        if not holds.any():
-            raise ValueError("no set shows what is required: search further")
-        return np.asarray(holds & (reproduced >= reproduced[holds].max() - fewer))
 
 
 def judge_of(space: Space) -> Judge:
@@ -159,6 +159,7 @@ def judge_of(space: Space) -> Judge:
         counted=np.array(counted + [False] * len(required)),
         goal=space.law.goal,
         required=np.array([False] * len(claims) + [True] * len(required)),
+        weights=np.ones(len(claims) + len(required)),
     )
 
 

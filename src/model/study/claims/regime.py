@@ -1,0 +1,87 @@
+"""The regime of a figure: whether it is the vibration that aligns the part, and at what tilt.
+
+Numbers that are also claims come from the claims, so that both say the same.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from model.study.claims.claims import CLAIMS
+from model.study.claims.reading import Data
+from model.study.claims.statistics import NAN
+
+_CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
+
+
+class Regime(NamedTuple):
+    """Numbers of one figure's points that align; NaN where none does.
+
+    Attributes:
+        static: share whose unvibrated twin aligns too.
+        not_resting: share whose twin does not come to rest on A1, slightly tilted (claim M4b).
+        tilt: median magnitude of the tilt at alignment in radians (M2d).
+        tilt_largest: largest one.
+        corners: share that meets the four corner conditions (C8c).
+        lift_offs: share that lifts off before (N1).
+    """
+
+    static: float
+    not_resting: float
+    tilt: float
+    tilt_largest: float
+    corners: float
+    lift_offs: float
+
+
+def regime_of(data: Data, figure: str) -> Regime:
+    """Return the regime of a figure.
+
+    Raises:
+        MissingDataError: no dataset, or one without the twins.
+    """
+
+    def number(claim: str) -> float:
+        return float(_CHECKS[claim](data, [figure])[0].value)
+
+    points = data.points(figure)
+    tilts = np.abs(points.column("tilt_at_alignment", aligned=True))
+    return Regime(
+        static=points.share({"unvibrated": 0}, {"aligned": 1}),
+        not_resting=1.0 - number("M4b"),
+        tilt=number("M2d"),
+        tilt_largest=float(np.nanmax(tilts)) if points.aligned.any() else NAN,
+        corners=number("C8c"),
+        lift_offs=1.0 - number("N1"),
+    )
+
+
+class Summary(NamedTuple):
+    """The regime of several figures in a few numbers; figures that never align count as worst.
+
+    Attributes:
+        not_resting: mean over the figures.
+        not_resting_most: of the worst figure.
+        tilt: median tilt at alignment of the worst figure in radians.
+        corners: share of the worst figure.
+    """
+
+    not_resting: float
+    not_resting_most: float
+    tilt: float
+    corners: float
+
+
+def summary_of(regimes: Iterable[Regime]) -> Summary:
+    """Return the regime of several figures together."""
+    numbers = np.array(list(regimes))
+    worst = Regime(1.0, 1.0, np.pi / 2, np.pi / 2, 0.0, 1.0)
+    numbers = np.where(np.isnan(numbers), worst, numbers)
+    each = Regime(*numbers.T)
+    return Summary(
+        not_resting=float(np.mean(each.not_resting)),
+        not_resting_most=float(np.max(each.not_resting)),
+        tilt=float(np.max(each.tilt)),
+        corners=float(np.min(each.corners)),
+    )

@@ -1,0 +1,85 @@
+"""The front of the searches: claims shown against the regime, and the set chosen from it.
+
+Two things are wanted, and no set has the most of both: that the figures show what the paper says,
+and that it is the vibration that aligns the part, at a small tilt. The device is the set whose
+worst ratio to the aims is least.
+"""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.study.claims.regime import Summary
+from model.study.config import Aims
+from model.study.identification.score import Judge
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The aims as ratios.
+
+    Attributes:
+        aims: most of each number, and the least share of corners.
+        names: figures and own runs that are computed; claims on others are not asked.
+        safe: margin from which a claim counts in full; a lesser one may be lost on other grids.
+    """
+
+    aims: Aims
+    names: Collection[str]
+    safe: float = 0.0
+
+    def asked(self, judge: Judge) -> Flags:
+        """Return which claims are asked, without those that ask what the other aims ask."""
+        computed = [not set(claim.figures).isdisjoint(self.names) for claim in judge.claims]
+        beside = np.isin(np.array(judge.ids), self.aims.beside)
+        return np.asarray(judge.counted & ~beside & np.array(computed))
+
+    def ratios(self, judge: Judge, margins: Array, regimes: Array) -> Array:
+        """Return the ratios of sets to the aims, shape (m, 5); 1 meets an aim.
+
+        Args:
+            judge: of the margins.
+            margins: shape (m, claims).
+            regimes: shape (m, fields of ``Summary``).
+        """
+        asked = margins[:, self.asked(judge)]
+        missing = (asked <= 0.0).sum(axis=-1).astype(np.float64)
+        if self.safe:
+            missing = np.clip(1.0 - asked / self.safe, 0.0, 1.0).sum(axis=-1)
+        aims, each = self.aims, Summary(*regimes.T)
+        return np.column_stack(
+            [
+                missing / aims.missing,
+                each.not_resting / aims.not_resting,
+                each.not_resting_most / aims.not_resting_most,
+                each.tilt / aims.tilt,
+                (1.0 - np.asarray(each.corners)) / (1.0 - aims.corners),
+            ]
+        )
+
+    def worst(self, judge: Judge, margins: Array, regimes: Array) -> Array:
+        """Return the worst ratio of each set, shape (m,); infinite without what is required."""
+        ratios = self.ratios(judge, margins, regimes).max(axis=-1)
+        return np.where(judge.holds(margins), ratios, np.inf)
+
+
+def on_front(claims: NDArray[np.int64], regimes: Array) -> Flags:
+    """Return which sets no other beats: in claims, share not resting, and tilt; shape (m,)."""
+    each = Summary(*regimes.T)
+    costs = np.array([-claims, each.not_resting, each.tilt]).T
+    no_worse = (costs[:, None] <= costs[None]).all(axis=-1)
+    better = (costs[:, None] < costs[None]).any(axis=-1)
+    return np.asarray(~(no_worse & better).any(axis=0))
+
+
+def promising(ratios: Array) -> NDArray[np.int64]:
+    """Return rows of ratios, shape (m, aims), by the worst but one, the least first.
+
+    The one aim that a set misses by most may be missed in a single figure, and mended there.
+    """
+    return np.argsort(np.sort(ratios, axis=-1)[:, -2], kind="stable")

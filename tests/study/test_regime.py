@@ -1,0 +1,41 @@
+"""The regime of a figure: of its aligned points, from made-up twins."""
+
+import numpy as np
+import pytest
+
+from model.events.outcomes import Unvibrated
+from model.study.claims.reading import Data, MissingDataError
+from model.study.claims.regime import Regime, regime_of
+from tests.study.claims_data import NAN, curves
+
+
+def test_every_number_is_a_share_or_a_tilt_of_the_aligned_points() -> None:
+    # 4 of 40 forces align without vibration, the next 4 topple, the next 4 rest at 0.4 rad; those
+    # above 5 do not align.
+    def ends(_: float, f: float) -> float:
+        return float(Unvibrated.ALIGNS if f < 1.2 else Unvibrated.LEAVES if f < 2.2 else 1)
+
+    made = curves(
+        "fig06",
+        lambda _, f: 5.0 if f < 5.2 else NAN,
+        unvibrated=ends,
+        unvibrated_tilt=lambda k, f: 0.4 if 2.2 < f < 3.2 else (0.1 if ends(k, f) == 1 else NAN),
+        tilt_at_alignment=lambda _, f: -0.3 if f < 0.4 else 0.1,
+        tau_corners_inside=lambda _, f: NAN if f > 4.9 else 5.1,
+        separations=lambda _, f: 2.0 if f < 0.6 else 0.0,
+    )
+    found = regime_of(Data(made), "fig06")
+    assert found == pytest.approx(
+        Regime(
+            static=4 / 20, not_resting=12 / 20, tilt=0.1, tilt_largest=0.3, corners=19 / 20,
+            lift_offs=2 / 20,
+        )
+    )  # fmt: skip
+
+
+def test_without_aligned_points_or_twins_there_is_no_regime() -> None:
+    never = regime_of(Data(curves("fig06", NAN)), "fig06")
+    assert np.isnan(never).all()
+    without = {"fig06": curves("fig06")["fig06"].drop_vars("unvibrated")}
+    with pytest.raises(MissingDataError, match="has no unvibrated"):
+        regime_of(Data(without), "fig06")
