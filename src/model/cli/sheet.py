@@ -51,11 +51,15 @@ def write_sheet(
     title = f"Area of stable alignment over {spans[0].parameter} and {spans[1].parameter}"
     cores = os.cpu_count() or 1
     plane = map_dataset(plan, nothing_known(plan), title, "Of a device sheet.", cores=cores)
-    verdict = groups["Verdict"][1]
+    verdict = " ".join(groups["Verdict"][1].split())
+    good = verdict.startswith("reliable")
+    if "Yield" in groups:
+        share = " ".join(groups["Yield"][0].split()).partition(":")[0]
+        verdict, good = f"{verdict}; {share}", good and share.startswith("yield 100 %")
     sheet = Sheet(
         stated=stated,
-        verdict=" ".join(verdict.split()),
-        reliable=verdict.startswith("reliable"),
+        verdict=verdict,
+        reliable=good,
         lines=[("Verdict", groups["Verdict"][2:]), *list(groups.items())[1:]],
         run=simulate_once(device.parameters, settings),
         plane=in_si(plane, device.units),
