@@ -29,7 +29,7 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, "--out", str(out)]
     assert cli.main([*given, "--plot", str(plot)]) == cli.DONE
     said = capsys.readouterr().out
-    assert said.startswith("recommended       tilt_stiffness = 0.")
+    assert said.startswith("recommended            tilt_stiffness = 0.")
     assert "largest contact_force" in said
     assert "friction 0.1 " in said
     assert "friction 0.2 " in said
@@ -48,7 +48,7 @@ def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
     assert cli.main(["design", "--device", peg("contact_force: 8 N"), *QUICK]) == cli.FAILED
     said = capsys.readouterr().out
     assert said.startswith("no setting of those tried keeps the limits")
-    assert "what to relax     contact_force from 8 N to " in said
+    assert "what to relax          contact_force from 8 N to " in said
 
 
 @pytest.mark.parametrize(

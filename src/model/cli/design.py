@@ -29,7 +29,7 @@ _MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 _MISJUDGED = (2.0 / 3.0, 4.0 / 3.0)  # of the friction
 _STARTS = 4  # every so many starts of the study
 _TOLERANCE = 1e-6  # local error of a step, at least
-_WIDTH = 18
+_WIDTH = 23
 
 
 def add(commands: Any) -> None:
