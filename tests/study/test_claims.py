@@ -306,3 +306,9 @@ def test_what_aligns_or_topples_unvibrated_is_no_vibratory_alignment(ends: Unvib
     assert found("M4b", {**other, **curves("fig07")}).verdict == "mixed"
     without = {"fig06": curves("fig06")["fig06"].drop_vars("unvibrated")}
     assert "has no unvibrated" in found("M4b", without).seen
+
+
+def test_a_history_that_did_not_begin_shows_nothing() -> None:
+    dataset = Course().datasets["fig05"].isel(time=[0]).copy(deep=True)
+    dataset["outcome"].values[...] = 3
+    assert found("F5a", {"fig05": dataset}).verdict == "not checkable"

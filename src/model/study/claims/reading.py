@@ -338,6 +338,8 @@ def _course(dataset: "xr.Dataset") -> Course:
     time = _raw(dataset, "time").astype(np.float64)
     aligned = int(_raw(dataset, "outcome")) == _ALIGNED
     end = float(_raw(dataset, "tau_align")) if aligned else float(time[-1])
+    if end == 0.0:
+        raise MissingDataError("the run of the history did not begin")
     moments = np.linspace(0.0, end, _MOMENTS)
     x, y, tilt, force = (
         np.interp(moments, time, _raw(dataset, name).astype(np.float64))
