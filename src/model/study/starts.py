@@ -58,7 +58,7 @@ class FromEveryStart:
 
 
 # Outcomes of a run in which the part goes in.
-GOES_IN = (Outcome.ALIGNED,)
+GOES_IN = (Outcome.ALIGNED, Outcome.INSERTED)
 
 
 def every_start(
@@ -88,7 +88,8 @@ def from_every_start(
     Raises:
         ValueError: as ``Batch.of``.
     """
-    settings = replace(settings, alignment_only=True)
+    alone = settings.success is Outcome.ALIGNED
+    settings = replace(settings, alignment_only=alone)
     found = every_start(Batch.of(device, **swept), starts, settings, cores)
     return FromEveryStart(
         aligned=found["goes_in"],
