@@ -22,8 +22,6 @@ from model.study.claims import tally
 from model.study.config import FIGURES
 from model.study.contact_comparison import claims_on_bases
 from model.study.datasets import write_dataset
-from model.study.jamming import entered, jammed, wedging_side
-from tests.show.drawn import jamming_data
 from tests.show.report_data import PIXEL, Page, article, plain, render_report
 from verification.plans import HARD_PICTURES, PICTURES
 from verification.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
@@ -56,7 +54,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == len(study.figures) + len(PICTURES) + len(HARD_PICTURES) + 4
+    assert len(images) == len(study.figures) + len(PICTURES) + len(HARD_PICTURES) + 3
     head, *others = [study.figures[HEAD], *(study.figures[n] for n in study.figures if n != HEAD)]
     for image, spec in zip(images, [head, *others], strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
@@ -303,25 +301,6 @@ def test_what_the_base_changes_is_told_in_sentences_and_tables(rendered, bases):
     assert part.count("<tr>") == 3 * (1 + 2) + 1 + len(judged)
     for name in bases:
         assert f'href="data/contact_stiffness/{name}.nc"' in part
-
-
-def test_jamming_is_counted_beside_the_wedging_limit(rendered):
-    part = rendered[rendered.index('id="jamming"') : rendered.index('id="speed"')]
-    text = plain(part)
-    data = jamming_data()
-    fell, stuck = entered(data), jammed(data)
-    assert f"Of {fell.sum()} parts that fall in" in text
-    assert f"{percent(stuck.sum() / fell.sum())} jam" in text
-    above = (stuck & wedging_side(data)).sum()
-    below = (fell & ~wedging_side(data)).sum()
-    assert above == stuck.sum() - 1  # one lacks force
-    assert f"{above} of the {stuck.sum()} that jam lie above" in text
-    assert f"below it 1 of {below} jam" in text
-    rows = re.findall(r"<tr><td>(0\.0\d)</td>(.*?)</tr>", part, re.DOTALL)
-    for (clearance, row), fallen, held in zip(rows, fell, stuck, strict=True):
-        cells = re.findall(r'<td class="n">(\d+)</td>', row)
-        assert clearance in ("0.03", "0.09")
-        assert (int(cells[0]), int(cells[2])) == (fallen.sum(), held.sum())
 
 
 def test_provenance_is_printed_and_escaped(study, root, monkeypatch):

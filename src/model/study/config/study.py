@@ -21,7 +21,6 @@ from model.study.config.figures import (
     Plane,
 )
 from model.study.config.identification import Identification
-from model.study.config.jamming import Jamming
 from model.study.config.methods import HardCases, Precision
 
 
@@ -90,8 +89,6 @@ class Study(Strict):
     """Curves that only the claims need, by name."""
     contact_stiffness: ContactStiffness
     """Dependence of figures on the stiffness and damping of the base."""
-    jamming: Jamming
-    """Jamming in the slot over friction, clearance and tilt at entry."""
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":
