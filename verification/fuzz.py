@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Batch
 from model.runs.align import Alignments, align
@@ -21,7 +20,6 @@ from model.runs.settings import Settings
 Floats = NDArray[np.float64]
 
 SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=2_500)
-IN_SLOT = replace(SETTINGS, scene=INSERTION)
 _PATIENCE = 4  # limits of evaluations that the reference engine may take: its steps are shorter
 _MOST_RUNS = 7  # of a set: two, and three more where they part; each time one of what is flat
 _LAST_STEP = 600  # evaluations that a step and its event may take beyond the limit
@@ -30,11 +28,6 @@ _LEAVING = (
     Reason.MOVED_AWAY, Reason.OVERSHOT, Reason.CORNER_ON_WALL, Reason.EDGE_ON_OTHER_FACE,
     Reason.BOTH_SIDES, Reason.OVERTURNED, Reason.UNDECLARED_CONTACT,
 )  # fmt: skip
-_REASONS = {
-    Outcome.LEFT_SCENE: _LEAVING,
-    Outcome.CLIMBED_OUT: (*_LEAVING, Reason.ON_EDGE),
-    Outcome.JAMMED: (Reason.WEDGED, Reason.LACK_OF_FORCE),
-}
 _FAILING = (
     Reason.IMPOSSIBLE_START, Reason.STEP_TOO_SMALL, Reason.TOO_MANY_EVALUATIONS, Reason.CHATTER,
     Reason.NOT_FINITE, Reason.NO_FRICTION_SOLUTION,
@@ -151,17 +144,11 @@ def _sets(batch: Batch, rows: NDArray[np.int64], displaced: float = 0.0) -> Batc
 
 def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray[np.bool_]]:
     """Return, for each required property, a mask of the sets that break it, shape (n,)."""
-    inserts = settings.success is Outcome.INSERTED
-    ends = (
-        (Outcome.INSERTED, Outcome.JAMMED, Outcome.CLIMBED_OUT) if inserts else (Outcome.ALIGNED,)
-    )
-    aligned, inserted = np.isin(runs.outcome, ends), runs.outcome == Outcome.INSERTED
+    aligned, left = runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.LEFT_SCENE
     failed = runs.outcome == Outcome.FAILED
     spent = _MOST_RUNS * (settings.max_evaluations + _LAST_STEP)
     moving = runs.outcome == Outcome.HORIZON_REACHED
-    reasons = runs.reason == Reason.NONE
-    for outcome, fitting in _REASONS.items():
-        reasons = np.where(runs.outcome == outcome, np.isin(runs.reason, fitting), reasons)
+    reasons = np.where(left, np.isin(runs.reason, _LEAVING), runs.reason == Reason.NONE)
     reasons = np.where(failed, np.isin(runs.reason, _FAILING), reasons)
     reasons |= moving & (runs.reason == Reason.CHAOTIC)
     with np.errstate(invalid="ignore"):
@@ -171,11 +158,7 @@ def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray
         "ends within its evaluations": runs.rhs_evaluations > spent,
         "ends in a declared outcome": ~np.isin(runs.outcome, list(Outcome)),
         "has a reason that fits its outcome": ~reasons,
-        # In the slot a run may also reach the horizon, or fail.
-        "has an alignment time if and only if it aligns": aligned & ~in_time
-        | ~aligned & in_time & ~(inserts & (moving | failed)),
-        "has a time until inserted if and only if it is inserted": inserted
-        != (runs.tau_inserted >= 0.0),
+        "has an alignment time if and only if it aligns": aligned != in_time,
         "has a positive error or says that it is sensitive": aligned
         & ~runs.sensitive
         & ~(np.nan_to_num(runs.tau_error, nan=-1.0) > 0.0),
@@ -257,7 +240,6 @@ def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
     """Return a mask of sets whose outcomes or times differ although both are certain."""
     with np.errstate(invalid="ignore"):
         apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
-        apart |= np.abs(runs.tau_inserted - others.tau_inserted) > SENSITIVE
     certain = _is_certain(runs) & _is_certain(others)
     alike = runs.separations == others.separations
     return certain & (outcomes_differ(runs.outcome, others.outcome, alike) | apart)

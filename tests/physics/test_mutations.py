@@ -41,8 +41,8 @@ MUTATIONS = {
     ),
     "force of the edge": (
         "motion.py",
-        "face_load = contact_load(",
-        "face_load = 1.01 * contact_load(",
+        "load = contact_load(face.depth",
+        "load = 1.01 * contact_load(face.depth",
     ),
     "force of the corner": (
         "motion.py",
@@ -51,8 +51,8 @@ MUTATIONS = {
     ),
     "force on the side": (
         "motion.py",
-        "side_load = contact_load(",
-        "side_load = 1.01 * contact_load(",
+        "load = contact_load(side.depth",
+        "load = 1.01 * contact_load(side.depth",
     ),
     "friction": (
         "motion.py",

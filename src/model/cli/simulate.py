@@ -31,8 +31,6 @@ from model.study.config import load_study, study_path
 from model.study.files import whole_file
 from model.tracking.provenance import version
 
-_SUCCESSES = (Outcome.ALIGNED, Outcome.INSERTED)
-
 
 def add(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
@@ -44,7 +42,7 @@ def add(commands: Any) -> None:
         ". With --device, values are read and printed in SI units, else dimensionless.",
         epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
-    add_model_options(parser, scene="alignment")
+    add_model_options(parser)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
     words = "animate the run into FILE: a page (.html), or a GIF (.gif), which needs Chromium"
@@ -133,11 +131,10 @@ def _within(value: float, error: float) -> str:
 
 def _report(run: Trajectory) -> list[str]:
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
-    if run.outcome not in _SUCCESSES:
-        rows.append(("what to do", run.remedy))
-    aligned = not math.isnan(run.tau_align)
-    time = _within(run.tau_align, run.tau_error) if aligned else "none: it does not align"
-    rows.append(("tau_align", time))
+    if run.outcome == Outcome.ALIGNED:
+        rows.append(("tau_align", _within(run.tau_align, run.tau_error)))
+    else:
+        rows += [("what to do", run.remedy), ("tau_align", "none: it does not align")]
     printed = [(name, each.printed(getattr(run, name))) for name, each in RESULTS.items()]
     rows += [(name, text) for name, text in printed if text]
     rows.append(("final state", f"at τ = {run.time[-1]:.9g}"))
@@ -171,11 +168,10 @@ def _in_si(run: Trajectory, units: Units) -> dict[str, Any]:
 
 def _report_in_si(run: Trajectory, units: Units) -> list[str]:
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
-    if run.outcome not in _SUCCESSES:
-        rows.append(("what to do", run.remedy))
-    aligned = not math.isnan(run.tau_align)
-    time = in_words(run.tau_align, TIME, units) if aligned else "none: it does not align"
-    rows.append(("alignment time", time))
+    if run.outcome == Outcome.ALIGNED:
+        rows.append(("alignment time", in_words(run.tau_align, TIME, units)))
+    else:
+        rows += [("what to do", run.remedy), ("alignment time", "none: it does not align")]
     for name, each in RESULTS.items():
         text = each.printed(getattr(run, name))
         if text and name != "tau_error":

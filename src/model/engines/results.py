@@ -162,18 +162,6 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
         "period of a settled motion, in excitation periods; else 0",
         line=lambda period: f"{period} of the excitation" if period else "",
     )
-    tau_inserted: Real = entry(
-        "time from falling in to inserted; NaN where not inserted", TIME,
-        tolerance=by_error, stored=False,
-    )  # fmt: skip
-    insertion_error: Real = entry(
-        "estimated error of the time until inserted; NaN where unknown",
-        TIME, estimated=True, stored=False,
-    )  # fmt: skip
-    side_force_max: Real = entry(
-        "largest normal force on one side of the slot after falling in; NaN if not computed",
-        FORCE, tolerance=of_sampled_force, stored=False,
-    )  # fmt: skip
     steps: Count = entry("steps of the run", line=str, stored=False)
     events: Count = entry("events located in the run", line=str, stored=False)
 
@@ -229,6 +217,5 @@ COURSE: Mapping[str, Result] = {
     "tilt_rate": Result("tilt velocity", TILT_RATE),
     "contact_force": Result("normal force under the part", FORCE, "n"),
     "side_force": Result("normal force of A2 on the side face", FORCE),
-    "right_force": Result("normal force on the right side of the slot", FORCE, stored=False),
 }
 assert tuple(COURSE)[: len(State._fields)] == State._fields  # noqa: S101 - of this table

@@ -48,7 +48,6 @@ class Estimate(NamedTuple):
     Attributes:
         results: fields of ``RunResult`` of the finer runs.
         tau_error: NaN where either of the two runs does not align.
-        insertion_error: of the time until inserted; NaN where either of the two is not inserted.
         sensitive: True for sensitive sets; see the module.
         rhs_evaluations: right-hand-side evaluations of all runs of a set.
         tolerance: tolerance of the finer runs.
@@ -56,7 +55,6 @@ class Estimate(NamedTuple):
 
     results: Array
     tau_error: Array
-    insertion_error: Array
     sensitive: NDArray[np.bool_]
     rhs_evaluations: Array
     tolerance: Array
@@ -66,7 +64,6 @@ class Estimate(NamedTuple):
         return {
             **RunResult(*self.results.T)._asdict(),
             "tau_error": self.tau_error,
-            "insertion_error": self.insertion_error,
             "sensitive": self.sensitive,
             "rhs_evaluations": self.rhs_evaluations,
         }
@@ -75,14 +72,13 @@ class Estimate(NamedTuple):
 def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
     """Run every row, shape (n, constants), twice, and rows with large errors three times more."""
     first = _compare(run, rows, np.full(len(rows), tolerance))
-    error = np.fmax(first.tau_error, first.insertion_error)
-    imprecise = error > PROMISED * tolerance
+    imprecise = first.tau_error > PROMISED * tolerance
     again = first.sensitive | imprecise
     if not again.any() or tolerance <= FINEST:
         return first
     reduced, least = np.full(len(rows), tolerance / SHARPER), np.zeros(len(rows))
     few = imprecise & ~first.sensitive
-    reduced[few] = tolerance * PROMISED * tolerance / (_SAFETY * error[few])
+    reduced[few] = tolerance * PROMISED * tolerance / (_SAFETY * first.tau_error[few])
     reduced = np.maximum(reduced, FINEST)
     # Lower bound from the first two runs, in case the later ones agree by chance.
     least[few] = first.tau_error[few] * reduced[few] / tolerance / _SAFETY
@@ -135,10 +131,9 @@ def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[n
 
 
 def _end(run: RunResult) -> Array:
-    """Return the times of alignment, or of insertion, or of leaving the scene; else NaN."""
+    """Return the times of alignment or of leaving the scene; NaN for runs that end otherwise."""
     time: Array = run.time
-    ends = np.isin(run.outcome, (Outcome.LEFT_SCENE, Outcome.INSERTED))
-    return np.where(ends, time, run.tau_align)
+    return np.where(run.outcome == Outcome.LEFT_SCENE, time, run.tau_align)
 
 
 def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
@@ -148,12 +143,6 @@ def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
     )
     differ = np.abs(run.sticking_share - other.sticking_share) > SENSITIVE
     found: NDArray[np.bool_] = at_horizon & ((run.separations != other.separations) | differ)
-    return found
-
-
-def _difference(time: Array, other: Array, tolerance: Array) -> Array:
-    """Return the error of a time by its difference from another run."""
-    found: Array = np.abs(time - other) + tolerance + RESOLUTION * (1.0 + time)
     return found
 
 
@@ -185,11 +174,10 @@ def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = 
         sensitive[which] |= outcomes_differ(mine.outcome, other.outcome, alike) | apart
         spent[which] += other.rhs_evaluations
     fine.reason[_are_chaotic(fine, coarse)] = Reason.CHAOTIC  # a view of ``results``
-    inserted = fine.tau_align + fine.tau_inserted, coarse.tau_align + coarse.tau_inserted
+    difference = np.abs(fine.tau_align - coarse.tau_align)
     return Estimate(
         results=results,
-        tau_error=_difference(fine.tau_align, coarse.tau_align, tolerance),
-        insertion_error=_difference(*inserted, tolerance),
+        tau_error=difference + tolerance + RESOLUTION * (1.0 + fine.tau_align),
         sensitive=sensitive,
         rhs_evaluations=spent,
         tolerance=tolerance,

@@ -79,8 +79,7 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
         axes.grid(visible=False)
         hatched = _add_area(axes, *edges, gaps, NOT_ALIGNED, **style.NON_ALIGNING)
         handles: list[Patch | Line2D] = [hatched]
-        left = np.isin(outcome, (Outcome.LEFT_SCENE, Outcome.CLIMBED_OUT))
-        failed = outcome == Outcome.FAILED
+        left, failed = outcome == Outcome.LEFT_SCENE, outcome == Outcome.FAILED
         if left.any():
             shade: dict[str, Any] = {"facecolor": style.BLACK, "alpha": 0.16, "linewidth": 0.0}
             handles.append(_add_area(axes, *edges, left, LEFT_LABEL, **shade))

@@ -67,7 +67,7 @@ VARIABLES: Mapping[str, dict[str, Any]] = {
     name: _attributes(result) for name, result in {**RESULTS, **TWIN}.items() if result.stored
 }
 HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
-    name: _attributes(result) for name, result in COURSE.items() if result.stored
+    name: _attributes(result) for name, result in COURSE.items()
 }
 
 
@@ -121,7 +121,7 @@ def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
     """Return one trajectory over time, with its results as scalars."""
     run = simulate(sweep.baseline, sweep.settings.settings)
     variables: dict[str, Any] = {
-        name: ("time", run.course[name], known) for name, known in HISTORY_VARIABLES.items()
+        name: ("time", values, HISTORY_VARIABLES[name]) for name, values in run.course.items()
     }
     twin = twin_results(Batch.stack([sweep.baseline]), sweep.settings.settings)
     results = vars(run) | {name: column[0] for name, column in twin.items()}

@@ -134,15 +134,14 @@ def limits(
 def _limits_at(plan: LimitPlan, rows: Ints, columns: Ints, known: Known, cores: int) -> Columns:
     """ε and runs of nodes, from the ``known`` ones of the coarse cells around them."""
     plane, inner = plan.plane, plan.bounds[0]
-    settings = plane.settings.settings
-    settings = replace(settings, alignment_only=settings.success is Outcome.ALIGNED)
+    settings = replace(plane.settings.settings, alignment_only=True)
     swept = plane.swept(rows, columns)
 
     def aligns(nodes: Ints, misalignment: Floats) -> Bools:
         values = {name: value[nodes] for name, value in swept.items()}
         batch = Batch.of(plane.baseline, misalignment=misalignment, **values)
         outcome = run_once(batch, settings, cores=cores)["outcome"]
-        return np.asarray(outcome == settings.success)
+        return np.asarray(outcome == Outcome.ALIGNED)
 
     around = _least_around(known.columns["misalignment"], plan.lattice.coarse, rows, columns)
     found, runs = limits(aligns, plan.tried, inner, np.where(np.isnan(around), inner, around))

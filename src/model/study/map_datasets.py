@@ -62,7 +62,7 @@ def added(dataset: xr.Dataset) -> NDArray[np.int64]:
     BOTH: the part aligns with and without vibration; ONLY_VIBRATED, ONLY_PRESSED: it aligns with
     vibration alone, or without alone; NEITHER: it aligns in no way.
     """
-    vibrated = np.isin(dataset["outcome"].values, (Outcome.ALIGNED, Outcome.INSERTED))
+    vibrated = dataset["outcome"].values == Outcome.ALIGNED
     pressed = dataset["unvibrated"].values == Unvibrated.ALIGNS
     return np.select(
         [vibrated & pressed, vibrated, pressed], [BOTH, ONLY_VIBRATED, ONLY_PRESSED], NEITHER

@@ -277,7 +277,7 @@ def assemble(
     refined = refine_map(plan, known, cores=cores, progress=progress)
     paper, columns = refined["paper"], known["paper"].columns
     outcome = paper.spread(columns["outcome"])
-    aligns = outcome == plan.settings.settings.success
+    aligns = outcome == Outcome.ALIGNED
     sensitive = columns["sensitive"] == 1
     twin, unvibrated = refined["twin"], known["twin"].columns
     rests = {name: twin.filled(unvibrated[name]) for name in ("unvibrated_tilt", "slow_tilt")}

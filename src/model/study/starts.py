@@ -58,7 +58,7 @@ class FromEveryStart:
 
 
 # Outcomes of a run in which the part goes in.
-GOES_IN = (Outcome.ALIGNED, Outcome.INSERTED)
+GOES_IN = (Outcome.ALIGNED,)
 
 
 def every_start(
@@ -88,8 +88,7 @@ def from_every_start(
     Raises:
         ValueError: as ``Batch.of``.
     """
-    alone = settings.success is Outcome.ALIGNED
-    settings = replace(settings, alignment_only=alone)
+    settings = replace(settings, alignment_only=True)
     found = every_start(Batch.of(device, **swept), starts, settings, cores)
     return FromEveryStart(
         aligned=found["goes_in"],

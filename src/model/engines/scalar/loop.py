@@ -195,7 +195,6 @@ def _largest(events, nodes, samples, last):
     for i in range(last + 1):
         tilt = max(tilt, abs(nodes[i, 2]))
         force = max(force, max(events.support_force(samples[i]), events.side_force(samples[i])))
-        force = max(force, events.right_force(samples[i]))
         if 0 < i < last:
             tilt = max(tilt, _peak(i, abs(nodes[i - 1, 2]), abs(nodes[i, 2]), abs(nodes[i + 1, 2])))
             before, here, after = samples[i - 1], samples[i], samples[i + 1]
@@ -207,12 +206,6 @@ def _largest(events, nodes, samples, last):
                 i, events.side_force(before), events.side_force(here), events.side_force(after)
             )
             force = max(force, max(support, side))
-            if events.inserts == 1:
-                right = _peak(
-                    i, events.right_force(before), events.right_force(here),
-                    events.right_force(after),
-                )  # fmt: skip
-                force = max(force, right)
     return tilt, force
 
 
@@ -225,7 +218,6 @@ def track_sample(events, track, time, q, sample, runs, i):
         keep_in(q, track[row, 1 : 1 + STATE_SIZE])
         track[row, 7] = max(events.support_force(sample), 0.0)
         track[row, 8] = max(events.side_force(sample), 0.0)
-        track[row, 9] = max(events.right_force(sample), 0.0)
     runs[i, TRACKED] = row + 1
 
 
@@ -265,7 +257,7 @@ def advance(scene, method, control, track, history, work, runs, i):
     runs[i, EVALUATIONS] += 1 + (1 + rejected) * method.stages
     runs[i, REJECTED] += rejected
     if h_step == 0.0:
-        fail(scene, runs, i, _STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else _NOT_FINITE)
+        fail(runs, i, _STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else _NOT_FINITE)
         return
     dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
     runs[i, EVALUATIONS] += method.c.size - method.stages - 1
@@ -334,8 +326,8 @@ def integrate(row, tolerance, scene, method, control, track, single):
         scene: ``SceneKernels``.
         method: ``Method``.
         control: ``Control``.
-        track: shape (rows, 10), filled up to its end with time, state and normal forces of support,
-            left and right side; ``RunResult.tracked`` is the number of rows of a full track.
+        track: shape (rows, 9), filled up to its end with time, state and normal forces of support
+            and side; ``RunResult.tracked`` is the number of rows of a full track.
         single: ``Single``, overwritten.
     """
     runs, history, work = single.runs, single.history, single.work

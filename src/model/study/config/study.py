@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from model.physics.parameters import Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.rest import Start
-from model.runs.settings import SCENES, Settings
+from model.runs.settings import Settings
 from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Strict, Text, Tolerance
 from model.study.config.claims import ClaimRun, ContactStiffness
@@ -35,8 +35,6 @@ class RunSettings(Strict):
     """Local error of a step."""
     start: Start = "simultaneous"
     """Press and vibration set in together, or the part rests under the press before it vibrates."""
-    scene: Literal["alignment", "insertion"] = "alignment"
-    """Contacts that are modelled; runs of the scene insertion end when the part is inserted."""
 
     @model_validator(mode="after")
     def _fit_together(self) -> "RunSettings":
@@ -54,11 +52,7 @@ class RunSettings(Strict):
         else:
             readings = getattr(Readings, self.readings)()
         return Settings(
-            readings=readings,
-            scene=SCENES[self.scene],
-            start=self.start,
-            horizon=self.horizon,
-            tolerance=self.tolerance,
+            readings=readings, start=self.start, horizon=self.horizon, tolerance=self.tolerance
         )
 
 
