@@ -306,7 +306,11 @@ def read_tables(paths: Sequence[Path]) -> Table:
     chunks: list[pd.DataFrame] = []
     for path in paths:
         try:
-            chunk = pd.read_csv(path).astype({"set": np.int64})
+            # A row that is cut off has empty fields; a number that is not known is written "nan".
+            chunk = pd.read_csv(path, na_values=["nan"], keep_default_na=False)
+            if (chunk == "").to_numpy().any():
+                raise ValueError("a row is cut off")  # noqa: TRY301
+            chunk = chunk.astype({"set": np.int64})
         except (OSError, ValueError, KeyError) as error:
             fault = f"{path}: is not a chunk of a trial ({error}): delete it and run again"
             raise ValueError(fault) from None

@@ -144,4 +144,4 @@ def printed(name, text, message, must_end=""):
         message:
             message
         shell:
-            "cat {input} | tee {log}; tail -n 1 {input} | grep -q {params.must_end:q}"
+            'cat {input} | tee {log}; tail -n 1 {input} | grep -q -e "{params.must_end}"'

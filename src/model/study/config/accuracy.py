@@ -30,7 +30,7 @@ class Range(Strict):
 class SettledTrial(Strict):
     """Trial of settled runs: number of random sets, and length of the continued runs."""
 
-    sets: int = Field(ge=1)
+    sets: int = Field(ge=1, strict=False)  # from `make fuzz SETS=7` it is a text
     """Number of random sets."""
     chunks: int = Field(ge=1, le=1000)
     """Number of jobs that the sets are divided among."""
@@ -43,7 +43,7 @@ class Fuzz(Strict):
 
     seed: int = Field(ge=0)
     """Seed of the random draws."""
-    sets: int = Field(ge=1)
+    sets: int = Field(ge=1, strict=False)  # from `make fuzz SETS=7` it is a text
     """Number of random sets."""
     sets_a_job: int = Field(ge=1)
     """Number of sets that one job tries; the profile of a cluster merges jobs."""
