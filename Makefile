@@ -134,11 +134,10 @@ export-test: environment-export
 efficiency: environment
 	$(in_env) python -m verification.cluster_efficiency
 
-# On a Slurm of its own; STUDY=smoke builds the whole smoke study on it.
+# On a Slurm of its own.
 slurm-test: environment-slurm
-	VIBRALIGN_STUDY=$(STUDY_ON_SLURM) PATH="$(CURDIR)/.venv-slurm/bin:$$PATH" \
+	PATH="$(CURDIR)/.venv-slurm/bin:$$PATH" \
 		pytest -rPs -m slurm tests/workflow/test_slurm.py
-STUDY_ON_SLURM ?= tiny
 
 docs: environment-docs
 	rm -rf site
