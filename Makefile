@@ -15,7 +15,8 @@
 # make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
 # make efficiency  what the overhead of a cluster costs, simulated: docs/efficiency.png
-# make browser-test  the explorer in a headless Chromium; `make script-types` checks its scripts' types
+# make browser-test  the explorer in a headless Chromium and Firefox; `make script-types` checks its
+#                 scripts' types
 # make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make schema     the JSON schemas of config/ anew, which editors complete and check its files by
@@ -120,7 +121,7 @@ unit: environment
 	$(call check,pytest --numprocesses $(CORES) --dist loadgroup --no-loadscope-reorder)
 
 browser-test: environment
-	$(call check,pytest -m browser tests/show/explorer)
+	$(call check,pytest -m browser -rs tests/show/explorer)
 
 # Types of the explorer's scripts, from their comments, where npm can fetch the checker.
 script-types:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from model import Batch, align
-from model.engines.results import RunResult
+from model.engines.results import COURSE, RunResult
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.scenes import CLOSED
@@ -151,10 +151,13 @@ import numpy as np
 from model.physics.parameters import PARAMETER_NAMES, Batch
 from model.runs.engines import engine_for
 from model.runs.settings import Settings
-from model.runs.shown import COLUMNS
+from model.runs.simulate import simulate_once
+from model.study.config import load_study, study_path
 name, sets, found = sys.argv[1], np.load(sys.argv[2]), sys.argv[3]
 rows = Batch(dict(zip(PARAMETER_NAMES, sets.T.copy()))).constants(Settings().readings)
-np.save(found, engine_for(Settings(), name)(rows, np.full(len(rows), Settings().tolerance)))
+results = engine_for(Settings(), name)(rows, np.full(len(rows), Settings().tolerance))
+run = simulate_once(load_study(study_path()).parameters("fig05"), Settings())
+np.savez(found, results=results, time=run.time, **run.course)
 """
 
 
@@ -164,25 +167,42 @@ np.save(found, engine_for(Settings(), name)(rows, np.full(len(rows), Settings().
 )
 @pytest.mark.parametrize("engine", ["scalar", pytest.param("batch", marks=pytest.mark.nightly)])
 def test_every_field_is_equal_to_the_bit_without_fused_multiply_add(
-    engine: str, sets: np.ndarray, ran: dict[str, np.ndarray], tmp_path: Path
+    engine: str,
+    sets: np.ndarray,
+    ran: dict[str, np.ndarray],
+    shown: dict[str, np.ndarray],
+    tmp_path: Path,
 ) -> None:
-    given, found = tmp_path / "sets.npy", tmp_path / "found.npy"
+    given, found = tmp_path / "sets.npy", tmp_path / "found.npz"
     np.save(given, sets)
     command = [sys.executable, "-c", _REFERENCE, engine, str(given), str(found)]
     subprocess.run(command, check=True, env=os.environ | {"NUMBA_CPU_NAME": "generic"})
-    np.testing.assert_array_equal(ran[engine], np.load(found))
+    with np.load(found) as python:
+        np.testing.assert_array_equal(ran[engine], python["results"])
+        for name in ("time", *COURSE):
+            np.testing.assert_array_equal(shown[name], python[name])
 
 
-def test_track_is_that_of_python_with_mode_and_events(engines: dict[str, Browser]) -> None:
+@pytest.fixture(scope="module")
+def shown_row() -> np.ndarray:
+    """Parameters of the run whose track is looked at."""
     parameters = load_study(study_path()).parameters("fig05")
-    row = np.array([[np.nan if v is None else v for v in parameters.given().values()]])
-    results, track = engines["run_one"].run(row)
-    run = simulate_once(parameters, SETTINGS)
-    result = RunResult(*results[0])
-    shown = dict(zip(COLUMNS, track[: int(result.tracked)].T, strict=True))
-    # Samples are placed by the steps, whose lengths follow from errors near rounding.
-    for name, course in (("time", run.time), *run.course.items()):
-        np.testing.assert_allclose(shown[name], course, rtol=0.0, atol=1e-4)
+    return np.array([[np.nan if v is None else v for v in parameters.given().values()]])
+
+
+@pytest.fixture(scope="module")
+def shown(engines: dict[str, Browser], shown_row: np.ndarray) -> dict[str, np.ndarray]:
+    """Columns of the track."""
+    results, track = engines["run_one"].run(shown_row)
+    tracked = int(RunResult(*results[0]).tracked)
+    return dict(zip(COLUMNS, track[:tracked].T, strict=True))
+
+
+def test_track_has_modes_and_events(
+    engines: dict[str, Browser], shown_row: np.ndarray, shown: dict[str, np.ndarray]
+) -> None:
+    result = RunResult(*engines["run_one"].run(shown_row)[0][0])
+    run = simulate_once(load_study(study_path()).parameters("fig05"), SETTINGS)
     assert result.tau_align == pytest.approx(run.tau_align, abs=1e-9)
     events = shown["event"] != 0.0
     assert events.sum() == result.events

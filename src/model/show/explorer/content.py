@@ -1,4 +1,4 @@
-"""What a page of the explorer knows: parameters, presets, words, and stored maps.
+"""Content of a page of the explorer: parameters, presets, words, and stored maps.
 
 Values are in the page's units: dimensionless for the study, SI for a device.
 """

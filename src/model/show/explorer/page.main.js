@@ -5,7 +5,7 @@ const MODEL = JSON.parse(
   /** @type {HTMLElement} */ (document.getElementById("model")).textContent ?? "",
   (_, value) => (value === null ? NaN : value),
 );
-const CELLS = 65, FIRST_ROWS = 8192, SLOW_MAP = 150;
+const CELLS = 65, FIRST_ROWS = 8192, SLOW_MAP = 150, SLOW_OTHER = 80;
 
 /** @param {string} id @returns {any} */
 const element = (id) => document.getElementById(id);
@@ -25,7 +25,7 @@ let other = null;
 let map = null;
 /** @type {Record<string, MapData>} */
 const stored = {};
-let time = 0, playing = false, lastFrame = 0, mapTimer = 0, mapStarted = 0;
+let time = 0, playing = false, lastFrame = 0, mapTimer = 0, otherTimer = 0, mapStarted = 0, mapFrame = 0;
 const measured = { runs: /** @type {number[]} */ ([]), map: 0, first: 0 };
 
 // ---------------------------------------------------------------- running
@@ -60,7 +60,9 @@ function rerun() {
     const begun = performance.now();
     run = { ...integrated(valuesOf(state, state.vibration)), device: drawnDevice(state.values) };
     measured.runs.push(performance.now() - begun);
-    other = state.compared ? integrated(valuesOf(state, !state.vibration)) : null;
+    other = null;
+    clearTimeout(otherTimer);
+    if (state.compared) compare(); else otherTimer = setTimeout(() => { compare(); writeOutcome(); }, SLOW_OTHER);
   }
   if (!run) return;
   if (!state.vibration) run.device = { ...run.device, frequency: 0, phase: 0 };
@@ -70,54 +72,21 @@ function rerun() {
   drawRun();
 }
 
+/** Run the same set with or without vibration. */
+function compare() { other = integrated(valuesOf(state, !state.vibration)); }
+
+/** Return the other run if it is drawn, too. */
+const drawnOther = () => (state.compared ? other : null);
+
 /** Return the 95 % quantile of values, in a list. @param {Float64Array} values */
 const quantile = (values) => [Float64Array.from(values).sort()[Math.floor(0.95 * (values.length - 1))]];
 
 /** Return the end of the time axis: a settled motion is shown for its last periods only. */
 function lastTime() {
   const track = /** @type {any} */ (run).track, ends = [track.time[track.rows - 1]];
-  if (other) ends.push(other.track.time[other.track.rows - 1]);
+  const beside = drawnOther();
+  if (beside) ends.push(beside.track.time[beside.track.rows - 1]);
   return Math.min(Math.max(...ends), Math.max(ends[0], 20));
-}
-
-// ---------------------------------------------------------------- words
-
-/** Return an outcome in words. @param {Record<string, number>} results */
-function outcomeWords(results) {
-  const outcome = MODEL.outcomes[results.outcome], reason = MODEL.reasons[results.reason];
-  return outcome + (reason ? `: ${reason}` : "");
-}
-
-/** @param {number} value in units of 1/p */
-const inTime = (value) => (MODEL.time.unit ? `${rounded(value * MODEL.time.scale)} ${MODEL.time.unit}` : `τ = ${rounded(value)}`);
-
-/** Return a number with four digits. @param {number} value */
-const rounded = (value) => shown(Number(value.toPrecision(4)));
-
-function writeOutcome() {
-  const { results } = /** @type {any} */ (run), aligned = results.outcome === 0;
-  element("outcome").dataset.outcome = aligned ? "aligned" : "not";
-  element("verdict").textContent = aligned ? `Aligned ${MODEL.time.unit ? "after" : "at"} ${inTime(results.tau_align)}` : "Does not align";
-  const times = results.separations;
-  const lifted = times === 0 ? "It never lifts off." : `It lifts off ${times === 1 ? "once" : `${times} times`}.`;
-  element("words").textContent = `${capital(outcomeWords(results))}. ${aligned ? lifted : ""}`;
-  element("remedy").textContent = aligned ? "" : `What to do: ${MODEL.remedies[`${results.outcome},${results.reason}`]}.`;
-  const name = state.vibration ? "Without vibration" : "With vibration";
-  element("beside").textContent = other ? `${name} (dashed): ${other.results.outcome === 0 ? `aligned at ${inTime(other.results.tau_align)}` : outcomeWords(other.results)}.` : "";
-}
-
-/** @param {string} text */
-const capital = (text) => text[0].toUpperCase() + text.slice(1);
-
-function writeMoment() {
-  if (!run) return;
-  const frame = frameAt(run.track, time);
-  const event = run.track.columns.event[rowAt(run.track, time)];
-  const just = event > 0 ? `event: ${MODEL.events[event - 1]}` : "";
-  element("moment").textContent = `${inTime(time)} · ${contactWords(/** @type {any} */ (frame))}${just ? ` · ${just}` : ""}`;
-  const scrub = element("scrub");
-  scrub.value = String(Math.round((1000 * time) / lastTime()));
-  scrub.setAttribute("aria-valuetext", element("moment").textContent);
 }
 
 // ---------------------------------------------------------------- drawing
@@ -137,11 +106,11 @@ function contextOf(id) {
 
 function drawRun() {
   if (!run) return;
-  const scene = contextOf("scene"), ghost = other ? frameAt(other.track, time) : null;
+  const scene = contextOf("scene"), beside = drawnOther(), ghost = beside ? frameAt(beside.track, time) : null;
   const exaggeration = element("exaggerate").checked ? 5 : 1;
   drawScene(scene.context, scene.width, scene.height, frameAt(run.track, time), run.device, { exaggeration, ghost, colours: COLOURS });
   const plots = contextOf("plots");
-  drawPlots(plots.context, plots.width, plots.height, run.track, other?.track ?? null, panels, { time, end: lastTime(), label: MODEL.time.label, scale: MODEL.time.scale });
+  drawPlots(plots.context, plots.width, plots.height, run.track, beside?.track ?? null, panels, { time, end: lastTime(), label: MODEL.time.label, scale: MODEL.time.scale });
   writeMoment();
 }
 
@@ -388,7 +357,7 @@ async function start() {
     mapper = new Mapper(binary, about, MODEL.worker, (found, done) => {
       map = found;
       if (done && !measured.map) measured.map = performance.now() - mapStarted;
-      drawWholeMap();
+      if (!mapFrame) mapFrame = requestAnimationFrame(() => { mapFrame = 0; drawWholeMap(); });
     });
     remap();
   }

@@ -5,8 +5,8 @@
  *   tau: Float64Array, outcome: Int8Array, step: Uint8Array, stored: boolean, reliable: Uint8Array | null}} MapData
  */
 
-const UNKNOWN = -1, ALIGNED = 0;
-const FIRST_STEP = 8, CHUNK = 192;
+const UNKNOWN = -1, ALIGNED = 0, SETTLED = 1;
+const FIRST_STEP = 8, CHUNK = 1024;
 const CIVIDIS = [[0, 34, 78], [24, 52, 111], [63, 74, 108], [92, 97, 109], [119, 120, 112], [147, 144, 113], [177, 168, 106], [208, 195, 94], [240, 222, 78], [254, 232, 56]];
 const INSET = { left: 58, right: 10, top: 8, bottom: 40 };
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from model.runs.in_browser import Modules
 
-SCRIPTS = ("engine", "state", "drawing", "plots", "map", "main")
+SCRIPTS = ("engine", "state", "drawing", "plots", "map", "words", "main")
 _WORKER = ("engine", "worker")
 _HERE = Path(__file__).resolve().parent
 
