@@ -369,9 +369,9 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     said = capsys.readouterr().out
     time = re.search(r"alignment time +(\S+) ms\n", said)
     assert float(time[1]) == pytest.approx(1e3 * si["alignment_time_s"], rel=1e-3)
-    assert re.search(r"contact_force_max +20 N\n", said)
+    assert re.search(r"largest normal force at one place +20 N\n", said)
     assert si["results"]["contact_force_max"] == si["contact_force_max_N"]
-    assert re.search(r"  y_rate +\S+ m/s\n", said)
+    assert re.search(r"  velocity along y +\S+ mm/s\n", said)
     assert "dimensionless" not in said
     assert cli.main(["simulate", "--device", PEG, "--dimensionless"]) == cli.DONE
     said = capsys.readouterr().out

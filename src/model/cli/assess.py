@@ -3,6 +3,7 @@
 import argparse
 import os
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +18,9 @@ from model.cli.arguments import (
     stated_device,
 )
 from model.cli.files import check_file, check_picture
-from model.cli.si import in_words, scale, si_words
+from model.cli.si import in_words, range_words, scale, si_list
 from model.cli.simulate import twin_record
-from model.cli.tables import in_columns, print_json
+from model.cli.tables import in_columns, labelled, print_json
 from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from model.study.assessment.yields import Yield
     from model.study.devices import StatedDevice
 
-_WIDTH = 16
+_line = partial(labelled, width=16)
 
 
 def add(commands: Any) -> None:
@@ -114,9 +115,9 @@ def _assess(arguments: argparse.Namespace) -> int:
 def _required(
     arguments: argparse.Namespace, stated: "StatedDevice | None"
 ) -> tuple[float | None, int]:
-    devices = int(number("devices", arguments.devices))
-    if devices < 2 or devices & (devices - 1):
-        raise ValueError(f"devices = {arguments.devices}: must be a power of two, 2 or more")
+    from model.study.assessment.yields import check_devices  # noqa: PLC0415  (only this command)
+
+    devices = check_devices(number("devices", arguments.devices))
     if arguments.require is None:
         return None, devices
     required = number("require", arguments.require)
@@ -145,24 +146,19 @@ def _drawn(
     return drawn, worst_corner(stated, known, starts, settings, cores)
 
 
-def _line(name: str, words: str) -> str:
-    return f"{name:<{_WIDTH}}{words}"
-
-
 def _report(found: "Assessment", units: Units | None, stated: "StatedDevice | None") -> list[str]:
     device = str(stated.source) if stated else "the study's, dimensionless (no --device)"
     starts = f"aligns from {found.aligned} of {found.starts} starts"
+    if found.bases and _open(stated):
+        starts += ", on a base of 100 times the axial stiffness"
+    lines = [_line("device", device)]
     if found.depends_on_base:
-        lines = [_line("depends on the base", ": measure it"), _line("", starts)]
-        lines[0] = "depends on the base: measure it"
+        lines += ["depends on the base: measure it", _line("", starts)]
     else:
-        lines = [_line("reliable" if found.reliable else "not reliable", starts)]
-    if found.bases:
-        lines[-1] += ", on a base of 100 times the axial stiffness" if _open(stated) else ""
-    lines.insert(0, _line("device", device))
+        lines.append(_line("reliable" if found.reliable else "not reliable", starts))
     if found.aligned:
-        times = (in_words(tau, TIME, units) for tau in (found.tau_best, found.tau_worst))
-        lines.append(_line("alignment time", f"{' to '.join(times)}, by the start"))
+        times = range_words(found.tau_best, found.tau_worst, TIME, units)
+        lines.append(_line("alignment time", f"{times}, by the start"))
     few, most = found.separations
     hops = f"{few} to {most}" if few != most else str(few)
     speed = in_words(found.impact_speed, SPEED, units)
@@ -187,19 +183,28 @@ def _bases(found: "Assessment", units: Units | None) -> list[str]:
             if each.restitution is None
             else (f"restitution {each.restitution:g}")
         )
-        times = "-"
-        if each.aligned:
-            both = (in_words(t, TIME, units) for t in (each.tau_best, each.tau_worst))
-            times = " to ".join(both)
+        times = range_words(each.tau_best, each.tau_worst, TIME, units) if each.aligned else "-"
         stiffness = in_words(each.contact_stiffness, STIFFNESS, units)
         ratio = f"({each.contact_stiffness:,.0f} × axial)"
         rows.append((stiffness, ratio, impact, f"{each.aligned} of {each.starts}", times))
-    rigid = found.rigid_from
-    words = "still change at the stiffest base"
-    if rigid is not None and rigid < found.bases[-1].contact_stiffness:
-        words = f"no longer change from {in_words(rigid, STIFFNESS, units)} on"
     return ["contact stiffness, impact, starts that align, alignment time:", *in_columns(rows),
-            _line("stiff bases", f"verdict and time {words}")]  # fmt: skip
+            _line("stiff bases", _stiff_bases(found, units))]  # fmt: skip
+
+
+def _stiff_bases(found: "Assessment", units: Units | None) -> str:
+    stiffest = found.bases[-1].contact_stiffness
+    rigid, decided = (
+        f"from {in_words(each, STIFFNESS, units)} on" if each and each < stiffest else None
+        for each in (found.rigid_from, found.decided_from)
+    )
+    if rigid:
+        return f"neither verdict nor time changes {rigid} (2 %)"
+    if decided is None:
+        return "the verdict still changes at the stiffest"
+    return (
+        f"the verdict does not change {decided}; the time changes by "
+        f"{100.0 * found.last_change:.2g} % over the last decade"
+    )
 
 
 def _advice(found: "Assessment", units: Units | None) -> list[str]:
@@ -263,8 +268,7 @@ def _yield_report(
         ("alignment time", drawn.time, TIME),
         ("contact force", drawn.force, FORCE),
     ):
-        words = ", ".join(si_words(each, quantity) for each in values)
-        lines.append(_line(name, f"{words} (5, 50, 95 %)"))
+        lines.append(_line(name, f"{si_list(values, quantity)} (5, 50, 95 %)"))
     if drawn.blame:
         lines.append("to blame, Sobol' indices: first order and total, of failure and of time")
         lines += in_columns(

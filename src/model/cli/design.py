@@ -3,6 +3,7 @@
 import argparse
 import os
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from model.cli.arguments import (
 )
 from model.cli.files import check_file, check_picture, save_picture
 from model.cli.si import si_words
-from model.cli.tables import in_columns, print_json
+from model.cli.tables import in_columns, labelled, print_json
 from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME
 from model.study.config import load_study, study_path
@@ -29,7 +30,7 @@ _MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 _MISJUDGED = (2.0 / 3.0, 4.0 / 3.0)  # of the friction
 _STARTS = 4  # every so many starts of the study
 _TOLERANCE = 1e-6  # local error of a step, at least
-_WIDTH = 23
+_line = partial(labelled, width=23)
 
 
 def add(commands: Any) -> None:
@@ -129,10 +130,6 @@ def _count(name: str, text: str, least: int) -> int:
     if value != int(value) or value < least:
         raise ValueError(f"{name} = {text}: must be a whole number >= {least}")
     return int(value)
-
-
-def _line(name: str, words: str) -> str:
-    return f"{name:<{_WIDTH}}{words}"
 
 
 def _setting(setting: Any) -> str:

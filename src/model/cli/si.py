@@ -1,21 +1,26 @@
 """Values as a command prints them: in SI units with four digits, or dimensionless."""
 
 import math
+from collections.abc import Sequence
 
 from model.physics.quantities import (
     ANGLE,
     FORCE,
     LENGTH,
     PLAIN,
+    SPEED,
     STIFFNESS,
     TIME,
     Quantity,
 )
 from model.physics.units import Units
 
-# Prefixes below the lower bound and from the upper one on: unit and its value in the SI unit.
-_SMALL = {LENGTH: ("mm", 1e-3, 0.1), TIME: ("ms", 1e-3, 0.1)}
-_LARGE = {STIFFNESS: [("MN/m", 1e6, 1e7), ("kN/m", 1e3, 1e4)], FORCE: [("kN", 1e3, 1e4)]}
+# Units below one SI unit, and from their own size on: name and size in the SI unit.
+_SMALL = {LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3)}
+_LARGE = {
+    STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)],
+    FORCE: [("kN", 1e3)],
+}
 DIGITS = 4
 
 
@@ -27,6 +32,19 @@ def scale(units: Units | None, quantity: Quantity) -> float:
 def in_words(value: float, quantity: Quantity, units: Units | None) -> str:
     """Return a dimensionless ``value`` in the units of the user, with its unit."""
     return si_words(value * scale(units, quantity), quantity) if units else f"{value:.{DIGITS}g}"
+
+
+def range_words(low: float, high: float, quantity: Quantity, units: Units | None) -> str:
+    """Return a dimensionless range in the units of the user, with one unit for both ends."""
+    if units is None:
+        return f"{low:.{DIGITS}g} to {high:.{DIGITS}g}"
+    return si_list([value * units.of(quantity) for value in (low, high)], quantity, " to ")
+
+
+def si_list(values: Sequence[float], quantity: Quantity, between: str = ", ") -> str:
+    """Return values in SI units with four digits, in the unit of the largest."""
+    unit, one = display(max(values, key=abs), quantity)
+    return f"{between.join(f'{value / one:.{DIGITS}g}' for value in values)} {unit}".rstrip()
 
 
 def si_words(value: float, quantity: Quantity) -> str:
@@ -41,9 +59,9 @@ def si_words(value: float, quantity: Quantity) -> str:
 def display(value: float, quantity: Quantity) -> tuple[str, float]:
     """Return the unit in which a value in SI units is shown, and its size in the SI unit."""
     size = abs(value)
-    if quantity in _SMALL and 0.0 < size < _SMALL[quantity][2]:
-        return _SMALL[quantity][:2]
-    for unit, one, least in _LARGE.get(quantity, ()):
-        if size >= least:
+    if quantity in _SMALL and 0.0 < size < 1.0:
+        return _SMALL[quantity]
+    for unit, one in _LARGE.get(quantity, ()):
+        if size >= one:
             return unit, one
     return ("" if quantity == PLAIN else quantity.unit), 1.0

@@ -63,10 +63,10 @@ def _simulate(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(_record(run, settings) | ({"si": _in_si(run, units)} if units else {}))
     else:
-        lines = _report_in_si(run, units) if units else _report(run)
+        lines = _report(run, units)
         lines.append(twin_words(parameters, settings))
         if units and arguments.dimensionless:
-            lines += ["", "dimensionless:", *_report(run)[1:], _units_line(units)]
+            lines += ["", "dimensionless:", *_report(run, None)[1:], _units_line(units)]
         print("\n".join(lines))
     in_units = None if arguments.dimensionless else units
     if arguments.plot is not None and not _draw(run, arguments.plot, in_units):
@@ -129,17 +129,30 @@ def _within(value: float, error: float) -> str:
     return f"{value:.{places}f} ± {error:.1g}"
 
 
-def _report(run: Trajectory) -> list[str]:
+def _report(run: Trajectory, units: Units | None) -> list[str]:
+    """Return the lines on a run: in SI units and words, or dimensionless by the results' names."""
+    aligned = run.outcome == Outcome.ALIGNED
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
-    if run.outcome == Outcome.ALIGNED:
-        rows.append(("tau_align", _within(run.tau_align, run.tau_error)))
-    else:
-        rows += [("what to do", run.remedy), ("tau_align", "none: it does not align")]
-    printed = [(name, each.printed(getattr(run, name))) for name, each in RESULTS.items()]
-    rows += [(name, text) for name, text in printed if text]
-    rows.append(("final state", f"at τ = {run.time[-1]:.9g}"))
-    rows += [(f"  {name}", f"{value: .9g}") for name, value in _final_state(run).items()]
-    return [f"{name:<20}{value}" for name, value in rows] + _sensitive(run)
+    if not aligned:
+        rows.append(("what to do", run.remedy))
+    duration = "none: it does not align"
+    if aligned:
+        error = _within(run.tau_align, run.tau_error)
+        duration = in_words(run.tau_align, TIME, units) if units else error
+    rows.append(("alignment time" if units else "tau_align", duration))
+    for name, each in RESULTS.items():
+        text = each.printed(getattr(run, name))
+        if text and not (units and name == "tau_error"):
+            if units and each.quantity is not PLAIN:
+                text = in_words(getattr(run, name), each.quantity, units)
+            rows.append((each.meaning if units else name, text))
+    end = in_words(float(run.time[-1]), TIME, units) if units else f"τ = {run.time[-1]:.9g}"
+    rows.append(("final state", f"at {end}"))
+    for name, number in _final_state(run).items():
+        words = in_words(number, COURSE[name].quantity, units) if units else f"{number: .9g}"
+        rows.append((f"  {COURSE[name].meaning if units else name}", words))
+    width = max(20, *(2 + len(name) for name, _ in rows))
+    return [f"{name:<{width}}{value}" for name, value in rows] + _sensitive(run)
 
 
 def _sensitive(run: Trajectory) -> list[str]:
@@ -164,26 +177,6 @@ def _in_si(run: Trajectory, units: Units) -> dict[str, Any]:
             for name, value in _final_state(run).items()
         },
     }
-
-
-def _report_in_si(run: Trajectory, units: Units) -> list[str]:
-    rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
-    if run.outcome == Outcome.ALIGNED:
-        rows.append(("alignment time", in_words(run.tau_align, TIME, units)))
-    else:
-        rows += [("what to do", run.remedy), ("alignment time", "none: it does not align")]
-    for name, each in RESULTS.items():
-        text = each.printed(getattr(run, name))
-        if text and name != "tau_error":
-            if each.quantity is not PLAIN:
-                text = in_words(getattr(run, name), each.quantity, units)
-            rows.append((name, text))
-    rows.append(("final state", f"at {in_words(float(run.time[-1]), TIME, units)}"))
-    rows += [
-        (f"  {name}", in_words(value, COURSE[name].quantity, units))
-        for name, value in _final_state(run).items()
-    ]
-    return [f"{name:<20}{value}" for name, value in rows] + _sensitive(run)
 
 
 def _units_line(units: Units) -> str:

@@ -55,6 +55,11 @@ def in_columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
     return ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 
 
+def labelled(name: str, words: str, *, width: int) -> str:
+    """Return a line of ``words`` behind a name in a column of ``width``."""
+    return f"{name:<{width}}{words}"
+
+
 def print_json(value: Any) -> None:
     """Print a record as JSON; numbers that are not finite become null."""
     print(json.dumps(or_null(value), indent=2, ensure_ascii=False, allow_nan=False))

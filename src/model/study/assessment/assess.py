@@ -5,8 +5,9 @@ A device is made with tolerances and wears, and phase and tilt at touch-down can
 tried, each with a lively and a dull impact.
 """
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -52,11 +53,16 @@ class BaseVerdict:
         """True if the device aligns from every start on this base."""
         return self.aligned == self.starts
 
+    @property
+    def times(self) -> tuple[float, float]:
+        """Shortest and longest duration."""
+        return self.tau_best, self.tau_worst
+
     def agrees_with(self, other: "BaseVerdict") -> bool:
         """Return whether as many starts align, in the same time within 2 %."""
-        times = (self.tau_best, other.tau_best), (self.tau_worst, other.tau_worst)
         return self.aligned == other.aligned and all(
-            math.isnan(one) or abs(one - two) <= _SAME_TIME * two for one, two in times
+            math.isnan(one) or abs(one - two) <= _SAME_TIME * two
+            for one, two in zip(self.times, other.times, strict=True)
         )
 
 
@@ -103,11 +109,31 @@ class Assessment:
     @property
     def rigid_from(self) -> float | None:
         """Contact stiffness from which on neither verdict nor time changes, of those tried."""
+        return self._alike_from(BaseVerdict.agrees_with)
+
+    @property
+    def decided_from(self) -> float | None:
+        """Contact stiffness from which on the verdict does not change, of those tried."""
+        return self._alike_from(lambda one, limit: one.reliable == limit.reliable)
+
+    @property
+    def last_change(self) -> float:
+        """Largest relative change of a time between the two stiffest bases; NaN without one."""
+        changes = [
+            abs(limit_time / time - 1.0)
+            for one, limit in itertools.pairwise(self.bases)
+            if limit.contact_stiffness == max(each.contact_stiffness for each in self.bases)
+            for time, limit_time in zip(one.times, limit.times, strict=True)
+        ]
+        return max(filter(math.isfinite, changes), default=math.nan)
+
+    def _alike_from(self, alike: Callable[[BaseVerdict, BaseVerdict], bool]) -> float | None:
+        """Return the stiffness from which on all bases are like the stiffest of their impact."""
         found = None
         for stiffness in sorted({each.contact_stiffness for each in self.bases}, reverse=True):
             for each in self.bases:
                 limit = [b for b in self.bases if b.restitution == each.restitution][-1]
-                if each.contact_stiffness == stiffness and not each.agrees_with(limit):
+                if each.contact_stiffness == stiffness and not alike(each, limit):
                     return found
             found = stiffness
         return found

@@ -66,9 +66,11 @@ def worst_corner(
     own = np.array([stated.quantities[name] for name in names])
     ends = np.array([_ends(stated, name) for name in names])
 
+    def span_of(places: Floats) -> Floats:
+        return np.where(places > 0.0, ends[:, 1] - own, own - ends[:, 0])
+
     def values_at(places: Floats) -> Floats:
-        span = np.where(places > 0.0, ends[:, 1] - own, own - ends[:, 0])
-        return own + places * span
+        return own + places * span_of(places)
 
     def fails(places: Floats) -> np.ndarray:
         rounded = _rounded(values_at(places))
@@ -76,7 +78,7 @@ def worst_corner(
         return ~run_devices(stated, values, starts, settings, cores).goes_in
 
     drawn = np.stack([known.values[name] for name in names], axis=1)[~known.goes_in] - own
-    span = np.where(drawn > 0.0, ends[:, 1] - own, own - ends[:, 0])
+    span = span_of(drawn)
     places = np.divide(drawn, span, out=np.zeros_like(drawn), where=span > 0.0)
     places = np.concatenate([places[np.abs(places).max(axis=1) <= 1.0], _corners(len(names))])
     order = np.argsort(np.abs(places).max(axis=1), kind="stable")

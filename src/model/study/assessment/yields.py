@@ -149,6 +149,17 @@ def run_devices(
     )
 
 
+def check_devices(count: float) -> int:
+    """Return a number of devices.
+
+    Raises:
+        ValueError: it is no power of two, which Sobol' points need.
+    """
+    if count != int(count) or count < 2 or int(count) & (int(count) - 1):
+        raise ValueError(f"devices = {count:g}: must be a power of two, 2 or more")
+    return int(count)
+
+
 def yield_of(
     stated: StatedDevice,
     starts: Starts,
@@ -166,8 +177,7 @@ def yield_of(
     """
     if not stated.tolerances:
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")
-    if devices < 2 or devices & (devices - 1):
-        raise ValueError(f"devices = {devices}: must be a power of two, for Sobol' points")
+    check_devices(devices)
     found = run_devices(stated, drawn(stated, devices, seed), starts, settings, cores)
     going_in = int(found.goes_in.sum())
     low, high = interval(going_in, devices)
