@@ -63,16 +63,16 @@ def test_a_damaged_dataset_is_named(tmp_path: Path, capsys) -> None:
 
 def test_the_regime_is_a_line_for_every_figure_of_every_device(tmp_path: Path, capsys) -> None:
     rows = [
-        Row("former", "fig06", Regime(0.1, 0.65, 0.3, 0.5, 0.94, 1.0)),
-        Row("present", "fig06", Regime(0.0, 0.05, 0.1, 0.2, 1.0, 0.5)),
+        Row("former", "fig06", Regime(0.7, 0.1, 0.65, 0.3, 0.5, 0.94, 1.0)),
+        Row("present", "fig06", Regime(0.3, 0.0, 0.05, 0.1, 0.2, 1.0, 0.5)),
     ]
     (tmp_path / "data").mkdir()
     (tmp_path / "data/regimes.csv").write_text(regimes_text(rows))
     assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.DONE
     head, former, present = capsys.readouterr().out.splitlines()
     assert head.split() == ["device", "figure", *Regime._fields]
-    assert former.split()[:4] == ["former", "fig06", "0.1", "0.65"]
-    assert present.split()[:4] == ["present", "fig06", "0", "0.05"]
+    assert former.split()[:4] == ["former", "fig06", "0.7", "0.1"]
+    assert present.split()[:4] == ["present", "fig06", "0.3", "0"]
     assert cli.main(["claims", "--root", str(tmp_path), "--regime", "--json"]) == cli.DONE
     assert json.loads(capsys.readouterr().out)[1]["tilt"] == 0.1
     (tmp_path / "data/regimes.csv").unlink()

@@ -184,6 +184,10 @@ CASES: dict[str, tuple[Callable[[], Datasets], Callable[[], Datasets]]] = {
         lambda: {**Course().datasets, **curves("fig06", unvibrated_tilt=lambda _, f: 0.03 * f)},
         lambda: curves("fig06", unvibrated_tilt=lambda _, f: 0.06 * f),
     ),
+    "M9": (
+        lambda: {**Course().datasets, **curves("fig06", lambda _, f: 5.0 if f < 4.0 else NAN)},
+        lambda: curves("fig06", lambda _, f: 5.0 if f < 1.2 else NAN),
+    ),
     "M2d": (
         lambda: {**Course().datasets, **curves("fig06")},
         lambda: curves("fig06", tilt_at_alignment=-0.2),

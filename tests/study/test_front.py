@@ -81,8 +81,8 @@ def test_the_front_holds_what_no_other_set_beats() -> None:
 
 
 def test_a_figure_that_never_aligns_counts_as_the_worst() -> None:
-    good = Regime(0.0, 0.1, 0.1, 0.2, 1.0, 0.0)
-    never = Regime(*[np.nan] * 6)
+    good = Regime(0.25, 0.0, 0.1, 0.1, 0.2, 1.0, 0.0)
+    never = Regime(0.0, *[np.nan] * 6)
     both = summary_of([good, never])
     assert both.not_resting == 0.55
     assert (both.not_resting_most, both.corners) == (1.0, 0.0)

@@ -378,12 +378,23 @@ def test_operating_points_chosen_by_the_aims_are_no_worse(study: Study, space: S
 def test_the_device_is_chosen_on_the_grids_of_the_figures(study: Study) -> None:
     own = space_of_figures(study)
     for name in SEARCHED_CURVES:
-        assert own.dimensions[name] == [study.figures[name].family, study.figures[name].swept]
+        swept = study.figures[name].swept
+        if name == "fig10":  # in units of the bare part's inertia, which is the candidate's
+            swept = swept.model_copy(update={"start": 1.0, "stop": 4.0})
+        assert own.dimensions[name] == [study.figures[name].family, swept]
     for name in SEARCHED_MAPS:
         figure = study.figures[name]
         assert [axis.count for axis in own.dimensions[name]] == [figure.y.count // 2] * 2
     for name, run in study.claims_runs.items():
         assert own.dimensions[name] == [run.family, run.swept]
+
+
+def test_another_device_of_the_study_is_no_other_search(study: Study) -> None:
+    changed = study.model_dump()
+    changed["structure"]["half_width"] *= 1.1
+    changed["figures"]["fig06"]["held"]["friction"] *= 1.1
+    changed["figures"]["fig10"]["swept"]["stop"] *= 1.1
+    assert space_of(check_study(changed)).identity == space_of(study).identity
 
 
 def test_a_candidate_as_configured_is_the_candidate(study: Study, space: Space) -> None:

@@ -6,7 +6,7 @@ import xarray as xr
 
 from model.events.outcomes import Outcome, Reason, Unvibrated
 from model.study.map_datasets import BOTH, NEITHER, ONLY_PRESSED, ONLY_VIBRATED, added
-from model.study.vibration import by_start, shares_of
+from model.study.vibration import by_start, overshoot_of
 
 NAN = np.nan
 A, S, L = Outcome.ALIGNED, Outcome.SETTLED, Outcome.LEFT_SCENE
@@ -31,18 +31,9 @@ def points() -> xr.Dataset:
     return xr.Dataset({name: ("f", np.array(values)) for name, values in columns.items()})
 
 
-def test_shares_are_of_the_aligned_points(points):
-    found = shares_of(points)
-    assert (found.points, found.aligned) == (6, 4)
-    assert (found.static, found.overshoot, found.not_resting) == (0.5, 0.25, 0.75)
-    assert (found.tilt_median, found.tilt_largest) == (pytest.approx(0.2), 0.4)
-    assert (found.corners, found.lifting) == (0.75, 0.25)
-
-
-def test_without_aligned_points_there_are_no_shares(points):
-    found = shares_of(points.isel(f=slice(4, None)))
-    assert found.aligned == 0
-    assert np.isnan([found.static, found.tilt_median, found.lifting]).all()
+def test_overshoot_is_of_the_aligned_points(points):
+    assert overshoot_of(points) == 0.25
+    assert np.isnan(overshoot_of(points.isel(f=slice(4, None))))
 
 
 def test_vibration_adds_one_of_four(points):

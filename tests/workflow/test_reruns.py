@@ -21,7 +21,6 @@ DRAWN = {"plot", *JUDGED}
 FIXED = {"fixed_steps", "draw_wrong_points"}
 MAPPED = {"map_part", "map", "draw_vibration"}
 OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
-CONFIGURED = {"regimes"}  # takes the whole configuration: any edit of it runs this again
 ON_BASES = {"contact_stiffness", "draw_contact"}
 COMPUTED = {
     "chunk", "history", "merge", "other_start", "precision", "fixed_steps", *MAPPED, *OWN_RUNS,
@@ -122,7 +121,7 @@ def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[s
     project.configure(tiny)
     planned = project.planned()
     # Maps mark where other figures stand: they are assembled anew, and not computed.
-    marked = {"map", "draw_vibration", "plot", "draw_bands", "explorer", *CONFIGURED, *JUDGED}
+    marked = {"map", "draw_vibration", "plot", "draw_bands", "explorer", "regimes", *JUDGED}
     assert rules(planned) == {"chunk", "merge", "other_start", *marked}
     assert all("fig11" in output or rule in marked for rule, output in planned)
 
@@ -131,8 +130,8 @@ def test_a_caption_computes_nothing(project: Any, tiny: dict[str, Any]) -> None:
     tiny["figures"]["fig11"]["title"] = "Another title"
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"merge", "draw_bands", "explorer", *CONFIGURED, *DRAWN}
-    of_all = {"draw_bands", "explorer", *CONFIGURED, *JUDGED}
+    assert rules(planned) == {"merge", "draw_bands", "explorer", *DRAWN}
+    of_all = {"draw_bands", "explorer", *JUDGED}
     assert all("fig11" in output or rule in of_all for rule, output in planned)
 
 
@@ -143,8 +142,8 @@ def test_another_number_of_chunks_computes_that_figure_anew(
     project.configure(tiny)
     planned = project.planned()
     # Its picture is that of its refined map, with the figure's own points that do not go in.
-    assert rules(planned) == {"chunk", "merge", "explorer", *CONFIGURED, *FIXED, *DRAWN}
-    of_all = {"draw_wrong_points", "explorer", *CONFIGURED, *JUDGED}
+    assert rules(planned) == {"chunk", "merge", "explorer", *FIXED, *DRAWN}
+    of_all = {"draw_wrong_points", "explorer", *JUDGED}
     assert all("fig13" in output or rule in of_all for rule, output in planned)
 
 
@@ -152,13 +151,13 @@ def test_a_setting_of_all_figures_computes_everything(project: Any, tiny: dict[s
     tiny["settings"] = {"tolerance": 1e-9}
     project.configure(tiny)
     # The figures on other bases have a tolerance of their own.
-    assert rules(project.planned()) == {"draw_bands", *CONFIGURED, *COMPUTED} - ON_BASES
+    assert rules(project.planned()) == {"draw_bands", *COMPUTED} - ON_BASES
 
 
 def test_a_run_of_the_ledger_runs_the_ledger_only(project: Any, tiny: dict[str, Any]) -> None:
     tiny["claims_runs"]["rubbing"]["held"] = {"frequency": 0.6}
     project.configure(tiny)
-    assert rules(project.planned()) == {*OWN_RUNS, "explorer", *CONFIGURED, *JUDGED}
+    assert rules(project.planned()) == {*OWN_RUNS, "explorer", *JUDGED}
 
 
 def test_a_lost_file_is_made_again(project: Any) -> None:

@@ -5,6 +5,8 @@ from model.study.config import CURVES
 from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES
+from model.study.identification.regimes import own_set
+from model.study.identification.results import FINER
 
 # What was found is committed: these tables are made by `identification`, and then copied there.
 identified_tables = [Path(f"config/identification/{table}.csv") for table in TABLES]
@@ -15,6 +17,7 @@ identified_pictures = [
 ]
 
 banded = space_of(study).only(CURVES)  # the curves that it computes
+finer = space_of(study, FINER)
 
 job(
     "draw_identification",
@@ -56,7 +59,10 @@ job(
     "regimes",
     dict(table=root / "data/regimes.csv"),
     after_kernels,
-    dict(study=study),
+    dict(
+        space=finer.only(finer.figures),
+        sets={**study.identification.former, "present": own_set(study)},
+    ),
     message="identification: the regime of every figure, of the former device and of the study's",
 )
 

@@ -1,4 +1,4 @@
-"""Share of the vibration in a figure: twins, tilts, and what another start changes."""
+"""Share of the vibration in a figure that overshoot explains, and what another start changes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,51 +14,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@dataclass(frozen=True)
-class Shares:
-    """Aligned points of a figure: shares of them, and angles in radians; NaN where none aligns.
+def overshoot_of(dataset: "xr.Dataset") -> float:
+    """Return the share of the aligned points whose twin aligns, but rests if it is pressed slowly.
 
-    Attributes:
-        points, aligned: number of all points, and of those that align.
-        static: share whose unvibrated twin aligns as well.
-        overshoot: share whose twin aligns, but rests if it is pressed slowly.
-        not_resting: share whose twin does not rest on the edge.
-        tilt_median, tilt_largest: tilt at alignment.
-        corners: share that meets the four corner conditions.
-        lifting: share that lifts off before it aligns.
+    NaN where no point aligns.
     """
-
-    points: int
-    aligned: int
-    static: float
-    overshoot: float
-    not_resting: float
-    tilt_median: float
-    tilt_largest: float
-    corners: float
-    lifting: float
-
-
-def shares_of(dataset: "xr.Dataset") -> Shares:
-    """Return the ``Shares`` of a figure's dataset."""
-    aligned = dataset["outcome"].values.ravel() == Outcome.ALIGNED
-    values = {name: dataset[name].values.ravel()[aligned] for name in dataset.data_vars
-              if dataset[name].shape == dataset["outcome"].shape}  # fmt: skip
-    if not aligned.any():
-        return Shares(aligned.size, 0, *[float("nan")] * 7)
-    static = values["unvibrated"] == Unvibrated.ALIGNS
-    tilt = np.abs(values["tilt_at_alignment"])
-    return Shares(
-        points=aligned.size,
-        aligned=int(aligned.sum()),
-        static=float(static.mean()),
-        overshoot=float((static & np.isfinite(values["slow_tilt"])).mean()),
-        not_resting=float((values["unvibrated"] != Unvibrated.RESTS).mean()),
-        tilt_median=float(np.median(tilt)),
-        tilt_largest=float(tilt.max()),
-        corners=float(np.isfinite(values["tau_corners_inside"]).mean()),
-        lifting=float((values["separations"] > 0).mean()),
-    )
+    aligned = dataset["outcome"].values == Outcome.ALIGNED
+    static = dataset["unvibrated"].values[aligned] == Unvibrated.ALIGNS
+    rests_slowly = np.isfinite(dataset["slow_tilt"].values[aligned])
+    return float((static & rests_slowly).mean()) if static.size else float("nan")
 
 
 # --- The other start ----------------------------------------------------------------------------

@@ -53,7 +53,7 @@ def section(results: Results) -> Section | None:
 def regime_table(rows: Sequence[Row]) -> Table:
     """Return the regimes by figure, one device beside the other."""
     devices = list(dict.fromkeys(row.device for row in rows))
-    names = ("static", "not at rest", "median tilt", "largest", "corners", "lift-offs")
+    names = ("aligned", "static", "not at rest", "median tilt", "largest", "corners", "lift-offs")
     by_figure: dict[str, list[str]] = {}
     for row in rows:
         cells = by_figure.setdefault(row.figure, [figure_title(row.figure)])

@@ -10,8 +10,10 @@ from markupsafe import Markup
 
 from model.show.report.section import Results, Section, Table
 from model.show.words import figure_title, number, percent
+from model.study.claims.reading import Data
+from model.study.claims.regime import regime_of
 from model.study.config import COMPUTED
-from model.study.vibration import by_start, changed_claims, shares_of
+from model.study.vibration import by_start, changed_claims, overshoot_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,11 +51,12 @@ def section(results: Results) -> Section:
 
 
 def _shares(name: str, dataset: "xr.Dataset") -> Sequence[object]:
-    found = shares_of(dataset)
-    shares = found.static, found.overshoot, found.not_resting, found.corners, found.lifting
+    found = regime_of(Data({name: dataset}), name)
+    points = dataset["outcome"].size
+    shares = found.static, overshoot_of(dataset), found.not_resting, found.corners, found.lift_offs
     static, overshoot, resting, corners, lifting = map(_percent, shares)
-    tilts = (f"{np.degrees(tilt):.1f}°" for tilt in (found.tilt_median, found.tilt_largest))
-    head = figure_title(name), f"{found.aligned:,} of {found.points:,}"
+    tilts = (f"{np.degrees(tilt):.1f}°" for tilt in (found.tilt, found.tilt_largest))
+    head = figure_title(name), f"{round(found.aligned * points):,} of {points:,}"
     return *head, static, overshoot, resting, *tilts, corners, lifting
 
 

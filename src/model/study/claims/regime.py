@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from model.events.outcomes import Unvibrated
 from model.study.claims.claims import CLAIMS
 from model.study.claims.reading import Data
 from model.study.claims.statistics import NAN
@@ -16,17 +17,19 @@ _CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
 
 
 class Regime(NamedTuple):
-    """Numbers of one figure's points that align; NaN where none does.
+    """Numbers of one figure; all but the first are of its points that align, NaN where none does.
 
     Attributes:
+        aligned: share of all points that align (claim M9).
         static: share whose unvibrated twin aligns too.
-        not_resting: share whose twin does not come to rest on A1, slightly tilted (claim M4b).
+        not_resting: share whose twin does not come to rest on A1, slightly tilted (M4b).
         tilt: median magnitude of the tilt at alignment in radians (M2d).
         tilt_largest: largest one.
         corners: share that meets the four corner conditions (C8c).
         lift_offs: share that lifts off before (N1).
     """
 
+    aligned: float
     static: float
     not_resting: float
     tilt: float
@@ -48,7 +51,8 @@ def regime_of(data: Data, figure: str) -> Regime:
     points = data.points(figure)
     tilts = np.abs(points.column("tilt_at_alignment", aligned=True))
     return Regime(
-        static=points.share({"unvibrated": 0}, {"aligned": 1}),
+        aligned=number("M9"),
+        static=points.share({"unvibrated": Unvibrated.ALIGNS}, {"aligned": 1}),
         not_resting=1.0 - number("M4b"),
         tilt=number("M2d"),
         tilt_largest=float(np.nanmax(tilts)) if points.aligned.any() else NAN,
@@ -76,7 +80,7 @@ class Summary(NamedTuple):
 def summary_of(regimes: Iterable[Regime]) -> Summary:
     """Return the regime of several figures together."""
     numbers = np.array(list(regimes))
-    worst = Regime(1.0, 1.0, np.pi / 2, np.pi / 2, 0.0, 1.0)
+    worst = Regime(0.0, 1.0, 1.0, np.pi / 2, np.pi / 2, 0.0, 1.0)
     numbers = np.where(np.isnan(numbers), worst, numbers)
     each = Regime(*numbers.T)
     return Summary(

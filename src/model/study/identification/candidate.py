@@ -32,6 +32,10 @@ from model.study.sweeps import Sweep
 TYPICAL_TILT_STIFFNESS = 10.0  # at which the tilt's damping ratio is taken; the paper varies k_φ
 FINE_TOLERANCE = 1e-8
 REST_HORIZON = 300.0  # what is not vibrated must be seen to come to rest
+DEVICE = (  # the parameters that ``structure_of`` returns
+    "half_width", "half_height", "inertia",
+    "lateral_stiffness", "lateral_damping", "axial_damping", "tilt_damping",
+)  # fmt: skip
 MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
 
 Array = NDArray[np.float64]
@@ -306,7 +310,8 @@ def _space(study: Study, law: SearchLaw, reading: str) -> Space:
         spec = study.figures[name]
         count = {"count": law.counts.get(name)}
         if isinstance(spec, Curves):
-            dimensions[name] = [spec.family, spec.swept.model_copy(update=count)]
+            ends = {"start": 1.0, "stop": MOST_INERTIA} if spec.swept.parameter == "inertia" else {}
+            dimensions[name] = [spec.family, spec.swept.model_copy(update={**count, **ends})]
         elif isinstance(spec, Map):
             dimensions[name] = [axis.model_copy(update=count) for axis in (spec.y, spec.x)]
         else:
@@ -315,8 +320,10 @@ def _space(study: Study, law: SearchLaw, reading: str) -> Space:
     for name, run in runs.items():
         swept = run.swept.model_copy(update={"count": law.run_counts[name]})
         dimensions[name] = [run.family, swept]
+    # What is searched is not the study's: another device is no other search.
+    stated = {**study.operating_point, **study.structure}
     return Space(
-        fixed={**study.operating_point, **study.structure},
+        fixed={name: value for name, value in stated.items() if name not in DEVICE},
         dimensions=dimensions,
         runs=runs,
         law=law,

@@ -8,10 +8,8 @@ from model.study.claims.reading import Data
 from model.study.claims.regime import Regime, regime_of
 from model.study.config import Study
 from model.study.csv_tables import csv_text, read_rows
-from model.study.identification.candidate import Space, searched_of, space_of
+from model.study.identification.candidate import Space, searched_of
 from model.study.identification.evaluate import datasets_of
-
-_FINER = 3  # times the values along each axis of the search
 
 
 class Row(NamedTuple):
@@ -33,10 +31,8 @@ def own_set(study: Study) -> dict[str, float]:
     return {**searched_of(study.structure), **held}
 
 
-def regimes_of(study: Study) -> list[Row]:
-    """Return the regimes of the former devices and of the study's, on finer grids."""
-    space: Space = space_of(study, _FINER)
-    sets = {**study.identification.former, "present": own_set(study)}
+def regimes_of(space: Space, sets: Mapping[str, Mapping[str, float]]) -> list[Row]:
+    """Return the regime of every figure of a space, of sets by device."""
     found = []
     for device, values in sets.items():
         (made,) = datasets_of(space, space.point_of(values)[None], space.figures)
