@@ -9,11 +9,9 @@ where the mount says that locks stay on this machine, the command is refused.
 
 import fcntl
 import os
+import subprocess
 import sys
 import time
-from pathlib import Path
-
-MOUNTS = Path("/proc/self/mountinfo")
 
 # Mount options by which a file system keeps locks on the machine, or has none.
 UNSAFE = {
@@ -24,29 +22,15 @@ UNSAFE = {
 }
 
 
-def mount_of(device: str, table: list[str]) -> tuple[str, set[str]]:
-    """Return (type, options) of a mounted device; ("", empty) if the table has it not.
-
-    Args:
-        device: as "8:1".
-        table: lines of ``MOUNTS``.
-    """
-    for fields in map(str.split, reversed(table)):
-        if fields[2] == device:
-            kind, _, options = fields[fields.index("-") + 1 :]
-            return kind, {*fields[5].split(","), *options.split(",")}
-    return "", set()
-
-
 def refuse_unsafe(path: str) -> None:
     """Exit if locks of the file system that holds ``path`` do not hold on other machines."""
-    number = Path(path).stat().st_dev
+    question = ["findmnt", "--first-only", "--noheadings", "--output=FSTYPE,OPTIONS", "--target"]
     try:
-        table = MOUNTS.read_text(encoding="utf-8").splitlines()
-    except OSError:  # no Linux
+        asked = subprocess.run([*question, path], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):  # no Linux
         return
-    kind, options = mount_of(f"{os.major(number)}:{os.minor(number)}", table)
-    if told := sorted(UNSAFE.get(kind, set()) & options):
+    kind, options = asked.stdout.rstrip().split(maxsplit=1)
+    if told := sorted(UNSAFE.get(kind, set()).intersection(options.split(","))):
         sys.exit(f"{path}: {kind} is mounted here with {', '.join(told)}, so that no other machine "
                  "sees a lock: have it mounted without, or work in another folder")  # fmt: skip
 
