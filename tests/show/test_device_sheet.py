@@ -18,7 +18,11 @@ GROUPS = {
 
 def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     study = load_study(study_path())
-    stated, settings = read_device(PEG), Settings(horizon=40.0, tolerance=1e-6)
+    stated, settings = (
+        read_device(PEG, {"press_force": "12 N"}),
+        Settings(horizon=40.0, tolerance=1e-6),
+    )
+    (tmp_path / "peg.html").write_text("an explorer")
     pages = []
     for name in ("one.html", "two.html"):
         write_sheet(tmp_path / name, stated, GROUPS, study, settings)
@@ -26,7 +30,8 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     assert pages[0] == pages[1]
     page = pages[0].decode()
     assert page.count("data:image/svg+xml;base64,") == 3
-    assert not re.search(r'(src|href)="(?!data:)', page)
-    assert "reliable aligns from 32 of 32 starts" in page
-    assert re.search(r"<td>press force</td><td>10 N</td><td>± 1</td>", page)
+    assert re.findall(r'(?:src|href)="(?!data:)([^"]*)', page) == ["peg.html#press_force=12.0"]
+    assert "reliable: aligns from 32 of 32 starts" in page
+    assert re.search(r"<td>press force</td><td>12 N</td><td>± 1.2 N</td>", page)
+    assert re.search(r"<td>amplitude</td><td>1 mm</td><td>± 0.05 mm</td>", page)
     assert "@page { size: A4" in page

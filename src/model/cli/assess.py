@@ -18,7 +18,6 @@ from model.cli.arguments import (
     stated_device,
 )
 from model.cli.files import check_file, check_picture
-from model.cli.si import in_words, range_words, scale, si_list
 from model.cli.simulate import twin_record
 from model.cli.tables import in_columns, labelled, print_json
 from model.physics.parameters import FIELDS
@@ -26,6 +25,7 @@ from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.simulate import simulate
 from model.runs.twin import twin_words
+from model.show.si import in_words, range_words, scale, si_list
 from model.study.config import load_study, study_path
 
 if TYPE_CHECKING:
@@ -58,7 +58,10 @@ def add(commands: Any) -> None:
     add("--require", metavar="YIELD", help=words)
     words = "devices drawn within the tolerances, a power of two (default: 4096)"
     add("--devices", metavar="N", default="4096", help=words)
-    words = "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4"
+    words = (
+        "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4; links to "
+        "the page of `vibralign explore` if it lies beside it as DEVICE.html"
+    )
     add("--sheet", type=Path, metavar="FILE", help=words)
     add_model_options(parser)
     add_json(parser)
@@ -162,7 +165,7 @@ def _report(found: "Assessment", units: Units | None, stated: "StatedDevice | No
     few, most = found.separations
     hops = f"{few} to {most}" if few != most else str(few)
     speed = in_words(found.impact_speed, SPEED, units)
-    lines.append(_line("lift-offs", f"{hops}; touches down at up to {speed}"))
+    lines.append(_line("lift-offs", hops + (f"; touches down at up to {speed}" if most else "")))
     force = in_words(found.contact_force_max, FORCE, units)
     tilt = in_words(found.tilt_max, ANGLE, units)
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}"))

@@ -17,10 +17,9 @@ from model.cli.arguments import (
     stated_device,
 )
 from model.cli.files import check_file, check_picture, save_picture
-from model.cli.si import si_words
 from model.cli.tables import in_columns, labelled, print_json
-from model.physics.parameters import FIELDS
-from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME
+from model.physics.quantities import ANGLE, FORCE, TIME
+from model.show.si import quantity_of, si_words
 from model.study.config import load_study, study_path
 
 if TYPE_CHECKING:
@@ -137,8 +136,7 @@ def _setting(setting: Any) -> str:
 
 
 def _value(name: str, value: float) -> str:
-    quantity = _MEASURES.get(name) or (FIELDS[name].quantity if name in FIELDS else PLAIN)
-    return si_words(value, quantity)
+    return si_words(value, _MEASURES.get(name) or quantity_of(name))
 
 
 def _report(design: "Design", search: "Search", others: "list[Misjudged]") -> list[str]:

@@ -1,9 +1,11 @@
 """The sheet of a device that ``vibralign assess --sheet`` writes."""
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
+from urllib.parse import urlencode
 
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
@@ -51,7 +53,7 @@ def write_sheet(
     title = f"Area of stable alignment over {spans[0].parameter} and {spans[1].parameter}"
     cores = os.cpu_count() or 1
     plane = map_dataset(plan, nothing_known(plan), title, "Of a device sheet.", cores=cores)
-    verdict = " ".join(groups["Verdict"][1].split())
+    verdict = re.sub(r"^((not )?reliable)\s+", r"\1: ", groups["Verdict"][1])
     good = verdict.startswith("reliable")
     if "Yield" in groups:
         share = " ".join(groups["Yield"][0].split()).partition(":")[0]
@@ -63,9 +65,20 @@ def write_sheet(
         lines=[("Verdict", groups["Verdict"][2:]), *list(groups.items())[1:]],
         run=simulate_once(device.parameters, settings),
         plane=in_si(plane, device.units),
+        explorer=_explorer(path, stated),
     )
     with whole_file(path) as part:
         part.write_text(render(sheet), encoding="utf-8")
+
+
+def _explorer(path: Path, stated: StatedDevice) -> str | None:
+    """Return the address of the device in its explorer, if DEVICE.html lies beside the sheet."""
+    page = path.with_name(f"{stated.source.stem}.html")
+    if page.name == path.name or not page.exists():
+        return None
+    quantities = stated.resolved({})
+    changes = {name: quantities[name] for name in stated.changes if name in FIELDS}
+    return f"{page.name}#{urlencode(changes)}" if changes else page.name
 
 
 def _span(stated: StatedDevice, name: str) -> Span:

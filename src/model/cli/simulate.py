@@ -16,7 +16,6 @@ from model.cli.arguments import (
     settings_of,
 )
 from model.cli.files import check_file, check_picture, save_picture
-from model.cli.si import in_words
 from model.cli.tables import print_json
 from model.engines.results import COURSE, RESULTS
 from model.events.outcomes import Outcome, Unvibrated
@@ -27,6 +26,7 @@ from model.physics.units import Units
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.twin import twin_results, twin_words
+from model.show.si import in_words
 from model.study.config import load_study, study_path
 from model.study.files import whole_file
 from model.tracking.provenance import version

@@ -15,6 +15,7 @@ from matplotlib.patches import Polygon, Rectangle
 from model.show import plots, style
 from model.show.history import trajectory
 from model.show.schematics.pose import resting_pose
+from model.show.si import display, quantity_of
 from model.study.devices import StatedDevice
 
 if TYPE_CHECKING:
@@ -92,13 +93,14 @@ def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
 
     rows = []
     for name, value in stated.resolved({}).items():
-        unit = unit_of(name).replace("1", "")
+        unit, one = display(value, quantity_of(name))
+        unit = unit or unit_of(name).replace("1", "")
         tolerance = stated.tolerances.get(name)
         spread = ""
         if tolerance is not None:
             sign = "±" if tolerance.kind == "uniform" else "σ"
-            spread = f"{sign} {tolerance.around(value):.3g}"
-        rows.append((name.replace("_", " "), f"{value:.4g} {unit}".strip(), spread))
+            spread = f"{sign} {tolerance.around(value) / one:.3g} {unit}".strip()
+        rows.append((name.replace("_", " "), f"{value / one:.4g} {unit}".strip(), spread))
     return rows
 
 

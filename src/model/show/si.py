@@ -1,8 +1,9 @@
-"""Values as a command prints them: in SI units with four digits, or dimensionless."""
+"""Values as commands and sheets print them: in SI units with four digits, or dimensionless."""
 
 import math
 from collections.abc import Sequence
 
+from model.physics.parameters import FIELDS
 from model.physics.quantities import (
     ANGLE,
     FORCE,
@@ -22,6 +23,12 @@ _LARGE = {
     FORCE: [("kN", 1e3)],
 }
 DIGITS = 4
+
+
+def quantity_of(name: str) -> Quantity:
+    """Return the quantity of one of a device's numbers; ``PLAIN`` for one without a prefix."""
+    of_units = {"amplitude": LENGTH, "axial_stiffness": STIFFNESS}
+    return FIELDS[name].quantity if name in FIELDS else of_units.get(name, PLAIN)
 
 
 def scale(units: Units | None, quantity: Quantity) -> float:
