@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from model import Settings
+from model.events.outcomes import Unvibrated
+from model.runs.twin import Unvibrations
 from model.study import design as designs
 from model.study.assessment.yields import Devices
 from model.study.datasets import write_dataset
@@ -52,6 +54,51 @@ def test_share_margin_and_measures_are_those_of_the_devices_around(monkeypatch):
     assert found.measures["time"] == pytest.approx(1.0 / np.array([24.0, 9.0, 4.0]))
 
 
+def test_a_margin_is_known_to_an_eighth_of_a_tolerance(monkeypatch):
+    oracle(monkeypatch)
+    one = search()
+    one.stated = replace(one.stated, tolerances={"friction": one.stated.tolerances["friction"]})
+    forces = np.array([[6.0, 0.5], [8.0, 0.5], [11.0, 0.5], [14.0, 0.5], [18.0, 0.5]])
+    exact = (0.1 + forces[:, 0] / 100.0 - 0.15) / 0.05
+    margin = one.judge(forces).margin
+    assert (margin >= exact).all()
+    assert (margin <= exact + 0.125).all()
+
+
+def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
+    oracle(monkeypatch)
+
+    def twins(batch, *_):  # a dimensionless press force of 4 is one of 12 N
+        aligns = batch.values["press_force"] > 4.0
+        return Unvibrations(np.where(aligns, Unvibrated.ALIGNS, Unvibrated.RESTS), None)
+
+    monkeypatch.setattr(designs, "unvibrated", twins)
+    needed, not_needed = (
+        search({"vibration": share, "contact_force": 40.0}).run(8, 12) for share in (1.0, 0.0)
+    )
+    assert needed.feasible
+    assert not_needed.feasible
+    assert needed.setting["press_force"] < 12.0 < not_needed.setting["press_force"]
+    none = search({"vibration": 0.0, "contact_force": 20.0}).run(4, 12)
+    assert not none.feasible
+    assert set(none.to_relax()) == {"vibration", "contact_force"}
+    text = PEG.read_text() + "limits: {vibration: needed}\n"
+    (tmp_path / "peg.yaml").write_text(text)
+    assert read_device(tmp_path / "peg.yaml").limits == {"vibration": 1.0}
+    (tmp_path / "peg.yaml").write_text(text.replace("needed", "often"))
+    with pytest.raises(ValueError, match="vibration = 'often': must be needed or not needed"):
+        read_device(tmp_path / "peg.yaml")
+
+
+def test_a_search_is_not_beaten_by_a_fine_grid(monkeypatch):
+    oracle(monkeypatch)
+    limits = {"contact_force": 30.0}
+    best = search(limits).run(12, 12)
+    force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 81), np.linspace(0.1, 0.9, 33))
+    grid = search(limits).judge(np.stack([force.ravel(), tilt.ravel()], axis=1))
+    assert best.judged.score(limits)[best.best] <= grid.score(limits).min() + 1e-3
+
+
 def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatch):
     oracle(monkeypatch)
     best = search({"contact_force": 40.0}).run(8, 12)
@@ -74,10 +121,11 @@ def test_a_limit_that_none_keeps_is_named_with_what_it_would_take(monkeypatch):
 
 def test_an_interrupted_search_is_continued_and_ends_alike(monkeypatch, tmp_path):
     calls = oracle(monkeypatch)
-    whole = search()
-    expected = whole.run(4, 8)
+    expected = search().run(4, 8)
+    whole = sum(calls)
     first = search()
     first.run(2, 8)
+    before = sum(calls) - whole
     path = tmp_path / "design.nc"
     dataset = design_dataset(first, designs.Design(first.all_known(), 0, {}))
     write_dataset(dataset, path)
@@ -90,7 +138,7 @@ def test_an_interrupted_search_is_continued_and_ends_alike(monkeypatch, tmp_path
     calls.clear()
     found = again.run(4, 8)
     assert found.setting == expected.setting
-    assert sum(calls) < (len(whole.known) - len(first.known) + 1) * len(again._offsets())
+    assert sum(calls) <= whole - before
 
 
 def test_a_misjudged_friction_moves_the_recommendation(monkeypatch):

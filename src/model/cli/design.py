@@ -21,6 +21,7 @@ from model.cli.tables import in_columns, labelled, print_json
 from model.physics.quantities import ANGLE, FORCE, TIME
 from model.show.si import quantity_of, si_words
 from model.study.config import load_study, study_path
+from model.study.devices.stated import VIBRATION
 
 if TYPE_CHECKING:
     from model.study.design import Design, Misjudged, Search
@@ -40,7 +41,8 @@ def add(commands: Any) -> None:
         _design,
         "choose the free quantities of a device for the largest margin, then time",
         ". The device file names what is free (free: {press_force: 5 to 20 N}) and the limits "
-        "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg}). Every setting that is tried "
+        "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg, vibration: needed}, or not "
+        "needed). Every setting that is tried "
         "is judged by devices within the tolerances, and within twice and three times them; of "
         "settings with which all go in, the one whose nearest failure is farthest, then the "
         "fastest.",
@@ -153,6 +155,10 @@ def _report(design: "Design", search: "Search", others: "list[Misjudged]") -> li
         most = "" if limit is None else f" (limit {si_words(limit, quantity)})"
         value = si_words(float(judged.measures[name][best]), quantity)
         lines.append(_line(f"largest {name}", value + most))
+    if "vibration" in design.limits:
+        needs, asked = judged.measures["vibration"][best], _asked(design.limits["vibration"])
+        words = f"needed by {100.0 * needs:.3g} % of the devices within the tolerances"
+        lines.append(_line("vibration", f"{words} (limit: {asked})"))
     binding = design.binding(search.stated.free)
     lines.append(_line("what binds", ", ".join(binding) or "nothing: it lies inside"))
     lines.append(_line("tried", f"{judged.share.size} settings"))
@@ -182,11 +188,20 @@ def _relax(design: "Design") -> list[str]:
         return [_line("what to relax", words)]
     lines = []
     for name, value in relaxed.items():
+        if name == "vibration":
+            words = f"vibration: leave out that it is {_asked(design.limits[name])}"
+            lines.append(_line("what to relax", words))
+            continue
         limit, quantity = design.limits[name], _MEASURES[name]
         by = 100.0 * (value / limit - 1.0)
         words = f"{name} from {si_words(limit, quantity)} to {si_words(value, quantity)}"
         lines.append(_line("what to relax", f"{words} ({by:+.2g} %)"))
     return lines
+
+
+def _asked(share: float) -> str:
+    """Return the limit of the vibration as the file states it."""
+    return next(words for words, each in VIBRATION.items() if each == share)
 
 
 def _misjudged_lines(each: "Misjudged") -> list[str]:
@@ -210,7 +225,7 @@ def _record(design: "Design", search: "Search", others: "list[Misjudged]") -> di
         "setting": design.setting,
         "yield": float(judged.share[best]),
         "margin": float(judged.margin[best]),
-        **{name: float(judged.measures[name][best]) for name in _MEASURES},
+        **{name: float(values[best]) for name, values in judged.measures.items()},
         "binding": design.binding(search.stated.free),
         "relax": {} if design.feasible else design.to_relax(),
         "tried": int(judged.share.size),

@@ -1,8 +1,8 @@
 """Design: choose the free quantities of a device within their ranges and limits.
 
-Every candidate setting is judged by devices drawn within its tolerances, and within multiples of
-them. *Yield* is the share that goes in from every start; *margin* is the distance of the nearest
-failing device, in tolerances, at most ``FARTHEST``. The best setting has the largest yield, keeps
+Every candidate setting is judged by devices drawn within its tolerances. *Yield* is the share that
+goes in from every start; *margin* is the distance of the nearest failing device on ``POINTS`` lines
+from the setting, in tolerances, at most ``FARTHEST``. The best setting has the largest yield, keeps
 the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
 Differential evolution (scipy) seeks it; it is seeded, and what was computed is kept, so that a
 search that was interrupted is replayed up to where it stood.
@@ -19,21 +19,24 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
+from model.events.outcomes import Unvibrated
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
-from model.study.assessment.yields import Floats, run_devices
+from model.runs.twin import unvibrated
+from model.study.assessment.yields import Floats, batch_of, run_devices
 from model.study.devices import StatedDevice, Tolerance
 from model.study.starts import Starts
 
 POINTS = 16  # devices drawn within the tolerances of a candidate, a power of two
 SCALES = (1.0, 2.0, 3.0)  # multiples of the tolerances that are tried
 FARTHEST = SCALES[-1]
+HALVINGS = 3  # of the interval that holds the nearest failure on a line: known to 1/8
 MARGIN_STEP = 0.25
 ASSUMED = Tolerance("uniform", 0.1, relative=True)  # of a device that states none
 ASSUMED_OF = ("press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance")
 _SIGMAS = 2.0  # of a normal tolerance, taken as its end
 NEAR = 0.05  # of a limit or of a range: so near, it binds
-MEASURES = ("time", "contact_force", "tilt")
+MEASURES = ("time", "contact_force", "tilt", "vibration")
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,8 @@ class Judged:
         settings: the free quantities, each of shape (n,).
         share: share of the devices within the tolerances that go in from every start.
         margin: distance of the nearest failing device, in tolerances.
-        measures: longest time, largest contact force and largest tilt within the tolerances.
+        measures: longest time, largest contact force and largest tilt within the tolerances, and
+            the share of those devices that do not align without vibration; NaN if not asked for.
     """
 
     settings: Mapping[str, Floats]
@@ -56,7 +60,12 @@ class Judged:
         """Return the largest excess over the limits, relative; <= 0 where all are kept."""
         if not limits:
             return np.full(self.share.size, -1.0)
-        each = [self.measures[name] / limit - 1.0 for name, limit in limits.items()]
+        each = [
+            np.abs(self.measures[name] - limit)
+            if name == "vibration"
+            else self.measures[name] / limit - 1.0
+            for name, limit in limits.items()
+        ]
         return np.nan_to_num(np.max(each, axis=0), nan=9.0)
 
     def keeps(self, limits: Mapping[str, float]) -> NDArray[np.bool_]:
@@ -113,7 +122,7 @@ class Design:
         found = [
             f"limit of {name}"
             for name, limit in self.limits.items()
-            if self.judged.measures[name][self.best] > (1.0 - NEAR) * limit
+            if name != "vibration" and self.judged.measures[name][self.best] > (1.0 - NEAR) * limit
         ]
         for name, (low, high) in free.items():
             value, near = self.setting[name], NEAR * (high - low)
@@ -167,7 +176,7 @@ class Search:
     def identity(self) -> str:
         """Hash of all that the results depend on."""
         whole = asdict(replace(self.stated, source=None, changes={}))  # type: ignore[arg-type]
-        whole |= {"starts": list(self.starts), "seed": self.seed, "points": POINTS}
+        whole |= {"starts": list(self.starts), "seed": self.seed, "points": (POINTS, HALVINGS)}
         whole |= {"tolerance": self.run_settings.tolerance, "horizon": self.run_settings.horizon}
         text = json.dumps(whole, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -232,41 +241,72 @@ class Search:
         )
 
     def _compute(self, points: Floats) -> None:
-        offsets = self._offsets()
-        names = list(dict.fromkeys((*self.stated.free, *self.stated.tolerances)))
-        base = {name: np.full(len(points), self.stated.quantities[name]) for name in names}
-        base |= dict(zip(self.stated.free, points.T, strict=True))
-        values = {name: np.repeat(own[:, None], len(offsets), axis=1) for name, own in base.items()}
-        for i, (name, tolerance) in enumerate(self.stated.tolerances.items()):
-            widths = np.array([tolerance.around(v) for v in base[name].tolist()])
-            widths *= 1.0 if tolerance.kind == "uniform" else _SIGMAS
-            least = 1e-3 * base[name][:, None] if _is_positive(name) else -np.inf
-            values[name] = np.maximum(
-                base[name][:, None] + widths[:, None] * offsets[None, :, i], least
-            )
-        _keep_on_edge(self.stated, values)
-        flat = {name: each.ravel() for name, each in values.items()}
-        found = run_devices(self.stated, flat, self.starts, self.run_settings, self.cores)
-        shape = len(points), len(offsets)
-        goes_in, reach = found.goes_in.reshape(shape), np.abs(offsets).max(axis=1)
-        inside = reach <= 1.0
-        margin = np.where(goes_in, FARTHEST, reach).min(axis=1)
+        inner, lines = self._offsets()
+        shape = len(points), len(inner)
+        every = np.repeat(points, len(inner), axis=0), np.tile(inner, (len(points), 1))
+        values = self._values(*every)
+        found = run_devices(self.stated, values, self.starts, self.run_settings, self.cores)
+        goes_in = found.goes_in.reshape(shape)
+        margin = np.where(goes_in, FARTHEST, np.abs(inner).max(axis=1)).min(axis=1)
+        margin = self._nearest_failure(points, lines, goes_in[:, -len(lines) :], margin)
+        needs = np.full(len(points), np.nan)
+        if "vibration" in self.stated.limits:
+            twins = unvibrated(batch_of(self.stated, values), self.run_settings, self.cores)
+            needs = (twins.outcome != Unvibrated.ALIGNS).reshape(shape).mean(axis=1)
         measures = [
-            np.fmax.reduce(each.reshape(shape)[:, inside], axis=1)
+            np.fmax.reduce(each.reshape(shape), axis=1)
             for each in (found.time, found.force, found.tilt)
         ]
         share = goes_in[:, : 1 + POINTS].mean(axis=1)
-        for key, *row in zip(map(tuple, points.tolist()), share, margin, *measures, strict=True):
+        columns = share, margin, *measures, needs
+        for key, *row in zip(map(tuple, points.tolist()), *columns, strict=True):
             self.known[key] = tuple(float(each) for each in row)
 
-    def _offsets(self) -> Floats:
-        """Return the devices drawn around a candidate, in tolerances, the candidate first."""
+    def _nearest_failure(
+        self, points: Floats, lines: Floats, goes_in: NDArray[np.bool_], margin: Floats
+    ) -> Floats:
+        """Return the margin of candidates: of failures on ``lines``, and at most ``margin``.
+
+        ``goes_in``, shape (n, lines), is the result at one tolerance.
+        """
+        low, high = np.where(goes_in, 1.0, 0.0), np.where(goes_in, np.inf, 1.0)
+        for further in (*SCALES[1:], *[None] * HALVINGS):
+            open_ones = np.isinf(high) if further else np.isfinite(high)
+            row, line = np.nonzero(open_ones & (low < margin[:, None]))
+            if not row.size:
+                continue
+            at = np.full(row.size, further) if further else 0.5 * (low + high)[row, line]
+            values = self._values(points[row], lines[line] * at[:, None])
+            found = run_devices(self.stated, values, self.starts, self.run_settings, self.cores)
+            low[row, line] = np.where(found.goes_in, at, low[row, line])
+            high[row, line] = np.where(found.goes_in, high[row, line], at)
+            margin = np.minimum(margin, high.min(axis=1))
+        return margin
+
+    def _values(self, points: Floats, offsets: Floats) -> dict[str, Floats]:
+        """Return the quantities of devices that are off candidates by ``offsets`` (tolerances)."""
+        names = list(dict.fromkeys((*self.stated.free, *self.stated.tolerances)))
+        values = {name: np.full(len(points), self.stated.quantities[name]) for name in names}
+        values |= dict(zip(self.stated.free, points.T, strict=True))
+        for i, (name, tolerance) in enumerate(self.stated.tolerances.items()):
+            own = values[name]
+            width = np.array([tolerance.around(value) for value in own.tolist()])
+            width *= 1.0 if tolerance.kind == "uniform" else _SIGMAS
+            least = 1e-3 * own if _is_positive(name) else -np.inf
+            values[name] = np.maximum(own + width * offsets[:, i], least)
+        _keep_on_edge(self.stated, values)
+        return values
+
+    def _offsets(self) -> tuple[Floats, Floats]:
+        """Return the devices within the tolerances of a candidate, and their lines outwards.
+
+        In tolerances: the candidate, ``POINTS`` drawn ones, and the ends of as many lines.
+        """
         size = len(self.stated.tolerances)
         cube = stats.qmc.Sobol(size, rng=np.random.default_rng(self.seed)).random(POINTS)
         around = 2.0 * cube - 1.0
-        edge = around / np.abs(around).max(axis=1, keepdims=True)
-        parts = [np.zeros((1, size)), around, *(edge * scale for scale in SCALES)]
-        return np.concatenate(parts)
+        lines = around / np.abs(around).max(axis=1, keepdims=True)
+        return np.concatenate([np.zeros((1, size)), around, lines]), lines
 
 
 def _is_positive(name: str) -> bool:
@@ -319,6 +359,7 @@ _NAMES = {
     "time": ("longest alignment time within the tolerances", "s"),
     "contact_force": ("largest contact force within the tolerances", "N"),
     "tilt": ("largest tilt within the tolerances", "rad"),
+    "vibration": ("share of the devices within the tolerances that need the vibration", "1"),
 }
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from model.physics.parameters import FIELDS, Batch
+from model.physics.units import Device
 from model.runs.settings import Settings
 from model.study.devices import StatedDevice, Tolerance
 from model.study.starts import Starts, every_start
@@ -123,6 +124,16 @@ def drawn(stated: StatedDevice, count: int, seed: int = 0) -> dict[str, Floats]:
     return from_unit_cube(stated, points)
 
 
+def _devices_at(stated: StatedDevice, values: Values) -> list[Device]:
+    rows = zip(*(each.tolist() for each in values.values()), strict=True)
+    return [stated.at(dict(zip(values, row, strict=True))) for row in rows]
+
+
+def batch_of(stated: StatedDevice, values: Values) -> Batch:
+    """Return the parameters of devices with these quantities, in SI units, each of shape (n,)."""
+    return Batch.stack([each.parameters for each in _devices_at(stated, values)])
+
+
 def run_devices(
     stated: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
 ) -> Devices:
@@ -131,8 +142,7 @@ def run_devices(
     Raises:
         ValueError: a quantity outside its rule.
     """
-    rows = zip(*(each.tolist() for each in values.values()), strict=True)
-    each = [stated.at(dict(zip(values, row, strict=True))) for row in rows]
+    each = _devices_at(stated, values)
     found = every_start(Batch.stack([one.parameters for one in each]), starts, settings, cores)
     goes_in = found["goes_in"]
     times = np.where(goes_in, found["tau_align"], np.nan)

@@ -18,6 +18,7 @@ h = 2ζ √(k m) with the mass m = M/(1 + M s²/I) that the part has at its edge
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 
@@ -91,6 +92,7 @@ def restitution_of(ratio: float) -> float:
     return math.exp(-ratio / root * 2.0 * math.atanh(root / ratio))
 
 
+@lru_cache(maxsize=64)  # devices within tolerances mostly share it
 def damping_ratio_of(restitution: float) -> float:
     """Return the damping ratio whose impact has this ``restitution``, above 0 and at most 1."""
     low, high = 0.0, 1.0

@@ -15,12 +15,14 @@ from model.study.devices.amounts import Tolerance, read_amount, read_range
 from model.study.devices.base import BASE, pair_of, with_base
 from model.study.devices.plausibility import check_sense, doubts
 
-# What a design may ask of a device: meaning and SI unit. Each is an upper limit.
+# Limits that a design may keep: meaning and SI unit. Each is an upper limit.
 LIMITS: Mapping[str, tuple[str, str]] = {
     "contact_force": ("largest contact force", "N"),
     "time": ("longest alignment time", "s"),
     "tilt": ("largest tilt until alignment", "rad"),
 }
+# Further, whether every device must need the vibration, or none may: the share that needs it.
+VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
 QUANTITIES = (*UNITS, *PARAMETER_NAMES, *BASE)
 _BESIDES = ("materials", "free", "limits", "start")
 
@@ -39,7 +41,8 @@ class StatedDevice:
         tolerances: of the quantities that have one.
         materials: of part and base, such as "steel on aluminium", or None.
         free: ranges within which a design may choose a quantity.
-        limits: largest admissible values of the names in ``LIMITS``.
+        limits: largest admissible values of the names in ``LIMITS``; "vibration" is the share of
+            devices that must need it, 1 or 0.
         changes: quantities set besides the file, as they were given.
         start: start of its runs (``Settings.start``), or None.
     """
@@ -212,7 +215,13 @@ def _start(given: Any) -> Start | None:
 def _limits(given: object) -> dict[str, float]:
     found = {}
     for name, value in _section("limits", given).items():
-        check_name(name, tuple(LIMITS), "limit of a design")
+        check_name(name, (*LIMITS, "vibration"), "limit of a design")
+        if name == "vibration":
+            if value not in VIBRATION:
+                words = " or ".join(VIBRATION)
+                raise ValueError(f"limits: vibration = {value!r}: must be {words}")
+            found[name] = VIBRATION[str(value)]
+            continue
         found[name] = read_amount(name, value, LIMITS[name][1]).value
         if not 0.0 < found[name] < math.inf:
             raise ValueError(f"limits: {name} = {value!r}: must be a finite number > 0")
