@@ -2,6 +2,7 @@
 
 import io
 import json
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 from PIL import Image
 
+from model.cli import main as cli
 from model.runs.in_browser import interface, modules
 from model.runs.shown import shown_run
 from model.runs.simulate import simulate
@@ -160,14 +162,34 @@ def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
     assert page.evaluate(agrees)
 
 
-def test_command_and_device_file_say_the_same(page: Page) -> None:
+def test_command_and_device_file_repeat_the_run(
+    page: Page, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     slide(page, "press_force", 4.0)
     page.evaluate("document.getElementById('command').click()")
     page.wait_for("document.getElementById('copied').textContent")
-    assert text(page, "copied").startswith("vibralign simulate --set ")
-    saved = page.evaluate("deviceOf(explorer.state, MODEL)")
-    assert "half_width: 0.8891\n" in saved
-    assert f"press_force: {page.evaluate('explorer.state.values.press_force')}" in saved
+    command = shlex.split(text(page, "copied"))
+    saved = tmp_path / "device.yaml"
+    saved.write_text(page.evaluate("deviceOf(explorer.state, MODEL)"))
+    for arguments in (command[1:], ["simulate", "--device", str(saved)]):
+        assert cli.main([*arguments, "--json"]) == cli.DONE
+        record = json.loads(capsys.readouterr().out)
+        assert record["tau_align"] == pytest.approx(results(page)["tau_align"], abs=1e-8)
+
+
+def test_every_preset_opens_and_plays_only_where_motion_is_wanted(page: Page, url: str) -> None:
+    page.prefer_reduced_motion()
+    page.open(url)
+    page.wait_for("window.explorer && explorer.run")
+    assert text(page, "play") == "Play"
+    for name in page.evaluate("Object.keys(MODEL.presets)"):
+        page.evaluate(
+            f"(() => {{ const box = document.getElementById('preset'); box.value = '{name}';"
+            "box.dispatchEvent(new Event('change')); })()"
+        )
+        assert page.evaluate("location.hash") == f"#figure={name}"
+        assert text(page, "verdict")
+        assert text(page, "fault") == ""
 
 
 @pytest.mark.parametrize("width", [1280, 400])

@@ -120,6 +120,11 @@ class Page:
             look(); }})"""
         self.evaluate(tries)
 
+    def prefer_reduced_motion(self) -> None:
+        """Make pages see a reader who prefers reduced motion."""
+        wish = {"name": "prefers-reduced-motion", "value": "reduce"}
+        self._call("Emulation.setEmulatedMedia", features=[wish])
+
     def press(self, key: str, code: int) -> None:
         """Press and release a key, such as "ArrowRight" with its code 39."""
         for kind in ("keyDown", "keyUp"):

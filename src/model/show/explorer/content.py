@@ -20,7 +20,7 @@ from model.physics.quantities import ANGLE, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.show.explorer.page import packed
-from model.show.words import figure_title
+from model.show.words import figure_title, symbol_parts
 from model.study.config import CURVES, HISTORIES, MAPS, Axis, Curves, Family, Map, Study
 
 _UNITLESS = Units(mass=1.0, axial_stiffness=1.0, amplitude=1.0)
@@ -195,11 +195,14 @@ def _parameters(
     values, found = scales.values(device), []
     for name in sorted(FIELDS, key=lambda each: each not in first):
         field = FIELDS[name]
+        letter, index = symbol_parts(field.symbol)
         least, most = axes.get(name) or _range(name, field, values, scales.of(field.quantity))
         found.append(
             {
                 "name": name,
                 "symbol": field.symbol,
+                "letter": letter,
+                "index": index,
                 "words": field.description.partition(";")[0],
                 "unit": scales.unit(field.quantity),
                 "scale": scales.of(field.quantity),

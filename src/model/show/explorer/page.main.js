@@ -173,7 +173,7 @@ function makeControls() {
     const row = document.createElement("div");
     row.className = "parameter";
     const step = (each.most - each.least) / 200;
-    row.innerHTML = `<label for="p-${each.name}"><i>${each.symbol}</i> ${each.words}</label>
+    row.innerHTML = `<label for="p-${each.name}"><i>${each.letter}</i><sub>${each.index}</sub> ${each.words}</label>
       <input type="range" id="s-${each.name}" min="${each.least}" max="${each.most}" step="${step}" aria-label="${each.words}">
       <input type="text" inputmode="decimal" id="p-${each.name}" autocomplete="off"><span class="unit">${each.unit}</span>`;
     element(each.first ? "first" : "more").append(row);

@@ -1,7 +1,7 @@
 // What is shown: the parameters and the view, in the address after #; as a command, and as a file.
 
 /**
- * @typedef {{name: string, symbol: string, words: string, unit: string, scale: number, rule: string,
+ * @typedef {{name: string, symbol: string, letter: string, index: string, words: string, unit: string, scale: number, rule: string,
  *   bound: string, derived: string | null, least: number, most: number, first: boolean}} Parameter
  * @typedef {{figure: string, values: Record<string, number>, x: string, y: string, spans: Record<string, number[] | undefined>,
  *   vibration: boolean, compared: boolean, time: number | null}} State
@@ -85,7 +85,7 @@ function commandOf(state, model) {
 function deviceOf(state, model) {
   const lines = ["# Saved from the explorer; for vibralign simulate, assess and map --device."];
   if (!model.units) lines.push("# The device has no units: mass, axial stiffness and amplitude are 1, so that its other numbers are dimensionless,", "# except the frequency, which is in Hz.");
-  for (const [name, value] of Object.entries(model.units ?? { mass: 1, axial_stiffness: 1, amplitude: 1 })) lines.push(`${name}: ${value}`);
+  for (const [name, value] of Object.entries(model.units || { mass: 1, axial_stiffness: 1, amplitude: 1 })) lines.push(`${name}: ${value}`);
   for (const { name, si } of model.parameters) {
     const value = state.values[name];
     if (!Number.isNaN(value)) lines.push(`${name}: ${value * si}`);
