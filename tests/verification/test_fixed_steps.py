@@ -94,8 +94,9 @@ def test_a_figure_anew_stands_beside_the_located_one(
                     name: float(dataset[name].values[place[i]])
                     for i, name in enumerate(("press_force", "tilt_stiffness"))
                 }
+                horizon = plan.sweep.settings.horizon
                 run = without_location.align(
-                    [device.replace(**changes)], scheme, step, horizon=100.0
+                    [device.replace(**changes)], scheme, step, horizon=horizon
                 )
                 found = dataset["tau_align"].values[(row, column, *place)]
                 np.testing.assert_array_equal(found, run.tau_align[0])

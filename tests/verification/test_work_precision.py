@@ -14,7 +14,7 @@ from model.study.csv_tables import TableError
 from model.study.datasets import read_dataset, write_dataset
 from verification import work_precision
 from verification.methods import METHODS
-from verification.plans import PrecisionPlan, precision_plan
+from verification.plans import CasePlan, PrecisionPlan, precision_plan
 from verification.problems import Floats, Solution, Verdict
 from verification.work_precision import (
     CaseError,
@@ -33,6 +33,19 @@ from verification.work_precision import (
 
 STATE = np.zeros(6)
 
+# Cases of a device of their own, so that another device of the study changes no number below.
+DEVICE = {
+    "half_width": 0.8891, "half_height": 4.067, "inertia": 5.863, "lateral_stiffness": 0.359,
+    "lateral_damping": 0.1073, "axial_damping": 0.1553, "tilt_damping": 0.2513,
+}  # fmt: skip
+POINTS = {
+    "aligned": (0.5729, 2.0, 0.02, 21.59),
+    "sticking": (0.5729, 3.0, 0.25, 21.59),
+    "bouncing": (12.0, 1.738, 0.1858, 3.0),
+    "never_aligning": (0.5729, 1.0, 0.3, 21.59),
+}
+NAMES = ("frequency", "press_force", "friction", "tilt_stiffness")
+
 
 def ended(tau: float, state: Floats, evaluations: int, failure: Verdict | None = None) -> Solution:
     return Solution(np.array([tau]), state.reshape(1, 1, 6), evaluations, failure)
@@ -49,7 +62,16 @@ def plan() -> PrecisionPlan:
             "max_evaluations_scipy": 2_000,
         }
     )
-    return full.model_copy(update={"ladder": ladder})
+    cases = {
+        name: CasePlan(
+            parameters=full.cases["aligned"].parameters
+            | DEVICE
+            | dict(zip(NAMES, point, strict=True)),
+            until=30.0 if name == "never_aligning" else None,
+        )
+        for name, point in POINTS.items()
+    }
+    return full.model_copy(update={"ladder": ladder, "cases": cases})
 
 
 @pytest.fixture(scope="module")
@@ -57,17 +79,17 @@ def truths(plan: PrecisionPlan) -> dict[str, Trajectory]:
     return {name: true_run(plan, name) for name in plan.cases}
 
 
-def test_the_cases_of_the_study_are_of_the_kinds_they_stand_for(
-    truths: dict[str, Trajectory],
-) -> None:
+def test_the_cases_of_the_study_are_of_the_kinds_they_stand_for() -> None:
+    plan = precision_plan(load_study(study_path()))
+    truths = {name: true_run(plan, name) for name in plan.cases}
     aligned, sticking, bouncing = (truths[each] for each in ("aligned", "sticking", "bouncing"))
     assert (aligned.separations, sticking.separations) == (0, 0)
     assert aligned.sticking_share == 0.0
     assert sticking.sticking_share > 0.75
-    assert bouncing.separations == 12
+    assert bouncing.separations > 5
     never = truths["never_aligning"]
     assert never.outcome == Outcome.HORIZON_REACHED
-    assert never.separations == 4
+    assert never.separations > 1
     for truth in (aligned, sticking, bouncing):
         assert truth.outcome == Outcome.ALIGNED
         assert truth.tau_error < 1e-11
