@@ -135,9 +135,9 @@ export-test: environment-export
 efficiency: environment
 	$(in_env) python -m verification.cluster_efficiency
 
-# On a Slurm of its own.
+# On a Slurm of its own; STUDY=tiny for a study that takes less time.
 slurm-test: environment-slurm
-	PATH="$(CURDIR)/.venv-slurm/bin:$$PATH" \
+	VIBRALIGN_STUDY=$(STUDY) PATH="$(CURDIR)/.venv-slurm/bin:$$PATH" \
 		pytest -rPs -m slurm tests/workflow/test_slurm.py
 
 docs: environment-docs

@@ -3,20 +3,26 @@
 `make slurm-test` runs this, on daemons of its own. Every test ends with a restart by `make`.
 """
 
+# ruff: noqa: T201  (`pytest -rP` shows what is printed)
 import contextlib
 import os
 import signal
+import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import psutil
 import pytest
+import yaml
 
+from model.tracking.records import sidecars
 from tests.workflow.slurm import Slurm, missing, running
-from tests.workflow.test_nothing_lost import FEW, failed_runs, is_clean, outcomes
+from tests.workflow.test_nothing_lost import FEW, failed_runs, outcomes
+from verification.cluster_efficiency import measured_costs, simulated
 
 pytestmark = [
     pytest.mark.slurm,
@@ -27,6 +33,10 @@ pytestmark = [
 # Ask often; and no second attempt, unless a test is about it.
 HASTY = ("--slurm-init-seconds-before-status-checks", "2", "--retries", "0")
 ONE = "tiny/data/fig05.nc"
+KERNELS = tuple(
+    f"tiny/data/{name}.json" for name in ("kernels", "unlocated_kernels", "page_engines")
+)
+PARTS, SETS = 16, 250  # of a campaign
 RULES = "rules/figures.smk"
 TRAJECTORY = 'message="{wildcards.figure}: computing the trajectory",'
 STALL = """
@@ -43,6 +53,15 @@ def slurm() -> Iterator[Slurm]:
     # A short path: that of a socket may have a hundred characters.
     with tempfile.TemporaryDirectory(prefix="slurm") as here, running(Path(here)) as daemons:
         yield daemons
+
+
+@pytest.fixture(scope="module")
+def built(make_workspace: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A local build of what is restarted; tests must not change it."""
+    made = make_workspace(tmp_path_factory.mktemp("built"))
+    run = made.snakemake(*FEW)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return made
 
 
 @pytest.fixture
@@ -91,27 +110,60 @@ def kill_snakemake(process: Any) -> None:
     process.wait(timeout=60)
 
 
-def is_restarted(cluster: Any, built: Any, *targets: str, flags: tuple[str, ...] = HASTY) -> None:
+def is_restarted(cluster: Any, built: Any, files: tuple[str, ...] = FEW, retries: int = 0) -> None:
     """`make` on Slurm ends well, with the bytes of the local build."""
-    run = cluster.make(*(targets or FEW), *flags)
+    run = cluster.make(*files, *HASTY, f"--retries={retries}")
     assert run.returncode == 0, run.stdout + run.stderr
-    files = targets or FEW
     assert cluster.sha256(*files) == built.sha256(*files)
 
 
-def test_the_study_has_the_bytes_of_a_local_build(cluster: Any, built: Any, slurm: Slurm) -> None:
-    targets = (*built.DATA, *built.BESIDE, *built.PICTURES)
-    began, before = time.monotonic(), slurm.submitted()
-    run = cluster.make(*targets, *HASTY)
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert cluster.sha256(*targets) == built.sha256(*targets)
-    jobs = slurm.submitted() - before
-    runs = len(list((cluster.folder / "tiny").glob("data/**/*.run.json")))
-    print(f"{runs} runs in {jobs} jobs of Slurm, {time.monotonic() - began:.0f} s")  # noqa: T201
-    assert 0 < jobs < runs, "jobs that take seconds are grouped, and merging is local"
-    again = cluster.make(*targets, *HASTY)
-    assert "Nothing to be done" in again.stdout + again.stderr
-    assert slurm.submitted() - before == jobs
+def test_the_study_has_the_bytes_of_a_local_build_both_ways(
+    make_workspace: Any, tmp_path: Path, slurm: Slurm, built_twice: dict[str, Any]
+) -> None:
+    """As jobs on two nodes, and by `make` with two cores in one allocation; after `make` itself.
+
+    The nodes of this Slurm are one machine: an allocation of one may use the core of the other.
+    """
+
+    def timed(made: Any, build: Callable[[], Any]) -> float:
+        made.configure(built_twice)
+        began = time.monotonic()
+        run = build()
+        assert not run.returncode, run.stdout + run.stderr
+        return time.monotonic() - began
+
+    def in_allocation() -> Any:
+        _, *variables = allocated.make_command()
+        words = ["sbatch", "--wait", "--cpus-per-task=1", "--mem-per-cpu=6G", "--output=log"]
+        script = f"{allocated.folder}/profiles/slurm/allocation.sbatch"
+        return subprocess.run(
+            [*words, f"--chdir={allocated.folder}", script, "CORES=2", *variables],
+            env=allocated.environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    local, allocated, jobs = (
+        make_workspace(tmp_path / name, profile, **slurm.environment)
+        for name, profile in (("local", "default"), ("one", "default"), ("many", "slurm"))
+    )
+    timed(local, lambda: local.make(*KERNELS))  # compiled once, for all three
+    print(f"local: {timed(local, local.make):.0f} s")
+    print(f"in one allocation: {timed(allocated, in_allocation):.0f} s")
+    before = slurm.submitted()
+    print(f"as jobs of Slurm: {timed(jobs, jobs.make):.0f} s")
+    submitted = slurm.submitted() - before
+    runs = len(sidecars(jobs.folder / "tiny"))
+    print(f"{runs} runs, those that compute in {submitted} jobs of Slurm")
+    assert 0 < submitted < runs / 4, "jobs that take seconds are grouped, and merging is local"
+    for made in (allocated, jobs):
+        made.take_times(local)
+        assert made.make().returncode == 0
+        assert made.results().items() ^ local.results().items() == set()
+    assert "Nothing to be done" in jobs.make().stderr
+    assert slurm.submitted() - before == submitted, "drawing and indexing are local"
+    print(f"{len(local.results())} files have the same bytes")
 
 
 def test_a_killed_snakemake_leaves_jobs_that_make_does_not_start_twice(
@@ -126,6 +178,9 @@ def test_a_killed_snakemake_leaves_jobs_that_make_does_not_start_twice(
     numbers = " ".join(sorted(slurm.queued(), key=int))
     assert refused.returncode != 0
     assert f"or end them with: scancel {numbers}" in refused.stderr
+    compiled.added["SLURM_CONF"] = "/nowhere"
+    assert "squeue failed" in compiled.make(*FEW, *HASTY).stderr, "no answer is not the answer none"
+    compiled.added |= slurm.environment
     bare = compiled.snakemake("--unlock")
     assert bare.returncode == 0, bare.stderr
     bare = compiled.snakemake(*FEW)  # with the executor of this machine: it must not start either
@@ -150,7 +205,7 @@ def test_cancelled_jobs_fail_with_the_reason(compiled: Any, built: Any, slurm: S
     assert failed_runs(compiled)["history/fig05"]["reason"] == (
         f"Slurm job {number}: ended before it began; Slurm wrote no log"
     )
-    is_restarted(compiled, built, ONE)
+    is_restarted(compiled, built, (ONE,))
 
 
 def test_a_job_that_fails_before_its_command_says_why(
@@ -168,7 +223,7 @@ def test_a_job_that_fails_before_its_command_says_why(
     assert reason.startswith(f"Slurm job {number}: ")
     assert "structure.inertia = -1.0: must be a finite number > 0" in reason
     tiny.write_text(text, encoding="utf-8")
-    is_restarted(compiled, built, ONE)
+    is_restarted(compiled, built, (ONE,))
 
 
 @pytest.mark.parametrize("edited", ["code", "configuration"])
@@ -189,7 +244,7 @@ def test_a_job_does_not_run_what_was_edited_after_it_was_submitted(
         f"job history refused: its {edited} was edited after it was submitted; start again"
     )
     path.write_text(text, encoding="utf-8")
-    is_restarted(compiled, built, ONE)
+    is_restarted(compiled, built, (ONE,))
 
 
 def test_a_job_over_its_time_limit_says_so_and_a_second_attempt_has_more(
@@ -206,21 +261,49 @@ def test_a_job_over_its_time_limit_says_so_and_a_second_attempt_has_more(
     assert reason.endswith("DUE TO TIME LIMIT ***")
     (compiled.folder / "stall").touch()
     before = set(slurm.limits())
-    is_restarted(compiled, built, ONE, flags=(*HASTY, "--retries", "1"))
+    is_restarted(compiled, built, (ONE,), retries=1)
     limits = {
         int(number): limit for number, limit in slurm.limits().items() if number not in before
     }
     assert [limit for _, limit in sorted(limits.items())] == ["1:00", "2:00"]
 
 
-def test_one_allocation_builds_the_same(cluster: Any, built: Any, slurm: Slurm) -> None:
-    script = cluster.folder / "profiles/slurm/allocation.sbatch"
-    words = ["sbatch", "--parsable", "--cpus-per-task=1", "--mem-per-cpu=4G", "--wait"]
-    _, *variables = cluster.make_command(*FEW)
-    kept = [each for each in variables if not each.startswith("PROFILE=")]
-    local = cluster.folder / ".venv"
-    (cluster.folder / ".venv-slurm").rename(local)
-    slurm.call(*words, f"--chdir={cluster.folder}", str(script), *kept, env=cluster.environment)
-    assert cluster.sha256(*FEW) == built.sha256(*FEW)
-    local.rename(cluster.folder / ".venv-slurm")
-    is_clean(cluster, built)
+def test_what_is_worth_a_cluster_is_split_as_the_profile_says(
+    compiled: Any, tiny: dict[str, Any], slurm: Slurm
+) -> None:
+    """Three parts of trials, twelve of six maps, first samples and a round of a search."""
+    smoke = yaml.safe_load((compiled.folder / "config/smoke.yaml").read_text(encoding="utf-8"))
+    compiled.configure({**tiny, "identification": smoke["identification"]})
+    targets = ("accuracy", "maps", "tiny/identification/start0/0.nc")
+    before = slurm.submitted()
+    run = compiled.make(*targets, "--group-components", "trials=2", "maps=4", *HASTY)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert slurm.submitted() - before == 2 + 3 + 2
+    again = compiled.make(*targets, "--group-components", "trials=1", "maps=1", *HASTY)
+    assert again.returncode == 0, again.stdout + again.stderr
+    assert slurm.submitted() - before == 2 + 3 + 2, "another size computes nothing anew"
+
+
+def test_a_campaign_goes_on_where_it_was_on_more_nodes(
+    compiled: Any, tiny: dict[str, Any], slurm: Slurm
+) -> None:
+    """Random sets of the fuzz on one node, then as many more on both: the times, as simulated."""
+    slurm.call("scontrol", "update", "nodename=n2", "state=drain", "reason=test")
+    costs, known = measured_costs(), set()
+    for nodes in (1, 2):
+        tiny["accuracy"]["fuzz"] = {"sets": nodes * PARTS * SETS, "sets_a_job": SETS}
+        compiled.configure(tiny)
+        began, before = time.monotonic(), slurm.submitted()
+        run = compiled.make("fuzz", "--group-components", "trials=4")
+        wall = time.monotonic() - began
+        assert run.returncode == 0, run.stdout + run.stderr
+        assert slurm.submitted() - before == PARTS / 4
+        parts = {name: each for name, each in sidecars(compiled.folder / "tiny").items()
+                 if each["rule"] == "fuzz_part" and name not in known}  # fmt: skip
+        assert len(parts) == PARTS, "those that are there stay"
+        known |= parts.keys()
+        work = np.array([each["wall_seconds"] for each in parts.values()])
+        expected = simulated(work, nodes, 4, costs, most=100)
+        print(f"{nodes} cores, {PARTS} parts of {work.mean():.1f} s: {wall:.0f} s, efficiency "
+              f"{work.sum() / nodes / wall:.2f}, simulated {expected:.0f} s")  # fmt: skip
+        resume(slurm)

@@ -43,6 +43,7 @@ job(
     dict(data=root / "data/maps/{map}.nc"),
     wildcards=dict(map="|".join(WITH_VIBRATION)),
     message="map {wildcards.map}: plotting what vibration adds",
+    reported=("Stability maps", "vibration"),
     local=True,
 )
 

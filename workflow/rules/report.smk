@@ -37,6 +37,7 @@ job(
     ),
     dict(study=study),
     message="making the explorer",
+    reported=("The whole study on one page", "explorer"),
     local=True,
 )
 
