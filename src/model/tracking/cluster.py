@@ -6,7 +6,6 @@ folder of the workflow, with a comment that begins with the rule, and keeps logs
 """
 
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -20,43 +19,35 @@ _LOG_LINE = re.compile(r" *log: (.*) \(check log file\(s\) for error details\)")
 _ENDED = re.compile(r"error: \*\*\* JOB|oom.kill", re.IGNORECASE)  # by a limit, or by somebody
 _RAISED = re.compile(r"\w*(Error|Exception)\b")
 _PATIENCE = 60  # seconds: a controller that is busy or gone answers late or not at all
-_REMEDY = f"if Slurm has no job of this folder any more, remove {_LOGS}"
 
 
-def held_jobs(folder: Path) -> list[str]:
-    """Return the numbers of the jobs of a workflow in ``folder`` that wait or run in Slurm.
+def refuse_held_jobs(folder: Path) -> None:
+    """Refuse to start a workflow in a folder while jobs of it wait or run in Slurm.
 
     Raises:
-        TrackingError: jobs were submitted from there, and Slurm does not say what became of them.
+        TrackingError: there are such jobs; or some were submitted from there, and Slurm does not
+            say what became of them.
     """
     if not (folder / _LOGS).is_dir():
-        return []
-    if shutil.which(_QUESTION[0]) is None:
-        raise TrackingError(
-            f"{folder}: jobs were submitted to Slurm from here, and there is no squeue to ask for "
-            f"them: go where Slurm is, or {_REMEDY}"
-        )
+        return
     try:
         asked = subprocess.run(
             _QUESTION, capture_output=True, text=True, timeout=_PATIENCE, check=True
         )
+    except FileNotFoundError:
+        raise TrackingError(
+            f"{folder}: jobs were submitted to Slurm from here, and there is no squeue to ask for "
+            f"them: go where Slurm is, or if it has none of them any more, remove {_LOGS}"
+        ) from None
     except subprocess.TimeoutExpired:
         raise TrackingError(f"squeue did not answer in {_PATIENCE} s: try again later") from None
     except subprocess.CalledProcessError as error:
         raise TrackingError(f"squeue failed ({error.stderr.strip()}): mend that first") from None
     jobs = (line.split("|", maxsplit=2) for line in asked.stdout.splitlines())
     here = str(folder.resolve())
-    return [number for number, place, comment in jobs
+    held = [number for number, place, comment in jobs
             if place == here and comment.startswith(_COMMENT)]  # fmt: skip
-
-
-def refuse_held_jobs(folder: Path) -> None:
-    """Refuse to start in a folder over jobs that Slurm still holds for it.
-
-    Raises:
-        TrackingError: there are such jobs, or Slurm does not say.
-    """
-    if held := held_jobs(folder):
+    if held:
         raise TrackingError(
             f"Slurm still holds {len(held)} jobs of this folder: wait until squeue shows none of "
             f"them, or end them with: scancel {' '.join(held)}"
