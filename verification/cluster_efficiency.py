@@ -36,6 +36,8 @@ _STARTS = 2  # of Snakemake for a job: in the batch script, and under srun
 _SUBMISSION = 0.3  # seconds of sbatch, one after another
 _LONGEST = 180.0  # seconds between two questions of the executor; 10 more after each in vain
 _PROFILE = Path("profiles/slurm/config.yaml")
+_RULE = "map_part"
+_OUT = Path("docs/efficiency")
 
 
 class Costs(NamedTuple):
@@ -77,15 +79,15 @@ def simulated(work: Floats, cores: int, parts: int, costs: Costs, most: int) -> 
     return now
 
 
-def part_times(root: Path, rule: str) -> Floats:
-    """Return the wall times of a rule's jobs in seconds, as a build recorded them.
+def part_times(root: Path) -> Floats:
+    """Return the wall times of the maps' parts in seconds, as a build recorded them.
 
     Raises:
         ValueError: the build has none.
     """
-    times = [each["wall_seconds"] for each in sidecars(root).values() if each["rule"] == rule]
+    times = [each["wall_seconds"] for each in sidecars(root).values() if each["rule"] == _RULE]
     if not times:
-        raise ValueError(f"{root}: no job of the rule {rule!r} is recorded there; build it first")
+        raise ValueError(f"{root}: no job of the rule {_RULE!r} is recorded there; build it first")
     return np.array(times)
 
 
@@ -146,28 +148,23 @@ def drawn(rows: Sequence[dict[str, float]]) -> Figure:
         panels[0].set_ylim(0.0, 1.0)
         panels[1].set_yscale("log")
         panels[1].yaxis.set_major_formatter(_plain)
-        panels[1].legend(title="cores")
+        panels[0].legend(title="cores", loc="center left", bbox_to_anchor=(0.0, 0.44))
     return figure
 
 
 def main() -> None:
     """Measure, simulate, and write the table and the picture."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument(
-        "--root", type=Path, default=Path("results"), help="results of a full build"
-    )
-    parser.add_argument("--rule", default="map_part", help="whose jobs are the parts")
-    parser.add_argument("--out", type=Path, default=Path("docs/efficiency"), help="without suffix")
-    arguments = parser.parse_args()
+    parser.add_argument("--root", type=Path, default=Path("results"), help="of a full build")
     try:
-        times = part_times(arguments.root, arguments.rule)
+        times = part_times(parser.parse_args().root)
     except ValueError as error:
         parser.error(str(error))
     costs = measured_costs()
     rows = efficiencies(times, costs)
-    write_text(csv_text(tuple(rows[0]), rows), arguments.out.with_suffix(".csv"))
+    write_text(csv_text(tuple(rows[0]), rows), _OUT.with_suffix(".csv"))
     with style.context():
-        drawn(rows).savefig(arguments.out.with_suffix(".png"), dpi=150)
+        drawn(rows).savefig(_OUT.with_suffix(".png"), dpi=150)
     print(
         f"{times.size} parts of {times.min():.0f} to {times.max():.0f} s; a job costs "
         f"{costs.job:.1f} s, a part {costs.part:.1f} s; asked every {costs.question:g} s at first"

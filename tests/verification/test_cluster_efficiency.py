@@ -34,4 +34,4 @@ def test_no_campaign_is_faster_than_its_cores(cores, parts):
 
 def test_a_build_without_such_jobs_is_refused(tmp_path):
     with pytest.raises(ValueError, match="no job of the rule 'map_part' is recorded there"):
-        part_times(tmp_path, "map_part")
+        part_times(tmp_path)
