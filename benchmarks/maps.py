@@ -2,24 +2,34 @@
 
 Both take the same single runs from the paper's start, and a node that the refined map computes is
 computed once: the full grid is those nodes and all others. Hence a node can be wrong only where it
-was filled.
+was filled. The ensemble of starts is compared likewise: the starts that its map tries, and all.
+
+Besides the maps of the paper there are planes and devices drawn by a seed.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
 from time import process_time
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
-from model.physics.parameters import Batch
+from model.physics.parameters import Batch, Parameters
 from model.runs.align import run_once
-from model.study.config import MAPS, Study, load_study, study_path
-from model.study.maps import BESIDE, MapPlan, areas, graded, plan_of
+from model.study.config import LARGEST_MISALIGNMENT, MAPS, Map, Study, load_study, study_path
+from model.study.map_parts import Known, refine_layer
+from model.study.maps import MapPlan, areas, end_of, graded, plan_of
 from model.study.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
+from model.study.reliability import ensemble_layer
+from model.study.starts import every_start
 
+SEED = 2611  # of the planes and devices that are drawn
+SPREAD = 1.5  # largest factor by which a drawn device's values differ from the study's
 _AT_ONCE = 8192
+_LENGTHS = ("half_width", "misalignment", "clearance")
+_TRIAL = 16  # cells along a side of the grid that tells whether a drawn plane has a border
 
 
 @dataclass(frozen=True)
@@ -31,7 +41,8 @@ class Comparison:
         computed: share of the nodes that the refined map computes.
         failed: nodes whose run failed on the full grid, which are not compared.
         wrong: other nodes in another area than on the full grid.
-        flagged: share that the refined map flags for lying beside a border.
+        flagged: share that the refined map flags, for lying beside a border or in a patch.
+        patch: share in patches, where the border is no curve.
         wrong_unflagged: wrong nodes that it does not flag.
         off: share of the aligned nodes whose duration is off by more than may differ in a cell.
         seconds_full, seconds_refined: time of either.
@@ -43,6 +54,7 @@ class Comparison:
     failed: int
     wrong: int
     flagged: float
+    patch: float
     wrong_unflagged: int
     off: float
     seconds_full: float
@@ -54,9 +66,9 @@ class Comparison:
         return (
             f"{self.figure} {self.cells}x{self.cells}: {100.0 * self.computed:.2f} % of the "
             f"trajectories, {100.0 * time:.2f} % of the time; {self.wrong} wrong, of these "
-            f"{self.wrong_unflagged} not flagged ({100.0 * self.flagged:.2f} % are); {self.failed} "
-            f"failed on the full grid; {100.0 * self.off:.3f} % of the durations off by more than "
-            "may differ in a cell"
+            f"{self.wrong_unflagged} not flagged ({100.0 * self.flagged:.2f} % are, "
+            f"{100.0 * self.patch:.2f} % in patches); {self.failed} failed on the full grid; "
+            f"{100.0 * self.off:.3f} % of the durations off by more than may differ in a cell"
         )
 
 
@@ -66,7 +78,7 @@ class _Nodes:
     def __init__(self, plan: MapPlan) -> None:
         self.plan = plan
         self.area = np.full(plan.lattice.shape, -1, dtype=np.int8)
-        self.tau = np.full(plan.lattice.shape, np.nan)
+        self.end = np.full(plan.lattice.shape, np.nan)  # as in ``end_of``
         self.seconds = 0.0
 
     def compute(self, rows: Ints, columns: Ints) -> None:
@@ -78,8 +90,7 @@ class _Nodes:
             swept = self.plan.swept(rows[some], columns[some])
             endings = run_once(Batch.of(self.plan.baseline, **swept), self.plan.settings.settings)
             self.area[rows[some], columns[some]] = areas(endings["outcome"].astype(np.int8))
-            aligned = endings["outcome"] == Outcome.ALIGNED
-            self.tau[rows[some], columns[some]] = np.where(aligned, endings["tau_align"], np.nan)
+            self.end[rows[some], columns[some]] = end_of(endings)
         self.seconds += process_time() - started
 
     def evaluate(self, every: int = 1) -> Evaluate:
@@ -88,21 +99,46 @@ class _Nodes:
         def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
             place = every * rows, every * columns
             self.compute(*place)
-            value = graded(self.plan, *place, self.tau[place])
+            value = graded(self.plan, *place, self.end[place])
             return self.area[place].astype(np.int64), value
 
         return evaluate
 
 
-def _plan(study: Study, figure: str, cells: int) -> MapPlan:
-    plane = study.plane(figure)
-    device = study.parameters(figure)
-    return plan_of(figure, device, study.settings, (plane.x, plane.y), cells, None)
+def _plan(study: Study, name: str, cells: int, device: Parameters | None = None) -> MapPlan:
+    plane = study.plane(name)
+    own = study.parameters(name) if isinstance(plane, Map) else study.baseline.replace(**plane.held)
+    spans = plane.x, plane.y
+    return plan_of(name, device or own, study.settings, spans, cells, study.maps.ensemble)
 
 
-def compare(figure: str, cells: int) -> Comparison:
-    """Refine the map of ``figure``, then compute every node of it."""
-    plan = _plan(load_study(study_path()), figure, cells)
+def drawn(study: Study, cells: int, count: int = 6) -> Iterator[MapPlan]:
+    """Yield maps of planes of the study, in turn, for devices drawn around the study's.
+
+    Every value of a device is multiplied by a factor up to ``SPREAD`` or divided by it, but for the
+    lengths that bound each other. Devices that align nearly everywhere in the plane, or nearly
+    nowhere, are drawn again.
+    """
+    rng = np.random.default_rng(SEED)
+    names = [name for name in study.map_names if name != LARGEST_MISALIGNMENT]
+    for name in (names * count)[:count]:
+        share = 0.0
+        while not 0.05 < share < 0.95:
+            own = _plan(study, name, _TRIAL).baseline
+            factors = {
+                each: value * math.exp(rng.uniform(-1.0, 1.0) * math.log(SPREAD))
+                for each, value in own.given().items()
+                if value and each not in _LENGTHS
+            }
+            trial = _plan(study, name, _TRIAL, own.replace(**factors))
+            nodes = _Nodes(trial)
+            nodes.compute(*(each.ravel() for each in np.indices(trial.lattice.shape)))
+            share = float((nodes.area == Outcome.ALIGNED).mean())
+        yield _plan(study, name, cells, trial.baseline)
+
+
+def compare(plan: MapPlan) -> Comparison:
+    """Refine a map, then compute every node of it."""
     nodes = _Nodes(plan)
     nodes.compute(*(np.arange(4) for _ in range(2)))  # compiled before it is timed
     nodes = _Nodes(plan)
@@ -110,23 +146,23 @@ def compare(figure: str, cells: int) -> Comparison:
     refined = refine(nodes.evaluate(), plan.lattice)
     seconds_refined = process_time() - started
     nodes.compute(*np.nonzero(nodes.area < 0))
-    return judge(plan, refined, nodes.area, nodes.tau, (nodes.seconds, seconds_refined))
+    return judge(plan, refined, nodes.area, nodes.end, (nodes.seconds, seconds_refined))
 
 
 def judge(
     plan: MapPlan,
     refined: Refined,
     area: NDArray[np.int8],
-    tau: Floats,
+    end: Floats,
     seconds: tuple[float, float],
 ) -> Comparison:
-    """``refined`` against the full grid of areas and durations."""
+    """``refined`` against the full grid of areas and of times as in ``end_of``."""
     failed: Bools = area == Outcome.FAILED
     wrong: Bools = (refined.kind != area) & ~failed
-    flagged = refined.beside(BESIDE)
+    flagged = refined.flagged
     rows, columns = np.indices(plan.lattice.shape)
-    difference = np.abs(refined.value - graded(plan, rows, columns, tau))
-    both = np.isfinite(difference)
+    difference = np.abs(refined.value - graded(plan, rows, columns, end))
+    both = np.isfinite(difference) & (area == Outcome.ALIGNED)
     return Comparison(
         figure=plan.name,
         cells=plan.cells,
@@ -134,10 +170,67 @@ def judge(
         failed=int(failed.sum()),
         wrong=int(wrong.sum()),
         flagged=float(flagged.mean()),
+        patch=float(refined.patch.mean()),
         wrong_unflagged=int((wrong & ~flagged).sum()),
         off=float((difference[both] > 1.0).mean()),
         seconds_full=seconds[0],
         seconds_refined=seconds[1],
+    )
+
+
+@dataclass(frozen=True)
+class Reliability:
+    """The map of an ensemble against every start at every node.
+
+    Attributes:
+        figure, cells: which map, and the cells along a side of the ensemble's lattice.
+        tried: share of the starts that the map tries.
+        nodes: nodes of which all starts would be as many runs.
+        reliable: share of the nodes that align from every start.
+        wrong, too_good: nodes at which the map is wrong, and of these those that it calls reliable.
+    """
+
+    figure: str
+    cells: int
+    tried: float
+    nodes: int
+    reliable: float
+    wrong: int
+    too_good: int
+
+    def words(self) -> str:
+        """One line of the table."""
+        return (
+            f"{self.figure} ensemble {self.cells}x{self.cells}: {100.0 * self.tried:.2f} % of the "
+            f"starts, as many as of {self.nodes:,} nodes; {100.0 * self.reliable:.1f} % reliable; "
+            f"{self.wrong} wrong, {self.too_good} of them called reliable"
+        )
+
+
+def compare_reliability(plan: MapPlan) -> Reliability:
+    """Refine the map of the ensemble, then run every start at every node."""
+    layer, starts = ensemble_layer(plan, 1), plan.starts()
+    known = Known.nothing(layer.lattice, layer.unknown)
+    refined = refine_layer(layer, known)
+    settings = replace(plan.settings.settings, alignment_only=True)
+    rows, columns = (plan.every * each.ravel() for each in np.indices(layer.lattice.shape))
+    every = [
+        every_start(Batch.of(plan.baseline, **plan.swept(*some)), starts, settings)["goes_in"]
+        for some in zip(
+            *(np.array_split(each, 1 + each.size // 256) for each in (rows, columns)), strict=True
+        )
+    ]
+    reliable = np.concatenate(every).all(axis=1).reshape(layer.lattice.shape)
+    wrong: Bools = (refined.kind == 1) != reliable
+    runs = layer.starts(known)
+    return Reliability(
+        figure=plan.name,
+        cells=layer.lattice.cells,
+        tried=runs / (reliable.size * len(starts)),
+        nodes=round(runs / len(starts)),
+        reliable=float(reliable.mean()),
+        wrong=int(wrong.sum()),
+        too_good=int((wrong & ~reliable).sum()),
     )
 
 
@@ -160,14 +253,17 @@ def slope(counts: dict[int, int]) -> float:
 
 
 def report(cells: int, finest: int, say: Callable[[str], None]) -> list[dict[str, object]]:
-    """Compare and cost the maps of the paper; what is measured, and said as it comes."""
+    """Compare and cost maps; what is measured, and said as it comes."""
+    study = load_study(study_path())
     measured: list[dict[str, object]] = []
-    for figure in MAPS:
-        found = compare(figure, cells)
+    for plan in (*(_plan(study, figure, cells) for figure in MAPS), *drawn(study, cells)):
+        found, reliability = compare(plan), compare_reliability(plan)
         say(found.words())
+        say(reliability.words())
+        measured.append({**asdict(found), "ensemble": asdict(reliability)})
+    for figure in MAPS:
         counts = costs(figure, finest)
-        grown = slope(counts)
         shown = ", ".join(f"{side}: {count:,}" for side, count in counts.items())
-        say(f"{figure}: trajectories by cells along a side {shown}; slope {grown:.2f}")
-        measured.append({**vars(found), "trajectories": counts, "slope": grown})
+        say(f"{figure}: trajectories by cells along a side {shown}; slope {slope(counts):.2f}")
+        measured.append({"figure": figure, "trajectories": counts, "slope": slope(counts)})
     return measured

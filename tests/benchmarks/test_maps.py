@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.maps import compare, costs, judge, slope
+from benchmarks.maps import compare, compare_reliability, costs, drawn, judge, slope
 from model.events.outcomes import Outcome
-from model.study.config import RunSettings, Span
-from model.study.maps import BESIDE, graded, plan_of
-from model.study.refinement import refine
+from model.study.config import RunSettings, Span, load_study, study_path
+from model.study.maps import graded, map_plan, plan_of
+from model.study.refinement import BESIDE, refine
 
 CELLS = 256
 ALIGNED, SETTLED = int(Outcome.ALIGNED), int(Outcome.SETTLED)
@@ -50,7 +50,7 @@ def test_a_map_that_agrees_has_nothing_wrong(plan):
 def test_a_wrong_node_counts_whether_flagged_or_not_and_a_failed_run_does_not(plan):
     area, tau = areas()
     map_ = refined(plan, area, tau)
-    filled = np.argwhere(~map_.computed & ~map_.beside(BESIDE) & (area == ALIGNED))
+    filled = np.argwhere(~map_.computed & ~map_.flagged & (area == ALIGNED))
     beside = np.argwhere(map_.beside(BESIDE) & (area == ALIGNED))
     full, durations = area.copy(), tau.copy()
     full[tuple(filled[0])] = SETTLED
@@ -68,8 +68,16 @@ def test_the_slope_is_the_power_of_the_cost():
     assert slope({128: 100, 256: 400, 512: 1600}) == pytest.approx(2.0)
 
 
-def test_a_small_map_of_the_study_is_compared_and_costed():
-    found = compare("fig13", 4)
-    assert (found.wrong, found.computed) == (0, 1.0)
-    assert found.seconds_full > 0.0
+def test_small_maps_are_compared_and_costed():
+    """Of the study, and of a device that is drawn."""
+    study = load_study(study_path())
+    for plan in drawn(study, 4, count=1):
+        found = compare(plan)
+        assert (found.wrong, found.computed) == (0, 1.0)
+        assert found.seconds_full > 0.0
+        assert plan.baseline.friction != map_plan(study, "fig13").baseline.friction
+        reliability = compare_reliability(plan)
+        assert reliability.cells == 1
+        assert (reliability.wrong, reliability.too_good) == (0, 0)
+        assert 0.1 < reliability.tried < 1.0
     assert costs("fig14", 4, 2) == {2: 9, 4: 25}

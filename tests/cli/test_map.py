@@ -12,7 +12,7 @@ from model.cli import map as map_commands
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
-from model.study import maps, starts
+from model.study import maps, reliability
 from model.study.config import baseline
 from model.study.devices import load_device
 from model.study.map_datasets import MAP_VARIABLES
@@ -103,8 +103,8 @@ def test_bad_input_is_refused_in_one_line_before_anything_is_computed(
     def no_runs(*_, **__):
         raise AssertionError("computed")
 
-    monkeypatch.setattr(maps, "align", no_runs)
-    monkeypatch.setattr(starts, "run_once", no_runs)
+    monkeypatch.setattr(maps, "estimate", no_runs)
+    monkeypatch.setattr(reliability, "run_once", no_runs)
     assert run(tmp_path, *arguments) == cli.REFUSED
     out, err = capsys.readouterr()
     assert out == ""
@@ -120,7 +120,7 @@ def test_an_interrupted_map_leaves_the_old_file(tmp_path, capsys, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(starts, "run_once", interrupted)
+    monkeypatch.setattr(reliability, "run_once", interrupted)
     assert run(tmp_path) == cli.INTERRUPTED
     assert "interrupted" in capsys.readouterr().err
     assert old.read_text() == "old"

@@ -8,7 +8,7 @@ from matplotlib.patches import PathPatch
 
 from model.events.outcomes import Outcome
 from model.show import plots, style
-from model.show.areas import LEFT_LABEL, stability_map
+from model.show.areas import LEFT_LABEL, PATCH_LABEL, stability_map
 from model.show.axes import FAILED_LABEL, NOT_ALIGNED, NOT_INSERTED
 from tests.show.drawn import NAN, followed, grid, named
 
@@ -120,3 +120,17 @@ def test_a_map_of_200_by_200_cells_with_islands_stays_small(tmp_path):
 def test_a_map_may_align_nowhere_or_everywhere(area, value, tmp_path):
     area["tau_align"][:] = value
     style.save(stability_map(area), tmp_path / "map")
+
+
+def test_a_patch_is_hatched_and_has_no_border(area):
+    patch = np.zeros(area["tau_align"].shape, dtype=np.int8)
+    area["patch"] = (area["tau_align"].dims, patch)
+    axes = stability_map(area).axes[0]
+    assert not named(axes.patches, PATCH_LABEL)
+    (before,) = named(axes.collections, "_border")
+    area["patch"][1:4, 5:8] = 1  # around the island
+    axes = stability_map(area).axes[0]
+    (hatched,) = named(axes.patches, PATCH_LABEL)
+    np.testing.assert_array_equal(covered(hatched, area), area["patch"].values == 1)
+    (border,) = named(axes.collections, "_border")
+    assert len(before.get_segments()) - len(border.get_segments()) == 4  # the island's

@@ -43,6 +43,7 @@ _SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are
 _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 
 LEFT_LABEL = "of these, leaves the scene"
+PATCH_LABEL = "outcomes alternate: no border"
 SLOW_LABEL = "ticked side: rests if pressed slowly"
 # In the order of ``map_datasets.added``.
 ADDED_LABELS = (
@@ -96,9 +97,16 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
             handles.append(_add_area(axes, *cells, lost, NOT_INSERTED, **style.NOT_INSERTED))
         if not gaps.all():
             _colour_durations(figure, axes, edges, durations, axis_label(dataset["tau_align"]))
+        patch = np.zeros(gaps.shape, dtype=np.bool_)
+        if "patch" in dataset and dataset["patch"].values.any():
+            patch = dataset["patch"].values == 1
+            handles.append(_add_area(axes, *edges, patch, PATCH_LABEL, **style.PATCH))
         axes.add_collection(
             LineCollection(
-                list(_borders(*edges, gaps)), colors=style.BLACK, linewidths=0.7, label="_border"
+                list(_borders(*edges, gaps, patch)),
+                colors=style.BLACK,
+                linewidths=0.7,
+                label="_border",
             ),
             autolim=False,
         )
@@ -209,11 +217,15 @@ def _add_area(axes: Axes, x: Floats, y: Floats, cells: Bools, label: str, **look
     return patch
 
 
-def _borders(x: Floats, y: Floats, cells: Bools) -> Iterator[list[tuple[float, float]]]:
-    """Yield the straight lines between cells that differ: the staircase around an area."""
-    for column, differ in enumerate((cells[:, 1:] != cells[:, :-1]).T, start=1):
+def _borders(
+    x: Floats, y: Floats, cells: Bools, without: Bools
+) -> Iterator[list[tuple[float, float]]]:
+    """Yield the straight lines between cells that differ, except beside those ``without`` lines."""
+    beside = (cells[:, 1:] != cells[:, :-1]) & ~(without[:, 1:] | without[:, :-1])
+    above = (cells[1:] != cells[:-1]) & ~(without[1:] | without[:-1])
+    for column, differ in enumerate(beside.T, start=1):
         for i, j in runs_of(differ):
             yield [(x[column], y[i]), (x[column], y[j])]
-    for row, differ in enumerate(cells[1:] != cells[:-1], start=1):
+    for row, differ in enumerate(above, start=1):
         for i, j in runs_of(differ):
             yield [(x[i], y[row]), (x[j], y[row])]

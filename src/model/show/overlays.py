@@ -110,14 +110,18 @@ def add_outline(
     colour: str,
     line: Literal["-", "--"],
 ) -> list[Line2D]:
-    """Draw the outline of the nodes ``inside``, ticked inwards; return its handle, if it is any."""
+    """Draw the outline of the nodes ``inside``, ticked inwards; return its handle, if it is any.
+
+    In a patch of the map, where outcomes alternate, there is none.
+    """
     if inside.all() or not inside.any():
         return []
     y, x = (dataset[name].values for name in dataset["outcome"].dims)
+    patch = dataset["patch"].values == 1 if "patch" in dataset else np.zeros_like(inside)
     outline: QuadContourSet = axes.contour(
         x,
         y,
-        inside.astype(float),
+        np.ma.masked_array(inside.astype(float), patch),
         [0.5],
         colors=colour,
         linestyles=line,

@@ -44,6 +44,14 @@ NON_ALIGNING: Mapping[str, Any] = {
     "hatch": "////",
     "linewidth": 0.0,
 }
+# Likewise: the area where outcomes alternate from point to point.
+PATCH: Mapping[str, Any] = {
+    "facecolor": "#FFFFFF99",
+    "edgecolor": BLACK,
+    "hatch": "xxxx",
+    "linewidth": 0.0,
+    "zorder": 2.0,
+}
 # Likewise: the area where they align and do not go in, dotted over the colour of the duration.
 NOT_INSERTED: Mapping[str, Any] = {
     "facecolor": "none",

@@ -16,7 +16,8 @@ from model.physics.units import UNITS, Units
 from model.study.config import CURVES, HISTORIES, Curves, Study
 from model.study.datasets import VARIABLES, global_attributes, parameter_coordinates
 from model.study.map_parts import AllKnown, Progress
-from model.study.maps import BESIDE, PERIODS, SHARE, MapPlan, assemble, evaluations
+from model.study.maps import PERIODS, SHARE, MapPlan, assemble, evaluations
+from model.study.refinement import AROUND, BESIDE, PATCH, WINDOW
 
 _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
 LEVEL = {"long_name": "refinement level: how often the coarse cell was halved"}
@@ -38,14 +39,29 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
     **{name: VARIABLES[name] for name in TWIN},
     "flagged": {
         "long_name": "the outcome may be another",
-        "comment": f"sensitive, or filled within {BESIDE} nodes of another outcome",
+        "comment": f"sensitive, or filled within {BESIDE} nodes of another outcome, within "
+        f"{2 * BESIDE} where the border is crooked, or within {AROUND} of a patch",
+        **_NO_YES,
+    },
+    "patch": {
+        "long_name": "outcomes alternate: no border is drawn here",
+        "comment": f"the border crosses more than {PATCH:g} of the {WINDOW} x {WINDOW} small cells "
+        "around",
         **_NO_YES,
     },
     "level": LEVEL,
     "trajectories": {"long_name": "starts computed at this node, 0 where it was filled"},
-    "reliable_share": {"long_name": "share of the ensemble's starts that align"},
-    "reliable": {"long_name": "aligns from every start of the ensemble", **_NO_YES},
-    "tau_worst": {"long_name": "longest alignment duration of the ensemble", "symbol": "τ"},
+    "reliable_share": {"long_name": "share of the ensemble's starts tried here that align"},
+    "reliable": {
+        "long_name": "aligns from every start of the ensemble",
+        "comment": "some of the starts are tried at every node, others at its neighbours, and all "
+        "from which nodes near it fail",
+        **_NO_YES,
+    },
+    "tau_worst": {
+        "long_name": "longest alignment duration of the starts tried here",
+        "symbol": "τ",
+    },
     "margin": {
         "long_name": "distance to the nearest node that is not reliable",
         "comment": "each axis' range is the unit along it; infinite if there is no such node",

@@ -29,7 +29,10 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass
 class Known:
-    """The nodes computed so far: columns over the whole lattice, and where they are known."""
+    """The nodes computed so far: columns over the whole lattice, and where they are known.
+
+    A column may have a further axis.
+    """
 
     computed: Bools
     columns: dict[str, NDArray[Any]]
@@ -37,7 +40,9 @@ class Known:
     @classmethod
     def nothing(cls, lattice: Lattice, unknown: Columns) -> "Known":
         """No node of ``lattice``; ``unknown`` gives each column's type and its placeholder."""
-        columns = {name: np.full(lattice.shape, value) for name, value in unknown.items()}
+        columns = {
+            name: np.full(lattice.shape + value.shape, value) for name, value in unknown.items()
+        }
         return cls(np.zeros(lattice.shape, dtype=np.bool_), columns)
 
     def enter(self, rows: Ints, columns: Ints, values: Columns) -> None:
@@ -45,6 +50,12 @@ class Known:
         for name, column in self.columns.items():
             column[rows, columns] = values[name]
         self.computed[rows, columns] = True
+
+    def keep(self, computed: Bools, unknown: Columns) -> None:
+        """Forget the nodes that are not ``computed``."""
+        for name, column in self.columns.items():
+            column[~computed] = unknown[name]
+        self.computed &= computed
 
     def of(self, rows: Ints, columns: Ints) -> Columns:
         """Return the columns of nodes."""
@@ -61,7 +72,9 @@ class Layer:
         unknown: as for ``Known.nothing``.
         compute: (rows, columns, known so far) -> columns of these nodes.
         compare: (rows, columns, their columns) -> kinds and values, which refine the lattice.
-        starts: number of runs of one node, for the progress bar.
+        further: (refined map, known) -> True if it computed more at nodes of the map, by which
+            their kinds may change, so that it must be refined anew.
+        starts: known -> number of runs.
     """
 
     name: str
@@ -69,7 +82,8 @@ class Layer:
     unknown: Columns
     compute: Callable[[Ints, Ints, Known], Columns]
     compare: Callable[[Ints, Ints, Columns], tuple[Ints, Floats]]
-    starts: int = 1
+    further: Callable[[Refined, Known], bool] = lambda *_: False
+    starts: Callable[[Known], int] = lambda known: int(known.computed.sum())
 
 
 class RefinedPlan(Protocol):
@@ -117,26 +131,42 @@ def refine_map(
 ) -> dict[str, Refined]:
     """Refine every layer; nodes missing in ``known`` are computed and entered.
 
-    From the parts of a map, nodes are missing where cells of two parts touch.
+    From the parts of a map, nodes are missing where cells of two parts touch. Nodes that the
+    refined map does not need are forgotten.
     """
     layers = plan.layers(cores)
 
-    def refined(layer: Layer) -> Refined:
-        nodes = known[layer.name]
+    def tell(layer: Layer, left: int) -> None:
+        progress(layer.name, sum(each.starts(known[each.name]) for each in layers), left)
 
-        def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
-            new = np.flatnonzero(~nodes.computed[rows, columns])
-            for first in range(0, new.size, _AT_ONCE):
-                some = new[first : first + _AT_ONCE]
-                done = sum(each.starts * int(known[each.name].computed.sum()) for each in layers)
-                progress(layer.name, done, int(new.size - first))
-                found = layer.compute(rows[some], columns[some], nodes)
-                nodes.enter(rows[some], columns[some], found)
-            return layer.compare(rows, columns, nodes.of(rows, columns))
+    return {
+        layer.name: refine_layer(layer, known[layer.name], within(layer.lattice), tell)
+        for layer in layers
+    }
 
-        return refine(evaluate, layer.lattice, within(layer.lattice))
 
-    return {layer.name: refined(layer) for layer in layers}
+def refine_layer(
+    layer: Layer,
+    nodes: Known,
+    within: Bools | None = None,
+    tell: Callable[[Layer, int], None] = lambda *_: None,
+) -> Refined:
+    """Refine one layer as ``refine_map``; ``tell`` is called with the nodes still to come."""
+
+    def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
+        new = np.flatnonzero(~nodes.computed[rows, columns])
+        for first in range(0, new.size, _AT_ONCE):
+            some = new[first : first + _AT_ONCE]
+            tell(layer, int(new.size - first))
+            found = layer.compute(rows[some], columns[some], nodes)
+            nodes.enter(rows[some], columns[some], found)
+        return layer.compare(rows, columns, nodes.of(rows, columns))
+
+    found = refine(evaluate, layer.lattice, within)
+    while layer.further(found, nodes):
+        found = refine(evaluate, layer.lattice, within)
+    nodes.keep(found.computed, layer.unknown)
+    return found
 
 
 def _tiles(lattice: Lattice, part: int, parts: int) -> Bools:
@@ -162,7 +192,10 @@ def part_dataset(plan: RefinedPlan, part: int, parts: int, known: AllKnown) -> x
         rows, columns = np.nonzero(each.computed)
         values = {"row": rows.astype(np.int32), "column": columns.astype(np.int32)}
         values |= each.of(rows, columns)
-        variables |= {f"{name}_{column}": (name, value) for column, value in values.items()}
+        variables |= {
+            f"{name}_{column}": ((name, f"{name}_start")[: value.ndim], value)
+            for column, value in values.items()
+        }
     return xr.Dataset(variables, attrs=_stamp(plan, part, parts))
 
 

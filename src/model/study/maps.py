@@ -4,7 +4,7 @@ A map gives the outcome and the alignment time from the paper's start at every n
 lattice over two parameters; refinement.py chooses the nodes that are computed. The outcome near the
 border depends on the phase of the excitation at touch-down and on the tilt there, which cannot be
 controlled: a *reliable* device aligns within the horizon from every start of an ensemble. That
-ensemble is tried on a coarser lattice, refined as well.
+ensemble is tried on a coarser lattice, refined as well; see reliability.py.
 """
 
 import math
@@ -18,7 +18,8 @@ from pydantic import model_validator
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
-from model.runs.align import align
+from model.runs.engines import engine_for
+from model.runs.errors import estimate
 from model.runs.twin import twin_results
 from model.study.config import (
     LARGEST_MISALIGNMENT,
@@ -33,15 +34,16 @@ from model.study.config import (
 from model.study.map_parts import AllKnown, Columns, Known, Layer, Progress, refine_map
 from model.study.plan import Plan
 from model.study.refinement import Bools, Floats, Ints, Lattice
-from model.study.starts import from_every_start, starts_of
+from model.study.reliability import ensemble_layer, lattice_of, of_starts
+from model.study.starts import starts_of
 
-COARSE = 64  # coarse cells along a side of a map
-LINES = 8  # squares along a side on whose borders every node is computed
+COARSE = 64  # coarse cells along a side of a map, at least
+LARGEST = 8  # side of a coarse cell, unless there are more than twice as many of them
+LINES = 8  # squares along a side on whose borders more nodes are computed
+PATCH = 4  # side of the cells by which patches are found
 # Durations in a cell that is not halved differ by at most the larger of these.
 PERIODS = 0.4  # excitation periods; a part that misses one takes one longer
 SHARE = 0.1  # of the duration
-BESIDE = 6  # nodes; a filled node this close to another area is flagged
-COARSE_ENSEMBLE = 32  # coarse cells along a side of the ensemble's lattice
 
 
 class MapPlan(Plan):
@@ -99,9 +101,10 @@ class MapPlan(Plan):
     @property
     def lattice(self) -> Lattice:
         """The lattice of the outcome from the paper's start."""
-        coarse = max(self.cells // COARSE, 1)
+        coarse = max(self.cells // (2 * COARSE), min(self.cells // COARSE, LARGEST), 1)
+        patch = PATCH if coarse > PATCH else 0  # a window is then a small part of the map
         lines = max(self.cells // LINES, coarse)
-        return Lattice(cells=self.cells, coarse=coarse, lines=lines, jump=1.0)
+        return Lattice(cells=self.cells, coarse=coarse, lines=lines, patch=patch, jump=1.0)
 
     @property
     def every(self) -> int:
@@ -112,8 +115,7 @@ class MapPlan(Plan):
     @property
     def ensemble_lattice(self) -> Lattice:
         """The lattice of the ensemble."""
-        cells = self.cells // self.every
-        return Lattice(cells=cells, coarse=max(cells // COARSE_ENSEMBLE, 1))
+        return lattice_of(self.cells // self.every)
 
     def starts(self) -> list[dict[str, float]]:
         """Return every start of the ensemble; the first is the paper's."""
@@ -122,7 +124,7 @@ class MapPlan(Plan):
     def layers(self, cores: int = 1) -> list[Layer]:
         """Return the layers "paper", "twin" and, with an ensemble, "ensemble"."""
         layers = [_paper_layer(self, cores), _twin_layer(self, cores)]
-        return layers if self.ensemble is None else [*layers, _ensemble_layer(self, cores)]
+        return layers if self.ensemble is None else [*layers, ensemble_layer(self, cores)]
 
 
 def map_plan(study: Study, name: str) -> MapPlan:
@@ -177,6 +179,7 @@ PAPER: Columns = {
     "outcome": np.array(-1, dtype=np.int8),
     "reason": np.array(-1, dtype=np.int8),
     "tau_align": np.array(np.nan),
+    "time": np.array(np.nan),  # of the end
     "tau_error": np.array(np.nan),
     "sensitive": np.array(-1, dtype=np.int8),
     "rhs_evaluations": np.array(0, dtype=np.int64),
@@ -186,11 +189,6 @@ UNVIBRATED: Columns = {
     "unvibrated_tilt": np.array(np.nan),
     "slow_tilt": np.array(np.nan),
 }
-ENSEMBLE: Columns = {
-    "aligned": np.array(-1, dtype=np.int16),
-    "tau_worst": np.array(np.nan),
-    "rhs_evaluations": np.array(0, dtype=np.int64),
-}
 
 
 def _paper_layer(plan: MapPlan, cores: int) -> Layer:
@@ -198,11 +196,12 @@ def _paper_layer(plan: MapPlan, cores: int) -> Layer:
     settings, base = plan.settings.settings, plan.baseline
 
     def compute(rows: Ints, columns: Ints, _: Known) -> Columns:
-        found = align(Batch.of(base, **plan.swept(rows, columns)), settings, cores=cores)
-        return {name: getattr(found, name) for name in PAPER}
+        batch, run = Batch.of(base, **plan.swept(rows, columns)), engine_for(settings, cores=cores)
+        found = estimate(run, batch.constants(settings.readings), settings.tolerance).columns()
+        return {name: found[name].astype(unknown.dtype) for name, unknown in PAPER.items()}
 
     def compare(rows: Ints, columns: Ints, found: Columns) -> tuple[Ints, Floats]:
-        return areas(found["outcome"]), graded(plan, rows, columns, found["tau_align"])
+        return areas(found["outcome"]), graded(plan, rows, columns, end_of(found))
 
     return Layer("paper", plan.lattice, PAPER, compute, compare)
 
@@ -218,29 +217,7 @@ def _twin_layer(plan: MapPlan, cores: int) -> Layer:
         kind = 2 * found["unvibrated"].astype(np.int64) + np.isfinite(found["slow_tilt"])
         return kind, np.full(rows.shape, np.nan)
 
-    return Layer("twin", replace(plan.lattice, lines=0), UNVIBRATED, compute, compare)
-
-
-def _ensemble_layer(plan: MapPlan, cores: int) -> Layer:
-    """The number of starts that align, and the longest duration: one run from every start."""
-    settings, starts, every = plan.settings.settings, plan.starts(), plan.every
-
-    def compute(rows: Ints, columns: Ints, _: Known) -> Columns:
-        swept = plan.swept(every * rows, every * columns)
-        found = from_every_start(plan.baseline, swept, starts, settings, cores)
-        return {
-            "aligned": found.aligned.sum(axis=1),
-            "tau_worst": found.tau_worst,
-            "rhs_evaluations": found.rhs_evaluations,
-        }
-
-    def compare(rows: Ints, _: Ints, found: Columns) -> tuple[Ints, Floats]:
-        aligned = found["aligned"]
-        kind = np.where(aligned == len(starts), 2, np.where(aligned == 0, 0, 1))
-        return kind, np.full(rows.shape, np.nan)
-
-    lattice = plan.ensemble_lattice
-    return Layer("ensemble", lattice, ENSEMBLE, compute, compare, starts=len(starts))
+    return Layer("twin", replace(plan.lattice, lines=0, patch=0), UNVIBRATED, compute, compare)
 
 
 def areas(outcome: NDArray[np.int8]) -> Ints:
@@ -248,6 +225,15 @@ def areas(outcome: NDArray[np.int8]) -> Ints:
     found = outcome.astype(np.int64)
     found[found == Outcome.HORIZON_REACHED] = Outcome.SETTLED
     return found
+
+
+def end_of(found: Columns) -> Floats:
+    """Return the times at which parts align or leave the scene; NaN for others, shape (m,).
+
+    Either is continuous along the plane; where it jumps, areas too thin for the lattice are near.
+    """
+    ends: Floats = np.where(found["outcome"] == Outcome.ALIGNED, found["tau_align"], np.nan)
+    return np.where(found["outcome"] == Outcome.LEFT_SCENE, found["time"], ends)
 
 
 def graded(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
@@ -284,12 +270,12 @@ def assemble(
     reliable, share, worst = aligns, *np.full((2, *aligns.shape), np.nan)
     trajectories = paper.computed.astype(np.int32)
     if plan.ensemble is not None:
-        tried, ensemble = known["ensemble"], refined["ensemble"]
-        count, every = len(plan.starts()), plan.every
-        share = _between(np.minimum, ensemble.filled(tried.columns["aligned"] / count), every)
-        worst = _between(np.maximum, ensemble.filled(tried.columns["tau_worst"]), every)
+        tried, ensemble, every = known["ensemble"].columns, refined["ensemble"], plan.every
+        shares, longest, runs = of_starts(tried)
+        share = _between(np.minimum, ensemble.filled(shares), every)
+        worst = _between(np.maximum, ensemble.filled(longest), every)
         reliable = aligns & (share == 1.0)
-        trajectories[::every, ::every] += count * tried.computed
+        trajectories[::every, ::every] += runs
     return {
         "outcome": outcome,
         "reason": paper.spread(columns["reason"]),
@@ -298,7 +284,8 @@ def assemble(
         "sensitive": sensitive.astype(np.int8),
         "unvibrated": twin.spread(unvibrated["unvibrated"]),
         **rests,
-        "flagged": (sensitive | paper.beside(BESIDE)).astype(np.int8),
+        "flagged": (sensitive | paper.flagged).astype(np.int8),
+        "patch": paper.patch.astype(np.int8),
         "level": paper.level.astype(np.int8),
         "trajectories": trajectories,
         "reliable_share": share,
@@ -318,11 +305,8 @@ def part_counts(plan: MapPlan, known: Mapping[str, Known]) -> dict[str, int]:
     """Return the counts in the sidecar of a part: starts computed, outcomes, and evaluations."""
     paper = known["paper"]
     outcome = paper.columns["outcome"][paper.computed]
-    starts = {each.name: each.starts for each in plan.layers()}
     return {
-        "trajectories": sum(
-            starts[name] * int(each.computed.sum()) for name, each in known.items()
-        ),
+        "trajectories": sum(each.starts(known[each.name]) for each in plan.layers()),
         **{each.name.lower(): int((outcome == each).sum()) for each in Outcome},
         "sensitive": int((paper.columns["sensitive"] == 1).sum()),
         "rhs_evaluations": evaluations(known),

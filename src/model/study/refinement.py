@@ -1,20 +1,23 @@
 """Refine a map over two parameters where it changes, and fill the nodes in between.
 
 A map lives on the nodes of one fine lattice, so that every computed node is a node of the full map.
-Square cells of this lattice are halved, from coarse cells down to single ones, wherever the known
-nodes of a closed cell differ in kind (how a run ends) or in value by more than a jump. Cells that
-touch differ in size by at most a factor of two, so that all are small near a border. The remaining
-nodes are filled from the cell that holds them, whose known nodes all agree.
+Square cells of this lattice are halved, from coarse cells down to cells of side two, wherever the
+known nodes of a closed cell differ in kind (how a run ends) or in value by more than a jump. Cells
+that touch differ in size by at most a factor of two, so that all are small near a border. Of the
+nodes between, those whose neighbours on both sides differ are computed. The remaining
+nodes are filled from the cell that holds them.
 
-Corners alone would miss an island inside a coarse cell. Therefore every node is computed on
-``lines``, some rows and columns. An island (a connected set of nodes of another kind) is found for
-certain if it reaches across a line, however thin it is, or holds a coarse cell. Once one of its
-nodes is known, it is followed as far as the finest cells around known nodes show more of it. Most
-small islands lie beside larger ones or beside the border, where cells are smaller than the island.
+An island (a connected set of nodes of another kind) inside a coarse cell is missed. To find those
+that are long and thin, nodes half as far apart are computed on ``lines``, some rows and columns.
+Once one of its nodes is known, an island is followed as far as the cells around known nodes show
+more of it. Most small islands lie beside larger ones or beside the border, where cells are smaller
+than the island.
 
-The halved cells are the smallest set that is closed under this rule. They depend neither on the
-order in which nodes become known nor on the job that computed them: a map assembled
-from parts equals the map made in one piece.
+Where cells of a given side that hold a border are dense, the border is no curve: outcomes alternate
+from node to node. Such a *patch* is not halved further.
+
+The halved cells are the smallest set that is closed under these rules. They do not depend on the
+order in which nodes become known. Parts of a map are a store of nodes for the whole map.
 """
 
 import itertools
@@ -29,6 +32,12 @@ Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+WINDOW = 9  # cells along a side of the window in which those that hold a border are counted
+PATCH = 0.4  # share of them above which the border is no curve; along a straight one it is a tenth
+CROOKED = 0.15  # share above which nodes are flagged twice as far from the border
+BESIDE = 8  # nodes; a filled node this close to another kind is flagged
+AROUND = 24  # nodes; one this close to a patch is flagged as well
+
 Evaluate = Callable[[Ints, Ints], tuple[Ints, Floats]]
 """(rows, columns) of nodes to (kinds, values), all of shape (m,); a value may be NaN."""
 
@@ -40,8 +49,9 @@ class Lattice:
     Attributes:
         cells: finest cells along a side, a power of two; the map has ``cells`` + 1 nodes a side.
         coarse: side length of a coarse cell, a power of two.
-        lines: distance of the rows and columns that are computed whole, a multiple of ``coarse``;
-            0 for none.
+        lines: distance of the rows and columns on which more nodes are computed, a multiple of
+            ``coarse``; 0 for none.
+        patch: side length of the cells by which patches are found; 0 for none.
         jump: largest difference of values in a cell that is not halved.
 
     Raises:
@@ -51,6 +61,7 @@ class Lattice:
     cells: int
     coarse: int
     lines: int = 0
+    patch: int = 0
     jump: float = np.inf
 
     def __post_init__(self) -> None:
@@ -62,6 +73,9 @@ class Lattice:
             raise ValueError(f"coarse = {self.coarse}: must be at most cells = {self.cells}")
         if self.lines < 0 or self.lines % self.coarse:
             raise ValueError(f"lines = {self.lines}: must be a multiple of coarse = {self.coarse}")
+        if self.patch and self.patch not in self.sizes[:-1]:
+            sides = ", ".join(map(str, self.sizes[:-1]))
+            raise ValueError(f"patch = {self.patch}: must be 0 or the side of a cell: {sides}")
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -74,10 +88,10 @@ class Lattice:
         return [self.coarse >> level for level in range(self.coarse.bit_length())]
 
     def watched(self) -> Bools:
-        """The nodes on lines."""
-        nodes = np.zeros(self.shape, dtype=np.bool_)
+        """The nodes on lines that are computed in any case."""
+        nodes, apart = np.zeros(self.shape, dtype=np.bool_), max(self.coarse // 2, 1)
         if self.lines:
-            nodes[:: self.lines], nodes[:, :: self.lines] = True, True
+            nodes[:: self.lines, ::apart] = nodes[::apart, :: self.lines] = True
         return nodes
 
 
@@ -91,6 +105,7 @@ class Refined:
         computed: the nodes that were computed.
         size: side length of the smallest cell that holds the node. A cell holds its interior, its
             first row and its first column; the last cells also hold the last ones.
+        density: share of the cells around the node that hold a border; see ``Lattice.patch``.
     """
 
     lattice: Lattice
@@ -98,27 +113,50 @@ class Refined:
     value: Floats
     computed: Bools
     size: Ints
+    density: Floats
 
     @property
     def level(self) -> Ints:
         """Number of times the coarse cell around a node was halved."""
         return np.log2(self.lattice.coarse / self.size).astype(np.int64)
 
+    @property
+    def patch(self) -> Bools:
+        """The nodes of patches, where the border is no curve."""
+        return self.density > PATCH
+
+    @property
+    def flagged(self) -> Bools:
+        """Filled nodes that may be of another kind: near a border, or in or near a patch."""
+        from scipy.ndimage import maximum_filter  # noqa: PLC0415  (slow)
+
+        near = self.beside(BESIDE) | self.beside(2 * BESIDE) & (self.density > CROOKED)
+        around = maximum_filter(self.patch, 2 * AROUND + 1)
+        found: Bools = (near | around) & ~self.computed
+        return found
+
     def spread(self, column: NDArray[Any]) -> NDArray[Any]:
-        """Fill ``column``, known where ``computed``, with the value at the cell's first corner."""
+        """Fill ``column``, known where ``computed``, with the nearest corner of the cell."""
         full = column.copy()
-        *nodes, top, left, _ = self._filled_nodes()
-        full[tuple(nodes)] = column[top, left]
+        rows, columns, top, left, side = self._filled_nodes()
+        down, right = 2 * (rows - top) > side, 2 * (columns - left) > side
+        full[rows, columns] = column[top + side * down, left + side * right]
         return full
 
     def filled(self, column: Floats) -> Floats:
-        """Fill ``column``, known where ``computed``, by bilinear interpolation in each cell."""
-        full = column.copy()
+        """Fill ``column``, known where ``computed``, by bilinear interpolation in each cell.
+
+        Where a corner that counts is NaN, the value at the nearest corner is taken.
+        """
+        full = self.spread(column)
         rows, columns, top, left, side = self._filled_nodes()
         down, right = (rows - top) / side, (columns - left) / side
-        upper = (1.0 - right) * column[top, left] + right * column[top, left + side]
-        lower = (1.0 - right) * column[top + side, left] + right * column[top + side, left + side]
-        full[rows, columns] = (1.0 - down) * upper + down * lower
+        found = np.zeros(rows.size)
+        for lower, farther in itertools.product((0, 1), repeat=2):
+            weight = np.where(lower, down, 1.0 - down) * np.where(farther, right, 1.0 - right)
+            corner = column[top + lower * side, left + farther * side]
+            found += np.where(weight > 0.0, weight * corner, 0.0)
+        full[rows, columns] = np.where(np.isnan(found), full[rows, columns], found)
         return full
 
     def _filled_nodes(self) -> tuple[Ints, Ints, Ints, Ints, Ints]:
@@ -142,14 +180,20 @@ class Refined:
 class _Level:
     """The cells of one size: which exist, which are halved, and the extremes known in each.
 
-    ``low`` and ``high`` have shape (2, count, count): kinds, then values.
+    ``low`` and ``high`` have shape (2, count, count): kinds, then values. Cells that are ``kept``
+    are not halved.
     """
 
     def __init__(self, lattice: Lattice, size: int) -> None:
         count = lattice.cells // size
         self.size = size
-        self.exists, self.halved = np.zeros((2, count, count), dtype=np.bool_)
+        self.exists, self.halved, self.kept = np.zeros((3, count, count), dtype=np.bool_)
         self.low, self.high = (np.full((2, count, count), each) for each in (np.inf, -np.inf))
+
+    @property
+    def mixed(self) -> Bools:
+        """Cells whose known nodes differ in kind."""
+        return self.low[0] < self.high[0]
 
     def learn(self, rows: Ints, columns: Ints, kinds: Ints, values: Floats) -> None:
         """Enter nodes into every closed cell that holds them."""
@@ -166,11 +210,18 @@ class _Level:
 
     def halve(self, jump: float) -> None:
         """Halve the cells whose known nodes disagree."""
-        self.halved |= (self.low[0] < self.high[0]) | (self.low[1] + jump < self.high[1])
+        self.halved |= (self.mixed | (self.low[1] + jump < self.high[1])) & ~self.kept
+
+    def density(self) -> Floats:
+        """Return the share of mixed cells in the window around each cell."""
+        from scipy.ndimage import uniform_filter  # noqa: PLC0415  (slow)
+
+        found: Floats = uniform_filter(self.mixed.astype(np.float64), WINDOW, mode="nearest")
+        return found
 
 
-def _balance(levels: list[_Level]) -> list[Bools]:
-    """Halve cells beside cells of a quarter of their size; return the new cells of levels 1, 2, ….
+def _balance(levels: list[_Level]) -> None:
+    """Halve cells beside cells of a quarter of their size, and note which cells exist.
 
     A cell may be halved before it exists: then its parent is halved as well.
     """
@@ -179,13 +230,80 @@ def _balance(levels: list[_Level]) -> list[Bools]:
     for coarser, level in zip(levels[-3::-1], levels[-2:0:-1], strict=True):
         count = len(coarser.halved)
         near = binary_dilation(level.halved, np.ones((3, 3)))
-        coarser.halved |= near.reshape(count, 2, count, 2).any(axis=(1, 3))
-    new = []
+        coarser.halved |= near.reshape(count, 2, count, 2).any(axis=(1, 3)) & ~coarser.kept
     for level, finer in itertools.pairwise(levels):
-        exists = _repeated(level.exists & level.halved, 2)
-        new.append(exists & ~finer.exists)
-        finer.exists |= exists
-    return new
+        finer.exists = _repeated(level.exists & level.halved, 2)
+
+
+class _Map:
+    """A map that is being refined."""
+
+    def __init__(self, evaluate: Evaluate, lattice: Lattice, within: Bools | None) -> None:
+        self.evaluate, self.lattice = evaluate, lattice
+        self.kind = np.zeros(lattice.shape, dtype=np.int64)
+        self.value = np.full(lattice.shape, np.nan)
+        self.computed = np.zeros(lattice.shape, dtype=np.bool_)
+        self.levels = [_Level(lattice, size) for size in lattice.sizes]
+        self.levels[0].exists[:] = True if within is None else within
+        self.density = np.zeros(lattice.shape)
+
+    def compute(self, wanted: Bools) -> bool:
+        """Compute the ``wanted`` nodes; return False if all of them are known."""
+        rows, columns = np.nonzero(wanted & ~self.computed)
+        if not rows.size:
+            return False
+        kinds, values = self.evaluate(rows, columns)
+        self.kind[rows, columns], self.value[rows, columns] = kinds, values
+        self.computed[rows, columns] = True
+        for level in self.levels[:-1]:
+            level.learn(rows, columns, kinds, values)
+            level.halve(self.lattice.jump)
+        _balance(self.levels)
+        return True
+
+    def corners(self, least: int) -> Bools:
+        """Return the corners of the cells with sides of at least ``least``."""
+        levels = (level for level in self.levels if level.size >= least)
+        return np.logical_or.reduce([_corners(level.exists, level.size) for level in levels])
+
+    def between(self) -> Bools:
+        """Return the nodes inside halved cells of side two whose neighbours on both sides differ.
+
+        In the middle of a cell these are its corners.
+        """
+        wanted = np.zeros(self.lattice.shape, dtype=np.bool_)
+        cells = self.levels[-2].exists & self.levels[-2].halved
+        known = self.kind[::2, ::2], self.value[::2, ::2]
+        across, along = (self._differ(known, axis) for axis in (1, 0))
+        wanted[::2, 1::2] = across & (_padded(cells, 0)[1:] | _padded(cells, 0)[:-1])
+        wanted[1::2, ::2] = along & (_padded(cells, 1)[:, 1:] | _padded(cells, 1)[:, :-1])
+        sides = across[1:] | across[:-1] | along[:, 1:] | along[:, :-1]
+        wanted[1::2, 1::2] = cells & sides
+        return wanted
+
+    def _differ(self, known: tuple[Ints, Floats], axis: int) -> Bools:
+        """Return where neighbours along an axis differ in kind, or in value by more than a jump."""
+        kind, value = (np.diff(each, axis=axis) for each in known)
+        found: Bools = (kind != 0) | (np.abs(value) > self.lattice.jump)
+        return found
+
+    def find_patches(self) -> None:
+        """Keep the cells where those that hold a border are dense."""
+        (level,) = (each for each in self.levels if each.size == self.lattice.patch)
+        density = level.density()
+        level.kept = density > PATCH
+        level.halved &= ~level.kept
+        _balance(self.levels)
+        self.density = _nodes_of(_repeated(density, level.size))
+
+    def found(self) -> Refined:
+        """Return the map with its nodes filled."""
+        size = np.full(self.lattice.shape, self.lattice.coarse, dtype=np.int64)
+        for level in self.levels:
+            size[_nodes_of(_repeated(level.exists, level.size))] = level.size
+        size[(size == 1) & ~self.computed] = 2
+        found = Refined(self.lattice, self.kind, self.value, self.computed, size, self.density)
+        return replace(found, kind=found.spread(self.kind), value=found.filled(self.value))
 
 
 def refine(evaluate: Evaluate, lattice: Lattice, within: Bools | None = None) -> Refined:
@@ -197,33 +315,33 @@ def refine(evaluate: Evaluate, lattice: Lattice, within: Bools | None = None) ->
         within: coarse cells to stay in, shape (cells/coarse, cells/coarse); all by default. Nodes
             outside of them keep kind 0 and value NaN, and are not computed.
     """
-    kind = np.zeros(lattice.shape, dtype=np.int64)
-    value = np.full(lattice.shape, np.nan)
-    computed = np.zeros(lattice.shape, dtype=np.bool_)
-    levels = [_Level(lattice, size) for size in lattice.sizes]
-    levels[0].exists[:] = True if within is None else within
-    in_cells = _corners(_repeated(levels[0].exists, lattice.coarse), 1)
-    wanted = (in_cells & lattice.watched()) | _corners(levels[0].exists, lattice.coarse)
-    while (wanted & ~computed).any():
-        rows, columns = np.nonzero(wanted & ~computed)
-        kinds, values = evaluate(rows, columns)
-        kind[rows, columns], value[rows, columns] = kinds, values
-        computed[rows, columns] = True
-        for level in levels[:-1]:
-            level.learn(rows, columns, kinds, values)
-            level.halve(lattice.jump)
-        for new, finer in zip(_balance(levels), levels[1:], strict=True):
-            if new.any():
-                wanted |= _corners(new, finer.size)
-    size = np.full(lattice.shape, lattice.coarse, dtype=np.int64)
-    for level in levels:
-        size[np.pad(_repeated(level.exists, level.size), ((0, 1), (0, 1)), "edge")] = level.size
-    found = Refined(lattice, kind, value, computed, size)
-    return replace(found, kind=found.spread(kind), value=found.filled(value))
+    refined = _Map(evaluate, lattice, within)
+    in_cells = _corners(_repeated(refined.levels[0].exists, lattice.coarse), 1)
+    refined.compute(refined.corners(lattice.coarse) | (in_cells & lattice.watched()))
+    if lattice.patch:
+        while refined.compute(refined.corners(lattice.patch)):
+            pass
+        refined.find_patches()
+    least = min(2, lattice.coarse)
+    while refined.compute(refined.corners(least)) or (
+        lattice.coarse > 1 and refined.compute(refined.between())
+    ):
+        pass
+    return refined.found()
 
 
-def _repeated(cells: Bools, times: int) -> Bools:
+def _repeated(cells: NDArray[Any], times: int) -> NDArray[Any]:
     return np.repeat(np.repeat(cells, times, axis=0), times, axis=1)
+
+
+def _nodes_of(cells: NDArray[Any]) -> NDArray[Any]:
+    """Return what holds for each node from finest ``cells``; the last ones hold the last nodes."""
+    return np.pad(cells, ((0, 1), (0, 1)), "edge")
+
+
+def _padded(cells: Bools, axis: int) -> Bools:
+    """``cells`` with a False one before the first and after the last along an axis."""
+    return np.pad(cells, [(int(each == axis),) * 2 for each in (0, 1)])
 
 
 def _corners(cells: Bools, size: int) -> Bools:
