@@ -6,9 +6,9 @@
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make identification  what the paper leaves unstated, searched for anew: an hour and a half; the result is committed
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, of
-#                 which what is there already is not tried again
+#                 which what is there already is not tried again; SCENE=insertion for devices that fall in
 # make yields     yields of two devices against a million devices each; DEVICES=100000 for fewer
-# make truth      alignment times against heyoka and MuJoCo, in the environment of the benchmark
+# make truth      alignment times against heyoka and MuJoCo, and insertion against MuJoCo, in the environment of the benchmark
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
@@ -88,8 +88,9 @@ yields: environment
 	$(in_env) python -m verification.yields --devices $(DEVICES) --cores $(CORES)
 
 SETS ?= 10000
+SCENE ?= alignment
 fuzz: $(study_environment)
-	$(call run_study,fuzz --config accuracy={\"fuzz\":{\"sets\":$(SETS)}})
+	$(call run_study,fuzz --config accuracy={\"fuzz\":{\"sets\":$(SETS),\"scene\":\"$(SCENE)\"}})
 
 # $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE.
 hold = $(PYTHON) workflow/hold.py $(1) $(2)
@@ -165,6 +166,7 @@ bench: environment-bench
 TRUTH_FLAGS ?=
 truth: environment-bench
 	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.truth $(TRUTH_FLAGS)
+	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.slot
 
 # ---------------------------------------------------------------------------------- the environment
 

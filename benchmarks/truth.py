@@ -79,13 +79,8 @@ def by_heyoka(sets: Sets) -> tuple[Floats, Floats]:
     return fine, np.abs(fine - coarse) + _HEYOKA_TOLERANCES[1]
 
 
-def _scene(p: Parameters) -> str:
-    """The scene as MuJoCo takes it; the mass centre's joints are relaxed where the springs are.
-
-    A ball inside a box leaves by the nearest face, and on a soft base A1 is often deeper behind the
-    bottom face than away from its end: the face is longer than the part's. Until A1 passes the
-    part's end, nothing else is met.
-    """
+def suspension(p: Parameters) -> str:
+    """Joints and inertia of the part, as MuJoCo takes them."""
     rest_x = p.misalignment if p.rest_x is None else p.rest_x
     rest_y = p.half_height if p.rest_y is None else p.rest_y
 
@@ -98,18 +93,32 @@ def _scene(p: Parameters) -> str:
         )
 
     return f"""
-<mujoco>
-  <compiler angle="radian" autolimits="true"/>
+      {joint("x", "slide", "1 0 0", p.lateral_stiffness, p.lateral_damping, rest_x)}
+      {joint("y", "slide", "0 1 0", 1.0, p.axial_damping, rest_y)}
+      {joint("tilt", "hinge", "0 0 1", p.tilt_stiffness, p.tilt_damping, p.rest_tilt)}
+      <inertial pos="0 0 0" mass="1" diaginertia="{p.inertia!r} {p.inertia!r} {p.inertia!r}"/>"""
+
+
+OPTIONS = f"""<compiler angle="radian" autolimits="true"/>
   <option timestep="{_TIME_STEP}" gravity="0 0 0" integrator="implicitfast" cone="elliptic"
-    impratio="{_NO_CREEP}"/>
+    impratio="{_NO_CREEP}"/>"""
+
+
+def _scene(p: Parameters) -> str:
+    """The scene as MuJoCo takes it; the mass centre's joints are relaxed where the springs are.
+
+    A ball inside a box leaves by the nearest face, and on a soft base A1 is often deeper behind the
+    bottom face than away from its end: the face is longer than the part's. Until A1 passes the
+    part's end, nothing else is met.
+    """
+    return f"""
+<mujoco>
+  {OPTIONS}
   <worldbody>
     <geom type="sphere" size="{_EDGE_RADIUS}" pos="{p.slot_half_width!r} {-_EDGE_RADIUS} 0"
       contype="1" conaffinity="2"/>
     <body name="part">
-      {joint("x", "slide", "1 0 0", p.lateral_stiffness, p.lateral_damping, rest_x)}
-      {joint("y", "slide", "0 1 0", 1.0, p.axial_damping, rest_y)}
-      {joint("tilt", "hinge", "0 0 1", p.tilt_stiffness, p.tilt_damping, p.rest_tilt)}
-      <inertial pos="0 0 0" mass="1" diaginertia="{p.inertia!r} {p.inertia!r} {p.inertia!r}"/>
+      {suspension(p)}
       <geom name="face" type="box" size="{p.half_width + _BEYOND!r} {p.half_height!r} 1" contype="2"
         conaffinity="1" condim="3" friction="{p.friction!r} 0 0"/>
     </body>
@@ -118,19 +127,10 @@ def _scene(p: Parameters) -> str:
 
 
 def by_mujoco(p: Parameters, horizon: float) -> float:
-    """Alignment time, NaN if it does not align by ``horizon``; the contact is fitted to the base.
-
-    A constraint of small impedance d gives f = (k r + b v)/w for a body's inverse weight w, so that
-    stiffness and damping are the base's times w.
-    """
+    """Alignment time, NaN if it does not align by ``horizon``."""
     import mujoco  # noqa: PLC0415  (a peer)
 
-    model = mujoco.MjModel.from_xml_string(_scene(p))
-    weight = float(model.body_invweight0[1, 0])
-    for geom in range(model.ngeom):
-        model.geom_solref[geom] = (-p.contact_stiffness * weight, -p.contact_damping * weight)
-        model.geom_solimp[geom] = (_IMPEDANCE, _IMPEDANCE, 1e-3, 0.5, 2.0)
-        model.geom_friction[geom, 0] = p.friction
+    model = modelled(_scene(p), p)
     data = mujoco.MjData(model)
     reach, tilt = p.slot_half_width - p.misalignment, p.initial_tilt
     touch = (p.half_height - reach * math.sin(tilt)) / math.cos(tilt)
@@ -146,6 +146,23 @@ def by_mujoco(p: Parameters, horizon: float) -> float:
             return before + _TIME_STEP * (p.half_width - along) / (place - along)
         before, along = float(data.time), place
     return math.nan
+
+
+def modelled(scene: str, p: Parameters) -> Any:
+    """Return MuJoCo's model of a scene with the base's stiffness, damping and friction.
+
+    A constraint of small impedance d gives f = (k r + b v)/w for a body's inverse weight w, so that
+    stiffness and damping are the base's times w.
+    """
+    import mujoco  # noqa: PLC0415  (a peer)
+
+    model = mujoco.MjModel.from_xml_string(scene)
+    weight = float(model.body_invweight0[1, 0])
+    for geom in range(model.ngeom):
+        model.geom_solref[geom] = (-p.contact_stiffness * weight, -p.contact_damping * weight)
+        model.geom_solimp[geom] = (_IMPEDANCE, _IMPEDANCE, 1e-3, 0.5, 2.0)
+        model.geom_friction[geom, 0] = p.friction
+    return model
 
 
 def _along_face(pose: Any, p: Parameters) -> float:

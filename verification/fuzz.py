@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Batch
 from model.runs.align import Alignments, align
@@ -20,6 +21,7 @@ from model.runs.settings import Settings
 Floats = NDArray[np.float64]
 
 SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=2_500)
+IN_SLOT = Settings(scene=INSERTION, horizon=20.0, tolerance=1e-9, max_evaluations=20_000)
 _PATIENCE = 4  # limits of evaluations that the reference engine may take: its steps are shorter
 _MOST_RUNS = 7  # of a set: two, and three more where they part; each time one of what is flat
 _LAST_STEP = 600  # evaluations that a step and its event may take beyond the limit
@@ -28,6 +30,11 @@ _LEAVING = (
     Reason.MOVED_AWAY, Reason.OVERSHOT, Reason.CORNER_ON_WALL, Reason.EDGE_ON_OTHER_FACE,
     Reason.BOTH_SIDES, Reason.OVERTURNED, Reason.UNDECLARED_CONTACT,
 )  # fmt: skip
+_REASONS = {
+    Outcome.LEFT_SCENE: _LEAVING,
+    Outcome.CLIMBED_OUT: (*_LEAVING, Reason.ON_EDGE),
+    Outcome.JAMMED: (Reason.WEDGED, Reason.LACK_OF_FORCE),
+}
 _FAILING = (
     Reason.IMPOSSIBLE_START, Reason.STEP_TOO_SMALL, Reason.TOO_MANY_EVALUATIONS, Reason.CHATTER,
     Reason.NOT_FINITE, Reason.NO_FRICTION_SOLUTION,
@@ -68,17 +75,42 @@ LAWS: Mapping[str, Law] = {
     "rest_y": Law(1e-2, 1e2, minus=0.1),
     "rest_tilt": Law(1e-6, 1.0, zero=0.5, minus=0.5),
 }
+# Devices of which about half fall in, for the insertion scene: most sets of ``LAWS`` never do.
+LAWS_IN_SLOT: Mapping[str, Law] = {
+    **LAWS,
+    "half_width": Law(0.3, 3.0),
+    "half_height": Law(0.3, 5.0),
+    "clearance": Law(1e-3, 0.5),
+    "initial_tilt": Law(1e-4, 0.3, zero=0.2, minus=0.3),
+    "inertia": Law(0.1, 30.0),
+    "lateral_stiffness": Law(1e-2, 10.0, zero=0.1),
+    "tilt_stiffness": Law(0.1, 100.0),
+    "lateral_damping": Law(1e-2, 3.0, zero=0.1),
+    "axial_damping": Law(1e-2, 3.0, zero=0.1),
+    "tilt_damping": Law(1e-1, 10.0, zero=0.1),
+    "contact_stiffness": Law(1e2, 1e5),
+    "contact_damping": Law(0.1, 1e2, zero=0.1),
+    "friction": Law(1e-2, 2.0, zero=0.1),
+    "press_force": Law(0.3, 10.0),
+    "frequency": Law(0.1, 10.0, zero=0.1),
+    "rest_x": Law(1e-3, 1.0, minus=0.5),
+    "rest_tilt": Law(1e-6, 0.3, zero=0.5, minus=0.5),
+}
+SCENES: Mapping[str, tuple[Settings, Mapping[str, Law]]] = {
+    "alignment": (SETTINGS, LAWS),
+    "insertion": (IN_SLOT, LAWS_IN_SLOT),
+}
 UNEXPLAINED_SHARE = 1e-3
 _DERIVED = 0.7  # share of the sets whose rest_x and rest_y follow the start
 
 
-def draw(seed: int, first: int, count: int) -> Batch:
+def draw(seed: int, first: int, count: int, laws: Mapping[str, Law] = LAWS) -> Batch:
     """Return sets ``first`` to ``first + count``; a set depends on its number and the seed only."""
     rows = np.array(
         [np.random.default_rng([seed, first + i]).random((3, 1 + len(LAWS))) for i in range(count)]
     )
     values: dict[str, Floats] = {}
-    for i, (name, law) in enumerate(LAWS.items()):
+    for i, (name, law) in enumerate(laws.items()):
         value = law.low * (law.high / law.low) ** rows[:, 0, i]
         value = np.where(rows[:, 1, i] < law.minus, -value, value)
         value = np.where(rows[:, 2, i] < law.zero, 0.0, value)
@@ -144,11 +176,17 @@ def _sets(batch: Batch, rows: NDArray[np.int64], displaced: float = 0.0) -> Batc
 
 def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray[np.bool_]]:
     """Return, for each required property, a mask of the sets that break it, shape (n,)."""
-    aligned, left = runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.LEFT_SCENE
+    inserts = settings.success is Outcome.INSERTED
+    ends = (
+        (Outcome.INSERTED, Outcome.JAMMED, Outcome.CLIMBED_OUT) if inserts else (Outcome.ALIGNED,)
+    )
+    aligned, inserted = np.isin(runs.outcome, ends), runs.outcome == Outcome.INSERTED
     failed = runs.outcome == Outcome.FAILED
     spent = _MOST_RUNS * (settings.max_evaluations + _LAST_STEP)
     moving = runs.outcome == Outcome.HORIZON_REACHED
-    reasons = np.where(left, np.isin(runs.reason, _LEAVING), runs.reason == Reason.NONE)
+    reasons = runs.reason == Reason.NONE
+    for outcome, fitting in _REASONS.items():
+        reasons = np.where(runs.outcome == outcome, np.isin(runs.reason, fitting), reasons)
     reasons = np.where(failed, np.isin(runs.reason, _FAILING), reasons)
     reasons |= moving & (runs.reason == Reason.CHAOTIC)
     with np.errstate(invalid="ignore"):
@@ -158,7 +196,11 @@ def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray
         "ends within its evaluations": runs.rhs_evaluations > spent,
         "ends in a declared outcome": ~np.isin(runs.outcome, list(Outcome)),
         "has a reason that fits its outcome": ~reasons,
-        "has an alignment time if and only if it aligns": aligned != in_time,
+        # In the slot a run may also reach the horizon, or fail.
+        "has an alignment time if and only if it aligns": aligned & ~in_time
+        | ~aligned & in_time & ~(inserts & (moving | failed)),
+        "has a time until inserted if and only if it is inserted": inserted
+        != (runs.tau_inserted >= 0.0),
         "has a positive error or says that it is sensitive": aligned
         & ~runs.sensitive
         & ~(np.nan_to_num(runs.tau_error, nan=-1.0) > 0.0),
@@ -167,15 +209,21 @@ def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray
     }
 
 
-def try_sets(seed: int, first: int, count: int, settings: Settings = SETTINGS) -> Report:
-    """Run sets of the law and try every property on them.
+def try_sets(
+    seed: int,
+    first: int,
+    count: int,
+    settings: Settings = SETTINGS,
+    laws: Mapping[str, Law] = LAWS,
+) -> Report:
+    """Run sets of the laws and try every property on them.
 
     Raises:
         ValueError: fewer than one set.
     """
     if count < 1:
         raise ValueError(f"sets = {count!r}: must be >= 1")
-    batch = draw(seed, first, count)
+    batch = draw(seed, first, count, laws)
     runs = align(batch, settings, cores=1)
     broken = broken_properties(runs, settings)
 
@@ -240,6 +288,7 @@ def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
     """Return a mask of sets whose outcomes or times differ although both are certain."""
     with np.errstate(invalid="ignore"):
         apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
+        apart |= np.abs(runs.tau_inserted - others.tau_inserted) > SENSITIVE
     certain = _is_certain(runs) & _is_certain(others)
     alike = runs.separations == others.separations
     return certain & (outcomes_differ(runs.outcome, others.outcome, alike) | apart)

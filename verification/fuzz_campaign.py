@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from verification.fuzz import SETTINGS, UNEXPLAINED_SHARE, Finding, Report, try_sets
+from verification.fuzz import SCENES, UNEXPLAINED_SHARE, Finding, Report, try_sets
 
 _AT_ONCE = 2000
 _SHOWN = 10  # findings of each kind
@@ -29,10 +29,12 @@ def added(reports: Sequence[Report]) -> Report:
     )
 
 
-def try_part(seed: int, first: int, count: int) -> Report:
-    """Run ``count`` sets from number ``first`` on, some thousand at a time."""
+def try_part(scene: str, seed: int, first: int, count: int) -> Report:
+    """Run ``count`` sets of a scene from number ``first`` on, some thousand at a time."""
     starts = range(first, first + count, _AT_ONCE)
-    return added([try_sets(seed, n, min(_AT_ONCE, first + count - n)) for n in starts])
+    return added(
+        [try_sets(seed, n, min(_AT_ONCE, first + count - n), *SCENES[scene]) for n in starts]
+    )
 
 
 def report_text(report: Report) -> str:
@@ -51,11 +53,12 @@ def read_report(path: Path) -> Report:
     return Report(**stored)
 
 
-def summary(report: Report, seed: int) -> str:
+def summary(report: Report, seed: int, scene: str = "alignment") -> str:
     """Return what a campaign found, as text; its last line is ``HOLDS`` if nothing is broken."""
+    settings, _ = SCENES[scene]
     head = (
-        f"{report.sets} sets of seed {seed}, horizon {SETTINGS.horizon:g}, tolerance "
-        f"{SETTINGS.tolerance:g}, at most {SETTINGS.max_evaluations} evaluations a run; "
+        f"{report.sets} sets of seed {seed}, scene {scene}, horizon {settings.horizon:g}, "
+        f"tolerance {settings.tolerance:g}, at most {settings.max_evaluations} evaluations a run; "
         f"{report.sensitive} sensitive; {report.against_neighbour} compared with a neighbour, "
         f"{report.against_reference} with the reference engine"
     )

@@ -6,6 +6,7 @@
 <Outcome.ALIGNED: 0>
 """
 
+from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
@@ -18,6 +19,7 @@ from model.study.devices import StatedDevice, load_device, read_device
 
 __all__ = [
     "ALIGNMENT",
+    "INSERTION",
     "PRINTED_CONTACTS",
     "SUSPENDED",
     "Alignments",

@@ -27,7 +27,7 @@ def test_a_device_in_si_units_is_assessed_in_si_units(capsys):
     assert assess("--device", PEG, *IN_SECONDS, *BASE) == cli.DONE
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split() == ["device", PEG]
-    assert lines[1].split() == ["reliable", "aligns", "from", "32", "of", "32", "starts"]
+    assert lines[1].split() == ["reliable", "goes", "in", "from", "32", "of", "32", "starts"]
     assert re.fullmatch(r"alignment time  [\d.]+ to [\d.]+ ms, by the start", lines[2])
     assert re.match(r"lift-offs       0 to 1; touches down at up to [\d.]+ mm/s", lines[3])
     force = next(line for line in lines if line.startswith("  press_force"))
@@ -68,7 +68,7 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
     assert assess(*COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8") == cli.DONE
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "device          the study's, dimensionless (no --device)"
-    assert lines[1].startswith("not reliable    aligns from 0 of 32 starts")
+    assert lines[1].startswith("not reliable    goes in from 0 of 32 starts")
     example = next(i for i, line in enumerate(lines) if line.startswith("for example"))
     assert lines[example].startswith("for example     phase = 0, initial_tilt = 0.001: ")
     assert lines[example + 1].startswith(("reliable instead", "what to do"))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model import ALIGNMENT, Batch, Parameters, Readings
+from model import ALIGNMENT, Batch, Parameters, Readings, Scene
 from model.engines.course import Control, begin
 from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single
@@ -43,7 +43,8 @@ class Step(NamedTuple):
 class Course:
     """A run from any state, or from the start, with every step that the engine made.
 
-    ``changes`` are constants that no parameter of a device may have.
+    ``changes`` are constants that no parameter of a device may have. With ``tau_align`` the run
+    starts in the slot.
     """
 
     def __init__(
@@ -55,6 +56,8 @@ class Course:
         horizon: float,
         tolerance: float = 1e-12,
         until: Callable[["Course"], bool] = lambda _: False,
+        scene: Scene = ALIGNMENT,
+        tau_align: float = np.nan,
         **changes: float,
     ) -> None:
         row = Batch.stack([parameters]).constants(Readings.consistent())[0]
@@ -62,19 +65,20 @@ class Course:
         row = np.array(self.p)
         self.parameters, self.steps = parameters, []
         single = new_single(DOP853.method)
-        control = Control(horizon, 50_000_000, may_settle=0.0, alignment_only=0.0, pressed=0.0)
+        # Runs settle in the slot: what they do before is another test's.
+        settles = float(scene is not ALIGNMENT)
+        control = Control(horizon, 50_000_000, settles, alignment_only=0.0, pressed=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
-        begin(row, tolerance, in_kernels(ALIGNMENT), control, runs, 0)
+        kernels = in_kernels(scene)
+        begin(row, tolerance, kernels, control, runs, 0)
         if state is not None:
             runs[0, OUTCOME], runs[0, REASON] = CONTINUES, 0.0
             runs[0, STATE : STATE + 6] = state
             runs[0, MODE : MODE + len(mode)] = mode
+            runs[0, TAU_ALIGN] = tau_align
         while runs[0, OUTCOME] == CONTINUES:
             time, before, mode = runs[0, TIME], runs[0, STATE : STATE + 6].copy(), _mode(runs)
-            advance(
-                in_kernels(ALIGNMENT), DOP853.method, control, track, single.history, single.work,
-                runs, 0,
-            )  # fmt: skip
+            advance(kernels, DOP853.method, control, track, single.history, single.work, runs, 0)
             after = runs[0, STATE : STATE + 6].copy()
             self.steps.append(Step(time, before, mode, runs[0, TIME], after, _mode(runs)))
             if until(self):

@@ -45,7 +45,7 @@ class Flight:
         self.state(y, length, mode)
         dense_output(0.0, length, y, self.p, mode, self.method, self.k, self.trial, self.dense)
         nodes, samples = np.empty((NODES, 6)), np.empty((NODES, MOST_SAMPLES))
-        sample_step(ALIGNMENT_EVENTS, 0.0, length, y, self.dense, self.p, mode, nodes, samples)
+        sample_step(ALIGNMENT_EVENTS, 0.0, length, 1.0, y, self.dense, self.p, mode, nodes, samples)
         which, theta = first_event(
             ALIGNMENT_EVENTS, 0.0, length, y, self.dense, self.p, mode, samples
         )

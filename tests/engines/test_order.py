@@ -84,7 +84,7 @@ class FixedSteps:
                     time, length, y, self.p, mode, self.method, self.k, self.trial, self.dense
                 )
                 sample_step(
-                    ALIGNMENT_EVENTS, time, length, y, self.dense, self.p, mode, self.nodes,
+                    ALIGNMENT_EVENTS, time, length, 1.0, y, self.dense, self.p, mode, self.nodes,
                     self.samples,
                 )  # fmt: skip
                 which, theta = first_event(

@@ -41,18 +41,18 @@ MUTATIONS = {
     ),
     "force of the edge": (
         "motion.py",
-        "load = contact_load(face.depth",
-        "load = 1.01 * contact_load(face.depth",
+        "_pressing(face, contact_load(",
+        "_pressing(face, 1.01 * contact_load(",
     ),
     "force of the corner": (
         "motion.py",
-        "corner_load = contact_load(",
-        "corner_load = 1.01 * contact_load(",
+        "corner_load = contact_load(corner.depth - mode",
+        "corner_load = 1.01 * contact_load(corner.depth - mode",
     ),
     "force on the side": (
         "motion.py",
-        "load = contact_load(side.depth",
-        "load = 1.01 * contact_load(side.depth",
+        "side_load = contact_load(",
+        "side_load = 1.01 * contact_load(",
     ),
     "friction": (
         "motion.py",

@@ -2,13 +2,14 @@
 
 import pytest
 
-from model import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
+from model import ALIGNMENT, INSERTION, PRINTED_CONTACTS, SUSPENDED, Scene
 from model.physics.scenes import CONTACT_NAMES
 
 
-def test_the_alignment_scene_declares_every_kind_of_contact():
+def test_the_insertion_scene_declares_every_kind_of_contact():
     assert set(ALIGNMENT.contacts) == {"edge_on_face", "edge_on_side", "corner_on_flat"}
-    assert all(ALIGNMENT.declared)
+    assert INSERTION.contacts - ALIGNMENT.contacts == {"corner_on_wall"}
+    assert all(INSERTION.declared)
 
 
 def test_the_printed_scene_has_no_corner_and_the_suspended_one_nothing():

@@ -2,14 +2,14 @@
 
 import pytest
 
-from model import SUSPENDED, Readings, Settings, simulate
+from model import ALIGNMENT, SUSPENDED, Readings, Settings, simulate
 from model.engines.scalar.tableaux import RK4
 
 
 def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
     settings = Settings()
     assert settings.readings == Readings.consistent()
-    assert all(settings.scene.declared)
+    assert settings.scene is ALIGNMENT
     assert settings.tolerance == 1e-10
     assert settings.control.may_settle == 1.0
 

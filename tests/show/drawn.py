@@ -5,8 +5,9 @@ import json
 import numpy as np
 import xarray as xr
 
-from model.events.outcomes import Outcome
+from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import FIELDS
+from model.study.config import baseline
 
 NAN = np.nan
 # Gaps at the start, inside and at the end; single points between gaps; a curve without any.
@@ -58,3 +59,36 @@ def followed(dataset: xr.Dataset, lost: list[tuple[int, int]]) -> xr.Dataset:
         flags[place] = 6
     attributes = {"flag_values": [-1, 5, 6], "flag_meanings": "not_aligned inserted jammed"}
     return dataset.assign(insertion=(dataset["outcome"].dims, flags, attributes))
+
+
+def jamming_data() -> xr.Dataset:
+    """Parts in two clearances: one never falls in; jammed above the limit, and one below."""
+    clearance, stiffness = np.array([0.03, 0.09]), np.array([5.0, 20.0])
+    friction = np.array([0.1, 0.3, 0.6, 0.9])
+    dims = ("clearance", "tilt_stiffness", "friction")
+    tilt = np.broadcast_to(np.array([0.4, 0.2])[:, None], (2, 2, 4)).copy()
+    limit = (1.0 + clearance[:, None, None] - np.cos(tilt)) / np.sin(tilt)
+    outcome = np.where(friction > limit, Outcome.JAMMED, Outcome.INSERTED).astype(np.int8)
+    outcome[0, 0, 0] = Outcome.JAMMED  # for lack of force
+    outcome[1, 1, 0] = Outcome.CLIMBED_OUT
+    outcome[1, 0, 3] = Outcome.SETTLED  # never fell in
+    fell = outcome != Outcome.SETTLED
+    reason = np.where(outcome == Outcome.JAMMED, Reason.WEDGED, Reason.NONE).astype(np.int8)
+    reason[0, 0, 0] = Reason.LACK_OF_FORCE
+    variables = {
+        "outcome": outcome,
+        "reason": reason,
+        "tau_align": np.where(fell, 2.0, NAN),
+        "tilt_at_alignment": np.where(fell, tilt, NAN),
+        "insertion_depth": np.full(tilt.shape, 0.8),
+    }
+    coordinates = {"clearance": clearance, "tilt_stiffness": stiffness, "friction": friction}
+    described = {
+        name: (name, values, {"long_name": name, "symbol": FIELDS[name].symbol, "units": "1"})
+        for name, values in coordinates.items()
+    }
+    data = {name: (dims, values) for name, values in variables.items()}
+    attributes = {"kind": "map", "figure": "jamming", "sweep": "made up"}
+    held = baseline().replace(half_width=0.9).given()
+    fixed = {name: np.nan if value is None else value for name, value in held.items()}
+    return xr.Dataset(data, fixed | described, attributes)

@@ -16,6 +16,7 @@ from model.study.claims import judge
 from model.study.claims.table import ledger_text, lines_of
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
 from model.study.sweeps import sweep_of
+from tests.show.drawn import jamming_data
 from verification.hard_cases import table_of
 from verification.plans import HARD_PICTURES, PICTURES
 from verification.report import SECTIONS
@@ -137,6 +138,7 @@ def root(
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
         write_dataset(without_rest(dataset), root / f"data/other_start/{name}.nc")
+    write_dataset(jamming_data(), root / "data/jamming.nc")
     write_dataset(refined, root / f"data/maps/{HEAD}.nc")
     for name, dataset in bases.items():
         write_dataset(dataset, root / f"data/contact_stiffness/{name}.nc")
@@ -148,7 +150,7 @@ def root(
     (root / "benchmarks/precision.csv").write_text(timings_table(timed_settings), encoding="utf-8")
     (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
     (root / "figures/maps").mkdir()
-    drawn = "claims", "contact_stiffness", "maps/fig13_vibration"
+    drawn = "claims", "contact_stiffness", "jamming", "maps/fig13_vibration"
     places = [f"figures/{name}" for name in (*study.figures, *drawn)]
     for place in (*places, *PICTURES.values(), *HARD_PICTURES.values()):
         (root / f"{place}.png").write_bytes(PIXEL)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
-from model.events.outcomes import Outcome, Reason, Unvibrated
+from model.events.outcomes import InSlot, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.report import background
@@ -22,6 +22,8 @@ from model.study.claims import tally
 from model.study.config import FIGURES
 from model.study.contact_comparison import claims_on_bases
 from model.study.datasets import write_dataset
+from model.study.jamming import entered, jammed, wedging_side
+from tests.show.drawn import jamming_data
 from tests.show.report_data import PIXEL, Page, article, plain, render_report
 from verification.plans import HARD_PICTURES, PICTURES
 from verification.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
@@ -54,7 +56,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == len(study.figures) + len(PICTURES) + len(HARD_PICTURES) + 3
+    assert len(images) == len(study.figures) + len(PICTURES) + len(HARD_PICTURES) + 4
     head, *others = [study.figures[HEAD], *(study.figures[n] for n in study.figures if n != HEAD)]
     for image, spec in zip(images, [head, *others], strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
@@ -80,12 +82,16 @@ def test_files_are_linked_relative_to_the_results(rendered, study):
 def test_outcomes_are_counted_from_the_datasets(rendered, datasets):
     part = rendered[rendered.index('id="glance"') : rendered.index("What the outcomes mean")]
     table = re.sub(r"<[^>]*>", " ", part).split(" Fig. ")
+    ends = [
+        each for each in Outcome if any((of["outcome"] == each).any() for of in datasets.values())
+    ]
     for name, dataset in datasets.items():
         outcome = dataset["outcome"].values
-        counted = [(outcome == each).sum() for each in Outcome if each != Outcome.FAILED]
+        counted = [(outcome == each).sum() for each in ends]
         (row,) = (row for row in table if row.startswith(f"{int(name[3:])} "))
         numbers = re.sub(r"\d+ %", "", row).split()  # without the shares
-        assert [*map(int, numbers[1:7])] == [outcome.size, *counted, dataset["sensitive"].sum()]
+        expected = [outcome.size, *counted, dataset["sensitive"].sum()]
+        assert [*map(int, numbers[1 : 1 + len(expected)])] == expected
         if dataset.attrs["kind"] != "history":
             share = percent((outcome == Outcome.ALIGNED).mean())
             assert f"{share} of {outcome.size} runs align" in article(rendered, name)
@@ -170,7 +176,10 @@ def test_the_page_opens_with_numbers_from_the_datasets(rendered, datasets, refin
     assert f"{percent(of.mean())} of what aligns in Fig. 13 aligns from every start" in text
     judged = [line.verdict for line in lines if line.verdict != "not checkable"]
     assert f"{judged.count('reproduced')} of {len(judged)} claims of the paper" in text
-    assert "go in" not in text  # datasets without this variable: nothing is said of it
+    ends = [each["insertion"].values for each in datasets.values()]
+    inserted = sum((each == InSlot.INSERTED).sum() for each in ends)
+    followed = sum((each != InSlot.NOT_ALIGNED).sum() for each in ends)
+    assert f"{percent(inserted / followed)} of what aligns goes in" in text
     assert "of what aligns rests on the edge unless it is vibrated" in text
 
 
@@ -294,13 +303,32 @@ def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, lin
 
 
 def test_what_the_base_changes_is_told_in_sentences_and_tables(rendered, bases):
-    part = rendered[rendered.index('id="contact"') : rendered.index('id="speed"')]
+    part = rendered[rendered.index('id="contact"') : rendered.index('id="jamming"')]
     judged = claims_on_bases(bases)
     for sentence in sentences(bases, judged):
         assert plain(str(subscripts(sentence))) in plain(part)
     assert part.count("<tr>") == 3 * (1 + 2) + 1 + len(judged)
     for name in bases:
         assert f'href="data/contact_stiffness/{name}.nc"' in part
+
+
+def test_jamming_is_counted_beside_the_wedging_limit(rendered):
+    part = rendered[rendered.index('id="jamming"') : rendered.index('id="speed"')]
+    text = plain(part)
+    data = jamming_data()
+    fell, stuck = entered(data), jammed(data)
+    assert f"Of {fell.sum()} parts that fall in" in text
+    assert f"{percent(stuck.sum() / fell.sum())} jam" in text
+    above = (stuck & wedging_side(data)).sum()
+    below = (fell & ~wedging_side(data)).sum()
+    assert above == stuck.sum() - 1  # one lacks force
+    assert f"{above} of the {stuck.sum()} that jam lie above" in text
+    assert f"below it 1 of {below} jam" in text
+    rows = re.findall(r"<tr><td>(0\.0\d)</td>(.*?)</tr>", part, re.DOTALL)
+    for (clearance, row), fallen, held in zip(rows, fell, stuck, strict=True):
+        cells = re.findall(r'<td class="n">(\d+)</td>', row)
+        assert clearance in ("0.03", "0.09")
+        assert (int(cells[0]), int(cells[2])) == (fallen.sum(), held.sum())
 
 
 def test_provenance_is_printed_and_escaped(study, root, monkeypatch):

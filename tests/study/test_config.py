@@ -58,6 +58,8 @@ REFUSED = [
     ("claims_runs.rubbing.swept.start", -1.0, ["claims_runs.rubbing", "friction[0] = -1.0"]),
     ("claims_runs.rubbing.family.parameter", "friction", ["'friction' is varied twice"]),
     ("claims_runs.misaligned.swept.stop", 9.0, ["misalignment[", "wholly beside the slot"]),
+    ("jamming.held", {"friction": 0.1}, ["jamming.held.friction", "is varied in the same figure"]),
+    ("jamming.clearance.values", [-0.1], ["jamming", "clearance"]),
     ("contact_stiffness.stiffness", [1.0], ["contact_stiffness.stiffness", "'stiffnesses'"]),
     ("contact_stiffness.stiffnesses", [0.0], ["stiffnesses", "greater than 0"]),
     ("contact_stiffness.damping_ratios", [-0.1], ["damping_ratios", "equal to 0"]),
@@ -279,7 +281,7 @@ def test_smoke_changes_only_sizes() -> None:
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     assert set(smoke) == {
         "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
-        "contact_stiffness", "identification", "hard_cases",
+        "contact_stiffness", "identification", "hard_cases", "jamming",
     }  # fmt: skip
     assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble", "trials"}
     assert all(

@@ -10,6 +10,7 @@ import xarray as xr
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES
 from model.runs.align import align
+from model.runs.slot import ends_in_slot
 from model.runs.twin import twin_results
 from model.study.config import load_study, study_path
 from model.study.datasets import (
@@ -48,7 +49,9 @@ def dataset(sweep: Sweep) -> xr.Dataset:
 def test_a_merged_grid_is_the_batch(sweep: Sweep, dataset: xr.Dataset) -> None:
     assert dataset.sizes == {"tilt_stiffness": 5, "press_force": 9}
     batch, settings = sweep.batch(np.arange(45)), sweep.settings.settings
-    whole = vars(align(batch, settings)) | twin_results(batch, settings)
+    found = align(batch, settings)
+    whole = vars(found) | twin_results(batch, settings)
+    whole["insertion"] = ends_in_slot(batch, found.outcome, settings)
     for name in VARIABLES:
         expected = whole[name].reshape(5, 9)
         np.testing.assert_array_equal(dataset[name].values, expected, err_msg=name)

@@ -68,6 +68,7 @@ TINY: dict[str, Any] = {
         "damped_at": [100.0],
         "figures": {name: {"points": 2} for name in ("fig06", "fig12", "fig13")},
     },
+    "jamming": {"tilt_stiffness": {"count": 2}, "friction": {"count": 2}},
 }
 STUDY = ["--configfile", "config/tiny.yaml"]
 

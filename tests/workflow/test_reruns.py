@@ -22,9 +22,10 @@ FIXED = {"fixed_steps", "draw_wrong_points"}
 MAPPED = {"map_part", "map", "draw_vibration"}
 OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
 ON_BASES = {"contact_stiffness", "draw_contact"}
+JAMMING = {"jamming", "draw_jamming"}
 COMPUTED = {
     "chunk", "history", "merge", "other_start", "precision", "fixed_steps", *MAPPED, *OWN_RUNS,
-    *ON_BASES, "hard_cases", *DRAWN, *BESIDE, *HARD, "explorer",
+    *ON_BASES, *JAMMING, "hard_cases", *DRAWN, *BESIDE, *HARD, "explorer",
 }  # fmt: skip
 BANDED = {"identified_bands", "draw_bands", "regimes"}  # of the sets that were identified
 TABLED = {"draw_identification", "draw_bands"}  # what is drawn of the committed tables
@@ -42,8 +43,8 @@ MUTATIONS = [
     ("src/model/show/areas.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
      {"plot", "draw_vibration", *LAST}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
-     {"schematic", "plot", "draw_vibration", "draw_claims", "draw_contact", *LAST, *BESIDE, *HARD,
-      *TABLED}),
+     {"schematic", "plot", "draw_vibration", "draw_claims", "draw_contact", "draw_jamming", *LAST,
+      *BESIDE, *HARD, *TABLED}),
     ("src/model/show/schematics/sheet.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),

@@ -37,12 +37,12 @@ from model.physics.forces import (
 from model.physics.geometry import bottom_corner
 from model.physics.motion import never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE
-from model.physics.scenes import START, Declared
+from model.physics.scenes import ALIGNMENT, START
 
 # How to step.
 RK4_STEPS, SEMI_IMPLICIT_EULER_STEPS, ADAPTIVE_STEPS = 0, 1, 2
 
-_EVERY_CONTACT = Declared(True, True, True)
+_EVERY_CONTACT = ALIGNMENT.declared
 _FIRST_STEP = 1e-2
 _BISECTIONS = 60
 

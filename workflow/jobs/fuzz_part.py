@@ -7,8 +7,8 @@ from model.tracking.provenance import write_text
 from verification.fuzz_campaign import report_text, try_part
 
 
-def run(seed: int, first: int, count: int, found: Path) -> dict[str, Any]:
+def run(scene: str, seed: int, first: int, count: int, found: Path) -> dict[str, Any]:
     """Write the report on ``count`` sets from number ``first`` on."""
-    report = try_part(seed, first, count)
+    report = try_part(scene, seed, first, count)
     write_text(report_text(report), found)
     return {"counts": {"trajectories": count, "sensitive": report.sensitive}}

@@ -6,6 +6,6 @@ from model.tracking.provenance import write_text
 from verification.fuzz_campaign import added, read_report, summary
 
 
-def run(seed: int, parts: list[Path], text: Path) -> None:
+def run(scene: str, seed: int, parts: list[Path], text: Path) -> None:
     """Write what all parts found, as ``text``."""
-    write_text(summary(added([read_report(path) for path in parts]), seed), text)
+    write_text(summary(added([read_report(path) for path in parts]), seed, scene), text)

@@ -1,6 +1,7 @@
-"""The claims ledger: the paper's claims, judged by the figures' data, by more runs, on other bases."""
+"""The claims ledger: the paper's claims, judged by the figures' data, by more runs, on other bases; jamming."""
 
 from model.study.contact_stiffness import stiffness_plan
+from model.study.jamming import jamming_sweep
 from model.study.sweeps import claim_sweep
 
 claims_data = expand(root / "data/claims/{run}.nc", run=study.claims_runs)
@@ -56,5 +57,21 @@ job(
     dict(data=contact_data),
     message="drawing the figures on other bases",
     reported=("Claims", "contact_stiffness"),
+    local=True,
+)
+
+job(
+    "jamming",
+    dict(data=root / "data/jamming.nc"),
+    after_kernels,
+    dict(sweep=jamming_sweep(study), title=study.jamming.title),
+    message="following parts into the slot",
+)
+
+job(
+    "draw_jamming",
+    dict(pictures=pictures(root / "figures/jamming")),
+    dict(data=root / "data/jamming.nc"),
+    message="drawing jamming in the slot",
     local=True,
 )

@@ -4,6 +4,8 @@ from verification.fuzz_campaign import HOLDS
 
 fuzz = study.accuracy.fuzz
 fuzz_parts = range(-(-fuzz.sets // fuzz.sets_a_job))
+fuzz_folder = root / f"accuracy/fuzz/{fuzz.scene}/{fuzz.sets_a_job}"
+fuzz_text = root / f"accuracy/fuzz_{fuzz.scene}.txt"
 
 
 def first_of(wildcards):
@@ -14,9 +16,10 @@ def first_of(wildcards):
 # More sets add parts: those that are there stay.
 job(
     "fuzz_part",
-    dict(found=root / f"accuracy/fuzz/{fuzz.sets_a_job}/{{chunk}}.json"),
+    dict(found=fuzz_folder / "{chunk}.json"),
     after_kernels,
     dict(
+        scene=fuzz.scene,
         seed=fuzz.seed,
         first=first_of,
         count=lambda wildcards: min(fuzz.sets_a_job, fuzz.sets - first_of(wildcards)),
@@ -26,11 +29,11 @@ job(
 
 job(
     "fuzz_summary",
-    dict(text=root / "accuracy/fuzz.txt"),
-    dict(parts=expand(root / f"accuracy/fuzz/{fuzz.sets_a_job}/{{n}}.json", n=fuzz_parts)),
-    dict(seed=fuzz.seed),
+    dict(text=fuzz_text),
+    dict(parts=expand(fuzz_folder / "{n}.json", n=fuzz_parts)),
+    dict(scene=fuzz.scene, seed=fuzz.seed),
     message="fuzz: adding up its parts",
     local=True,
 )
 
-printed("fuzz", root / "accuracy/fuzz.txt", "the result of the fuzz", must_end=HOLDS)
+printed("fuzz", fuzz_text, "the result of the fuzz", must_end=HOLDS)

@@ -3,7 +3,7 @@
 page_pictures = [
     *(root / f"figures/{figure}" for figure in FIGURES),
     *(root / place for place in (*PICTURES.values(), *HARD_PICTURES.values())),
-    *(root / f"figures/{name}" for name in ("claims", "contact_stiffness")),
+    *(root / f"figures/{name}" for name in ("claims", "contact_stiffness", "jamming")),
     *(root / f"figures/maps/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
     *identified_pictures,
 ]
@@ -14,6 +14,7 @@ page_data = [
     *fixed_steps,
     *contact_data,
     *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
+    root / "data/jamming.nc",
     root / "claims.csv",
     root / "data/regimes.csv",
 ]

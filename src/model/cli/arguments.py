@@ -17,7 +17,7 @@ from model.physics.quantities import TIME
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.rest import Start
 from model.physics.units import UNITS, Units
-from model.runs.settings import Settings
+from model.runs.settings import SCENES, Settings
 from model.study.config import FIGURES, load_study, study_path
 from model.study.devices import StatedDevice, read_device
 from model.study.devices.amounts import read_amount
@@ -76,8 +76,8 @@ def figure_name(text: str) -> str:
     return name
 
 
-def add_model_options(parser: Any) -> None:
-    """Add --device, --set, --readings, --reading, --start and others, and their table."""
+def add_model_options(parser: Any, scene: str = "alignment") -> None:
+    """Add the options of a device and its run, and the table of parameters; ``scene``: default."""
     parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     add = parser.add_argument
     words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
@@ -104,6 +104,9 @@ def add_model_options(parser: Any) -> None:
         "vibrates (default: as in the device's file, or the study)"
     )
     add("--start", choices=get_args(Start), help=words)
+    words = "end of a run: alignment, or insertion, jamming or climbing out after it "
+    words += f"(default: {scene})"
+    add("--scene", choices=list(SCENES), default=scene, help=words)
     words = "latest time, in seconds with --device, else in units of 1/p (default: the study's)"
     add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
@@ -197,6 +200,7 @@ def settings_of(
         tolerance = number("tolerance", arguments.tolerance)
     return Settings(
         readings=Readings(**switches),
+        scene=SCENES[arguments.scene],
         start=arguments.start or start or of_study.start,
         horizon=horizon,
         tolerance=tolerance,

@@ -20,6 +20,7 @@ from model.cli.arguments import (
 from model.cli.files import check_file, check_picture
 from model.cli.simulate import twin_record
 from model.cli.tables import in_columns, labelled, print_json
+from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
@@ -44,11 +45,12 @@ def add(commands: Any) -> None:
         "assess",
         _assess,
         "assess the reliability and speed of a device, its leeways and its yield",
-        ". A reliable device aligns from every phase of the excitation and initial tilt that the "
-        "study tries; if its file states no base, on bases of 100 to 1,000,000 times its axial "
-        "stiffness as well. Each parameter is then varied, the others held, by up to a factor of "
-        "four or until the device is not reliable. If the file states tolerances, devices are "
-        "drawn within them: their yield, and what is to blame for failures.",
+        ". A reliable device goes in (or aligns, with --scene alignment) from every phase of the "
+        "excitation and initial tilt that the study tries; if its file states no base, on bases of "
+        "100 to 1,000,000 times its axial stiffness as well. Each parameter is then varied, the "
+        "others held, by up to a factor of four or until the device is not reliable. If the file "
+        "states tolerances, devices are drawn within them: their yield, and what is to blame for "
+        "failures.",
         epilog="exit code: 0 the device was assessed; 1 the yield of --require is not met; "
         "2 bad input",
     )
@@ -63,7 +65,7 @@ def add(commands: Any) -> None:
         "the page of `vibralign explore` if it lies beside it as DEVICE.html"
     )
     add("--sheet", type=Path, metavar="FILE", help=words)
-    add_model_options(parser)
+    add_model_options(parser, scene="insertion")
     add_json(parser)
 
 
@@ -98,7 +100,8 @@ def _assess(arguments: argparse.Namespace) -> int:
         )
         return int(not met)
     shown = None if arguments.dimensionless else units
-    groups = {"Verdict": _report(found, shown, stated)}
+    verb = SUCCESS_TEXT[settings.success]
+    groups = {"Verdict": _report(found, shown, stated, verb)}
     groups["Verdict"].append(twin_words(device, settings))
     if found.failing_start is not None:
         run = simulate(device.replace(**found.failing_start), settings)
@@ -149,9 +152,11 @@ def _drawn(
     return drawn, worst_corner(stated, known, starts, settings, cores)
 
 
-def _report(found: "Assessment", units: Units | None, stated: "StatedDevice | None") -> list[str]:
+def _report(
+    found: "Assessment", units: Units | None, stated: "StatedDevice | None", verb: str
+) -> list[str]:
     device = str(stated.source) if stated else "the study's, dimensionless (no --device)"
-    starts = f"aligns from {found.aligned} of {found.starts} starts"
+    starts = f"{verb} from {found.aligned} of {found.starts} starts"
     if found.bases and _open(stated):
         starts += ", on a base of 100 times the axial stiffness"
     lines = [_line("device", device)]
@@ -169,14 +174,14 @@ def _report(found: "Assessment", units: Units | None, stated: "StatedDevice | No
     force = in_words(found.contact_force_max, FORCE, units)
     tilt = in_words(found.tilt_max, ANGLE, units)
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}"))
-    return lines + _bases(found, units)
+    return lines + _bases(found, units, verb)
 
 
 def _open(stated: "StatedDevice | None") -> bool:
     return stated is not None and not stated.base_is_stated
 
 
-def _bases(found: "Assessment", units: Units | None) -> list[str]:
+def _bases(found: "Assessment", units: Units | None, verb: str) -> list[str]:
     if not found.bases:
         return []
     rows = []
@@ -190,8 +195,8 @@ def _bases(found: "Assessment", units: Units | None) -> list[str]:
         stiffness = in_words(each.contact_stiffness, STIFFNESS, units)
         ratio = f"({each.contact_stiffness:,.0f} × axial)"
         rows.append((stiffness, ratio, impact, f"{each.aligned} of {each.starts}", times))
-    return ["contact stiffness, impact, starts that align, alignment time:", *in_columns(rows),
-            _line("stiff bases", _stiff_bases(found, units))]  # fmt: skip
+    head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
+    return [head, *in_columns(rows), _line("stiff bases", _stiff_bases(found, units))]
 
 
 def _stiff_bases(found: "Assessment", units: Units | None) -> str:

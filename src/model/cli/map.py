@@ -20,6 +20,7 @@ from model.cli.arguments import (
     settings_of,
 )
 from model.cli.files import check_file, check_picture, save_picture
+from model.events.outcomes import SUCCESS_TEXT, Outcome
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
 from model.physics.units import Units
 from model.study.config import RunSettings, Span, check_plane, load_study, study_path
@@ -44,7 +45,8 @@ def add(commands: Any) -> None:
         "map outcome, duration and reliability of a device over two parameters",
         ". Nodes are computed along the border of the "
         "aligning area and where the duration jumps, and filled in between. A reliable device "
-        "aligns from every phase of the excitation and initial tilt that the study tries. With "
+        "goes in (or aligns, with --scene alignment) from every phase of the excitation and "
+        "initial tilt that the study tries. With "
         "--device, the ranges of --x and --y and the map are in SI units, else dimensionless.",
         epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
     )
@@ -62,7 +64,7 @@ def add(commands: Any) -> None:
         metavar="FILE",
         help="draw the map into FILE (.png, .svg, .pdf and others)",
     )
-    add_model_options(parser)
+    add_model_options(parser, scene="insertion")
 
 
 def _map(arguments: argparse.Namespace) -> int:
@@ -115,6 +117,7 @@ def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
 
     run_settings = RunSettings(
         readings=asdict(settings.readings),
+        scene=arguments.scene,
         horizon=settings.horizon,
         tolerance=settings.tolerance,
         start=settings.start,
@@ -177,13 +180,16 @@ class _Bar:
 
 
 def _report(dataset: "xr.Dataset") -> list[str]:
-    aligned = float((dataset["outcome"] == 0).mean())
     from model.study.map_datasets import ONLY_VIBRATED, added  # noqa: PLC0415  (as in _map)
 
     by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
+    inserts = dataset.attrs["scene"] == "insertion"
+    success = Outcome.INSERTED if inserts else Outcome.ALIGNED
+    verb = SUCCESS_TEXT[success]
+    share = float((dataset["outcome"] == success).mean())
     nodes = dataset["outcome"].size
     rows = [
-        ("aligns", f"{100.0 * aligned:.3g} % of the map"),
+        (verb, f"{100.0 * share:.3g} % of the map"),
         ("reliable", f"{100.0 * float(dataset['reliable'].mean()):.3g} % of the map"),
         ("vibration", f"{100.0 * by_vibration:.3g} % of the map: does not align without it"),
         ("flagged", f"{100.0 * float(dataset['flagged'].mean()):.3g} %: may end differently"),

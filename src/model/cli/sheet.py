@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from urllib.parse import urlencode
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
@@ -42,6 +43,7 @@ def write_sheet(
     spans = [_span(stated, name) for name in dict.fromkeys(names)][:2]
     run_settings = RunSettings(
         readings=asdict(settings.readings),
+        scene="insertion" if settings.success is Outcome.INSERTED else "alignment",
         start=settings.start,
         horizon=settings.horizon,
         tolerance=settings.tolerance,

@@ -31,6 +31,8 @@ from model.study.config import load_study, study_path
 from model.study.files import whole_file
 from model.tracking.provenance import version
 
+_SUCCESSES = (Outcome.ALIGNED, Outcome.INSERTED)
+
 
 def add(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
@@ -42,7 +44,7 @@ def add(commands: Any) -> None:
         ". With --device, values are read and printed in SI units, else dimensionless.",
         epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
-    add_model_options(parser)
+    add_model_options(parser, scene="alignment")
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
     words = "animate the run into FILE: a page (.html), or a GIF (.gif), which needs Chromium"
@@ -131,9 +133,9 @@ def _within(value: float, error: float) -> str:
 
 def _report(run: Trajectory, units: Units | None) -> list[str]:
     """Return the lines on a run: in SI units and words, or dimensionless by the results' names."""
-    aligned = run.outcome == Outcome.ALIGNED
+    aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
-    if not aligned:
+    if run.outcome not in _SUCCESSES:
         rows.append(("what to do", run.remedy))
     duration = "none: it does not align"
     if aligned:

@@ -23,12 +23,14 @@ from model.engines.record import (
     PERIODS,
     REASON,
     SETTLED_PERIOD,
+    SIDE_FORCE_MAX,
     STATE,
     STEPS,
     STICKING_TIME,
     STOP,
     TAU_ALIGN,
     TAU_CORNERS_INSIDE,
+    TAU_INSERTED,
     TILT_AT_ALIGNMENT,
     TILT_MAX,
     TIME,
@@ -41,12 +43,12 @@ from model.engines.record import (
 )
 from model.engines.scalar.step import short_step
 from model.events.friction import decide_friction, hold_sticking
+from model.events.insertion import end_in_slot
 from model.events.kernels import MOST_EVENTS
 from model.events.levels import FLAT, NEVER
 from model.events.modes import with_corner, with_face
 from model.events.outcomes import Outcome, Reason
 from model.events.steady_state import HISTORY, record_period, settled_period
-from model.events.table import CORNERS_INSIDE, FACE_END
 from model.events.transitions import CONTINUES
 from model.physics.compiled import kernel
 from model.physics.geometry import bottom_corner, edge_place, resting_height
@@ -60,6 +62,7 @@ _SETTLED = int(Outcome.SETTLED)
 _HORIZON_REACHED = int(Outcome.HORIZON_REACHED)
 _LEFT_SCENE = int(Outcome.LEFT_SCENE)
 _FAILED = int(Outcome.FAILED)
+_INSERTED = int(Outcome.INSERTED)
 _NONE = int(Reason.NONE)
 _IMPOSSIBLE_START = int(Reason.IMPOSSIBLE_START)
 _TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
@@ -126,11 +129,11 @@ def start(p, declared):
 
 
 @kernel
-def _start_pressed(p, i, runs):
+def _start_pressed(scene, p, i, runs):
     """State and mode at τ = 0 at rest on A1 under the press; the run ends if there is no rest."""
     rest = rest_under_press(p)
     if not rest.found:
-        _end(runs, i, _LEFT_SCENE, _NO_REST)
+        _end(scene, runs, i, _LEFT_SCENE, _NO_REST)
     return State(rest.x, rest.y, rest.tilt, 0.0, 0.0, 0.0), with_face(START, RIGHT_EDGE, CLOSED)
 
 
@@ -148,16 +151,22 @@ def _note_end_of_period(runs, i):
 
 
 @kernel
-def _end(runs, i, outcome, reason):
+def _end(scene, runs, i, outcome, reason):
+    if isfinite(runs[i, TAU_ALIGN]):
+        if scene.events.inserts == 0:  # aligned, whatever happens in the fall that follows
+            outcome, reason = _ALIGNED, _NONE
+        else:
+            q, mode = state_in(runs, STATE, i), mode_of(runs, i)
+            outcome, reason = end_in_slot(outcome, reason, q, constants_of(runs, i), mode)
+    if outcome == _INSERTED:
+        runs[i, TAU_INSERTED] = runs[i, TIME] - runs[i, TAU_ALIGN]
     runs[i, OUTCOME], runs[i, REASON] = outcome, reason
-    if isfinite(runs[i, TAU_ALIGN]):  # aligned, whatever happens in the fall that follows
-        runs[i, OUTCOME], runs[i, REASON] = _ALIGNED, _NONE
 
 
 @kernel
-def fail(runs, i, reason):
+def fail(scene, runs, i, reason):
     """End run ``i`` as failed."""
-    _end(runs, i, _FAILED, reason)
+    _end(scene, runs, i, _FAILED, reason)
 
 
 @kernel
@@ -172,25 +181,28 @@ def begin(row, tolerance, scene, control, runs, i):
     runs[i, TOLERANCE], runs[i, DEADLINE] = tolerance, control.horizon
     runs[i, OUTCOME], runs[i, NEXT_STEP] = CONTINUES, _FIRST_STEP
     runs[i, TAU_ALIGN], runs[i, TAU_CORNERS_INSIDE], runs[i, TILT_AT_ALIGNMENT] = nan, nan, nan
+    runs[i, TAU_INSERTED], runs[i, SIDE_FORCE_MAX] = nan, nan
     if control.alignment_only != 0.0:
         runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # and stay so; see note_step
+    elif scene.events.inserts == 1:
+        runs[i, SIDE_FORCE_MAX] = 0.0
     for which in range(MOST_EVENTS):
         runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, scene.declared)
     if control.pressed != 0.0 and not _starts_past_the_end(q, p, mode):
-        q, mode = _start_pressed(p, i, runs)
+        q, mode = _start_pressed(scene, p, i, runs)
     runs[i, TILT_MAX] = max(runs[i, TILT_MAX], abs(q.tilt))  # 0 before, or NaN
     if runs[i, OUTCOME] == CONTINUES and scene.events.start_is_impossible(q, p, mode):
-        fail(runs, i, _IMPOSSIBLE_START)
+        fail(scene, runs, i, _IMPOSSIBLE_START)
     if runs[i, OUTCOME] == CONTINUES:
         mode, possible = decide_friction(0.0, q, p, mode, True, True)
         if not possible:
-            fail(runs, i, _NO_FRICTION_SOLUTION)
+            fail(scene, runs, i, _NO_FRICTION_SOLUTION)
     keep_state(q, runs, i)
     keep_mode(mode, runs, i)
     _note_end_of_period(runs, i)
     if runs[i, OUTCOME] == CONTINUES and _starts_past_the_end(q, p, mode):
-        make_event(FACE_END, 0.0, _FIRST_STEP, scene, control, runs, i)
+        make_event(scene.events.face_end, 0.0, _FIRST_STEP, scene, control, runs, i)
 
 
 @kernel
@@ -220,6 +232,8 @@ def note_step(length, tilt, force, runs, i):
         runs[i, FORCE_MAX] = max(runs[i, FORCE_MAX], force)
         if mode.support_slip == STICKING and is_supported(mode):
             runs[i, STICKING_TIME] += length
+    else:
+        runs[i, SIDE_FORCE_MAX] = max(runs[i, SIDE_FORCE_MAX], force)
 
 
 @kernel
@@ -231,20 +245,24 @@ def _opened(before, after):
 
 
 @kernel
-def _note_alignment(which, tilt, printed_criterion, alignment_only, runs, i):
-    """Enter alignment or the four corners inside; return whether the run ends.
+def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i):
+    """Enter alignment or, if ``is_inside``, the four corners inside; return whether the run ends.
 
-    The first instant counts (R8), also if the part is lifted again and falls once more.
+    The first instant counts (R8), also if the part is lifted again and falls once more. The
+    insertion scene gives the run its horizon once more.
     """
     time = runs[i, TIME]
-    if which == CORNERS_INSIDE:
+    inserts = scene.events.inserts == 1
+    if is_inside:
         runs[i, TAU_CORNERS_INSIDE] = time
     elif not printed_criterion and isnan(runs[i, TAU_ALIGN]):
-        runs[i, DEADLINE] = min(runs[i, DEADLINE], time + _FALL_TIME)
+        deadline = min(runs[i, DEADLINE], time + _FALL_TIME)
+        runs[i, DEADLINE] = time + control.horizon if inserts else deadline
         _note_end_of_period(runs, i)
-    if printed_criterion == (which == CORNERS_INSIDE) and isnan(runs[i, TAU_ALIGN]):
+    if printed_criterion == is_inside and isnan(runs[i, TAU_ALIGN]):
         runs[i, TAU_ALIGN], runs[i, TILT_AT_ALIGNMENT] = time, tilt
-    return which == CORNERS_INSIDE or (alignment_only and not printed_criterion)
+    ends = is_inside or (control.alignment_only != 0.0 and not printed_criterion)
+    return ends and not inserts
 
 
 @kernel
@@ -296,11 +314,11 @@ def make_event(which, length, step, scene, control, runs, i):
     keep_mode(mode, runs, i)
     if outcome == _ALIGNED:
         printed_criterion = p.printed_alignment_criterion != 0.0
-        alignment_only = control.alignment_only != 0.0
-        if not _note_alignment(which, q.tilt, printed_criterion, alignment_only, runs, i):
+        inside = which == scene.events.corners_inside
+        if not _note_alignment(scene, inside, q.tilt, printed_criterion, control, runs, i):
             outcome = CONTINUES
     if outcome != CONTINUES:
-        _end(runs, i, outcome, reason)
+        _end(scene, runs, i, outcome, reason)
     elif runs[i, EVENTS_AT_ONCE] > _SEVERAL_AT_ONCE:
         _pass_over(before, runs, i)
 
@@ -322,14 +340,14 @@ def _compare_periods(scene, periods, history, runs, i):
     )
     for which in range(MOST_EVENTS):
         runs[i, CLOSEST + which] = NEVER
-    if mode_of(runs, i).dropped:
+    if mode_of(runs, i).dropped and scene.events.inserts == 0:
         return
     noise, p = 100.0 * runs[i, TOLERANCE], constants_of(runs, i)
     length = period_length(p)
     period = settled_period(scene.events, periods, length, states, lowest, p, noise)
     if period > 0:
         runs[i, SETTLED_PERIOD] = period
-        _end(runs, i, _SETTLED, _NONE)
+        _end(scene, runs, i, _SETTLED, _NONE)
 
 
 @kernel
@@ -348,10 +366,10 @@ def end_step(scene, reached_stop, history, control, runs, i):
     if runs[i, OUTCOME] != CONTINUES:
         return
     if runs[i, EVENTS_AT_ONCE] > _MOST_EVENTS_AT_ONCE:
-        fail(runs, i, _CHATTER)
+        fail(scene, runs, i, _CHATTER)
     elif runs[i, EVALUATIONS] > control.max_evaluations:
-        fail(runs, i, _TOO_MANY_EVALUATIONS)
+        fail(scene, runs, i, _TOO_MANY_EVALUATIONS)
     elif runs[i, TIME] >= runs[i, DEADLINE]:
-        _end(runs, i, _HORIZON_REACHED, _NONE)
+        _end(scene, runs, i, _HORIZON_REACHED, _NONE)
     elif reached_stop:
         end_period(scene, history, control.may_settle != 0.0, runs, i)

@@ -26,7 +26,7 @@ from model.engines.tolerances import (
     of_sampled_tilt,
     of_share,
 )
-from model.events.outcomes import Outcome, Reason, Unvibrated
+from model.events.outcomes import InSlot, Outcome, Reason, Unvibrated
 from model.physics.notation import State
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
 from model.physics.tables import entries, field_of
@@ -162,6 +162,18 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
         "period of a settled motion, in excitation periods; else 0",
         line=lambda period: f"{period} of the excitation" if period else "",
     )
+    tau_inserted: Real = entry(
+        "time from falling in to inserted; NaN where not inserted", TIME,
+        tolerance=by_error, stored=False,
+    )  # fmt: skip
+    insertion_error: Real = entry(
+        "estimated error of the time until inserted; NaN where unknown",
+        TIME, estimated=True, stored=False,
+    )  # fmt: skip
+    side_force_max: Real = entry(
+        "largest normal force on one side of the slot after falling in; NaN if not computed",
+        FORCE, tolerance=of_sampled_force, stored=False,
+    )  # fmt: skip
     steps: Count = entry("steps of the run", line=str, stored=False)
     events: Count = entry("events located in the run", line=str, stored=False)
 
@@ -186,7 +198,14 @@ TWIN: Mapping[str, Result] = {
         tolerance=of_rest,
     ),
 }
-KINDS |= {name: _KINDS[OutcomeT if each.flags else Real] for name, each in TWIN.items()}
+# The end in the slot of an aligned run (runs/slot.py), which the datasets of figures hold. Not
+# compared: a run that is regular up to alignment may be sensitive after it.
+IN_SLOT: Mapping[str, Result] = {
+    "insertion": Result("how an aligned run ends in the insertion scene", flags=InSlot, line=None)
+}
+KINDS |= {
+    name: _KINDS[OutcomeT if each.flags else Real] for name, each in {**TWIN, **IN_SLOT}.items()
+}
 
 # Further numbers of a run from its engine; see ``RunResult``.
 _BESIDES = ("time", "end_tilt", "end_on_edge", "rejected", "tracked")
@@ -217,5 +236,6 @@ COURSE: Mapping[str, Result] = {
     "tilt_rate": Result("tilt velocity", TILT_RATE),
     "contact_force": Result("normal force under the part", FORCE, "n"),
     "side_force": Result("normal force of A2 on the side face", FORCE),
+    "right_force": Result("normal force on the right side of the slot", FORCE, stored=False),
 }
 assert tuple(COURSE)[: len(State._fields)] == State._fields  # noqa: S101 - of this table

@@ -4,6 +4,7 @@ from model.events.modes import with_friction, with_slip_place
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import (
     forces_without_friction,
+    is_beside,
     is_supported,
     mobility,
     motion,
@@ -15,7 +16,7 @@ from model.physics.motion import (
     under_friction,
 )
 from model.physics.notation import State
-from model.physics.scenes import CLOSED, STICKING
+from model.physics.scenes import STICKING
 
 # A slip below this counts as zero: rounding of velocities of order one, with a margin.
 REST_SLIP = 1e-12
@@ -80,7 +81,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     forces = forces_without_friction(time, q, p, mode)
     now = under_friction(forces, p, mode)
     supported = is_supported(mode)
-    beside = mode.side == CLOSED
+    beside = is_beside(mode)
     support_at_rest = supported and (support_at_rest or abs(now.support_slip) <= REST_SLIP)
     side_at_rest = beside and (side_at_rest or abs(now.side_slip) <= REST_SLIP)
     lengths = p.half_width + p.half_height + abs(q.x) + abs(q.y)
@@ -127,7 +128,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
 def hold_sticking(q, p, mode):
     """Return ``q`` with the slip of sticking contacts removed by friction impulses."""
     support_sticks = is_supported(mode) and mode.support_slip == STICKING
-    side_sticks = mode.side == CLOSED and mode.side_slip == STICKING
+    side_sticks = is_beside(mode) and mode.side_slip == STICKING
     if not (support_sticks or side_sticks):
         return q
     support, side = support_contact(q, p, mode), side_contact(q, p, mode)

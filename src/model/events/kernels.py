@@ -11,12 +11,12 @@ from numba.extending import typeof_impl
 
 from model.events import levels
 from model.events.kernel_set import KernelSet, generated
-from model.events.table import EVENTS, Event, Source, Table
+from model.events.table import EVENTS, PLACES_OF_FORCES, Event, Source, Table
 from model.physics.compiled import Symbol, inlined_kernel, kernel
 from model.physics.parameters import Constants
 from model.physics.scenes import START, Declared, Scene
 
-MOST_EVENTS = 32  # capacity of records and histories
+MOST_EVENTS = 44  # capacity of records and histories
 MOST_SAMPLES = 2 * MOST_EVENTS
 
 Lines = Iterator[str]
@@ -199,6 +199,17 @@ def _start(table: Table) -> Lines:
     yield f"return {' or '.join(f'found[{k}] < {start!r}' for k, start in starts) or 'False'}"
 
 
+def _fingerprint(function: Callable[..., Any]) -> bytes:
+    """Bytes that tell a function from others, also by the functions that it encloses."""
+    code = function.__code__
+    found = repr((code.co_filename, code.co_qualname, code.co_names, code.co_consts)).encode()
+    found += code.co_code
+    cells = [each.cell_contents for each in function.__closure__ or ()]
+    for each in map(python_of, cells):
+        found += _fingerprint(each) if hasattr(each, "__code__") else repr(each).encode()
+    return found
+
+
 def _label(table: Table) -> str:
     """Unique name of a table."""
     if table is EVENTS:
@@ -209,8 +220,7 @@ def _label(table: Table) -> str:
         parts = event.source.of, event.source.exists, *cases, event.follow, event.adjust
         digest.update(repr((event.name, event.kind, event.force_on, event.start)).encode())
         for part in filter(None, (*parts, event.happens)):
-            code = python_of(part).__code__
-            digest.update(f"{code.co_filename}:{code.co_qualname}".encode() + code.co_code)
+            digest.update(_fingerprint(python_of(part)))
     return f"table-{digest.hexdigest()[:16]}"
 
 
@@ -230,7 +240,10 @@ def kernels_of(table: Table) -> KernelSet:
         is_conditional(which): True if ``happens`` may be False.
         adjust(which, q, p, mode), follow(which, time, q, p, mode, declared): see ``Event``.
         kind(which): LENGTH, LOAD or FRICTION.
-        start_is_impossible(q, p, mode), support_force(sample), side_force(sample).
+        start_is_impossible(q, p, mode), support_force(sample), side_force(sample),
+            right_force(sample).
+        corners_inside, face_end: numbers of these events.
+        inserts: 1 if runs continue after alignment until the part is inserted, else 0.
     """
     combined, label = combined_count(table), _label(table)
     write = Writer(label, NEVER=levels.NEVER, largest=levels.largest)
@@ -244,7 +257,7 @@ def kernels_of(table: Table) -> KernelSet:
     write.write(kernel, "level(which, time, q, p, mode)", _level(table, combined, write))
     write.write(kernel, "quantities(which, time, q, p, mode)", _quantities(table, combined, write))
     write.write(kernel, "start_is_impossible(q, p, mode)", _start(table))
-    for place in ("support", "side"):
+    for place in PLACES_OF_FORCES:
         write.write(inlined_kernel, f"{place}_force(sample)", _force(table, place))
     write.choose(
         "happens(which, time, q, p, mode)",
@@ -272,7 +285,12 @@ def kernels_of(table: Table) -> KernelSet:
         f"{write.name(table[-1].follow)}(time, q, p, mode, declared)",
     )
     write.choose("kind(which)", ((k, str(each.kind)) for k, each in events if each.kind), "0")
-    numbers = {"count": len(table), "combined": combined, "sample_size": size}
+    names = [each.name for each in table]
+    numbers = {
+        "count": len(table), "combined": combined, "sample_size": size,
+        "corners_inside": names.index("corners_inside"), "face_end": names.index("face_end"),
+        "inserts": int("inserted" in names),
+    }  # fmt: skip
     return KernelSet(label, write.members | numbers, write.sources)
 
 

@@ -16,11 +16,17 @@ from math import pi
 from typing import NamedTuple
 
 from model.physics.compiled import inlined_kernel
-from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
+from model.physics.contacts import (
+    contact_load,
+    corner_on_flat,
+    corner_on_wall,
+    edge_on_face,
+    edge_on_side,
+)
 from model.physics.geometry import bottom_corner, edge_place
-from model.physics.motion import is_supported, motion, never_sticks
+from model.physics.motion import is_beside, is_supported, motion, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.scenes import CLOSED, OPEN
+from model.physics.scenes import OPEN
 
 NEVER = 1e300  # the level of an event that does not apply
 NOTHING = -1e300  # a quantity that a condition does not have
@@ -107,11 +113,16 @@ def face_touch(_time, q, p, mode):
 
 
 @inlined_kernel
-def side_touch(_time, q, p, mode):
-    """``Touch`` of an edge on a side face."""
-    side = edge_on_side(mode.side_edge, q, p)
+def _edge_touch(edge, q, p):
+    side = edge_on_side(edge, q, p)
     load = contact_load(side.depth, side.closing_rate, q, p)
-    return Touch(side.depth, load, edge_place(mode.side_edge, q.x, q.y, q.tilt, p).along_axis)
+    return Touch(side.depth, load, edge_place(edge, q.x, q.y, q.tilt, p).along_axis)
+
+
+@inlined_kernel
+def side_touch(_time, q, p, _mode):
+    """``Touch`` of A2 on the left side face."""
+    return _edge_touch(LEFT_EDGE, q, p)
 
 
 @inlined_kernel
@@ -122,6 +133,32 @@ def corner_touch(_time, q, p, mode):
     load = contact_load(depth, corner.closing_rate, q, p)
     corner_x, _ = bottom_corner(mode.edge, q.x, q.y, q.tilt, p)
     return Touch(depth, load, corner_x)
+
+
+@inlined_kernel
+def right_side_touch(_time, q, p, _mode):
+    """``Touch`` of A1 on the right side face."""
+    return _edge_touch(RIGHT_EDGE, q, p)
+
+
+@inlined_kernel
+def _wall_touch(side, q, p):
+    corner = corner_on_wall(side, q, p)
+    load = contact_load(corner.depth, corner.closing_rate, q, p)
+    _, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
+    return Touch(corner.depth, load, corner_y)
+
+
+@inlined_kernel
+def right_wall_touch(_time, q, p, _mode):
+    """``Touch`` of B1 on the right wall."""
+    return _wall_touch(RIGHT_EDGE, q, p)
+
+
+@inlined_kernel
+def left_wall_touch(_time, q, p, _mode):
+    """``Touch`` of B2 on the left wall."""
+    return _wall_touch(LEFT_EDGE, q, p)
 
 
 # -------------------------------------------------------------------------- modes of the quantities
@@ -136,25 +173,25 @@ def always(_p, _mode):
 @inlined_kernel
 def on_face(_p, mode):
     """Return whether the bottom face and an edge overlap."""
-    return mode.face != OPEN
+    return mode.face != OPEN and not mode.in_slot
 
 
 @inlined_kernel
 def on_left_side(_p, mode):
     """Return whether the left side face and A2 overlap."""
-    return mode.side != OPEN and mode.side_edge == LEFT_EDGE
+    return mode.side != OPEN
 
 
 @inlined_kernel
 def on_corner(_p, mode):
     """Return whether a bottom corner and the flat base overlap."""
-    return mode.corner != OPEN
+    return mode.corner != OPEN and not mode.in_slot
 
 
 @inlined_kernel
 def rubs(p, mode):
     """Return whether a contact presses whose friction state may change."""
-    return not never_sticks(p) and (is_supported(mode) or mode.side == CLOSED)
+    return not never_sticks(p) and (is_supported(mode) or is_beside(mode))
 
 
 @inlined_kernel
@@ -178,6 +215,44 @@ def corners_outside(at, p, _mode):
     """Negative once X_B1 <= l, X_B2 >= -l, Y_B1 < 0 and Y_B2 < 0 (paper, sect. 2)."""
     right, left = at.right_corner_x - p.slot_half_width, -at.left_corner_x - p.slot_half_width
     return right, left, at.right_corner_y, at.left_corner_y
+
+
+@inlined_kernel
+def not_inserted(at, p, _mode):
+    """Negative once both bottom corners are deeper than the insertion depth."""
+    depth = p.insertion_depth
+    return at.right_corner_y + depth, at.left_corner_y + depth, NOTHING, NOTHING
+
+
+@inlined_kernel
+def _off_wall(beside, corner_y):
+    return -beside, beside + corner_y, NOTHING, NOTHING
+
+
+@inlined_kernel
+def right_corner_in_slot(at, p, _mode):
+    """Negative once B1 is behind the right wall, and less deep there than below the plane."""
+    return _off_wall(at.right_corner_x - p.slot_half_width, at.right_corner_y)
+
+
+@inlined_kernel
+def left_corner_in_slot(at, p, _mode):
+    """``right_corner_in_slot`` for B2."""
+    return _off_wall(-at.left_corner_x - p.slot_half_width, at.left_corner_y)
+
+
+@inlined_kernel
+def right_corner_over_flat(at, p, _mode):
+    """``right_corner_above``, but negative only for a corner less deep there than in the wall."""
+    _, below, tilt, rise = right_corner_above(at, p, _mode)
+    return p.slot_half_width - at.right_corner_x - at.right_corner_y, below, tilt, rise
+
+
+@inlined_kernel
+def left_corner_over_flat(at, p, _mode):
+    """``right_corner_over_flat`` for B2."""
+    _, below, tilt, rise = left_corner_above(at, p, _mode)
+    return p.slot_half_width + at.left_corner_x - at.left_corner_y, below, tilt, rise
 
 
 @inlined_kernel
@@ -286,6 +361,12 @@ def before_side_end(at, p, _mode):
 def beside_slot(at, p, mode):
     """Negative once the corner has slid into the slot."""
     return mode.edge * at.along - p.slot_half_width
+
+
+@inlined_kernel
+def below_plane(at, _p, _mode):
+    """Negative once a corner on a wall has risen above the plane."""
+    return -at.along
 
 
 @inlined_kernel

@@ -1,59 +1,41 @@
 """Modes derived from another by a change of one contact."""
 
+from typing import Any
+
 from model.physics.compiled import kernel
 from model.physics.scenes import CLOSED, OPEN, Mode
 
 
-@kernel
-def with_face(mode, edge, state):
-    """Return the mode with the normal state ``state`` of ``edge`` on the bottom face."""
-    return Mode(
-        edge, state, mode.corner, mode.corner_offset, mode.slip_at_corner, mode.support_slip,
-        mode.side, mode.side_slip, mode.dropped, mode.side_edge,
-    )  # fmt: skip
+def _changing(arguments: str, **changes: str) -> Any:
+    """Make the kernel (mode, ``arguments``) of the mode with other fields, given as expressions."""
+    fields = ", ".join(changes.get(name, f"mode.{name}") for name in Mode._fields)
+    namespace: dict[str, Any] = {"__name__": __name__, "Mode": Mode, "OPEN": OPEN, "CLOSED": CLOSED}
+    exec(f"def changed(mode{arguments}):\n    return Mode({fields})\n", namespace)  # noqa: S102
+    return kernel(namespace["changed"])
 
 
-@kernel
-def with_corner(mode, edge, state, offset):
-    """Return the mode with the normal state ``state`` of the corner on the side of ``edge``."""
-    return Mode(
-        edge, mode.face, state, offset, mode.slip_at_corner, mode.support_slip, mode.side,
-        mode.side_slip, mode.dropped, mode.side_edge,
-    )  # fmt: skip
-
-
-@kernel
-def with_side(mode, edge, state):
-    """Return the mode with the normal state ``state`` of ``edge`` on its side face."""
-    return Mode(
-        mode.edge, mode.face, mode.corner, mode.corner_offset, mode.slip_at_corner,
-        mode.support_slip, state, mode.side_slip, mode.dropped, edge,
-    )  # fmt: skip
-
-
-@kernel
-def with_friction(mode, support_slip, side_slip):
-    """Return the mode with other friction states."""
-    return Mode(
-        mode.edge, mode.face, mode.corner, mode.corner_offset, mode.slip_at_corner, support_slip,
-        mode.side, side_slip, mode.dropped, mode.side_edge,
-    )  # fmt: skip
-
-
-@kernel
-def with_drop(mode):
-    """Return the mode of a part that has lost its contact past the corner B1."""
-    return Mode(
-        mode.edge, OPEN, mode.corner, mode.corner_offset, mode.slip_at_corner, mode.support_slip,
-        mode.side, mode.side_slip, True, mode.side_edge,
-    )  # fmt: skip
-
-
-@kernel
-def with_slip_place(mode):
-    """Return the mode whose slip is taken at a contact that presses: the same one if possible."""
-    at_corner = mode.corner == CLOSED and (mode.slip_at_corner or mode.face != CLOSED)
-    return Mode(
-        mode.edge, mode.face, mode.corner, mode.corner_offset, at_corner, mode.support_slip,
-        mode.side, mode.side_slip, mode.dropped, mode.side_edge,
-    )  # fmt: skip
+# (mode, edge, state): with the normal state of an edge on the bottom face, or of A1 on the right
+# side face.
+with_face = _changing(", edge, state", edge="edge", face="state")
+# (mode, edge, state, offset): with the normal state of the corner on the side of an edge.
+with_corner = _changing(
+    ", edge, state, offset", edge="edge", corner="state", corner_offset="offset"
+)
+# (mode, in_slot): with the support on the right side of the slot or, without contact, on its edges.
+with_support = _changing(", in_slot", face="OPEN", corner="OPEN", in_slot="in_slot")
+# (mode, state): with the normal state of A2 on the left side face, of B2 on the left wall.
+with_side = _changing(", state", side="state")
+with_wall = _changing(", state", wall="state")
+# (mode, support_slip, side_slip): with other friction states.
+with_friction = _changing(
+    ", support_slip, side_slip", support_slip="support_slip", side_slip="side_slip"
+)
+# (mode): of a part that has lost its contact past the corner B1, or has all corners in the slot.
+with_drop = _changing("", face="OPEN", dropped="True")
+with_corners_inside = _changing("", corners_inside="True")
+# (mode): with the slips taken at contacts that press: the same ones if possible.
+with_slip_place = _changing(
+    "",
+    slip_at_corner="mode.corner == CLOSED and (mode.slip_at_corner or mode.face != CLOSED)",
+    slip_at_wall="mode.wall == CLOSED and (mode.slip_at_wall or mode.side != CLOSED)",
+)

@@ -11,6 +11,20 @@ class Outcome(IntEnum):
     LEFT_SCENE = 2
     HORIZON_REACHED = 3
     FAILED = 4
+    INSERTED = 5
+    JAMMED = 6
+    CLIMBED_OUT = 7
+
+
+class InSlot(IntEnum):
+    """End of an aligned run in the insertion scene, as ``Outcome``; NOT_ALIGNED: it was not run."""
+
+    NOT_ALIGNED = -1
+    HORIZON_REACHED = Outcome.HORIZON_REACHED
+    FAILED = Outcome.FAILED
+    INSERTED = Outcome.INSERTED
+    JAMMED = Outcome.JAMMED
+    CLIMBED_OUT = Outcome.CLIMBED_OUT
 
 
 class Unvibrated(IntEnum):
@@ -43,6 +57,9 @@ class Reason(IntEnum):
     NO_FRICTION_SOLUTION = 13
     CHAOTIC = 14
     NO_REST = 15
+    WEDGED = 16
+    LACK_OF_FORCE = 17
+    ON_EDGE = 18
 
 
 OUTCOME_TEXT: dict[Outcome, str] = {
@@ -51,7 +68,12 @@ OUTCOME_TEXT: dict[Outcome, str] = {
     Outcome.LEFT_SCENE: "the part left the scene that the model describes",
     Outcome.HORIZON_REACHED: "the part did not align within the horizon",
     Outcome.FAILED: "the run could not be finished",
+    Outcome.INSERTED: "the part went into the slot",
+    Outcome.JAMMED: "the part fell into the slot and stays there, not inserted",
+    Outcome.CLIMBED_OUT: "the part fell into the slot and came out of it again",
 }
+
+SUCCESS_TEXT: dict[Outcome, str] = {Outcome.ALIGNED: "aligns", Outcome.INSERTED: "goes in"}
 
 REASON_TEXT: dict[Reason, str] = {
     Reason.NONE: "",
@@ -68,6 +90,9 @@ REASON_TEXT: dict[Reason, str] = {
     Reason.CHATTER: "two modes alternate without time passing",
     Reason.NOT_FINITE: "the state is no longer finite",
     Reason.NO_FRICTION_SOLUTION: "no friction force satisfies this reading's friction law",
+    Reason.WEDGED: "it is wedged: friction holds it between two points without any outer force",
+    Reason.LACK_OF_FORCE: "the press is too weak against friction and suspension",
+    Reason.ON_EDGE: "an edge of the slot carries it",
     Reason.CHAOTIC: "its motion is chaotic, and whether it ever aligns is chance: another "
     "tolerance may answer otherwise",
     Reason.NO_REST: "pressed slowly it does not come to rest on the edge: it topples or slides off "
@@ -88,10 +113,17 @@ _REMEDY_OF_OUTCOME: dict[Outcome, str] = {
     "edge",
     Outcome.HORIZON_REACHED: "raise the horizon, or change press_force, tilt_stiffness or "
     "frequency",
+    Outcome.INSERTED: "none needed",
+    Outcome.JAMMED: "raise press_force, or lower friction",
+    Outcome.CLIMBED_OUT: "lower press_force or raise tilt_stiffness and tilt_damping, so that the "
+    "part falls in upright and slowly",
     Outcome.FAILED: "loosen the tolerance, or change what is extreme among the parameters",
 }
 
 _REMEDY_OF_REASON: dict[Reason, str] = {
+    Reason.WEDGED: "lower friction, raise clearance, or raise tilt_stiffness so that the tilt "
+    "stays below clearance / friction: a higher press_force changes nothing",
+    Reason.LACK_OF_FORCE: "raise press_force, lower friction, or accept a smaller insertion_depth",
     Reason.UNDECLARED_CONTACT: "declare the contact in the scene",
     Reason.IMPOSSIBLE_START: "lower initial_tilt or raise clearance",
     Reason.TOO_MANY_EVALUATIONS: "raise max_evaluations, or lower contact_stiffness or the horizon",

@@ -12,13 +12,14 @@ from typing import Any
 
 from model.events import friction, levels, transitions
 from model.physics.compiled import inlined_kernel
-from model.physics.motion import is_supported, never_sticks
+from model.physics.motion import is_beside, is_supported, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 Kernel = Callable[..., Any]
 LENGTH, LOAD, FRICTION = range(3)  # kinds of levels, by their dependence on the state
 START_TOLERANCE = 1e-9
+PLACES_OF_FORCES = "support", "side", "right"  # under the part, left side, right side
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Event:
         happens: (``Outline``, p, mode) -> True if a zero of the level is the event; always by
             default.
         kind: kind of the level: LENGTH (also for a velocity), LOAD or FRICTION.
-        force_on: "support" or "side" if the level is the normal force there.
+        force_on: one of ``PLACES_OF_FORCES`` if the level is the normal force there.
         start: level below which a start is impossible.
     """
 
@@ -117,13 +118,17 @@ def _left_edge_is_free(_p, mode):
 
 
 @inlined_kernel
-def _right_corner_is_free(_p, mode):
+def right_corner_is_free(_p, mode):
+    """Return whether B1 does not press on the flat base."""
     return _no_right_corner(mode)
 
 
 @inlined_kernel
-def _left_corner_is_free(_p, mode):
-    # While A2 is behind the side face, B2 can be beside the slot only through the slot's wall.
+def left_corner_is_free(_p, mode):
+    """Return whether B2 may come to press on the flat base.
+
+    While A2 is behind the side face, B2 can be beside the slot only through the slot's wall.
+    """
     return _no_left_corner(mode) and mode.side == OPEN
 
 
@@ -133,38 +138,9 @@ def _right_corner_meets_wall(_p, mode):
 
 
 @inlined_kernel
-def _left_corner_meets_wall(_p, mode):
+def left_corner_meets_wall(_p, mode):
+    """Return whether B2 may run into the slot's wall from inside."""
     return _no_left_corner(mode) and _no_left_face(mode)
-
-
-@inlined_kernel
-def _face_presses(_p, mode):
-    return mode.face == CLOSED
-
-
-@inlined_kernel
-def _face_is_released(_p, mode):
-    return mode.face == RELEASED
-
-
-@inlined_kernel
-def _side_presses(_p, mode):
-    return mode.side == CLOSED and mode.side_edge == LEFT_EDGE
-
-
-@inlined_kernel
-def _side_is_released(_p, mode):
-    return mode.side == RELEASED and mode.side_edge == LEFT_EDGE
-
-
-@inlined_kernel
-def _corner_presses(_p, mode):
-    return mode.corner == CLOSED
-
-
-@inlined_kernel
-def _corner_is_released(_p, mode):
-    return mode.corner == RELEASED
 
 
 @inlined_kernel
@@ -179,12 +155,12 @@ def _support_slides(p, mode):
 
 @inlined_kernel
 def _side_sticks(p, mode):
-    return mode.side == CLOSED and mode.side_slip == STICKING and not never_sticks(p)
+    return is_beside(mode) and mode.side_slip == STICKING and not never_sticks(p)
 
 
 @inlined_kernel
 def _side_slides(p, mode):
-    return mode.side == CLOSED and mode.side_slip != STICKING and not never_sticks(p)
+    return is_beside(mode) and mode.side_slip != STICKING and not never_sticks(p)
 
 
 # ----------------------------------------------------------------------- zeros that are not events
@@ -211,6 +187,54 @@ def _left_corner_first(at, p, mode):
     return _in_front_of_edge(LEFT_EDGE, levels.left_corner_off_wall(at, p, mode), at, p)
 
 
+# ----------------------------------------------------------------------------- events of a contact
+
+
+def state_is(field: str, state: int, in_slot: bool | None = None, negated: bool = False) -> Kernel:
+    """Make the kernel (p, mode): True if the contact ``field`` is in a state, or is ``negated``.
+
+    With ``in_slot``, only if the support is, or is not, the right side of the slot.
+    """
+    condition = {None: "", True: " and mode.in_slot", False: " and not mode.in_slot"}[in_slot]
+    is_it = "!=" if negated else "=="
+    namespace: dict[str, Any] = {"__name__": __name__}
+    code = f"def applies(_p, mode):\n    return mode.{field} {is_it} {state}{condition}\n"
+    exec(compile(code, __file__, "exec"), namespace)  # noqa: S102 - written above
+    return inlined_kernel(namespace["applies"])
+
+
+def of_contact(
+    name: str,
+    field: str,
+    source: Source,
+    follow: transitions.OfContact,
+    force_on: str,
+    in_slot: bool | None = None,
+) -> Table:
+    """Make the events of a contact that overlaps the base: load lost, gap opened, load returned.
+
+    Args:
+        name: name of the contact.
+        field: field of the mode that holds its normal state.
+        source: ``Touch`` of the contact.
+        follow: what follows.
+        force_on: see ``Event``.
+        in_slot: see ``state_is``.
+    """
+    presses, is_released = (state_is(field, state, in_slot) for state in (CLOSED, RELEASED))
+    return (
+        Event(
+            f"{name}_load", source, ((presses, levels.load),), follow.unloaded, kind=LOAD,
+            force_on=force_on,
+        ),
+        Event(f"{name}_gap", source, ((is_released, levels.depth),), follow.opens),
+        Event(
+            f"{name}_reload", source, ((is_released, levels.missing_load),), follow.reloaded,
+            kind=LOAD,
+        ),
+    )  # fmt: skip
+
+
 # ---------------------------------------------------------------------------------------- the table
 
 EVENTS: Table = (
@@ -231,11 +255,11 @@ EVENTS: Table = (
     ),
     # A bottom corner presses on the flat base.
     Event(
-        "right_corner_lands", PLACES, ((_right_corner_is_free, levels.right_corner_above),),
+        "right_corner_lands", PLACES, ((right_corner_is_free, levels.right_corner_above),),
         transitions.right_corner_lands,
     ),
     Event(
-        "left_corner_lands", PLACES, ((_left_corner_is_free, levels.left_corner_above),),
+        "left_corner_lands", PLACES, ((left_corner_is_free, levels.left_corner_above),),
         transitions.left_corner_lands,
     ),
     # A bottom corner meets the slot's wall from inside.
@@ -244,48 +268,24 @@ EVENTS: Table = (
         transitions.right_wall, happens=_right_corner_first,
     ),
     Event(
-        "left_wall", PLACES, ((_left_corner_meets_wall, levels.left_corner_off_wall),),
+        "left_wall", PLACES, ((left_corner_meets_wall, levels.left_corner_off_wall),),
         transitions.left_wall, happens=_left_corner_first, start=-START_TOLERANCE,
     ),
     # The edge under the bottom face loses its load; the gap opens; the load returns before the gap
     # opens; the edge passes the face's end toward the slot, or its far end.
-    Event(
-        "face_load", FACE, ((_face_presses, levels.load),), transitions.face_unloaded,
-        kind=LOAD, force_on="support",
-    ),
-    Event("face_gap", FACE, ((_face_is_released, levels.depth),), transitions.face_opens),
-    Event(
-        "face_reload", FACE, ((_face_is_released, levels.missing_load),), transitions.face_reloaded,
-        kind=LOAD,
-    ),
+    *of_contact("face", "face", FACE, transitions.FACE, "support", in_slot=False),
     Event("face_end", FACE, ((levels.on_face, levels.before_face_end),), transitions.face_ends),
     Event(
         "face_far_end", FACE, ((levels.on_face, levels.before_far_end),), transitions.far_end,
         start=-START_TOLERANCE,
     ),
     # The same for A2 on the left side face; A2 passes an end of the face.
-    Event(
-        "side_load", SIDE, ((_side_presses, levels.load),), transitions.side_unloaded,
-        kind=LOAD, force_on="side",
-    ),
-    Event("side_gap", SIDE, ((_side_is_released, levels.depth),), transitions.side_opens),
-    Event(
-        "side_reload", SIDE, ((_side_is_released, levels.missing_load),), transitions.side_reloaded,
-        kind=LOAD,
-    ),
+    *of_contact("side", "side", SIDE, transitions.SIDE, "side"),
     Event(
         "side_end", SIDE, ((levels.on_left_side, levels.before_side_end),), transitions.side_ends
     ),
     # The same for a bottom corner on the flat base; the corner slides into the slot.
-    Event(
-        "corner_load", CORNER, ((_corner_presses, levels.load),), transitions.corner_unloaded,
-        kind=LOAD, force_on="support",
-    ),
-    Event("corner_gap", CORNER, ((_corner_is_released, levels.depth),), transitions.corner_opens),
-    Event(
-        "corner_reload", CORNER, ((_corner_is_released, levels.missing_load),),
-        transitions.corner_reloaded, kind=LOAD,
-    ),
+    *of_contact("corner", "corner", CORNER, transitions.CORNER, "support", in_slot=False),
     Event(
         "corner_end", CORNER, ((levels.on_corner, levels.beside_slot),),
         transitions.corner_slides_in,

@@ -4,9 +4,18 @@ A transition takes (time, q, p, mode, declared): time and state of the event, th
 and the contacts that the scene declares.
 """
 
+from typing import Any, NamedTuple
+
 from model.events.friction import decide_friction, sign
 from model.events.levels import edge_inside, outline
-from model.events.modes import with_corner, with_drop, with_face, with_friction, with_side
+from model.events.modes import (
+    with_corner,
+    with_drop,
+    with_face,
+    with_friction,
+    with_side,
+    with_support,
+)
 from model.events.outcomes import Outcome, Reason
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
@@ -109,6 +118,12 @@ def touching(contact, q, p):
     return RELEASED if pulls else CLOSED
 
 
+@inlined_kernel
+def _on_edges(mode):
+    """Return the mode with a free support on the edges, if it was on the right side of the slot."""
+    return with_support(mode, False) if mode.in_slot else mode
+
+
 @kernel
 def edge_enters(edge, time, q, p, mode, declared):
     """Begin the contact of an edge with the face behind which it is least deep in the part."""
@@ -119,12 +134,12 @@ def edge_enters(edge, time, q, p, mode, declared):
         if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
             return mode, _LEFT_SCENE, _BOTH_SIDES
         state = touching(edge_on_face(edge, q, p), q, p)
-        return decided(time, q, p, with_face(mode, edge, state), False, False)
+        return decided(time, q, p, with_face(_on_edges(mode), edge, state), False, False)
     if edge == LEFT_EDGE and left <= min(right, top):
         if not declared.edge_on_side:
             return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
         state = touching(edge_on_side(LEFT_EDGE, q, p), q, p)
-        return decided(time, q, p, with_side(mode, LEFT_EDGE, state), False, False)
+        return decided(time, q, p, with_side(mode, state), False, False)
     return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
 
 
@@ -148,7 +163,7 @@ def corner_lands(edge, time, q, p, mode, declared):
     if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
         return mode, _LEFT_SCENE, _BOTH_SIDES
     corner = corner_on_flat(edge, q, p)
-    landed = with_corner(mode, edge, touching(corner, q, p), corner.depth)
+    landed = with_corner(_on_edges(mode), edge, touching(corner, q, p), corner.depth)
     return decided(time, q, p, landed, False, False)
 
 
@@ -168,7 +183,7 @@ def left_corner_lands(time, q, p, mode, declared):
 
 
 @kernel
-def unloaded(depth, p):
+def without_load(depth, p):
     """State of a contact without load: open, or released while the bodies still overlap.
 
     Without damping, load and depth vanish together; a depth left by rounding is ignored.
@@ -176,63 +191,70 @@ def unloaded(depth, p):
     return RELEASED if depth > 0.0 and p.contact_damping > 0.0 else OPEN
 
 
-@inlined_kernel
-def face_unloaded(time, q, p, mode, _declared):
-    """Release or open the contact of the bottom face."""
-    state = unloaded(edge_on_face(mode.edge, q, p).depth, p)
-    return decided(time, q, p, with_face(mode, mode.edge, state), False, False)
+class OfContact(NamedTuple):
+    """Transitions where a contact loses its load, where the load returns, and where a gap opens."""
+
+    unloaded: Any
+    reloaded: Any
+    opens: Any
+
+
+def of_contact(depth: Any, put: Any) -> OfContact:
+    """Make the transitions of a contact.
+
+    Args:
+        depth: kernel (q, p, mode) of its depth.
+        put: kernel (mode, state) of the mode with its normal state.
+    """
+
+    @inlined_kernel
+    def unloaded(time, q, p, mode, _declared):
+        """Release or open the contact."""
+        state = without_load(depth(q, p, mode), p)
+        return decided(time, q, p, put(mode, state), False, False)
+
+    @inlined_kernel
+    def reloaded(time, q, p, mode, _declared):
+        """Close the contact again."""
+        return decided(time, q, p, put(mode, CLOSED), False, False)
+
+    @inlined_kernel
+    def opens(_time, _q, _p, mode, _declared):
+        """Open the released contact."""
+        return put(mode, OPEN), CONTINUES, _NONE
+
+    return OfContact(unloaded, reloaded, opens)
 
 
 @inlined_kernel
-def face_reloaded(time, q, p, mode, _declared):
-    """Close the contact of the bottom face again."""
-    return decided(time, q, p, with_face(mode, mode.edge, CLOSED), False, False)
+def _face_depth(q, p, mode):
+    return edge_on_face(mode.edge, q, p).depth
 
 
 @inlined_kernel
-def face_opens(_time, _q, _p, mode, _declared):
-    """Open the released contact of the bottom face."""
-    return with_face(mode, mode.edge, OPEN), CONTINUES, _NONE
+def _face(mode, state):
+    return with_face(mode, mode.edge, state)
 
 
 @inlined_kernel
-def side_unloaded(time, q, p, mode, _declared):
-    """Release or open the contact of a side face."""
-    state = unloaded(edge_on_side(mode.side_edge, q, p).depth, p)
-    return decided(time, q, p, with_side(mode, mode.side_edge, state), False, False)
+def _side_depth(q, p, _mode):
+    return edge_on_side(LEFT_EDGE, q, p).depth
 
 
 @inlined_kernel
-def side_reloaded(time, q, p, mode, _declared):
-    """Close the contact of a side face again."""
-    return decided(time, q, p, with_side(mode, mode.side_edge, CLOSED), False, False)
+def _corner_depth(q, p, mode):
+    return corner_on_flat(mode.edge, q, p).depth - mode.corner_offset
 
 
 @inlined_kernel
-def side_opens(_time, _q, _p, mode, _declared):
-    """Open the released contact of a side face."""
-    return with_side(mode, mode.side_edge, OPEN), CONTINUES, _NONE
+def _corner(mode, state):
+    """Keep the corner's offset while it is released."""
+    return with_corner(mode, mode.edge, state, 0.0 if state == OPEN else mode.corner_offset)
 
 
-@inlined_kernel
-def corner_unloaded(time, q, p, mode, _declared):
-    """Release or open the contact of the corner, which keeps its offset while released."""
-    state = unloaded(corner_on_flat(mode.edge, q, p).depth - mode.corner_offset, p)
-    offset = mode.corner_offset if state == RELEASED else 0.0
-    return decided(time, q, p, with_corner(mode, mode.edge, state, offset), False, False)
-
-
-@inlined_kernel
-def corner_reloaded(time, q, p, mode, _declared):
-    """Close the contact of the corner again."""
-    closed = with_corner(mode, mode.edge, CLOSED, mode.corner_offset)
-    return decided(time, q, p, closed, False, False)
-
-
-@inlined_kernel
-def corner_opens(time, q, p, mode, _declared):
-    """Open the released contact of the corner."""
-    return decided(time, q, p, with_corner(mode, mode.edge, OPEN, 0.0), False, False)
+FACE = of_contact(_face_depth, _face)
+SIDE = of_contact(_side_depth, with_side)
+CORNER = of_contact(_corner_depth, _corner)
 
 
 # --------------------------------------------------------------------------------- ends of surfaces
@@ -260,10 +282,10 @@ def face_ends(time, q, p, mode, _declared):
 @kernel
 def side_ends(time, q, p, mode, _declared):
     """Open the contact at the corner of the side face, or leave the scene over its top."""
-    bottom, _, _, top = edge_inside(mode.side_edge, outline(q, p), p)
+    bottom, _, _, top = edge_inside(LEFT_EDGE, outline(q, p), p)
     if top < bottom:
         return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
-    return decided(time, q, p, with_side(mode, mode.side_edge, OPEN), False, False)
+    return decided(time, q, p, with_side(mode, OPEN), False, False)
 
 
 @kernel

@@ -1,8 +1,9 @@
-"""The three kinds of contact in the alignment scene: depth, closing rate, slip, and force rows.
+"""The kinds of contact: depth, closing rate, slip, and force rows.
 
 1. edge on the bottom face: A1 from the start, A2 after the part has jumped over the slot;
-2. A2 on the left side face, and by the same law A1 on the right one;
-3. a bottom corner on the flat base: B1 right of the slot, B2 left of it.
+2. A2 on the left side face; in the insertion scene also A1 on the right one;
+3. a bottom corner on the flat base: B1 right of the slot, B2 left of it;
+4. a bottom corner on the slot's wall, in the insertion scene: B1 on the right, B2 on the left one.
 
 A row is a triple (x, y, moment). Times a force it is that force's share of the generalized force;
 times (ẋ, ẏ, φ̇) it is the velocity of the touching point along that force (virtual work). Under a
@@ -124,6 +125,24 @@ def corner_on_flat(side, q, p):
     slip = q.x_rate - q.tilt_rate * r_y
     drift = -q.tilt_rate * q.tilt_rate * r_x
     return Contact(-corner_y, closing_rate, -corner_x, slip, drift, normal, tangent, tangent)
+
+
+@inlined_kernel
+def corner_on_wall(side, q, p):
+    """Return the contact of corner B1 (``side`` = +1) or B2 (-1) with the slot's wall on that side.
+
+    Depth ±X_B - l, force ∓(n (1, 0) + T (0, 1)), torque r × F; the slip has the sign of that of
+    ``edge_on_side`` at the edge above the corner.
+    """
+    corner_x, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
+    r_x, r_y = corner_x - q.x, corner_y - q.y
+    normal = (-side, 0.0, side * r_y)
+    tangent = (0.0, -side, -side * r_x)
+    closing_rate = side * (q.x_rate - q.tilt_rate * r_y)
+    slip = -side * (q.y_rate + q.tilt_rate * r_x)
+    drift = side * q.tilt_rate * q.tilt_rate * r_y
+    depth = side * corner_x - p.slot_half_width
+    return Contact(depth, closing_rate, side * corner_y, slip, drift, normal, tangent, tangent)
 
 
 @inlined_kernel

@@ -6,11 +6,13 @@ from model.physics.compiled import inlined_kernel
 from model.physics.contacts import (
     contact_load,
     corner_on_flat,
+    corner_on_wall,
     dot,
     edge_on_face,
     edge_on_side,
 )
 from model.physics.forces import applied_forces
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, STICKING
 
 NO_ROW = (0.0, 0.0, 0.0)
@@ -65,56 +67,99 @@ class Motion(NamedTuple):
     side_mobility: float
 
 
+NOTHING = Support(0.0, 0.0, 0.0, 0.0, NO_ROW, 0.0, NO_ROW, 0.0)
+
+
 @inlined_kernel
-def support_contact(q, p, mode):
-    """Return the support: the edge on the bottom face and the corner on the flat base.
+def _pressing(contact, load):
+    """Return the ``Support`` by one contact."""
+    normal = contact.normal
+    return Support(
+        load, load * normal[0], load * normal[1], load * normal[2],
+        contact.tangent, contact.slip, contact.slip_row, contact.slip_drift,
+    )  # fmt: skip
+
+
+@inlined_kernel
+def _with_corner(edge, corner, corner_load, slip_at_corner):
+    """Return the ``Support`` by an edge and a corner on the same side.
 
     If both press, they share the friction in proportion to their normal forces.
     """
-    load, x, y, moment = 0.0, 0.0, 0.0, 0.0
-    tangent, slip, slip_row, drift = NO_ROW, 0.0, NO_ROW, 0.0
+    normal, tangent = corner.normal, edge.tangent
+    total = edge.load + corner_load
+    share = corner_load / total if edge.load > 0.0 and total > 0.0 else 1.0
+    tangent = (
+        tangent[0] + share * (corner.tangent[0] - tangent[0]),
+        tangent[1] + share * (corner.tangent[1] - tangent[1]),
+        tangent[2] + share * (corner.tangent[2] - tangent[2]),
+    )
+    slip, slip_row, drift = edge.slip, edge.slip_row, edge.slip_drift
+    if slip_at_corner:
+        slip, slip_row, drift = corner.slip, corner.slip_row, corner.slip_drift
+    return Support(
+        total, edge.x + corner_load * normal[0], edge.y + corner_load * normal[1],
+        edge.moment + corner_load * normal[2], tangent, slip, slip_row, drift,
+    )  # fmt: skip
+
+
+@inlined_kernel
+def _right_side(q, p, mode):
+    support = NOTHING
+    if mode.face == CLOSED:
+        edge = edge_on_side(RIGHT_EDGE, q, p)
+        support = _pressing(edge, contact_load(edge.depth, edge.closing_rate, q, p))
+    if mode.corner == CLOSED:
+        corner = corner_on_wall(RIGHT_EDGE, q, p)
+        corner_load = contact_load(corner.depth, corner.closing_rate, q, p)
+        support = _with_corner(support, corner, corner_load, mode.slip_at_corner)
+    return support
+
+
+@inlined_kernel
+def support_contact(q, p, mode):
+    """Return the support: an edge on the bottom face and its corner on the flat base.
+
+    In the slot, A1 on the right side face and B1 on the right wall.
+    """
+    if mode.in_slot:
+        return _right_side(q, p, mode)
+    support = NOTHING
     if mode.face == CLOSED:
         face = edge_on_face(mode.edge, q, p)
-        load = contact_load(face.depth, face.closing_rate, q, p)
-        normal = face.normal
-        x, y, moment = load * normal[0], load * normal[1], load * normal[2]
-        tangent, slip, slip_row, drift = face.tangent, face.slip, face.slip_row, face.slip_drift
+        support = _pressing(face, contact_load(face.depth, face.closing_rate, q, p))
     if mode.corner == CLOSED:
         corner = corner_on_flat(mode.edge, q, p)
         corner_load = contact_load(corner.depth - mode.corner_offset, corner.closing_rate, q, p)
-        normal = corner.normal
-        x += corner_load * normal[0]
-        y += corner_load * normal[1]
-        moment += corner_load * normal[2]
-        total = load + corner_load
-        share = corner_load / total if load > 0.0 and total > 0.0 else 1.0
-        tangent = (
-            tangent[0] + share * (corner.tangent[0] - tangent[0]),
-            tangent[1] + share * (corner.tangent[1] - tangent[1]),
-            tangent[2] + share * (corner.tangent[2] - tangent[2]),
-        )
-        load = total
-        if mode.slip_at_corner:
-            slip, slip_row, drift = corner.slip, corner.slip_row, corner.slip_drift
-    return Support(load, x, y, moment, tangent, slip, slip_row, drift)
+        support = _with_corner(support, corner, corner_load, mode.slip_at_corner)
+    return support
 
 
 @inlined_kernel
 def side_contact(q, p, mode):
-    """Return the contact of an edge with a side face."""
-    if mode.side != CLOSED:
-        return Support(0.0, 0.0, 0.0, 0.0, NO_ROW, 0.0, NO_ROW, 0.0)
-    side = edge_on_side(mode.side_edge, q, p)
-    load = contact_load(side.depth, side.closing_rate, q, p)
-    normal = side.normal
-    x, y, moment = load * normal[0], load * normal[1], load * normal[2]
-    return Support(load, x, y, moment, side.tangent, side.slip, side.slip_row, side.slip_drift)
+    """Return the left side: A2 on the side face, and in the slot B2 on the wall."""
+    side = NOTHING
+    if mode.side == CLOSED:
+        edge = edge_on_side(LEFT_EDGE, q, p)
+        side_load = contact_load(edge.depth, edge.closing_rate, q, p)
+        side = _pressing(edge, side_load)
+    if mode.wall == CLOSED:
+        corner = corner_on_wall(LEFT_EDGE, q, p)
+        wall_load = contact_load(corner.depth, corner.closing_rate, q, p)
+        side = _with_corner(side, corner, wall_load, mode.slip_at_wall)
+    return side
 
 
 @inlined_kernel
 def is_supported(mode):
     """Return True if the supporting edge or its corner presses."""
     return mode.face == CLOSED or mode.corner == CLOSED
+
+
+@inlined_kernel
+def is_beside(mode):
+    """Return True if a contact on the left side presses."""
+    return mode.side == CLOSED or mode.wall == CLOSED
 
 
 @inlined_kernel
@@ -175,7 +220,7 @@ def under_friction(forces, p, mode):
     """
     x, y, moment, support, side = forces
     support_sticks = mode.support_slip == STICKING and is_supported(mode)
-    side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
+    side_sticks = mode.side_slip == STICKING and is_beside(mode)
     # Sliding friction first: sticking friction balances everything else.
     friction = -p.friction * support.load * mode.support_slip
     side_friction = -p.friction * side.load * mode.side_slip

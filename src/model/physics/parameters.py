@@ -217,6 +217,7 @@ _ROW = struct.Struct(f"{len(FIELDS)}d")
 _RESOLVED = {"clearance": "slot_half_width"}
 _CONSTANTS = (
     *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
+    "insertion_depth",
     *(f"printed_{name}" for name in READING_NAMES if name != "preload"),
 )
 
@@ -224,8 +225,8 @@ _CONSTANTS = (
 class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
     """Numbers that kernels compute with: defaults resolved, readings as 0.0 or 1.0.
 
-    Parameters keep their names, but ``slot_half_width`` replaces the clearance; ``printed_*`` are
-    the fields of ``Readings``.
+    Parameters keep their names, but ``slot_half_width`` replaces the clearance; ``insertion_depth``
+    is that of the settings, and ``printed_*`` are the fields of ``Readings``.
     """
 
     __slots__ = ()
@@ -310,8 +311,24 @@ class Batch:
         values |= {name: None for name, value in values.items() if math.isnan(value)}
         return Parameters(**values)
 
-    def constants(self, readings: Readings) -> NDArray[np.float64]:
-        """Return the ``Constants`` of each parameter set as a row, shape (n, constants)."""
+    def insertion_depths(self) -> NDArray[np.float64]:
+        """Return the default depth at which a part counts as inserted, shape (n,).
+
+        It is half of the depth to which f0 presses the part against its axial spring, and at most
+        the half-width.
+        """
+        relaxed = self.values["rest_y"] - self.values["half_height"]
+        reach = self.values["press_force"] - np.where(np.isnan(relaxed), 0.0, relaxed)
+        found: NDArray[np.float64] = np.clip(0.5 * reach, 0.0, self.values["half_width"])
+        return found
+
+    def constants(
+        self, readings: Readings, insertion_depth: float | None = None
+    ) -> NDArray[np.float64]:
+        """Return the ``Constants`` of each parameter set as a row, shape (n, constants).
+
+        ``insertion_depth`` replaces that of ``insertion_depths``.
+        """
         columns: dict[str, Any] = dict(self.values)
         columns["slot_half_width"] = columns["half_width"] * (1.0 + columns["clearance"])
         for name, field in FIELDS.items():
@@ -320,6 +337,8 @@ class Batch:
                 columns[name] = np.where(unset, columns[field.derived], columns[name])
         if readings.preload == "printed":
             columns["rest_y"] = 0.0
+        depths = self.insertion_depths() if insertion_depth is None else insertion_depth
+        columns["insertion_depth"] = depths
         columns |= {f"printed_{name}": readings.is_printed(name) for name in READING_NAMES}
         rows = np.empty((len(self), len(_CONSTANTS)))
         for place, name in enumerate(_CONSTANTS):

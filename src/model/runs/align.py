@@ -43,7 +43,7 @@ def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, A
     Costs half as much as ``align``; meant for statistics over many sets. Returns the fields of
     ``RunResult``, each of shape (n,).
     """
-    rows = batch.constants(settings.readings)
+    rows = settings.rows(batch)
     run = engine_for(settings, cores=cores)
     results = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     return dict(results._asdict())
@@ -84,6 +84,6 @@ def align(
     if cores < 1:
         raise ValueError(f"cores = {cores!r}: must be >= 1")
     run = engine_for(settings, engine, cores)
-    found = estimate(run, rows_of.constants(settings.readings), settings.tolerance)
+    found = estimate(run, settings.rows(rows_of), settings.tolerance)
     columns = found.columns()
     return Alignments(**{name: columns[name].astype(KINDS[name].array) for name in RESULTS})

@@ -40,6 +40,7 @@ NEARLY_FLAT = 1e-6  # initial tilt below which a part is nearly flat
 TILTED = 10.0 * FLAT  # additional tilt of its neighbour
 
 _SAFETY = 4.0
+_TANGENTIAL = 2.0  # error of such a limit over the square root of the tolerance
 
 
 class Estimate(NamedTuple):
@@ -48,6 +49,7 @@ class Estimate(NamedTuple):
     Attributes:
         results: fields of ``RunResult`` of the finer runs.
         tau_error: NaN where either of the two runs does not align.
+        insertion_error: of the time until inserted; NaN where either of the two is not inserted.
         sensitive: True for sensitive sets; see the module.
         rhs_evaluations: right-hand-side evaluations of all runs of a set.
         tolerance: tolerance of the finer runs.
@@ -55,6 +57,7 @@ class Estimate(NamedTuple):
 
     results: Array
     tau_error: Array
+    insertion_error: Array
     sensitive: NDArray[np.bool_]
     rhs_evaluations: Array
     tolerance: Array
@@ -64,6 +67,7 @@ class Estimate(NamedTuple):
         return {
             **RunResult(*self.results.T)._asdict(),
             "tau_error": self.tau_error,
+            "insertion_error": self.insertion_error,
             "sensitive": self.sensitive,
             "rhs_evaluations": self.rhs_evaluations,
         }
@@ -72,13 +76,14 @@ class Estimate(NamedTuple):
 def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
     """Run every row, shape (n, constants), twice, and rows with large errors three times more."""
     first = _compare(run, rows, np.full(len(rows), tolerance))
-    imprecise = first.tau_error > PROMISED * tolerance
+    error = np.fmax(first.tau_error, first.insertion_error)
+    imprecise = error > PROMISED * tolerance
     again = first.sensitive | imprecise
     if not again.any() or tolerance <= FINEST:
         return first
     reduced, least = np.full(len(rows), tolerance / SHARPER), np.zeros(len(rows))
     few = imprecise & ~first.sensitive
-    reduced[few] = tolerance * PROMISED * tolerance / (_SAFETY * first.tau_error[few])
+    reduced[few] = tolerance * PROMISED * tolerance / (_SAFETY * error[few])
     reduced = np.maximum(reduced, FINEST)
     # Lower bound from the first two runs, in case the later ones agree by chance.
     least[few] = first.tau_error[few] * reduced[few] / tolerance / _SAFETY
@@ -131,18 +136,30 @@ def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[n
 
 
 def _end(run: RunResult) -> Array:
-    """Return the times of alignment or of leaving the scene; NaN for runs that end otherwise."""
+    """Return the times of alignment, or of insertion, or of leaving the scene; else NaN."""
     time: Array = run.time
-    return np.where(run.outcome == Outcome.LEFT_SCENE, time, run.tau_align)
+    ends = np.isin(run.outcome, (Outcome.LEFT_SCENE, Outcome.INSERTED))
+    return np.where(ends, time, run.tau_align)
 
 
-def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
-    """Return a mask of the runs that reach the horizon by another motion than their neighbours."""
+def _are_chaotic(run: RunResult, other: RunResult, tolerance: Array) -> NDArray[np.bool_]:
+    """Return a mask of the runs that reach the horizon by another motion than their neighbours.
+
+    ``tolerance`` is that of the finer runs. A friction limit that is met tangentially is met to the
+    square root of the neighbour's tolerance only.
+    """
     at_horizon = (run.outcome == Outcome.HORIZON_REACHED) & (
         other.outcome == Outcome.HORIZON_REACHED
     )
-    differ = np.abs(run.sticking_share - other.sticking_share) > SENSITIVE
+    resolved = np.fmax(SENSITIVE, _TANGENTIAL * np.sqrt(COARSER * tolerance))
+    differ = np.abs(run.sticking_share - other.sticking_share) > resolved
     found: NDArray[np.bool_] = at_horizon & ((run.separations != other.separations) | differ)
+    return found
+
+
+def _difference(time: Array, other: Array, tolerance: Array) -> Array:
+    """Return the error of a time by its difference from another run."""
+    found: Array = np.abs(time - other) + tolerance + RESOLUTION * (1.0 + time)
     return found
 
 
@@ -173,11 +190,12 @@ def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = 
         apart = np.abs(_end(mine) - _end(other)) > SENSITIVE
         sensitive[which] |= outcomes_differ(mine.outcome, other.outcome, alike) | apart
         spent[which] += other.rhs_evaluations
-    fine.reason[_are_chaotic(fine, coarse)] = Reason.CHAOTIC  # a view of ``results``
-    difference = np.abs(fine.tau_align - coarse.tau_align)
+    fine.reason[_are_chaotic(fine, coarse, tolerance)] = Reason.CHAOTIC  # a view of ``results``
+    inserted = fine.tau_align + fine.tau_inserted, coarse.tau_align + coarse.tau_inserted
     return Estimate(
         results=results,
-        tau_error=difference + tolerance + RESOLUTION * (1.0 + fine.tau_align),
+        tau_error=_difference(fine.tau_align, coarse.tau_align, tolerance),
+        insertion_error=_difference(*inserted, tolerance),
         sensitive=sensitive,
         rhs_evaluations=spent,
         tolerance=tolerance,

@@ -5,13 +5,21 @@ import numbers
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
 from model.engines.course import Control
 from model.engines.scalar.tableaux import DOP853, Method, Tableau
+from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
-from model.physics.parameters import check_name
+from model.events.outcomes import Outcome
+from model.physics.parameters import Batch, check_name
 from model.physics.readings import Readings
 from model.physics.rest import Start
 from model.physics.scenes import ALIGNMENT, Scene
+
+SCENES: dict[str, Scene] = {scene.name: scene for scene in (ALIGNMENT, INSERTION)}
+"""Scenes that devices and maps may ask for, by name."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,11 +28,14 @@ class Settings:
 
     Attributes:
         readings: variants of the paper's equations.
-        scene: the contacts that are modelled.
+        scene: the contacts that are modelled; with ``INSERTION`` a run continues after alignment
+            until the part is inserted, for the horizon once more.
         start: "simultaneous": the press and the vibration set in together, on a part that touches
             the base without load (paper). "pressed": the part rests under the press, which has
             risen slowly, and then the vibration sets in; needs the consistent readings. The
             initial tilt then has no effect. A part without rest leaves the scene at once.
+        insertion_depth: depth at which a part counts as inserted, > 0, dimensionless; by default
+            that of ``Batch.insertion_depths``.
         horizon: latest time τ of a run, > 0, dimensionless.
         tolerance: largest local error of a step, 1e-14 to 1e-2, relative to 1 + |state|.
         max_evaluations: largest number of right-hand-side evaluations of one integration, >= 1.
@@ -42,6 +53,7 @@ class Settings:
     readings: Readings = field(default_factory=Readings)
     scene: Scene = ALIGNMENT
     start: Start = "simultaneous"
+    insertion_depth: float | None = None
     horizon: float = 300.0
     tolerance: float = 1e-10
     max_evaluations: int = 20_000_000
@@ -66,6 +78,13 @@ class Settings:
             raise ValueError(
                 f"start = 'pressed': the scene {self.scene.name!r} must declare edge_on_face"
             )
+        depth = self.insertion_depth
+        if depth is not None and not (isinstance(depth, numbers.Real) and 0.0 < depth < math.inf):
+            raise ValueError(f"insertion_depth = {depth!r}: must be a finite number > 0, or None")
+        if self.alignment_only and self.success is Outcome.INSERTED:
+            raise ValueError(
+                "alignment_only: ends a run before the part is inserted; use the alignment scene"
+            )
         if not (self.horizon > 0.0 and math.isfinite(self.horizon)):
             raise ValueError(f"horizon = {self.horizon!r}: must be a finite number > 0")
         if not 1e-14 <= self.tolerance <= 1e-2:
@@ -74,6 +93,21 @@ class Settings:
             raise ValueError(f"max_evaluations = {self.max_evaluations!r}: must be >= 1")
         if self.method.error_order == 0:
             raise ValueError(f"method = {self.method.name}: has no error estimate; choose another")
+
+    @property
+    def success(self) -> Outcome:
+        """Outcome of a run that ends well: INSERTED in the insertion scene, else ALIGNED."""
+        inserts = self.scene.name == INSERTION.name
+        return Outcome.INSERTED if inserts else Outcome.ALIGNED
+
+    @property
+    def quickest(self) -> "Settings":
+        """These settings, ``alignment_only`` where a run ends at alignment."""
+        return replace(self, alignment_only=self.success is Outcome.ALIGNED)
+
+    def rows(self, batch: Batch) -> NDArray[np.float64]:
+        """Return the constants of every parameter set as kernels take them."""
+        return batch.constants(self.readings, self.insertion_depth)
 
     @property
     def for_kernels(self) -> tuple[SceneKernels, Method, Control]:

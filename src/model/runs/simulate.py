@@ -25,9 +25,10 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
     """Results and trajectory of one run; dimensionless, tilts in radians.
 
     ``time`` has shape (n,), ``state`` (n, 6) in the order of ``State``. ``contact_force``, the
-    normal force under the part, and ``side_force``, the normal force of A2 on its side face, have
-    shape (n,). Where a force jumps, its time occurs twice. An aligned run continues until the
-    corners are inside.
+    normal force under the part, ``side_force``, that on the left side (A2, and B2 on the wall), and
+    ``right_force``, that on the right side of the slot, have shape (n,). Where a force jumps, its
+    time occurs twice. An aligned run continues until the corners are inside, in the insertion scene
+    until the part is inserted.
     """
 
     parameters: Parameters
@@ -35,12 +36,21 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
     state: NDArray[np.float64]
     contact_force: NDArray[np.float64]
     side_force: NDArray[np.float64]
+    right_force: NDArray[np.float64]
 
     @property
     def course(self) -> dict[str, NDArray[np.float64]]:
         """Variables of the trajectory by the names of ``COURSE``, each of shape (n,)."""
-        columns = *self.state.T, self.contact_force, self.side_force
+        columns = *self.state.T, self.contact_force, self.side_force, self.right_force
         return dict(zip(COURSE, columns, strict=True))
+
+    @property
+    def depth(self) -> NDArray[np.float64]:
+        """Depth of the higher bottom corner below the plane over time, shape (n,)."""
+        _, y, tilt = self.state.T[:3]
+        a, b = self.parameters.half_width, self.parameters.half_height
+        depth: NDArray[np.float64] = b * np.cos(tilt) - y - a * np.abs(np.sin(tilt))
+        return depth
 
     @property
     def message(self) -> str:
@@ -71,7 +81,7 @@ def simulate(
         ValueError: a setting out of range.
     """
     settings = settings_with(settings, changes)
-    rows = Batch.stack([parameters]).constants(settings.readings)
+    rows = settings.rows(Batch.stack([parameters]))
     found = estimate(scalar_engine(settings), rows, settings.tolerance)
     results = {name: column[0] for name, column in found.columns().items()}
     track = np.empty((int(results["tracked"]), TRACK_COLUMNS))
@@ -84,7 +94,7 @@ def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
 
     Costs a third as much; meant for statistics over many sets.
     """
-    rows = Batch.stack([parameters]).constants(settings.readings)
+    rows = settings.rows(Batch.stack([parameters]))
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
     while True:
         run = scalar_engine(settings, track)
@@ -93,6 +103,7 @@ def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
             break
         track = np.empty((int(result.tracked), TRACK_COLUMNS))
     results = {**result._asdict(), "tau_error": math.nan, "sensitive": False}
+    results["insertion_error"] = math.nan
     return _trajectory(parameters, results, track[: int(result.tracked)].copy())
 
 
@@ -104,5 +115,6 @@ def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array
         state=track[:, 1 : 1 + STATE_SIZE],
         contact_force=track[:, 1 + STATE_SIZE],
         side_force=track[:, 2 + STATE_SIZE],
+        right_force=track[:, 3 + STATE_SIZE],
         **{name: KINDS[name].scalar(results[name]) for name in RESULTS},
     )

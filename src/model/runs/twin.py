@@ -18,6 +18,7 @@ from model.physics.compiled import kernel
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from model.physics.rest import rest_under_press
+from model.physics.scenes import ALIGNMENT
 from model.runs.engines import engine_for
 from model.runs.settings import Settings
 
@@ -49,7 +50,8 @@ def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> Unvibrations
     still = np.zeros(len(batch))
     twins = Batch({**batch.values, "frequency": still, "phase": still})
     rows, which = np.unique(twins.constants(settings.readings), axis=0, return_inverse=True)
-    settings = replace(settings, start="simultaneous", alignment_only=True)
+    scene = ALIGNMENT if settings.success is Outcome.INSERTED else settings.scene
+    settings = replace(settings, scene=scene, start="simultaneous", alignment_only=True)
     run = engine_for(settings, cores=cores)
     found = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     rests = (found.outcome == Outcome.SETTLED) & (found.end_on_edge == 1.0) & (found.end_tilt > 0.0)

@@ -14,6 +14,7 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.show import style
 from model.show.axes import (
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 _SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are logarithmic
 _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 
-LEFT_LABEL = "of these, leaves the scene"
+LEFT_LABEL, NOT_IN = "of these, leaves the scene", "does not go in"
 PATCH_LABEL = "outcomes alternate: no border"
 SLOW_LABEL = "ticked side: rests if pressed slowly"
 # In the order of ``map_datasets.added``.
@@ -71,16 +72,20 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
     """
     y, x = (dataset[name] for name in dataset["tau_align"].dims)
     durations = np.ma.masked_invalid(dataset["tau_align"].values)
-    outcome = dataset["outcome"].values
+    outcome, label = dataset["outcome"].values, NOT_ALIGNED
+    if dataset.attrs.get("scene") == INSERTION.name:
+        durations = np.ma.masked_where(outcome != Outcome.INSERTED, durations)
+        label = NOT_IN
     gaps = np.ma.getmaskarray(durations)
     edges = cell_edges(x.values), cell_edges(y.values)
     with style.context():
         figure = style.new_figure(height=11.0 * style.CENTIMETRE)
         axes = figure.subplots()
         axes.grid(visible=False)
-        hatched = _add_area(axes, *edges, gaps, NOT_ALIGNED, **style.NON_ALIGNING)
+        hatched = _add_area(axes, *edges, gaps, label, **style.NON_ALIGNING)
         handles: list[Patch | Line2D] = [hatched]
-        left, failed = outcome == Outcome.LEFT_SCENE, outcome == Outcome.FAILED
+        left = np.isin(outcome, (Outcome.LEFT_SCENE, Outcome.CLIMBED_OUT))
+        failed = outcome == Outcome.FAILED
         if left.any():
             shade: dict[str, Any] = {"facecolor": style.BLACK, "alpha": 0.16, "linewidth": 0.0}
             handles.append(_add_area(axes, *edges, left, LEFT_LABEL, **shade))

@@ -71,7 +71,7 @@ def _draw(
         figure.align_ylabels(panels)
         panels[-1].set_xlabel("time (s)" if suffixes else "time $τ$")
         _add_side_force(panels[-1], time, course["side_force"])
-        if outcome == Outcome.ALIGNED:
+        if np.isfinite(tau_align):
             when = f"{tau_align:.4g} s" if suffixes else f"$τ$ = {tau_align:.4g}"
             _mark_alignment(panels, time, course["contact_force"], tau_align, when)
         else:

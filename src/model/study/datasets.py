@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.engines.results import COURSE, KINDS, RESULTS, TWIN, Result
+from model.engines.results import COURSE, IN_SLOT, KINDS, RESULTS, TWIN, Result
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS, Batch
 from model.physics.quantities import ANGLE
 from model.runs.align import align
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
+from model.runs.slot import ends_in_slot
 from model.runs.twin import twin_results
 from model.study.files import whole_file
 from model.study.sweeps import Sweep
@@ -64,10 +65,12 @@ def _attributes(result: Result) -> dict[str, Any]:
 
 # Attributes of the results that datasets hold, and of the course of a trajectory.
 VARIABLES: Mapping[str, dict[str, Any]] = {
-    name: _attributes(result) for name, result in {**RESULTS, **TWIN}.items() if result.stored
+    name: _attributes(result)
+    for name, result in {**RESULTS, **TWIN, **IN_SLOT}.items()
+    if result.stored
 }
 HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
-    name: _attributes(result) for name, result in COURSE.items()
+    name: _attributes(result) for name, result in COURSE.items() if result.stored
 }
 
 
@@ -81,7 +84,9 @@ def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.D
     """Run one chunk of a sweep; its variables lie over ``point``, the flat index into the grid."""
     points = sweep.points_of_chunk(chunk, chunks)
     batch, settings = sweep.batch(points), sweep.settings.settings
-    results = vars(align(batch, settings, cores=cores)) | twin_results(batch, settings, cores)
+    found = align(batch, settings, cores=cores)
+    results = vars(found) | twin_results(batch, settings, cores)
+    results["insertion"] = ends_in_slot(batch, found.outcome, settings, cores)
     return xr.Dataset(
         {name: (POINT, results[name].astype(KINDS[name].stored)) for name in VARIABLES},
         coords={POINT: points},
@@ -121,10 +126,12 @@ def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
     """Return one trajectory over time, with its results as scalars."""
     run = simulate(sweep.baseline, sweep.settings.settings)
     variables: dict[str, Any] = {
-        name: ("time", values, HISTORY_VARIABLES[name]) for name, values in run.course.items()
+        name: ("time", run.course[name], known) for name, known in HISTORY_VARIABLES.items()
     }
-    twin = twin_results(Batch.stack([sweep.baseline]), sweep.settings.settings)
-    results = vars(run) | {name: column[0] for name, column in twin.items()}
+    batch, settings = Batch.stack([sweep.baseline]), sweep.settings.settings
+    columns = twin_results(batch, settings)
+    columns["insertion"] = ends_in_slot(batch, np.array([run.outcome], np.int8), settings)
+    results = vars(run) | {name: column[0] for name, column in columns.items()}
     for name, attributes in VARIABLES.items():
         value = np.asarray(results[name])
         one_byte = KINDS[name].stored is np.int8

@@ -8,7 +8,6 @@ that aligns at all its corners, and at the slot's edge only if the first of them
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
-from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
 from model.runs.align import run_once
 from model.study.config import LARGEST_MISALIGNMENT, Study
@@ -134,14 +132,14 @@ def limits(
 def _limits_at(plan: LimitPlan, rows: Ints, columns: Ints, known: Known, cores: int) -> Columns:
     """ε and runs of nodes, from the ``known`` ones of the coarse cells around them."""
     plane, inner = plan.plane, plan.bounds[0]
-    settings = replace(plane.settings.settings, alignment_only=True)
+    settings = plane.settings.settings.quickest
     swept = plane.swept(rows, columns)
 
     def aligns(nodes: Ints, misalignment: Floats) -> Bools:
         values = {name: value[nodes] for name, value in swept.items()}
         batch = Batch.of(plane.baseline, misalignment=misalignment, **values)
         outcome = run_once(batch, settings, cores=cores)["outcome"]
-        return np.asarray(outcome == Outcome.ALIGNED)
+        return np.asarray(outcome == settings.success)
 
     around = _least_around(known.columns["misalignment"], plan.lattice.coarse, rows, columns)
     found, runs = limits(aligns, plan.tried, inner, np.where(np.isnan(around), inner, around))

@@ -78,7 +78,7 @@ def added(dataset: xr.Dataset) -> NDArray[np.int64]:
     BOTH: the part aligns with and without vibration; ONLY_VIBRATED, ONLY_PRESSED: it aligns with
     vibration alone, or without alone; NEITHER: it aligns in no way.
     """
-    vibrated = dataset["outcome"].values == Outcome.ALIGNED
+    vibrated = np.isin(dataset["outcome"].values, (Outcome.ALIGNED, Outcome.INSERTED))
     pressed = dataset["unvibrated"].values == Unvibrated.ALIGNS
     return np.select(
         [vibrated & pressed, vibrated, pressed], [BOTH, ONLY_VIBRATED, ONLY_PRESSED], NEITHER

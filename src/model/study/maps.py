@@ -35,7 +35,7 @@ from model.study.map_parts import AllKnown, Columns, Known, Layer, Progress, ref
 from model.study.plan import Plan
 from model.study.refinement import Bools, Floats, Ints, Lattice
 from model.study.reliability import ensemble_layer, lattice_of, of_starts
-from model.study.starts import starts_of
+from model.study.starts import GOES_IN, starts_of
 
 COARSE = 64  # coarse cells along a side of a map, at least
 LARGEST = 8  # side of a coarse cell, unless there are more than twice as many of them
@@ -232,7 +232,7 @@ def end_of(found: Columns) -> Floats:
 
     Either is continuous along the plane; where it jumps, areas too thin for the lattice are near.
     """
-    ends: Floats = np.where(found["outcome"] == Outcome.ALIGNED, found["tau_align"], np.nan)
+    ends: Floats = np.where(np.isin(found["outcome"], GOES_IN), found["tau_align"], np.nan)
     return np.where(found["outcome"] == Outcome.LEFT_SCENE, found["time"], ends)
 
 
@@ -263,7 +263,7 @@ def assemble(
     refined = refine_map(plan, known, cores=cores, progress=progress)
     paper, columns = refined["paper"], known["paper"].columns
     outcome = paper.spread(columns["outcome"])
-    aligns = outcome == Outcome.ALIGNED
+    aligns = outcome == plan.settings.settings.success
     sensitive = columns["sensitive"] == 1
     twin, unvibrated = refined["twin"], known["twin"].columns
     rests = {name: twin.filled(unvibrated[name]) for name in ("unvibrated_tilt", "slow_tilt")}

@@ -6,7 +6,6 @@ the starts, and those next to them in phase, from which nodes near it fail. This
 node has such a start left: a third, periodic dimension in which the border is followed as well.
 """
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,7 +35,7 @@ def ensemble_layer(plan: "MapPlan", cores: int) -> Layer:
     """Return the layer "ensemble": the end and the duration of every start that is tried."""
     assert plan.ensemble is not None  # noqa: S101  (called for maps with an ensemble)
     starts, lattice = plan.starts(), plan.ensemble_lattice
-    phases, settings = plan.ensemble.phases, replace(plan.settings.settings, alignment_only=True)
+    phases, settings = plan.ensemble.phases, plan.settings.settings.quickest
     values = {name: np.array([start[name] for start in starts]) for name in starts[0]}
     unknown: Columns = {
         "end": np.full(len(starts), NOT_TRIED, dtype=np.int8),

@@ -6,7 +6,7 @@ Neither can be controlled: a *reliable* device aligns within the horizon from ev
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -58,7 +58,7 @@ class FromEveryStart:
 
 
 # Outcomes of a run in which the part goes in.
-GOES_IN = (Outcome.ALIGNED,)
+GOES_IN = (Outcome.ALIGNED, Outcome.INSERTED)
 
 
 def every_start(
@@ -88,7 +88,7 @@ def from_every_start(
     Raises:
         ValueError: as ``Batch.of``.
     """
-    settings = replace(settings, alignment_only=True)
+    settings = settings.quickest
     found = every_start(Batch.of(device, **swept), starts, settings, cores)
     return FromEveryStart(
         aligned=found["goes_in"],

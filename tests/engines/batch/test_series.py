@@ -31,7 +31,6 @@ from model.engines.batch.series_plan import (
 )
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, new_workspace
-from model.engines.record import SIZE
 from model.events.levels import NEVER, Outline, outline
 from model.physics.contacts import contact_load, edge_on_face, edge_on_side
 from model.physics.motion import motion
@@ -73,7 +72,9 @@ class Step:
         self.w[workspace.SIDE_SLIP_STATE] = 0.0 if side == STICKS else signs[1]
         self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH))
         _, _, control = Settings().for_kernels
-        step_all(EVENTS, len(KINDS) * support + side, support == FREE, side != FREE, control, flat)
+        step_all(
+            EVENTS, len(KINDS) * support + side, support == FREE, side != FREE, False, control, flat
+        )
         coefficients = self.w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * ROWS]
         self.series = coefficients.reshape(ORDER + 1, ROWS, WIDTH)
 
@@ -223,7 +224,7 @@ def test_series_of_levels_are_those_of_the_levels(support: int, side: int) -> No
 
 @each_kind
 def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> None:
-    step, runs = Step(support, side, 0.4, tolerance=1e-6), np.zeros((1, SIZE))
+    step = Step(support, side, 0.4, tolerance=1e-6)
     assert (step.w[workspace.LENGTH] > 0.03).all()
     for lane in range(WIDTH):
         length = step.w[workspace.LENGTH, lane]
@@ -233,7 +234,7 @@ def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> Non
             )
             presses = [step.w[row, lane] == CLOSED for row in (workspace.FACE, workspace.SIDE)]
             forces = course[:, [CONTACTS_AT, CONTACTS_AT + 2]] * presses
-            tilt, force = largest_until(until, step.w.reshape(-1), lane, runs, 0)
+            tilt, force = largest_until(EVENTS, 0.0, 0.0, until, step.w.reshape(-1), lane)
             assert tilt == pytest.approx(np.abs(course[:, TILT]).max(), rel=1e-6)
             assert force == pytest.approx(max(forces.max(), 0.0), rel=1e-6)
 

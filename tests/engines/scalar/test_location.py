@@ -40,7 +40,7 @@ def locate(device, constants):
         dense[2, : coefficients.size - 1] = -coefficients[1:] / h
         count = len(NODE_PLACES)
         nodes, samples = np.empty((count, 6)), np.empty((count, MOST_SAMPLES))
-        sample_step(ALIGNMENT_EVENTS, time, h, y, dense, p, FREE, nodes, samples)
+        sample_step(ALIGNMENT_EVENTS, time, h, 1.0, y, dense, p, FREE, nodes, samples)
         assert samples[:, OVERTURNED] == pytest.approx(g(NODE_PLACES), abs=1e-15)
         return first_event(ALIGNMENT_EVENTS, time, h, y, dense, p, FREE, samples)
 

@@ -10,7 +10,9 @@ from itertools import product
 from typing import Any, NamedTuple
 
 from model.engines.batch import step, workspace
-from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES, WIDTH
+from model.engines.batch.series import PAIRS
+from model.engines.batch.series_code import series_filler
+from model.engines.batch.series_plan import KINDS, NODES, ORDER, ROWS, SINES, WIDTH
 from model.engines.batch.traced import MODE, Form, P, forms_of, is_nothing, rendered
 from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
 from model.engines.record import CLOSEST
@@ -19,18 +21,30 @@ from model.events.kernels import Lines, SceneKernels, Writer, combined_count, ke
 from model.events.levels import NEVER, NOTHING
 from model.events.table import EVENTS, Event, Table
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING, Mode, Scene
 
 TERMS = ORDER + 1  # of the series of each quantity
 _STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
-# The symbol in an unused field makes kernels called with it run as Python.
-_HELD = [
-    Mode(RIGHT_EDGE, face, OPEN, MODE.corner_offset, False, slip, side, side_slip, drop, LEFT_EDGE)
-    for face, slip, side, side_slip, drop in product(
-        _STATES, _SLIPS, _STATES, _SLIPS, (False, True)
-    )
-]
+_FALLS = (False, False, False), (True, False, False), (True, True, False), (True, True, True)
+
+
+@cache
+def _held(inserts: bool) -> list[Mode]:
+    """Modes that lanes hold, of friction coefficients and slips that suffice for all events."""
+    within = _STATES if inserts else (OPEN,)
+    modes = [
+        # The symbol in an unused field makes kernels called with it run as Python.
+        MODE._replace(
+            face=face, corner=corner, side=side, wall=wall, support_slip=slip, side_slip=side_slip,
+            dropped=dropped, in_slot=in_slot, corners_inside=inside,
+        )
+        for face, corner, side, wall in product(_STATES, within, _STATES, within)
+        for slip, side_slip in product(_SLIPS, _SLIPS)
+        for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
+    ]  # fmt: skip
+    return [mode for mode in modes if python_of(workspace.pair_of)(mode) >= 0]
+
+
 _RUBS = P._replace(friction=1.0)
 
 
@@ -44,12 +58,12 @@ class Case(NamedTuple):
 class Watched:
     """Event that has a level in some mode of the lanes."""
 
-    def __init__(self, number: int, event: Event) -> None:
+    def __init__(self, number: int, event: Event, held: list[Mode]) -> None:
         self.number = number
         self.cases: list[Case] = []
         self.modes: list[Mode] = []
         for applies, level in event.level:
-            modes = [mode for mode in _HELD if python_of(applies)(_RUBS, mode)]
+            modes = [mode for mode in held if python_of(applies)(_RUBS, mode)]
             if not modes:
                 continue
             forms = forms_of(event.source, level)
@@ -67,6 +81,12 @@ class Watched:
     def only_beside(self) -> bool:
         """True if it applies only while A2 is behind the side face."""
         return all(mode.side != OPEN for mode in self.modes)
+
+    @cached_property
+    def only_fallen(self) -> bool:
+        """True if it applies only after alignment, and neither in flight only nor beside only."""
+        elsewhere = self.only_in_flight or self.only_beside
+        return not elsewhere and all(mode.dropped for mode in self.modes)
 
     @cached_property
     def is_partial(self) -> bool:
@@ -117,14 +137,20 @@ _LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
 
 def _sample_lanes(singles: list[Watched], samples: int, count: int, write: Writer) -> Lines:
     """Levels of one quantity at every node, with constant offsets for each node."""
-    for node in range(NODES):
-        yield f"for i in range({WIDTH}):"
-        lines = [*_LANE, *_loads(_all_forms(singles), str(VALUES + node * SINES))]
-        for event in singles:
-            values = [_value(case.forms[0]) for case in event.cases]
-            row = samples + node * count + event.number
-            lines.append(f"w[{row * WIDTH} + i] = {_selected(event, values, 'NEVER', write)}")
-        yield from (f"    {each}" for each in lines)
+    fallen = [each for each in singles if each.only_fallen]
+    others = [each for each in singles if not each.only_fallen]
+    for condition, events in (("True", others), ("fell", fallen)):
+        if not events:
+            continue
+        yield f"if {condition}:"
+        for node in range(NODES):
+            yield f"    for i in range({WIDTH}):"
+            lines = [*_LANE, *_loads(_all_forms(events), str(VALUES + node * SINES))]
+            for event in events:
+                values = [_value(case.forms[0]) for case in event.cases]
+                row = samples + node * count + event.number
+                lines.append(f"w[{row * WIDTH} + i] = {_selected(event, values, 'NEVER', write)}")
+            yield from (f"        {each}" for each in lines)
 
 
 def _enter_bounds(singles: list[Watched], bounds: int, write: Writer) -> Lines:
@@ -158,7 +184,15 @@ def _screen(events: list[Watched], combined: int, samples: int) -> Lines:
     for condition, chosen in (
         ("beside", [each for each in events if each.only_beside and not each.only_in_flight]),
         ("flies", [each for each in events if each.only_in_flight]),
-        ("", [each for each in events if not (each.only_beside or each.only_in_flight)]),
+        ("fell", [each for each in events if each.only_fallen]),
+        (
+            "",
+            [
+                each
+                for each in events
+                if not (each.only_beside or each.only_in_flight or each.only_fallen)
+            ],
+        ),
     ):
         if not chosen:
             continue
@@ -209,40 +243,44 @@ def vector_kernels_of(table: Table) -> KernelSet:
     """Return the kernels of a table: those of ``kernels_of``, and those of the batch engine.
 
     Members:
-        rows: number of rows of the workspace.
+        rows, kinds: number of rows of the workspace, and of kinds of modes.
         samples, bounds, lowest, subintervals: first rows of the levels at the nodes, of their
             curvature bounds, of their lowest samples up to the end of each subinterval, and of the
             masks of subintervals that may contain a down-crossing.
-        sample_lanes(w), enter_bounds(w): write levels of one quantity, and their bounds.
+        sample_lanes(fell, w), enter_bounds(w): write levels of one quantity, and their bounds.
         quantities_in(which, row, w, i), bounds_of(which, w, i): quantities of a level of several,
             and their bounds.
         applies(which, p, mode): True if a level of several quantities applies.
-        screen(events, flies, beside, w), find(events, candidates, w): write the candidates.
+        screen(events, flies, beside, fell, w), find(events, candidates, w): write the candidates.
         enter_all_lowest(events, w), note_lowest(row, w, i, runs, run): closest approaches.
         enter_series(which, sign, series, w, i): write the series of a level's quantities; ``sign``
             is the sign of the argument of its absolute value.
+        mode_of_lane(w, i): the ``Mode`` of a lane; fill_series: see ``series_filler``.
         takes_size(which, p, mode), is_partial(which): see ``Form`` and ``Watched``.
     """
     combined, count, base = combined_count(table), len(table), kernels_of(table)
+    inserts = base.inserts == 1
+    pairs, held = PAIRS if inserts else PAIRS[:1], _held(inserts)
+    mode_of_lane = workspace.mode_of_lane_in_slot if inserts else workspace.mode_of_lane
     samples = EVENT_ROWS
     bounds = samples + NODES * count
     lowest = bounds + count
     subintervals = lowest + (NODES - 1) * count
     numbers = {
         "samples": samples, "bounds": bounds, "lowest": lowest, "subintervals": subintervals,
-        "rows": subintervals + count,
+        "rows": subintervals + count, "kinds": len(pairs) * len(KINDS) ** 2,
     }  # fmt: skip
-    watched = [each for k, event in enumerate(table) if (each := Watched(k, event)).cases]
+    watched = [each for k, event in enumerate(table) if (each := Watched(k, event, held)).cases]
     several = [each for each in watched if each.number < combined]
     singles = [each for each in watched if each.number >= combined]
     write = Writer(
         base.name, NEVER=NEVER, NOTHING=NOTHING, WIDTH=WIDTH, CANDIDATES=workspace.CANDIDATES,
         LENGTH=workspace.LENGTH, CLOSEST=CLOSEST, constants_of_lane=workspace.constants_of_lane,
-        mode_of_lane=workspace.mode_of_lane, screen_single=step.screen_single,
+        mode_of_lane=mode_of_lane, screen_single=step.screen_single,
         screen_combined=step.screen_combined, find_single=step.find_single,
         find_combined=step.find_combined, enter_lowest=step.enter_lowest,
     )  # fmt: skip
-    write.write(kernel, "sample_lanes(w)", _sample_lanes(singles, samples, count, write))
+    write.write(kernel, "sample_lanes(fell, w)", _sample_lanes(singles, samples, count, write))
     write.write(kernel, "enter_bounds(w)", _enter_bounds(singles, bounds, write))
     write.write(
         inlined_kernel, "quantities_in(which, row, w, i)",
@@ -257,7 +295,9 @@ def vector_kernels_of(table: Table) -> KernelSet:
         ((k.number, f"{write.name(k.cases[0].applies)}(p, mode)") for k in several),
         "False",
     )
-    write.write(kernel, "screen(events, flies, beside, w)", _screen(watched, combined, samples))
+    write.write(
+        kernel, "screen(events, flies, beside, fell, w)", _screen(watched, combined, samples)
+    )
     write.write(kernel, "find(events, candidates, w)", iter([
         f"find_{'combined' if k.number < combined else 'single'}(events, {k.number}, candidates, w)"
         for k in watched
@@ -288,7 +328,9 @@ def vector_kernels_of(table: Table) -> KernelSet:
     write.choose(
         "is_partial(which)", ((k.number, "True") for k in several if k.is_partial), "False"
     )
-    return KernelSet(f"{base.name}-lanes", base.members | write.members | numbers, write.sources)
+    members = base.members | write.members | numbers
+    members |= {"mode_of_lane": mode_of_lane, "fill_series": series_filler(pairs)}
+    return KernelSet(f"{base.name}-lanes", members, write.sources)
 
 
 @cache

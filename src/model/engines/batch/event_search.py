@@ -22,7 +22,6 @@ from model.engines.batch.workspace import (
     COEFFICIENTS,
     LENGTH,
     constants_of_lane,
-    mode_of_lane,
 )
 from model.engines.record import STATE, TIME, constants_of, mode_of
 from model.engines.scalar import location
@@ -250,7 +249,7 @@ def _crossing_of(events, which, sign, until, series, w, lane):
 def crossing(events, which, until, series, w, lane):
     """The first down-crossing of level ``which`` before ``until``, or NO_EVENT."""
     first = _crossing_of(events, which, 1.0, until, series, w, lane)
-    if events.takes_size(which, constants_of_lane(w, lane), mode_of_lane(w, lane)):
+    if events.takes_size(which, constants_of_lane(w, lane), events.mode_of_lane(w, lane)):
         other = _crossing_of(events, which, -1.0, min(until, first), series, w, lane)
         first = min(first, other)
     return first
@@ -268,7 +267,7 @@ def _searched(events, w, lane, runs, work, i):
             coefficient = w[(COEFFICIENTS + order * ROWS + n) * WIDTH + lane]
             work.dense[n, order - 1] = power * coefficient
             power *= h
-    sample_step(events, time, h, work.y, work.dense, p, mode, work.nodes, work.samples)
+    sample_step(events, time, h, 1.0, work.y, work.dense, p, mode, work.nodes, work.samples)
     return location.first_event(events, time, h, work.y, work.dense, p, mode, work.samples)
 
 
@@ -288,7 +287,7 @@ def _is_flat(events, which, until, series, w, lane):
 @kernel
 def _is_met(events, which, theta, w, lane):
     """Return whether the quantities that lanes lack are negative too."""
-    p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
+    p, mode = constants_of_lane(w, lane), events.mode_of_lane(w, lane)
     _, _, _, other = events.quantities(which, 0.0, state_at(theta, w, lane), p, mode)
     return other < 0.0
 

@@ -12,11 +12,9 @@ from model.engines.batch.workspace import (
     STEP_FORCE,
     STEP_TILT,
     VALUES,
-    mode_of_lane,
 )
-from model.engines.record import FORCE_MAX, TILT_MAX
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.scenes import CLOSED
+from model.physics.motion import is_beside, is_supported
 
 _SUBINTERVAL = FRACTIONS[0]
 _PEAK_ITERATIONS = 2
@@ -84,15 +82,18 @@ def _highest(row, sign, until, known, w, lane):
 
 
 @kernel
-def largest_until(until, w, lane, runs, i):
-    """Largest |tilt| and normal force of the run, up to the fraction ``until`` of the step."""
-    tilt, force, mode = runs[i, TILT_MAX], runs[i, FORCE_MAX], mode_of_lane(w, lane)
+def largest_until(events, tilt, force, until, w, lane):
+    """Largest |tilt| and normal force of a run, up to the fraction ``until`` of the step.
+
+    ``tilt`` and ``force`` are the largest values so far.
+    """
+    mode = events.mode_of_lane(w, lane)
     if w[STEP_TILT * WIDTH + lane] > tilt:
         tilt = _highest(TILT, 1.0, until, tilt, w, lane)
         tilt = _highest(TILT, -1.0, until, tilt, w, lane)
     if w[STEP_FORCE * WIDTH + lane] > force:
-        if mode.face == CLOSED:
+        if is_supported(mode):
             force = _highest(CONTACTS_AT, 1.0, until, force, w, lane)
-        if mode.side == CLOSED:
+        if is_beside(mode):
             force = _highest(CONTACTS_AT + 2, 1.0, until, force, w, lane)
     return tilt, force

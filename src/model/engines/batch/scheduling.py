@@ -6,7 +6,7 @@ and the run advances to the first one without another step. Transitions at event
 periods are shared with the reference engine, which also steps runs in modes that lanes do not hold.
 """
 
-from math import isnan
+from math import inf, isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +21,7 @@ from model.engines.batch.step import step_all
 from model.engines.batch.workspace import (
     COEFFICIENTS,
     constants_of_lane,
-    lanes_hold,
-    mode_of_lane,
+    pair_of,
 )
 from model.engines.course import (
     History,
@@ -40,13 +39,16 @@ from model.engines.record import (
     DEADLINE,
     EVALUATIONS,
     EVENTS_AT_ONCE,
+    FORCE_MAX,
     MODE,
     NEXT_STEP,
     OUTCOME,
     ROW_OF_BATCH,
+    SIDE_FORCE_MAX,
     SIZE,
     STATE,
     STOP,
+    TILT_MAX,
     TIME,
     TOLERANCE,
     constants_of,
@@ -64,8 +66,9 @@ from model.events.kernels import SceneKernels
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
 from model.physics.compiled import inlined_kernel, kernel
+from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE
-from model.physics.scenes import CLOSED, OPEN, STICKING
+from model.physics.scenes import OPEN, STICKING, Mode
 
 POOL = 128  # largest number of runs that a thread has at once
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
@@ -78,34 +81,49 @@ def _kind(mode):
     """Number of the kind of ``mode``, which determines the equations of its series."""
     support = STICKS if mode.support_slip == STICKING else SLIDES
     side = STICKS if mode.side_slip == STICKING else SLIDES
-    return (support if mode.face == CLOSED else FREE) * len(KINDS) + (
-        side if mode.side == CLOSED else FREE
+    of_pair = (support if is_supported(mode) else FREE) * len(KINDS) + (
+        side if is_beside(mode) else FREE
     )
+    return pair_of(mode) * len(KINDS) ** 2 + of_pair
+
+
+def _mode(name: str) -> int:
+    return MODE + Mode._fields.index(name)
 
 
 # Numbers of a run copied to its lane besides constants and state: (row of lanes, column of runs).
+_FACE, _SIDE, _DROPPED = _mode("face"), _mode("side"), _mode("dropped")
 _GATHERED = (
-    (SUPPORT_SIGN, MODE + 5),
-    (SIDE_SIGN, MODE + 7),
+    (SUPPORT_SIGN, _mode("support_slip")),
+    (SIDE_SIGN, _mode("side_slip")),
     (workspace.TIME, TIME),
     (workspace.DEADLINE, DEADLINE),
     (workspace.TOLERANCE, TOLERANCE),
     (workspace.LONGEST, NEXT_STEP),
-    (workspace.FACE, MODE + 1),
-    (workspace.SUPPORT_SLIP_STATE, MODE + 5),
-    (workspace.SIDE, MODE + 6),
-    (workspace.SIDE_SLIP_STATE, MODE + 7),
-    (workspace.DROPPED, MODE + 8),
+    (workspace.FACE, _FACE),
+    (workspace.SUPPORT_SLIP_STATE, _mode("support_slip")),
+    (workspace.SIDE, _SIDE),
+    (workspace.SIDE_SLIP_STATE, _mode("side_slip")),
+    (workspace.DROPPED, _DROPPED),
+)
+_GATHERED_IN_SLOT = (
+    (workspace.CORNER, _mode("corner")),
+    (workspace.IN_SLOT, _mode("in_slot")),
+    (workspace.WALL, _mode("wall")),
+    (workspace.CORNERS_INSIDE, _mode("corners_inside")),
 )
 
 
 @kernel
-def _gather(runs, i, w, lane):
+def _gather(events, runs, i, w, lane):
     """Copy run ``i`` into a lane."""
     for place, row in enumerate(CONSISTENT):
         w[place * WIDTH + lane] = runs[i, row]
     for place, row in _GATHERED:
         w[place * WIDTH + lane] = runs[i, row]
+    if events.inserts == 1:
+        for place, row in _GATHERED_IN_SLOT:
+            w[place * WIDTH + lane] = runs[i, row]
     for n in range(STATE_SIZE):
         w[(COEFFICIENTS + n) * WIDTH + lane] = runs[i, STATE + n]
 
@@ -114,7 +132,8 @@ def _gather(runs, i, w, lane):
 def _note_lowest(events, until, w, lane, runs, i):
     """Lower the closest approaches to those of a step, or of its subintervals before an event."""
     subintervals = int(until * (NODES - 1))
-    if subintervals > 0 and w[workspace.DROPPED * WIDTH + lane] == 0.0:
+    watched = events.inserts == 1 or w[workspace.DROPPED * WIDTH + lane] == 0.0
+    if subintervals > 0 and watched:
         events.note_lowest(events.lowest + (subintervals - 1) * events.count, w, lane, runs, i)
 
 
@@ -125,7 +144,7 @@ def _pass_periods(scene, until, history, control, w, lane, runs, i):
     The run may end with one of them. Closest approaches of a step in two periods count in both.
     """
     start, length = runs[i, TIME], w[workspace.LENGTH * WIDTH + lane]
-    p, mode = constants_of_lane(w, lane), mode_of_lane(w, lane)
+    p, mode = constants_of_lane(w, lane), scene.events.mode_of_lane(w, lane)
     while (
         runs[i, OUTCOME] == CONTINUES
         and runs[i, STOP] <= start + until * length
@@ -150,9 +169,13 @@ def _advance(scene, until, history, control, w, lane, runs, i):
     if not continues:
         until = (runs[i, TIME] - start) / length
     tilt, force = 0.0, 0.0
-    counted = is_counted(mode_of_lane(w, lane), constants_of_lane(w, lane))
+    counted = is_counted(scene.events.mode_of_lane(w, lane), constants_of_lane(w, lane))
     if counted and control.alignment_only == 0.0:
-        tilt, force = largest_until(until, w, lane, runs, i)
+        tilt, force = largest_until(
+            scene.events, runs[i, TILT_MAX], runs[i, FORCE_MAX], until, w, lane
+        )
+    elif scene.events.inserts == 1:
+        _, force = largest_until(scene.events, inf, runs[i, SIDE_FORCE_MAX], until, w, lane)
     note_step(until * length, tilt, force, runs, i)
     if not continues:
         return False
@@ -192,7 +215,7 @@ def _continue(scene, control, many, lane, i):
     if isnan(length) or is_too_short(length, runs[i, TIME]):
         q = state_in(runs, STATE, i)
         rates = rates_of(runs[i, TIME], q, constants_of(runs, i), mode_of(runs, i))
-        fail(runs, i, _STEP_TOO_SMALL if are_finite(rates) else _NOT_FINITE)
+        fail(scene, runs, i, _STEP_TOO_SMALL if are_finite(rates) else _NOT_FINITE)
     else:
         which, theta = -1, NO_EVENT
         if w[workspace.CANDIDATES * WIDTH + lane] != 0.0:
@@ -235,7 +258,7 @@ def new_many(scene: SceneKernels, may_settle: bool = True) -> Many:
     work, w = new_workspace(DOP853.method), workspace.new_workspace(scene.events.rows)
     search = work._replace(dense=np.zeros((STATE_SIZE, ORDER)))
     runs, quantities = np.zeros((POOL, SIZE)), np.zeros(QUANTITIES * TERMS)
-    kinds = len(KINDS) ** 2
+    kinds = scene.events.kinds
     waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
     together = np.zeros(WIDTH, np.int64)
     return Many(
@@ -251,7 +274,7 @@ def _enqueue(scene, method, control, many, endings, i):
     The reference engine advances it until lanes can hold its mode. Returns True if the run waits.
     """
     runs, waiting = many.runs, many.waiting
-    while runs[i, OUTCOME] == CONTINUES and not lanes_hold(mode_of(runs, i)):
+    while runs[i, OUTCOME] == CONTINUES and pair_of(mode_of(runs, i)) < 0:
         advance(scene, method, control, many.work.nodes[:0], many.history, many.work, runs, i)
     if runs[i, OUTCOME] != CONTINUES:
         keep_result(runs, i, endings, int(runs[i, ROW_OF_BATCH]))
@@ -300,13 +323,14 @@ def _dequeue(kind, waiting, together):
 def _step_together(events, kind, count, control, many):
     """Make a step of ``count`` runs in the same kind of mode."""
     w, runs = many.w, many.runs
-    beside, flies = False, kind < len(KINDS)
+    beside, flies, fell = False, kind < len(KINDS), False
     for lane in range(WIDTH):  # lanes without a run repeat the last one
         i = many.together[min(lane, count - 1)]
-        _gather(runs, i, w, lane)
-        beside = beside or runs[i, MODE + 6] != OPEN
-        flies = flies or runs[i, MODE + 1] == OPEN
-    step_all(events, kind, flies, beside, control, w)
+        _gather(events, runs, i, w, lane)
+        beside = beside or runs[i, _SIDE] != OPEN
+        flies = flies or runs[i, _FACE] == OPEN
+        fell = fell or runs[i, _DROPPED] != 0.0
+    step_all(events, kind, flies, beside, fell, control, w)
 
 
 @kernel

@@ -14,13 +14,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from model.events.kernels import python_of
 from model.events.levels import outline
 from model.physics.compiled import Symbol
-from model.physics.contacts import Contact, contact_load, edge_on_face, edge_on_side
+from model.physics.contacts import (
+    Contact,
+    contact_load,
+    corner_on_wall,
+    edge_on_face,
+    edge_on_side,
+)
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
+from model.physics.scenes import CLOSED, OPEN, START, STICKING
 from model.physics.trigonometry import sine_cosine
 
 # Constant during a step: a number, a given quantity by its place, or an operation on others.
@@ -66,6 +73,9 @@ class Row(NamedTuple):
     of: tuple[Any, ...]
 
 
+_CONTACTS = tuple(python_of(each) for each in (edge_on_face, edge_on_side, corner_on_wall))
+
+
 @dataclass(frozen=True, eq=False)
 class Sum(Symbol):
     """Sum of a constant and of rows, each with a constant factor.
@@ -83,9 +93,9 @@ class Sum(Symbol):
 
         Rates of depth and place of a contact are taken from the series of depth and place.
         """
-        if function is sine_cosine.py_func:  # type: ignore[attr-defined]
+        if function is python_of(sine_cosine):
             return _sine_cosine
-        if function in (edge_on_face.py_func, edge_on_side.py_func):  # type: ignore[attr-defined]
+        if function in _CONTACTS:
             return lambda *arguments: _with_rates(function(*arguments))
         return function
 
@@ -185,8 +195,8 @@ def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
 class Watched(NamedTuple):
     """Quantities of which levels of events are functions, in modes that lanes hold.
 
-    Places as in ``Outline``; for A1 on the face and A2 on the side face the load, and the slip or,
-    while the contact sticks, the friction force.
+    Places as in ``Outline``; for the contact of the support, ``face``, and that of the left side
+    the load, and the slip or, while the contact sticks, the friction force.
     """
 
     right_along_face: Any
@@ -212,10 +222,14 @@ class Recurrences(NamedTuple):
 
 
 FREE, SLIDES, STICKS = range(3)  # states of a contact, each with its own equations of motion
+# Pairs of contacts, of the support and of the left side: A1 on the bottom face and A2 on its side
+# face; in the slot A1 on the right side face and B2 on the wall, or B1 on the wall and A2.
+ON_EDGE, UNDER_EDGE, ON_WALL = range(3)
+PAIRS = ON_EDGE, UNDER_EDGE, ON_WALL
 
 
-def recurrences(support: int, side: int) -> Recurrences:
-    """Return the ``Recurrences`` for contact states FREE, SLIDES or STICKS of A1 and the side.
+def recurrences(support: int, side: int, pair: int = ON_EDGE) -> Recurrences:
+    """Return the ``Recurrences`` for states FREE, SLIDES or STICKS of the contacts of a pair.
 
     ``motion`` uses the consistent readings; open and released contacts have the same equations.
     """
@@ -225,14 +239,22 @@ def recurrences(support: int, side: int) -> Recurrences:
     p = Constants(*constants)
     states: list[Any] = [_of(row) for row in STATES]
     q = State(*states)
-    face_state, side_state = (OPEN if each == FREE else CLOSED for each in (support, side))
+    support_state, side_state = (OPEN if each == FREE else CLOSED for each in (support, side))
     slips: list[Any] = [
         _given(sign) if does == SLIDES else STICKING
         for does, sign in ((support, SUPPORT_SIGN), (side, SIDE_SIGN))
     ]
-    mode = Mode(RIGHT_EDGE, face_state, OPEN, 0.0, False, slips[0], side_state, slips[1], False)
+    at_corner, at_wall = pair == ON_WALL, pair == UNDER_EDGE
+    mode = START._replace(
+        face=OPEN if at_corner else support_state, support_slip=slips[0],
+        corner=support_state if at_corner else OPEN, slip_at_corner=at_corner,
+        side=OPEN if at_wall else side_state, side_slip=slips[1],
+        wall=side_state if at_wall else OPEN, slip_at_wall=at_wall, in_slot=pair != ON_EDGE,
+    )  # fmt: skip
     at = motion(_of(TIME_ROW), q, p, mode)
-    face, side_face = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)
+    supporting: Any = {ON_EDGE: edge_on_face, UNDER_EDGE: edge_on_side, ON_WALL: corner_on_wall}
+    face = supporting[pair](RIGHT_EDGE, q, p)
+    side_face = corner_on_wall(LEFT_EDGE, q, p) if at_wall else edge_on_side(LEFT_EDGE, q, p)
     places = outline(q, p)._asdict()
     watched = Watched(
         **{name: place for name, place in places.items() if name in Watched._fields},

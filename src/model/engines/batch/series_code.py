@@ -5,6 +5,7 @@ The code is written for WIDTH runs, one in each lane of a vector, with the memor
 """
 
 from collections.abc import Callable, Sequence
+from itertools import product
 from typing import Any
 
 from llvmlite import ir
@@ -13,10 +14,7 @@ from numba.core.cgutils import unpack_tuple
 from numba.extending import intrinsic
 
 from model.engines.batch.series import (
-    FREE,
-    SLIDES,
     STATES,
-    STICKS,
     Constant,
     Row,
     Sum,
@@ -36,6 +34,7 @@ from model.engines.batch.series_plan import (
     WIDTH,
     Plan,
 )
+from model.events.kernel_set import generated
 from model.physics.compiled import kernel
 
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
@@ -347,45 +346,29 @@ def _written(name: str, write: Callable[[ir.Module, str], _Writer]) -> Any:
     return call
 
 
-def _series_of(support: int, side: int) -> Any:
+def _series_of(support: int, side: int, pair: int) -> Any:
     def write(module: ir.Module, name: str) -> _Writer:
-        return _SeriesWriter(module, name, Plan(recurrences(support, side)))
+        return _SeriesWriter(module, name, Plan(recurrences(support, side, pair)))
 
-    return _written(f"series_{support}_{side}", write)
+    return _written(f"series_{support}_{side}_{pair}", write)
 
 
-_FF, _FL, _FS = (_series_of(FREE, side) for side in KINDS)
-_LF, _LL, _LS = (_series_of(SLIDES, side) for side in KINDS)
-_SF, _SL, _SS = (_series_of(STICKS, side) for side in KINDS)
 _follow = _written("follow", _SamplesWriter)
 
 
-@kernel
-def fill_series(kind, block, coefficients, given):
-    """Fill the coefficients of WIDTH runs in the same ``kind`` of mode.
+def series_filler(pairs: Sequence[int]) -> Any:
+    """Make the kernel (kind, block, coefficients, given) that fills the coefficients of WIDTH runs.
 
     ``block`` holds vectors on cache lines. At the place ``coefficients`` in it stand ROWS of them
     for each order, of which the first holds the states and sines; at ``given``, GIVEN of them. The
-    ``kind`` is 3 times what the support does plus what the side does.
+    ``kind`` is 9 times the number of the pair of contacts, plus 3 times what the support does, plus
+    what the side does.
     """
-    if kind == 0:
-        _FF(block, (coefficients, given))
-    elif kind == 1:
-        _FL(block, (coefficients, given))
-    elif kind == 2:
-        _FS(block, (coefficients, given))
-    elif kind == 3:
-        _LF(block, (coefficients, given))
-    elif kind == 4:
-        _LL(block, (coefficients, given))
-    elif kind == 5:
-        _LS(block, (coefficients, given))
-    elif kind == 6:
-        _SF(block, (coefficients, given))
-    elif kind == 7:
-        _SL(block, (coefficients, given))
-    else:
-        _SS(block, (coefficients, given))
+    known, lines = {}, ["def fill_series(kind, block, coefficients, given):"]
+    for kind, (pair, support, side) in enumerate(product(pairs, KINDS, KINDS)):
+        known[f"series_{kind}"] = _series_of(support, side, pair)
+        lines.append(f"    if kind == {kind}: series_{kind}(block, (coefficients, given))")
+    return generated(kernel, "fill_series", "\n".join(lines), known, f"{len(pairs)}_pairs")
 
 
 @kernel

@@ -22,7 +22,7 @@ STATE_ROWS = len(STATES)
 TILT = 2  # row of the tilt
 SINES = STATE_ROWS + len(Watched._fields)  # sine and cosine of the tilt, and of the excitation
 _OTHERS = SINES + 4
-ROWS = _OTHERS + 16  # as many as any kind of mode needs
+ROWS = _OTHERS + 19  # as many as any kind of mode needs
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
 # Order of the last term summed at each fraction; omitted ones are below 1e-4 of those at the end.

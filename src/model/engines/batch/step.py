@@ -10,7 +10,7 @@ from math import floor
 
 import numpy as np
 
-from model.engines.batch.series_code import fill_series, follow_series
+from model.engines.batch.series_code import follow_series
 from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
 from model.engines.batch.workspace import (
     CANDIDATES,
@@ -18,23 +18,20 @@ from model.engines.batch.workspace import (
     CONTACTS_AT,
     DEADLINE,
     END,
-    FACE,
     LENGTH,
     LONGEST,
-    SIDE,
     STEP_FORCE,
     STEP_TILT,
     TIME,
     TOLERANCE,
     VALUES,
     constants_of_lane,
-    mode_of_lane,
     state_in_lane,
 )
 from model.events.friction import hold_sticking
 from model.events.levels import FLAT, NEVER, ON_AN_EVENT, largest
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.scenes import CLOSED
+from model.physics.motion import is_beside, is_supported
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15
@@ -199,7 +196,7 @@ def screen_combined(events, which, w):
     first = (events.samples + which) * n
     least = TOO_FLAT_TO_TELL if events.is_partial(which) else 0.0
     for i in range(WIDTH):
-        applies = events.applies(which, constants_of_lane(w, i), mode_of_lane(w, i))
+        applies = events.applies(which, constants_of_lane(w, i), events.mode_of_lane(w, i))
         bounds = events.bounds_of(which, w, i)
         q0, q1, q2, q3, q4 = _quantities(events, which, w, i)
         g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
@@ -260,21 +257,22 @@ def _at_most(row, w, i):
 
 
 @kernel
-def _enter_largest(w):
+def _enter_largest(events, w):
     """Enter upper bounds of |tilt| and of normal forces in the step."""
     for i in range(WIDTH):
+        mode = events.mode_of_lane(w, i)
         w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
-        face = _at_most(CONTACTS_AT, w, i) if w[FACE * WIDTH + i] == CLOSED else 0.0
-        side = _at_most(CONTACTS_AT + 2, w, i) if w[SIDE * WIDTH + i] == CLOSED else 0.0
+        face = _at_most(CONTACTS_AT, w, i) if is_supported(mode) else 0.0
+        side = _at_most(CONTACTS_AT + 2, w, i) if is_beside(mode) else 0.0
         w[STEP_FORCE * WIDTH + i] = max(face, side)
 
 
 @kernel
-def _end_steps(w):
+def _end_steps(events, w):
     """Enter the state at the end of every step, with sticking contacts at rest."""
     for i in range(WIDTH):
         end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
-        end = hold_sticking(end, constants_of_lane(w, i), mode_of_lane(w, i))
+        end = hold_sticking(end, constants_of_lane(w, i), events.mode_of_lane(w, i))
         n = WIDTH
         w[END * n + i], w[(END + 1) * n + i], w[(END + 2) * n + i] = end.x, end.y, end.tilt
         w[(END + 3) * n + i], w[(END + 4) * n + i] = end.x_rate, end.y_rate
@@ -282,22 +280,22 @@ def _end_steps(w):
 
 
 @kernel
-def step_all(events, kind, flies, beside, control, w):
+def step_all(events, kind, flies, beside, fell, control, w):
     """Make one step in every lane, and enter the candidates for events in it.
 
     ``flies``: True if the edge is not under the face in any lane; ``beside``: True if A2 is behind
-    the side face in any lane. Lowest levels, and upper bounds of tilt and forces, are entered if
-    ``control`` requires them.
+    the side face in any lane; ``fell``: True if the part has fallen in in any lane. Lowest levels,
+    and upper bounds of tilt and forces, are entered if ``control`` requires them.
     """
     _turn(w)
-    fill_series(kind, w, COEFFICIENTS, 0)
+    events.fill_series(kind, w, COEFFICIENTS, 0)
     _set_lengths(w)
     follow_series(w, COEFFICIENTS, LENGTH, VALUES)
-    events.sample_lanes(w)
+    events.sample_lanes(fell, w)
     events.enter_bounds(w)
     for i in range(WIDTH):
         w[CANDIDATES * WIDTH + i] = 0.0
-    events.screen(events, flies, beside, w)
+    events.screen(events, flies, beside, fell, w)
     candidates = 0
     for i in range(WIDTH):
         candidates |= int(w[CANDIDATES * WIDTH + i])
@@ -307,5 +305,5 @@ def step_all(events, kind, flies, beside, control, w):
     if control.may_settle != 0.0:
         events.enter_all_lowest(events, w)
     if control.alignment_only == 0.0:
-        _enter_largest(w)
-    _end_steps(w)
+        _enter_largest(events, w)
+    _end_steps(events, w)

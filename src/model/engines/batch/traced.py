@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
 from model.events.kernels import python_of
 from model.events.levels import NOTHING, Outline, Touch
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
@@ -142,8 +143,8 @@ MODE: Any = Mode(*_MODE)
 def _quantities() -> dict[Source, Any]:
     """Quantities of the sources that the workspace holds, as forms of its rows.
 
-    These are the contact of A1 with the face, the contact of A2 with the left side face, and places
-    of all edges and corners.
+    These are the contact of the support, the contact of the left side, and places of all edges and
+    corners.
     """
     places = {name: _row(name) for name in Outline._fields if not name.endswith("_rise")}
     unknown = dict.fromkeys(Outline._fields, UNKNOWN)
@@ -158,7 +159,18 @@ def _quantities() -> dict[Source, Any]:
         FACE: Touch(face_depth, _row("face_load"), places["right_along_face"]),
         SIDE: Touch(places["left_behind_side"], _row("side_load"), places["left_along_axis"]),
         FORCES: Motion(**forces),
-    }
+        RIGHT_SIDE: Touch(
+            P.half_width - places["right_along_face"], _row("face_load"), places["right_along_axis"]
+        ),
+        RIGHT_WALL: Touch(
+            places["right_corner_x"] - P.slot_half_width, _row("face_load"),
+            places["right_corner_y"],
+        ),
+        LEFT_WALL: Touch(
+            -places["left_corner_x"] - P.slot_half_width, _row("side_load"),
+            places["left_corner_y"],
+        ),
+    }  # fmt: skip
 
 
 QUANTITIES = _quantities()

@@ -5,18 +5,19 @@ Loops over lanes are plain arithmetic, so that the compiler vectorizes them; the
 for vectors (series_code.py).
 
 Lanes hold the modes in which the part rests on A1 or flies, alone or with A2 on its left side face;
-other modes, and readings of the printed equations, are left to the reference engine.
+in the slot also those with one contact on either side, an edge on the one and a corner on the other
+(``PAIRS``). Other modes, and readings of the printed equations, are left to the reference engine.
 """
 
 import numpy as np
 
-from model.engines.batch.series import CONSISTENT, GIVEN, Watched
+from model.engines.batch.series import CONSISTENT, GIVEN, ON_EDGE, ON_WALL, UNDER_EDGE, Watched
 from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES, TILT, WIDTH
 from model.engines.scalar.tableaux import Array
 from model.physics.compiled import inlined_kernel
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
+from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import OPEN, Mode
+from model.physics.scenes import CLOSED, OPEN, Mode
 from model.physics.views import reader
 
 # Rows: the constants and signs of the slips, then numbers of the lanes, and of their step.
@@ -30,11 +31,15 @@ from model.physics.views import reader
     SIDE,
     SIDE_SLIP_STATE,
     DROPPED,
+    CORNER,
+    IN_SLOT,
+    WALL,
+    CORNERS_INSIDE,
     LENGTH,
     CANDIDATES,  # mask of the events that may happen in the step
     STEP_TILT,  # upper bound of |tilt| in the step
     STEP_FORCE,  # upper bound of the normal forces in the step
-) = range(GIVEN, GIVEN + 13)
+) = range(GIVEN, GIVEN + 17)
 END = STEP_FORCE + 1
 VALUES = END + STATE_SIZE  # the tilt and the watched rows at each node, and their curvature bounds
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
@@ -78,12 +83,45 @@ def mode_of_lane(w, i):
         int(w[SIDE * WIDTH + i]),
         int(w[SIDE_SLIP_STATE * WIDTH + i]),
         w[DROPPED * WIDTH + i] != 0.0,
-        LEFT_EDGE,
+        False,
+        OPEN,
+        False,
+        False,
     )
 
 
 @inlined_kernel
-def lanes_hold(mode):
-    """Return whether lanes can hold this mode."""
-    on_left_side = mode.side == OPEN or mode.side_edge == LEFT_EDGE
-    return mode.edge == RIGHT_EDGE and mode.corner == OPEN and on_left_side
+def mode_of_lane_in_slot(w, i):
+    """Return the ``Mode`` of lane ``i`` in the insertion scene."""
+    corner, wall = int(w[CORNER * WIDTH + i]), int(w[WALL * WIDTH + i])
+    return Mode(
+        RIGHT_EDGE,
+        int(w[FACE * WIDTH + i]),
+        corner,
+        0.0,
+        corner == CLOSED,
+        int(w[SUPPORT_SLIP_STATE * WIDTH + i]),
+        int(w[SIDE * WIDTH + i]),
+        int(w[SIDE_SLIP_STATE * WIDTH + i]),
+        w[DROPPED * WIDTH + i] != 0.0,
+        w[IN_SLOT * WIDTH + i] != 0.0,
+        wall,
+        wall == CLOSED,
+        w[CORNERS_INSIDE * WIDTH + i] != 0.0,
+    )
+
+
+@inlined_kernel
+def pair_of(mode):
+    """Return the pair of contacts in which lanes hold this mode; -1 if they cannot."""
+    face, corner, side = mode.face != OPEN, mode.corner != OPEN, mode.side != OPEN
+    wall = mode.wall != OPEN
+    if mode.edge != RIGHT_EDGE:
+        return -1
+    if not mode.in_slot:
+        if corner or (wall and (face or side)):
+            return -1
+        return UNDER_EDGE if wall else ON_EDGE
+    if (corner and (face or wall)) or (side and (face or wall)):
+        return -1
+    return UNDER_EDGE if face or wall else ON_WALL

@@ -25,16 +25,17 @@ _STRETCHES = 4  # parts in which each quantity of a condition is assumed monoton
 
 
 @inlined_kernel
-def sample_step(events, time, h, y, dense, p, mode, nodes, samples):
-    """Sample the step at ``NODE_PLACES``.
+def sample_step(events, time, h, until, y, dense, p, mode, nodes, samples):
+    """Sample the step, or its part up to the fraction ``until``, at ``NODE_PLACES``.
 
     Fills ``nodes``, shape (NODES, 6), with states and ``samples``, shape (NODES, MOST_SAMPLES),
     with the levels of ``events``.
     """
     for i in range(NODES):
-        q = interpolate(NODE_PLACES[i], h, y, dense)
+        theta = until * NODE_PLACES[i]
+        q = interpolate(theta, h, y, dense)
         keep_in(q, nodes[i])
-        events.sample_into(time + NODE_PLACES[i] * h, q, p, mode, samples[i])
+        events.sample_into(time + theta * h, q, p, mode, samples[i])
 
 
 @kernel

@@ -189,12 +189,13 @@ def _peak(i, left, middle, right):
 
 
 @inlined_kernel
-def _largest(events, nodes, samples, last):
-    """(largest |tilt|, largest normal force) over samples 0..``last`` of a step."""
-    tilt, force = 0.0, 0.0
-    for i in range(last + 1):
+def _largest(events, nodes, samples):
+    """(largest |tilt|, largest normal force) over the samples of a step."""
+    tilt, force, last = 0.0, 0.0, NODES - 1
+    for i in range(NODES):
         tilt = max(tilt, abs(nodes[i, 2]))
         force = max(force, max(events.support_force(samples[i]), events.side_force(samples[i])))
+        force = max(force, events.right_force(samples[i]))
         if 0 < i < last:
             tilt = max(tilt, _peak(i, abs(nodes[i - 1, 2]), abs(nodes[i, 2]), abs(nodes[i + 1, 2])))
             before, here, after = samples[i - 1], samples[i], samples[i + 1]
@@ -206,6 +207,12 @@ def _largest(events, nodes, samples, last):
                 i, events.side_force(before), events.side_force(here), events.side_force(after)
             )
             force = max(force, max(support, side))
+            if events.inserts == 1:
+                right = _peak(
+                    i, events.right_force(before), events.right_force(here),
+                    events.right_force(after),
+                )  # fmt: skip
+                force = max(force, right)
     return tilt, force
 
 
@@ -218,6 +225,7 @@ def track_sample(events, track, time, q, sample, runs, i):
         keep_in(q, track[row, 1 : 1 + STATE_SIZE])
         track[row, 7] = max(events.support_force(sample), 0.0)
         track[row, 8] = max(events.side_force(sample), 0.0)
+        track[row, 9] = max(events.right_force(sample), 0.0)
     runs[i, TRACKED] = row + 1
 
 
@@ -257,11 +265,11 @@ def advance(scene, method, control, track, history, work, runs, i):
     runs[i, EVALUATIONS] += 1 + (1 + rejected) * method.stages
     runs[i, REJECTED] += rejected
     if h_step == 0.0:
-        fail(runs, i, _STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else _NOT_FINITE)
+        fail(scene, runs, i, _STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else _NOT_FINITE)
         return
     dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
     runs[i, EVALUATIONS] += method.c.size - method.stages - 1
-    sample_step(scene.events, time, h_step, y, work.dense, p, mode, work.nodes, work.samples)
+    sample_step(scene.events, time, h_step, 1.0, y, work.dense, p, mode, work.nodes, work.samples)
     which, theta = first_event(scene.events, time, h_step, y, work.dense, p, mode, work.samples)
     found = theta != NO_EVENT
     length, last = h_step, NODES - 1
@@ -282,12 +290,17 @@ def advance(scene, method, control, track, history, work, runs, i):
             work,
         )
         runs[i, EVALUATIONS] += taken * method.stages
-    tilt, force = _largest(scene.events, work.nodes, work.samples, last)
-    note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
     note_closest(scene.events, work.samples, last, runs, i)
     for node in range(1, last + (0 if found else 1)):
         at, q = time + NODE_PLACES[node] * h_step, state_of(work.nodes[node])
         track_sample(scene.events, track, at, q, work.samples[node], runs, i)
+    if found:
+        part = length / h_step
+        sample_step(
+            scene.events, time, h_step, part, y, work.dense, p, mode, work.nodes, work.samples
+        )
+    tilt, force = _largest(scene.events, work.nodes, work.samples)
+    note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
 
     keep_state(state_of(work.y_end), runs, i)
     reached_stop = not found and h_step == h_try and h_try == stop - time
@@ -326,8 +339,8 @@ def integrate(row, tolerance, scene, method, control, track, single):
         scene: ``SceneKernels``.
         method: ``Method``.
         control: ``Control``.
-        track: shape (rows, 9), filled up to its end with time, state and normal forces of support
-            and side; ``RunResult.tracked`` is the number of rows of a full track.
+        track: shape (rows, 10), filled up to its end with time, state and normal forces of support,
+            left and right side; ``RunResult.tracked`` is the number of rows of a full track.
         single: ``Single``, overwritten.
     """
     runs, history, work = single.runs, single.history, single.work

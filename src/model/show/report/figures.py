@@ -126,8 +126,7 @@ def figures(results: Results) -> Section:
 def _glance(counts: dict[str, Counts]) -> Table:
     """List the outcomes of every figure; the shares only where a figure has them."""
     shown = [each for each in SHARES if any(each[0] in of.dataset for of in counts.values())]
-    ends = [each for each in Outcome if each != Outcome.FAILED or any(
-        of.number_of(each) for of in counts.values())]  # fmt: skip
+    ends = [each for each in Outcome if any(of.number_of(each) for of in counts.values())]
     heads = [f">{each.name.lower().replace('_', ' ')}" for each in ends]
     return Table(
         ("figure", ">runs", *heads, *(f">{each[3]}" for each in shown), ">sensitive",

@@ -13,6 +13,7 @@ from model.show.report import (
     contact_stiffness,
     figures,
     identification,
+    jamming,
     vibration,
 )
 from model.show.report.section import Results, Section, subscripts
@@ -29,6 +30,7 @@ FINDINGS: tuple[Make, ...] = (
     vibration.section,
     claims.section,
     contact_stiffness.section,
+    jamming.section,
     identification.section,
 )
 BACKGROUND: tuple[Make, ...] = (background.device, background.equations, background.provenance)

@@ -223,7 +223,7 @@ def on_bases(
         for ratio, impact in tried
     ]
     starts = starts[::_BASE_STARTS]
-    quick = replace(settings, alignment_only=True, tolerance=max(settings.tolerance, 1e-6))
+    quick = replace(settings.quickest, tolerance=max(settings.tolerance, 1e-6))
     found = every_start(Batch.stack(devices), starts, quick, cores)
     return tuple(
         BaseVerdict(

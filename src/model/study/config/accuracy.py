@@ -1,6 +1,6 @@
 """Trials of the integrator's accuracy on random parameter sets."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -41,6 +41,8 @@ class SettledTrial(Strict):
 class Fuzz(Strict):
     """Properties of runs on random sets over the whole domain; see verification/fuzz.py."""
 
+    scene: Literal["alignment", "insertion"] = "alignment"
+    """Contacts that are modelled; each scene has a law of its own by which devices are drawn."""
     seed: int = Field(ge=0)
     """Seed of the random draws."""
     sets: int = Field(ge=1, strict=False)  # from `make fuzz SETS=7` it is a text

@@ -26,7 +26,7 @@ def faults_of(study: Study) -> list[str]:
     """Return every fault that only the whole study shows: path, value and rule."""
     faults = [*_values(study)]
     if not faults:
-        for check in (_ranges, _figures, _planes, _claims_runs, _cases):
+        for check in (_ranges, _figures, _planes, _claims_runs, _jamming, _cases):
             faults += check(study)
     return faults
 
@@ -127,6 +127,14 @@ def _claims_runs(study: Study) -> Iterable[str]:
         place = f"claims_runs.{name}"
         yield from _varied(place, "run", (run.swept, run.family), run.held)
         yield from _attempt(place, partial(_claims_run, study, name))
+
+
+def _jamming(study: Study) -> Iterable[str]:
+    spec = study.jamming
+    parts = (spec.clearance, spec.tilt_stiffness, spec.friction)
+    yield from _varied("jamming", "figure", parts, spec.held)
+    for part in parts:
+        yield from _attempt("jamming", _batch(study.baseline.replace(**spec.held), part))
 
 
 def _claims_run(study: Study, name: str) -> None:

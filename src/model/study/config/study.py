@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from model.physics.parameters import Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.rest import Start
-from model.runs.settings import Settings
+from model.runs.settings import SCENES, Settings
 from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Strict, Text, Tolerance
 from model.study.config.claims import ClaimRun, ContactStiffness
@@ -21,6 +21,7 @@ from model.study.config.figures import (
     Plane,
 )
 from model.study.config.identification import Identification
+from model.study.config.jamming import Jamming
 from model.study.config.methods import HardCases, Precision
 
 
@@ -35,6 +36,8 @@ class RunSettings(Strict):
     """Local error of a step."""
     start: Start = "simultaneous"
     """Press and vibration set in together, or the part rests under the press before it vibrates."""
+    scene: Literal["alignment", "insertion"] = "alignment"
+    """Contacts that are modelled; runs of the scene insertion end when the part is inserted."""
 
     @model_validator(mode="after")
     def _fit_together(self) -> "RunSettings":
@@ -52,7 +55,11 @@ class RunSettings(Strict):
         else:
             readings = getattr(Readings, self.readings)()
         return Settings(
-            readings=readings, start=self.start, horizon=self.horizon, tolerance=self.tolerance
+            readings=readings,
+            scene=SCENES[self.scene],
+            start=self.start,
+            horizon=self.horizon,
+            tolerance=self.tolerance,
         )
 
 
@@ -83,6 +90,8 @@ class Study(Strict):
     """Curves that only the claims need, by name."""
     contact_stiffness: ContactStiffness
     """Dependence of figures on the stiffness and damping of the base."""
+    jamming: Jamming
+    """Jamming in the slot over friction, clearance and tilt at entry."""
 
     @model_validator(mode="after")
     def _figures_exist(self) -> "Study":

@@ -1,0 +1,307 @@
+"""The insertion scene: the alignment scene, continued in the slot until the part is inserted.
+
+It adds A1 on the right side face, and the bottom corners on the walls of the slot. A part touches
+two points at most on either side of the slot: an edge on a side face, and the corner below it on
+the wall. Until alignment the two scenes have the same events.
+"""
+
+from math import sqrt
+
+from model.events import levels, table, transitions
+from model.events.levels import edge_inside, outline
+from model.events.modes import (
+    with_corner,
+    with_corners_inside,
+    with_face,
+    with_support,
+    with_wall,
+)
+from model.events.outcomes import Outcome, Reason
+from model.events.table import EVENTS, Event, Source, changed, of_contact, state_is
+from model.events.transitions import decided, edge_enters, touching
+from model.physics.compiled import inlined_kernel, kernel
+from model.physics.contacts import corner_on_wall, dot, edge_on_side
+from model.physics.geometry import bottom_corner
+from model.physics.motion import is_beside, is_supported, side_contact, support_contact
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+from model.physics.scenes import CLOSED, CONTACT_NAMES, OPEN, STICKING, Scene
+
+_ALIGNED, _INSERTED = int(Outcome.ALIGNED), int(Outcome.INSERTED)
+_JAMMED, _CLIMBED_OUT = int(Outcome.JAMMED), int(Outcome.CLIMBED_OUT)
+_SETTLED, _LEFT_SCENE = int(Outcome.SETTLED), int(Outcome.LEFT_SCENE)
+_HORIZON_REACHED = int(Outcome.HORIZON_REACHED)
+_NONE, _BOTH_SIDES = int(Reason.NONE), int(Reason.BOTH_SIDES)
+_EDGE_ON_OTHER_FACE = int(Reason.EDGE_ON_OTHER_FACE)
+_WEDGED, _LACK_OF_FORCE = int(Reason.WEDGED), int(Reason.LACK_OF_FORCE)
+_ON_EDGE = int(Reason.ON_EDGE)
+
+
+# ----------------------------------------------------------------------------- where events apply
+
+
+@inlined_kernel
+def _stands_on(mode, edge):
+    """Return whether an edge is under the bottom face, or its corner on the flat base."""
+    return (mode.face != OPEN or mode.corner != OPEN) and not mode.in_slot and mode.edge == edge
+
+
+@inlined_kernel
+def _is_in(_p, mode):
+    return mode.dropped
+
+
+@inlined_kernel
+def _has_fallen_in(_p, mode):
+    return mode.dropped and not mode.corners_inside
+
+
+@inlined_kernel
+def _left_corner_meets_wall(p, mode):
+    return not mode.dropped and table.left_corner_meets_wall(p, mode)
+
+
+@inlined_kernel
+def _right_corner_lands(p, mode):
+    return not mode.dropped and table.right_corner_is_free(p, mode)
+
+
+@inlined_kernel
+def _left_corner_lands(p, mode):
+    return not mode.dropped and table.left_corner_is_free(p, mode)
+
+
+@inlined_kernel
+def _right_corner_lands_again(p, mode):
+    at_side = mode.in_slot and mode.face != OPEN
+    return mode.dropped and table.right_corner_is_free(p, mode) and not at_side
+
+
+@inlined_kernel
+def _left_corner_lands_again(p, mode):
+    return mode.dropped and table.left_corner_is_free(p, mode)
+
+
+@inlined_kernel
+def _right_corner_meets_side(_p, mode):
+    on_wall = mode.in_slot and mode.corner != OPEN
+    return mode.dropped and not on_wall and not _stands_on(mode, RIGHT_EDGE)
+
+
+@inlined_kernel
+def _left_corner_meets_side(_p, mode):
+    return mode.dropped and mode.wall == OPEN and not _stands_on(mode, LEFT_EDGE)
+
+
+_on_right_side = state_is("face", OPEN, in_slot=True, negated=True)
+_on_right_wall = state_is("corner", OPEN, in_slot=True, negated=True)
+_on_left_wall = state_is("wall", OPEN, negated=True)
+
+
+# ---------------------------------------------------------------------------- what follows an event
+
+
+@inlined_kernel
+def _inside(_time, _q, _p, mode, _declared):
+    """Note the paper's corner conditions, once."""
+    return with_corners_inside(mode), _ALIGNED, _NONE
+
+
+@inlined_kernel
+def _inserted(_time, _q, _p, mode, _declared):
+    """End with the part inserted."""
+    return mode, _INSERTED, _NONE
+
+
+@inlined_kernel
+def _right_side(mode, state):
+    """Return the mode with the state of A1 on the right side face."""
+    return with_face(mode, RIGHT_EDGE, state)
+
+
+@inlined_kernel
+def _right_wall(mode, state):
+    """Return the mode with the state of B1 on the right wall."""
+    return with_corner(mode, RIGHT_EDGE, state, 0.0)
+
+
+@inlined_kernel
+def _against_right(mode):
+    """Return the mode with the support on the right side of the slot."""
+    return mode if mode.in_slot else with_support(mode, True)
+
+
+@kernel
+def _right_edge_enters(time, q, p, mode, declared):
+    """Begin the contact of A1 with the right side face, or as ``edge_enters``."""
+    bottom, left, right, top = edge_inside(RIGHT_EDGE, outline(q, p), p)
+    if not mode.dropped or bottom <= min(left, min(right, top)):
+        return edge_enters(RIGHT_EDGE, time, q, p, mode, declared)
+    if right > min(left, top):
+        return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
+    if _stands_on(mode, LEFT_EDGE):
+        return mode, _LEFT_SCENE, _BOTH_SIDES
+    state = touching(edge_on_side(RIGHT_EDGE, q, p), q, p)
+    return decided(time, q, p, _right_side(_against_right(mode), state), False, False)
+
+
+@kernel
+def _right_corner_touches(time, q, p, mode, _declared):
+    """Begin the contact of B1 with the right wall."""
+    if _stands_on(mode, LEFT_EDGE):
+        return mode, _LEFT_SCENE, _BOTH_SIDES
+    state = touching(corner_on_wall(RIGHT_EDGE, q, p), q, p)
+    return decided(time, q, p, _right_wall(_against_right(mode), state), False, False)
+
+
+@kernel
+def _left_corner_touches(time, q, p, mode, _declared):
+    """Begin the contact of B2 with the left wall."""
+    state = touching(corner_on_wall(LEFT_EDGE, q, p), q, p)
+    return decided(time, q, p, with_wall(mode, state), False, False)
+
+
+@kernel
+def _right_side_ends(time, q, p, mode, _declared):
+    """Open the contact at the corner of the side face, or leave the scene over its top."""
+    bottom, _, _, top = edge_inside(RIGHT_EDGE, outline(q, p), p)
+    if top < bottom:
+        return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
+    return decided(time, q, p, _right_side(mode, OPEN), False, False)
+
+
+@inlined_kernel
+def _right_wall_ends(time, q, p, mode, _declared):
+    """Open the contact of a corner that has risen to the plane."""
+    return decided(time, q, p, _right_wall(mode, OPEN), False, False)
+
+
+@inlined_kernel
+def _left_wall_ends(time, q, p, mode, _declared):
+    """Open the contact of a corner that has risen to the plane."""
+    return decided(time, q, p, with_wall(mode, OPEN), False, False)
+
+
+@inlined_kernel
+def _right_side_depth(q, p, _mode):
+    return edge_on_side(RIGHT_EDGE, q, p).depth
+
+
+@inlined_kernel
+def _right_wall_depth(q, p, _mode):
+    return corner_on_wall(RIGHT_EDGE, q, p).depth
+
+
+@inlined_kernel
+def _left_wall_depth(q, p, _mode):
+    return corner_on_wall(LEFT_EDGE, q, p).depth
+
+
+# ---------------------------------------------------------------------------------------- the table
+
+RIGHT_SIDE = Source(levels.right_side_touch, _on_right_side)
+RIGHT_WALL = Source(levels.right_wall_touch, _on_right_wall)
+LEFT_WALL = Source(levels.left_wall_touch, _on_left_wall)
+_COMBINED = 8  # events of several quantities, which come first
+
+TABLE = (
+    *EVENTS[:_COMBINED],
+    Event("inserted", table.PLACES, ((_is_in, levels.not_inserted),), _inserted),
+    # A bottom corner meets the slot's wall from inside.
+    Event(
+        "right_corner_touches", table.PLACES,
+        ((_right_corner_meets_side, levels.right_corner_in_slot),), _right_corner_touches,
+    ),
+    Event(
+        "left_corner_touches", table.PLACES,
+        ((_left_corner_meets_side, levels.left_corner_in_slot),), _left_corner_touches,
+    ),
+    # A bottom corner lands on the flat base after the part has come out of the slot.
+    Event(
+        "right_corner_lands_again", table.PLACES,
+        ((_right_corner_lands_again, levels.right_corner_over_flat),),
+        transitions.right_corner_lands,
+    ),
+    Event(
+        "left_corner_lands_again", table.PLACES,
+        ((_left_corner_lands_again, levels.left_corner_over_flat),),
+        transitions.left_corner_lands,
+    ),
+    *EVENTS[_COMBINED:],
+    *of_contact(
+        "right_side", "face", RIGHT_SIDE,
+        transitions.of_contact(_right_side_depth, _right_side), "right", in_slot=True,
+    ),
+    Event(
+        "right_side_end", RIGHT_SIDE, ((_on_right_side, levels.before_side_end),), _right_side_ends
+    ),
+    *of_contact(
+        "right_wall", "corner", RIGHT_WALL,
+        transitions.of_contact(_right_wall_depth, _right_wall), "right", in_slot=True,
+    ),
+    Event(
+        "right_wall_end", RIGHT_WALL, ((_on_right_wall, levels.below_plane),), _right_wall_ends
+    ),
+    *of_contact(
+        "left_wall", "wall", LEFT_WALL, transitions.of_contact(_left_wall_depth, with_wall), "side"
+    ),
+    Event("left_wall_end", LEFT_WALL, ((_on_left_wall, levels.below_plane),), _left_wall_ends),
+)  # fmt: skip
+TABLE = changed(
+    TABLE, "corners_inside", level=((_has_fallen_in, levels.corners_outside),), follow=_inside
+)
+TABLE = changed(TABLE, "right_edge_enters", follow=_right_edge_enters)
+TABLE = changed(
+    TABLE, "right_corner_lands", level=((_right_corner_lands, levels.right_corner_above),)
+)
+TABLE = changed(TABLE, "left_corner_lands", level=((_left_corner_lands, levels.left_corner_above),))
+TABLE = changed(TABLE, "left_wall", level=((_left_corner_meets_wall, levels.left_corner_off_wall),))
+
+INSERTION = Scene("insertion", frozenset(CONTACT_NAMES), TABLE)
+"""The alignment scene, continued in the slot: edges on both side faces, corners on both walls."""
+
+
+# ------------------------------------------------------------------------------------- ends of runs
+
+
+@kernel
+def is_wedged(q, p, mode):
+    """Return whether friction alone can hold a part between its two points of contact.
+
+    The line through the points then lies inside both friction cones: θ > c/μ for a small tilt θ and
+    the clearance c = (D - d)/D of a peg of width d in a hole of width D.
+    """
+    right = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    if mode.corner != CLOSED:
+        right = p.slot_half_width, 0.0
+    left = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    if mode.wall != CLOSED:
+        left = -p.slot_half_width, 0.0
+    x, y = left[0] - right[0], left[1] - right[1]
+    length = sqrt(x * x + y * y)
+    inside = True
+    for sign, contact in ((1.0, support_contact(q, p, mode)), (-1.0, side_contact(q, p, mode))):
+        along_normal = sign * (x * contact.x + y * contact.y) / contact.load
+        along_tangent = dot(contact.tangent, x, y, 0.0)
+        inside = inside and abs(along_tangent) <= p.friction * along_normal
+    return inside and length > 0.0
+
+
+@kernel
+def end_in_slot(outcome, reason, q, p, mode):
+    """Outcome and reason of a run that ends after alignment.
+
+    A part is at rest if its motion has settled, or if it sticks at two points.
+    """
+    if outcome == _LEFT_SCENE:
+        return _CLIMBED_OUT, reason
+    if outcome not in (_SETTLED, _HORIZON_REACHED):
+        return outcome, reason
+    if _stands_on(mode, RIGHT_EDGE) or _stands_on(mode, LEFT_EDGE):
+        return _CLIMBED_OUT, _ON_EDGE
+    at_two_points = mode.in_slot and is_supported(mode) and is_beside(mode)
+    held = at_two_points and mode.support_slip == STICKING and mode.side_slip == STICKING
+    if outcome == _HORIZON_REACHED and not held:
+        return outcome, reason
+    if at_two_points and is_wedged(q, p, mode):
+        return _JAMMED, _WEDGED
+    return _JAMMED, _LACK_OF_FORCE

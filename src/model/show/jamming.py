@@ -1,0 +1,87 @@
+"""Picture of jamming: how parts end that fall into the slot, over tilt at entry and friction."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from model.events.outcomes import Outcome
+from model.show import style
+from model.show.axes import axis_label
+from model.study.jamming import depth_of_two_points, entered, in_jamming_diagram, tilt_at_depth
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+CAPTION = (
+    "Every part that falls into the slot, by its tilt at entry and its friction, a panel for each "
+    "clearance. Above the line friction alone can hold a part between edge and wall: wedging, from "
+    "the geometry of two-point contact. A part to the right of the dashed line touches two points "
+    "before it is deep enough to count as inserted, unless it turns upright on the way. "
+    "Below, the same parts by the loads of press and springs at their tip: outside the square, the "
+    "parallelogram of the jamming diagram, these loads cannot drive a part on at two points."
+)
+WEDGED, TWO_POINTS = "wedging limit $μ = h/d$", "two-point contact at the depth asked for"
+DIAGRAM = "border of the jamming diagram"
+_LOOKS: Mapping[Outcome, Mapping[str, Any]] = {
+    Outcome.INSERTED: {"color": style.SKY_BLUE, "marker": "o", "label": "inserted"},
+    Outcome.JAMMED: {"color": style.VERMILLION, "marker": "X", "label": "jammed"},
+    Outcome.CLIMBED_OUT: {"color": style.PURPLE, "marker": "^", "label": "climbed out"},
+}
+_OTHER: Mapping[str, Any] = {"color": style.GREY, "marker": "+", "label": "another end"}
+_SQUARE = (-1.0, 1.0, 1.0, -1.0, -1.0), (-1.0, -1.0, 1.0, 1.0, -1.0)
+_LEAST = 1e-3  # rad, where the lines begin
+
+
+def draw_jamming(dataset: "xr.Dataset") -> Figure:
+    """Draw two panels for each clearance: outcomes as marks, closed forms as lines."""
+    with style.context():
+        figure = style.new_figure(height=15.0 * style.CENTIMETRE)
+        clearances, friction = dataset["clearance"].values, dataset["friction"]
+        panels, diagrams = figure.subplots(
+            2, clearances.size, squeeze=False, sharex="row", sharey="row"
+        )
+        tilt = np.linspace(_LEAST, _widest(dataset), 200)
+        depth = dataset["insertion_depth"].values.max() / (2.0 * float(dataset["half_width"]))
+        sideways, turning = in_jamming_diagram(dataset)
+        for k, clearance in enumerate(clearances):
+            part, above, below = dataset.sel(clearance=clearance), panels[k], diagrams[k]
+            above.set_title(f"δ = {clearance:g}", loc="left")
+            entry = part["tilt_at_alignment"].values
+            _draw_ends(above, part, entry, np.broadcast_to(friction.values, entry.shape))
+            above.plot(tilt, depth_of_two_points(tilt, clearance), color=style.BLACK, label=WEDGED)
+            at = tilt_at_depth(depth, clearance)
+            above.axvline(at, color=style.BLACK, linestyle="--", linewidth=0.9, label=TWO_POINTS)
+            above.set_xlabel("tilt at entry (rad)")
+            _draw_ends(below, part, sideways[k], turning[k])
+            below.plot(*_SQUARE, color=style.BLACK, linewidth=1.4, label=DIAGRAM)
+            below.set_xlabel("$μ F_x / F_z$")
+        panels[0].set_xlim(0.0, tilt[-1])
+        panels[0].set_ylim(0.0, 1.08 * float(friction.max()))
+        panels[0].set_ylabel(axis_label(friction))
+        diagrams[0].set_ylabel("$[M / (r F_z) + μ (1 + λ) F_x / F_z] / λ$")
+        found = {str(each.get_label()): each for axes in figure.axes for each in axes.lines}
+        looks = *_LOOKS.values(), _OTHER
+        named = *(look["label"] for look in looks), WEDGED, TWO_POINTS, DIAGRAM
+        handles = [found[label] for label in named if label in found]
+        figure.legend(handles=handles, loc="outside lower center", ncols=3)
+        return figure
+
+
+def _draw_ends(axes: Axes, part: "xr.Dataset", x: Array, y: Array) -> None:
+    outcome, rest = part["outcome"].values, entered(part)
+    for end, look in (*_LOOKS.items(), (None, _OTHER)):
+        chosen = rest & (outcome == end) if end is not None else rest
+        rest = rest & ~chosen
+        if chosen.any():
+            axes.plot(x[chosen], y[chosen], linestyle="none", markersize=3.5, **look)
+
+
+def _widest(dataset: "xr.Dataset") -> float:
+    tilt = dataset["tilt_at_alignment"].values[entered(dataset)]
+    return 1.08 * float(tilt.max()) if tilt.size else 0.5

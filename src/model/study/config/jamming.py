@@ -1,0 +1,20 @@
+"""Jamming in the slot over friction, clearance and tilt at entry."""
+
+from pydantic import Field
+
+from model.study.config.base import Axis, Family, ParameterValues, Strict, Text
+
+
+class Jamming(Strict):
+    """Runs that are followed into the slot; see model/study/jamming.py."""
+
+    title: Text
+    """Title of the figure."""
+    held: ParameterValues = Field(default_factory=dict)
+    """Parameters held at other values than the operating point's."""
+    clearance: Family
+    """Clearances, a panel each."""
+    tilt_stiffness: Axis
+    """Tilt stiffness, which varies the tilt at entry."""
+    friction: Axis
+    """Friction."""

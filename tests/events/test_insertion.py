@@ -1,0 +1,112 @@
+"""The insertion scene: the same alignment, and both engines agree on what follows."""
+
+import numpy as np
+import pytest
+
+from model import INSERTION, Batch, Outcome, Settings, align, simulate
+from model.events.outcomes import InSlot, Reason
+from model.runs.align import run_once
+from model.runs.slot import ends_in_slot
+
+SETS = 96
+
+
+@pytest.fixture(scope="module")
+def batch(device):
+    """Random sets of which most align; several do not go in."""
+    rng = np.random.default_rng(1023)
+    return Batch.stack([
+        device.replace(
+            half_height=rng.uniform(1.0, 2.0), inertia=rng.uniform(1.0, 4.0),
+            tilt_damping=rng.uniform(0.5, 2.0), lateral_damping=rng.uniform(0.1, 0.6),
+            press_force=rng.uniform(1.0, 5.0), tilt_stiffness=rng.uniform(5.0, 30.0),
+            frequency=rng.uniform(0.3, 3.0), friction=rng.uniform(0.02, 0.3),
+            initial_tilt=rng.uniform(0.0, 0.02), contact_damping=rng.uniform(0.5, 2.0),
+            lateral_stiffness=rng.uniform(0.3, 2.0), rest_x=rng.uniform(-0.6, 0.6),
+        )
+        for _ in range(SETS)
+    ])  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def by_engine(batch):
+    return [
+        align(batch, scene=INSERTION, engine=name, horizon=80.0, cores=1)
+        for name in ("scalar", "batch")
+    ]
+
+
+def test_parts_go_in_and_touch_both_sides(by_engine):
+    scalar, _ = by_engine
+    inserted = scalar.outcome == Outcome.INSERTED
+    assert inserted.sum() > SETS // 3
+    assert (scalar.tau_inserted[inserted] > 0.0).all()
+    assert np.isnan(scalar.tau_inserted[~inserted]).all()
+    assert (scalar.side_force_max[inserted] > 0.0).sum() > SETS // 4
+
+
+def test_both_engines_agree(by_engine):
+    scalar, batch = by_engine
+    same = ~(scalar.sensitive | batch.sensitive)
+    assert same.mean() > 0.9
+    assert (scalar.outcome == batch.outcome)[same].all()
+    error = scalar.insertion_error + batch.insertion_error + scalar.tau_error + batch.tau_error
+    both = same & (scalar.outcome == Outcome.INSERTED)
+    apart = np.abs(scalar.tau_inserted - batch.tau_inserted)[both]
+    assert (apart <= 10.0 * error[both]).all()
+    # The reference engine computes forces from samples.
+    met = both & (scalar.side_force_max > 0.0)
+    share = scalar.side_force_max[met] / batch.side_force_max[met]
+    assert share == pytest.approx(1.0, abs=0.02)
+    assert np.median(share) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_alignment_is_that_of_the_alignment_scene(batch):
+    settings = Settings(horizon=80.0)
+    before = run_once(batch, settings)
+    after = run_once(batch, Settings(scene=INSERTION, horizon=80.0))
+    same = before["tau_align"] == pytest.approx(after["tau_align"], abs=1e-9, nan_ok=True)
+    assert same
+    left = before["outcome"] != Outcome.ALIGNED
+    assert (before["outcome"] == after["outcome"])[left].all()
+
+
+def test_aligned_runs_are_followed_into_the_slot(batch, by_engine):
+    settings = Settings(horizon=80.0)
+    outcome = run_once(batch, settings)["outcome"]
+    ends, (_, followed) = ends_in_slot(batch, outcome, settings), by_engine
+    aligned = outcome == Outcome.ALIGNED
+    assert ((ends == InSlot.NOT_ALIGNED) == ~aligned).all()
+    assert (ends == followed.outcome)[aligned].all()
+    assert set(np.unique(ends)) <= set(InSlot)
+
+
+def test_depth_and_forces_over_time(device):
+    run = simulate(device, scene=INSERTION)
+    assert run.outcome is Outcome.INSERTED
+    reach = 0.5 * device.press_force
+    assert run.depth[-1] == pytest.approx(min(reach, device.half_width), rel=1e-7)
+    fallen = run.time > run.tau_align
+    forces = np.maximum(run.side_force, run.right_force)[fallen]
+    assert forces.max() == pytest.approx(run.side_force_max, rel=0.02)
+    assert run.time[-1] == pytest.approx(run.tau_align + run.tau_inserted, rel=1e-12)
+
+
+def test_a_deeper_insertion_than_the_press_reaches_is_no_insertion(device):
+    run = simulate(device, scene=INSERTION, insertion_depth=3.0 * device.press_force, horizon=100.0)
+    assert run.outcome in (Outcome.JAMMED, Outcome.HORIZON_REACHED)
+    assert np.isnan(run.tau_inserted)
+    if run.outcome is Outcome.JAMMED:
+        assert run.reason is Reason.LACK_OF_FORCE
+        assert "insertion_depth" in run.remedy
+
+
+@pytest.mark.parametrize("depth", [0.0, -1.0, float("nan")])
+def test_an_insertion_depth_that_is_not_positive_is_refused(depth):
+    with pytest.raises(ValueError, match="insertion_depth"):
+        Settings(scene=INSERTION, insertion_depth=depth)
+
+
+def test_runs_cannot_end_at_alignment():
+    with pytest.raises(ValueError, match="alignment_only"):
+        Settings(scene=INSERTION, alignment_only=True)
