@@ -15,6 +15,7 @@ class Row:
     """A line of the table; NaN where there is no number, and then a remark says why.
 
     ``ratio`` is the method's time over that of the package's first engine at the same target.
+    ``events`` are those of a trajectory, in the mean; each has its share of the time.
     """
 
     problem: str
@@ -27,6 +28,8 @@ class Row:
     evaluations: float
     ratio: float
     nanoseconds_per_evaluation: float
+    events: float
+    nanoseconds_per_event: float
     remark: str
 
 
@@ -69,6 +72,8 @@ def _row(setting: Setting, microseconds: float, evaluations: float, reference: f
         evaluations=evaluations,
         ratio=microseconds / reference,
         nanoseconds_per_evaluation=1e3 * microseconds / evaluations,
+        events=setting.problem.events,
+        nanoseconds_per_event=1e3 * microseconds / setting.problem.events,
         remark=setting.reason,
     )
 
@@ -81,10 +86,13 @@ def text(table: Sequence[Row]) -> str:
     for row in table:
         group = (row.problem, row.target_error)
         if group != last:
-            lines += ["", f"{row.problem}, true error {row.target_error:g}"]
+            lines += [
+                "",
+                f"{row.problem}, true error {row.target_error:g}, {row.events:,.1f} events",
+            ]
             lines.append(
                 f"  {'method':{width}}  {'µs/traj.':>12}  {'ratio':>8}  {'evaluations':>11}"
-                f"  {'ns/eval.':>8}  {'tolerance':>9}  {'error':>7}"
+                f"  {'ns/eval.':>8}  {'ns/event':>9}  {'tolerance':>9}  {'error':>7}"
             )
             last = group
         lines.append(f"  {row.method:{width}}  " + _numbers(row))
@@ -97,6 +105,7 @@ def _numbers(row: Row) -> str:
     return (
         f"{row.microseconds:12,.1f}  {row.ratio:8,.2f}  {_or_dash(row.evaluations, '11,.0f')}"
         f"  {_or_dash(row.nanoseconds_per_evaluation, '8,.1f')}"
+        f"  {row.nanoseconds_per_event:9,.0f}"
         f"  {row.tolerance:9.1e}  {row.true_error:7.0e}"
     )
 

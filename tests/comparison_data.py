@@ -38,7 +38,7 @@ MADE_UP = {
 def timed_settings() -> list[TimedSetting]:
     """Made-up settings: only the located method gets to 1e-8; RK4 to 1e-5 in one case."""
     return [
-        TimedSetting(case, method, resolution, error, evaluations, verdict, microseconds)
+        TimedSetting(case, method, resolution, error, evaluations, verdict, microseconds, 8)
         for method, by_case in MADE_UP.items()
         for case, ladder in by_case.items()
         for resolution, error, evaluations, verdict, microseconds in ladder

@@ -127,6 +127,11 @@ class Problem:
         runs = align(self.cases, settings, cores=1, engine="scalar")
         return runs.tau_align[:, np.newaxis]
 
+    @cached_property
+    def events(self) -> float:
+        """Events that are located in a trajectory, in the mean of the cases."""
+        return float(run_once(Batch.stack(self.cases), self.settings)["events"].mean())
+
     def answers(self, solution: Solution) -> Floats:
         """Return what is compared, shape (cases, answers): alignment times, or states in a row."""
         if self.checkpoints:

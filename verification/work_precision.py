@@ -46,9 +46,13 @@ class Setting:
 
 @dataclass(frozen=True)
 class TimedSetting(Setting):
-    """A setting with the CPU time of one trajectory, NaN where it has no right outcome."""
+    """A setting with the CPU time of one trajectory, NaN where it has no right outcome.
+
+    ``events`` are located in the trajectory by methods that locate events.
+    """
 
     microseconds: float
+    events: int
 
 
 @dataclass(frozen=True)
@@ -139,6 +143,7 @@ def deviation_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
 def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Iterator[TimedSetting]:
     """Yield a method's settings on one case, coarse to fine, until one costs too much."""
     problem, how = problem_of(plan, case), METHODS[method]
+    events = round(problem.events)
     warm = False  # the first run may load or compile what the others find ready
     for resolution in plan.ladder.steps if how.fixed else plan.ladder.tolerances:
         started = time.thread_time()
@@ -155,7 +160,9 @@ def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Itera
             microseconds = cpu_microseconds(work, how.batch, known)
         warm = True
         evaluations = solution.evaluations or 0
-        yield TimedSetting(case, method, resolution, error, evaluations, verdict, microseconds)
+        yield TimedSetting(
+            case, method, resolution, error, evaluations, verdict, microseconds, events
+        )
         if verdict == Verdict.TOO_MANY_EVALUATIONS:
             return
 

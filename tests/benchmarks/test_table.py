@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 from benchmarks.table import rows, text, write
-from model import Settings
+from model import Settings, simulate
 from verification.equal_error import Cost, Setting
 from verification.methods import Method
 from verification.problems import W1, Problem
@@ -40,11 +40,13 @@ def test_ratios_are_to_the_first_method_of_the_same_problem_and_target() -> None
     ]
     assert [row.ratio for row in table if row.method != "late"] == [0.25, 1.0, 1.0, 4.0]
     assert table[0].nanoseconds_per_evaluation == 50.0
+    assert table[0].nanoseconds_per_event == 1e3 / table[0].events
+    assert table[0].events == simulate(W1, horizon=1.0).events > 0
 
 
 def test_the_text_says_why_a_method_has_no_number() -> None:
     lines = text(rows(COSTS, MISSED, ORDER)).splitlines()
-    assert lines[0] == "W1, true error 1e-08"
+    assert lines[0] == f"W1, true error 1e-08, {COSTS[2].setting.problem.events:.1f} events"
     (late,) = [line for line in lines if "late" in line]
     assert late.endswith("not reached: out of time")
     assert sum("theirs" in line for line in lines) == 2

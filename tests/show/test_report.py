@@ -263,7 +263,7 @@ def test_speed_against_error_is_told_in_sentences_pictures_and_tables(
     # The made-up rungs of conftest: RK4 reaches 1e-5 in the first case only, and 1e-8 in none.
     rows = re.findall(r"<tr><td>RK4, fixed steps</td>(.*?)</tr>", part, re.DOTALL)
     cells = [re.findall(r'<td class="n">(.*?)</td>', row) for row in rows]
-    assert cells == [["4,000<br>200 µs", "–", "–", "–"], ["–"] * 4]
+    assert cells == [["4,000<br>200 µs<br>25,000 ns", "–", "–", "–"], ["–"] * 4]
     counts = re.findall(r"<tr><td>Fig. 6</td>(.*?)</tr>", part, re.DOTALL)[0]
     assert re.findall(r"<td[^>]*>(.*?)</td>", counts) == ["RK4", "0.01", "8", "1", "2", "1"]
 

@@ -221,8 +221,8 @@ def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float])
 
 def test_timings_survive_the_disk(tmp_path: Path) -> None:
     settings = [
-        TimedSetting("aligned", "rk4_fixed", 0.01, 1.234e-3, 100, Verdict.RIGHT_OUTCOME, 12.3),
-        TimedSetting("bouncing", "scipy_radau", 1e-4, math.nan, 5, Verdict.FAILED, math.nan),
+        TimedSetting("aligned", "rk4_fixed", 0.01, 1.234e-3, 100, Verdict.RIGHT_OUTCOME, 12.3, 7),
+        TimedSetting("bouncing", "scipy_radau", 1e-4, math.nan, 5, Verdict.FAILED, math.nan, 7),
     ]
     path = tmp_path / "precision.csv"
     path.write_text(timings_table(settings), encoding="utf-8")

@@ -72,7 +72,10 @@ def _needed(settings: Sequence[TimedSetting], target: float, titles: Mapping[str
 def _cell(need: Need | None) -> str:
     if need is None:
         return "–"
-    return Markup("{:,}<br>{:,.0f} µs").format(need.rhs_evaluations, need.microseconds)
+    each = 1e3 * need.microseconds / need.events
+    return Markup("{:,}<br>{:,.0f} µs<br>{:,.0f} ns").format(
+        need.rhs_evaluations, need.microseconds, each
+    )
 
 
 def _wrong(datasets: "Mapping[str, xr.Dataset]") -> Table:

@@ -234,6 +234,7 @@ class Need:
     rhs_evaluations: int
     microseconds: float
     resolution: float
+    events: int
 
 
 def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, str], Need]:
@@ -259,7 +260,7 @@ def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, st
             if kept:
                 least = min(kept, key=lambda setting: setting.rhs_evaluations)
                 found[method, case] = Need(
-                    least.rhs_evaluations, least.microseconds, least.resolution
+                    least.rhs_evaluations, least.microseconds, least.resolution, least.events
                 )
     return found
 
