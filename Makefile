@@ -11,6 +11,7 @@
 # make truth      alignment times against heyoka and MuJoCo, and insertion against MuJoCo, in the environment of the benchmark
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
+# make bench-study  the whole study from an empty cache against its graph with empty jobs
 # make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
 # make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
@@ -52,7 +53,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy identification fuzz
 .PHONY: test lint types floors workflow unit environment python lock schema
-.PHONY: yields truth bench nightly same-bytes browser-test script-types export-test slurm-test efficiency docs
+.PHONY: yields truth bench bench-study nightly same-bytes browser-test script-types export-test slurm-test efficiency docs
 .PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -162,6 +163,9 @@ nightly: environment
 # PYTHONPATH in place of an installation: the environment holds other people's packages only.
 bench: environment-bench
 	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
+
+bench-study: environment
+	$(in_env) python -m benchmarks.study --cores $(CORES) $(BENCH_FLAGS)
 
 TRUTH_FLAGS ?=
 truth: environment-bench

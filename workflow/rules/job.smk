@@ -45,6 +45,7 @@ def job(
     mem_mb=2000,
     local=False,
     reported=None,
+    priority=0,
 ):
     """Define the rule of a job, which calls the function in jobs/NAME.py.
 
@@ -65,6 +66,8 @@ def job(
             further attempt has twice the time and the memory.
         mem_mb: memory on a cluster, in MB, at least twice the greatest of the full study.
         local: run beside Snakemake on a cluster, too: of jobs that draw, merge or index.
+        priority: of jobs that may run; the longest jobs and chains have the highest, to end with the
+            others.
         reported: category and caption (in workflow/report/) of the first output in
             `snakemake --report`.
     """
@@ -106,6 +109,7 @@ def job(
             root / f"logs/{run}.log",
         wildcard_constraints:
             **wildcards,
+        priority: priority
         localrule: local
         conda:
             "../envs/study.yaml"

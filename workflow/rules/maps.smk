@@ -21,6 +21,7 @@ job(
     after_kernels,
     dict(**plan, part=lambda wildcards: int(wildcards.chunk), parts=study.maps.chunks),
     message="map {wildcards.map}: computing part {wildcards.chunk}",
+    priority=1,
 )
 
 job(

@@ -14,6 +14,7 @@ job(
     after_kernels,
     dict(code=code("unlocated_kernels")),
     message="compiling the kernels without event location",
+    priority=3,
 )
 after_unlocated = dict(after=root / "data/unlocated_kernels.json")
 
@@ -25,6 +26,7 @@ job(
     after_unlocated,
     dict(plan=precision_plan(study)),
     message="comparing the methods: error, evaluations and CPU time",
+    priority=2,
 )
 
 job(
@@ -33,6 +35,7 @@ job(
     after_unlocated,
     dict(plan=hard_cases_plan(study)),
     message="every method on every hard case",
+    priority=2,
 )
 
 job(

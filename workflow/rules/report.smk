@@ -27,6 +27,7 @@ job(
     after_kernels,
     message="compiling the engines for the explorer",
     minutes=10,
+    priority=1,
 )
 job(
     "explorer",

@@ -1,0 +1,88 @@
+"""Time of the whole study against its graph of jobs alone: ``python -m benchmarks.study``.
+
+Both run in fresh clones of the last commit with an empty cache of kernels: once as it is, and once
+with jobs that only make their files, so that what is left is Snakemake and the start of processes.
+"""
+
+import argparse
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import perf_counter
+
+_ROOT = Path(__file__).resolve().parents[1]
+_EMPTY_JOB = """#!{python} -IS
+import json, pathlib, sys
+request, files = map(json.loads, sys.argv[2:])
+for made in (request["record"], *files["outputs"].values()):
+    for each in [made] if isinstance(made, str) else made:
+        if each:
+            pathlib.Path(each).touch()
+"""
+
+
+def seconds(folder: Path, snakemake: list[str], empty: bool) -> float:
+    """Return the time of a run of the study in a clone in ``folder``.
+
+    Raises:
+        RuntimeError: the run failed, with the end of what it printed.
+    """
+    clone, tools = folder / "clone", Path(sys.executable).parent
+    subprocess.run(["git", "clone", "--quiet", _ROOT, clone], check=True)
+    if empty:
+        tools = folder / "tools"
+        tools.mkdir()
+        (tools / "python").write_text(_EMPTY_JOB.format(python=sys.executable), encoding="utf-8")
+        (tools / "python").chmod(0o755)
+    surroundings = {
+        **os.environ,
+        "PATH": f"{tools}:{os.environ['PATH']}",
+        "PYTHONPATH": str(clone / "src"),
+        "VIBRALIGN_CACHE": str(folder / "cache"),
+    }
+    started = perf_counter()
+    command = [sys.executable, "-m", "snakemake", *snakemake]
+    run = subprocess.run(
+        command, cwd=clone, env=surroundings, capture_output=True, text=True, check=False
+    )
+    spent = perf_counter() - started
+    if run.returncode:
+        raise RuntimeError(f"{' '.join(command)} failed\n{run.stderr[-3000:]}")
+    return spent
+
+
+def by_rule(results: Path) -> list[str]:
+    """Return the jobs' seconds by rule, the longest first."""
+    spent: dict[str, list[float]] = {}
+    with (results / "runs.csv").open(encoding="utf-8", newline="") as table:
+        for row in csv.DictReader(table):
+            spent.setdefault(row["rule"], []).append(float(row["wall_seconds"] or 0.0))
+    longest = sorted(spent.items(), key=lambda each: -sum(each[1]))
+    return [f"{sum(each):8.1f} s  {rule} ({len(each)})" for rule, each in longest]
+
+
+def main() -> None:
+    """Print both times and their ratio."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.study", description=__doc__)
+    parser.add_argument("--cores", default="2")
+    parser.add_argument("--smoke", action="store_true", help="the small study")
+    arguments = parser.parse_args()
+    snakemake = [f"-c{arguments.cores}"]
+    if arguments.smoke:
+        snakemake += ["--configfile", "config/smoke.yaml"]
+    times = {}
+    for name, empty in (("empty jobs", True), ("study", False)):
+        with tempfile.TemporaryDirectory() as folder:
+            times[name] = seconds(Path(folder), snakemake, empty)
+            if not empty:
+                results = Path(folder, "clone", "results-smoke" if arguments.smoke else "results")
+                print("\n".join(by_rule(results)))
+        print(f"{name}: {times[name]:.0f} s", flush=True)
+    print(f"ratio: {times['study'] / times['empty jobs']:.2f}")
+
+
+if __name__ == "__main__":
+    main()
