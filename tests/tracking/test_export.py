@@ -187,7 +187,7 @@ def test_a_validator_accepts_the_crate_and_sees_a_missing_action(built, tmp_path
     assert [each["actionStatus"] for each in actions] == ["http://schema.org/FailedActionStatus"]
     assert "plot/fig06: ValueError: no such colour" in actions[0]["error"]
     assert (crate / "data/fig06.nc").is_file()
-    assert (crate / "workflow/rules/compute.smk").is_file()
+    assert (crate / "workflow/rules/figures.smk").is_file()
     del actions[0]["instrument"]
     metadata.write_text(json.dumps(graph), encoding="utf-8")
     assert any("instrument" in each for each in issues(crate, cache)), "the validator can fail"
