@@ -12,7 +12,7 @@ from model.study.assessment.assess import impact_speed
 from model.study.assessment.leeways import FINEST, STEP, STEPS, VARIED, leeways, nearest
 from model.study.config import Ensemble
 from model.study.devices import load_device, read_device
-from model.study.starts import from_every_start, starts_of
+from model.study.starts import are_reliable, starts_of
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)
@@ -90,7 +90,7 @@ def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device):
     assert bounded
     for leeway in bounded:
         values = {leeway.parameter: np.array([leeway.high, leeway.high * (1.0 + FINEST)])}
-        reliable = from_every_start(device, values, starts, COARSE).reliable
+        reliable = are_reliable(device, values, starts, COARSE)
         assert reliable.tolist() == [True, False], leeway.parameter
 
 
@@ -104,7 +104,7 @@ def test_an_unreliable_device_is_reliable_at_its_nearest_values(device):
     for each in found.nearest:
         ends = [end for end in (each.below, each.above) if end is not None]
         values = {each.parameter: np.array(ends)}
-        assert from_every_start(device, values, starts, COARSE).reliable.all(), each.parameter
+        assert are_reliable(device, values, starts, COARSE).all(), each.parameter
 
 
 def verdict(stiffness, restitution=0.5, aligned=8, worst=3.0):

@@ -6,7 +6,6 @@ Neither can be controlled: a *reliable* device aligns within the horizon from ev
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,33 +29,6 @@ def starts_of(device: Parameters, ensemble: Ensemble) -> list[dict[str, float]]:
     ]
 
 
-@dataclass(frozen=True)
-class FromEveryStart:
-    """Results of devices from every start, one run each.
-
-    Attributes:
-        aligned: True where a run aligns, shape (devices, starts).
-        tau_align: alignment time, NaN where a run does not align, same shape.
-        rhs_evaluations: sum over the starts, shape (devices,).
-    """
-
-    aligned: NDArray[np.bool_]
-    tau_align: NDArray[np.float64]
-    rhs_evaluations: NDArray[np.int64]
-
-    @property
-    def reliable(self) -> NDArray[np.bool_]:
-        """Devices that align from every start, shape (devices,)."""
-        found: NDArray[np.bool_] = np.logical_and.reduce(self.aligned, axis=1)
-        return found
-
-    @property
-    def tau_worst(self) -> NDArray[np.float64]:
-        """Longest duration of a reliable device, NaN of another; shape (devices,)."""
-        found: NDArray[np.float64] = self.tau_align.max(axis=1)
-        return found
-
-
 # Outcomes of a run in which the part goes in.
 GOES_IN = (Outcome.ALIGNED, Outcome.INSERTED)
 
@@ -76,22 +48,20 @@ def every_start(
     return {**shaped, "goes_in": np.isin(shaped["outcome"], GOES_IN)}
 
 
-def from_every_start(
+def are_reliable(
     device: Parameters,
     swept: Mapping[str, NDArray[np.float64]],
     starts: Starts,
     settings: Settings,
     cores: int = 1,
-) -> FromEveryStart:
-    """Run ``device`` with the parameters ``swept``, each of shape (devices,), from every start.
+) -> NDArray[np.bool_]:
+    """Return which devices go in from every start, shape (devices,).
+
+    They are ``device`` with the parameters ``swept``, each of shape (devices,).
 
     Raises:
         ValueError: as ``Batch.of``.
     """
-    settings = settings.quickest
-    found = every_start(Batch.of(device, **swept), starts, settings, cores)
-    return FromEveryStart(
-        aligned=found["goes_in"],
-        tau_align=np.where(found["goes_in"], found["tau_align"], np.nan),
-        rhs_evaluations=found["rhs_evaluations"].sum(axis=1).astype(np.int64),
-    )
+    found = every_start(Batch.of(device, **swept), starts, settings.quickest, cores)
+    reliable: NDArray[np.bool_] = np.logical_and.reduce(found["goes_in"], axis=1)
+    return reliable

@@ -20,7 +20,7 @@ from model.runs.simulate import Trajectory, simulate_once
 from model.study.assessment.leeways import Leeway, Nearest, leeways, nearest
 from model.study.config import Ensemble, load_study, study_path
 from model.study.devices import StatedDevice
-from model.study.starts import Starts, every_start, from_every_start, starts_of
+from model.study.starts import Starts, are_reliable, every_start, starts_of
 
 DECADES = (1e2, 1e3, 1e4, 1e5, 1e6)  # contact stiffness, in axial stiffnesses
 RESTITUTIONS = (0.3, 0.8)  # tried where no impact is stated
@@ -194,12 +194,12 @@ def _reliable(
     cores: int,
 ) -> NDArray[np.bool_]:
     """Return where the device is reliable; the other starts only where a few of them align."""
-    reliable = from_every_start(device, swept, starts[::_FEW], settings, cores).reliable
+    reliable = are_reliable(device, swept, starts[::_FEW], settings, cores)
     left = np.flatnonzero(reliable)
     others = [start for i, start in enumerate(starts) if i % _FEW]
     if left.size and others:
         some = {name: values[left] for name, values in swept.items()}
-        reliable[left] = from_every_start(device, some, others, settings, cores).reliable
+        reliable[left] = are_reliable(device, some, others, settings, cores)
     return reliable
 
 
