@@ -73,5 +73,6 @@ job(
     dict(pictures=pictures(root / "figures/jamming")),
     dict(data=root / "data/jamming.nc"),
     message="drawing jamming in the slot",
+    reported=("Claims", "jamming"),
     local=True,
 )
