@@ -125,9 +125,9 @@ unit: environment
 browser-test: environment
 	$(call check,pytest -m browser -rs tests/show/explorer)
 
-# Types of the explorer's scripts, from their comments, where npm can fetch the checker.
+# Types of the explorer's scripts, from their comments, and what is unused, where npm can fetch the checker.
 script-types:
-	npx --yes --package typescript@5.9.3 tsc --noEmit --strict --checkJs --allowJs --target es2022 \
+	npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
 		--lib es2022,dom,dom.iterable src/model/show/explorer/*.js
 
 export-test: environment-export

@@ -1,6 +1,7 @@
 """``vibralign explore`` and ``simulate --animate``: files, and refusals before anything is made."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,10 @@ def test_a_device_gets_a_page_in_its_units(tmp_path, capsys):
         cli.main(["explore", "--device", PEG, "--set", "press_force=12", "--out", str(page)]) == 0
     )
     assert str(page) in capsys.readouterr().out
+    assert not re.search(r'(src|href)="(?!data:)|https?://', page.read_text(encoding="utf-8"))
+    again = tmp_path / "again.html"
+    cli.main(["explore", "--device", PEG, "--set", "press_force=12", "--out", str(again)])
+    assert again.read_bytes() == page.read_bytes()
     assert model_in(page)["baseline"]["press_force"] == pytest.approx(12.0)
     assert model_in(page)["device"] == PEG
 

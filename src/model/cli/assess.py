@@ -26,7 +26,7 @@ from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.simulate import simulate
 from model.runs.twin import twin_words
-from model.show.si import in_words, range_words, scale, si_list
+from model.show.si import in_words, quantity_of, range_words, scale, si_list, si_words
 from model.study.config import load_study, study_path
 
 if TYPE_CHECKING:
@@ -291,7 +291,10 @@ def _yield_report(
             _line("worst corner", "no combination within the tolerances was found to fail")
         )
     else:
-        off = ", ".join(f"{name} = {value:.6g}" for name, value in corner.quantities.items())
+        off = ", ".join(
+            f"{name} = {si_words(value, quantity_of(name))}"
+            for name, value in corner.quantities.items()
+        )
         words = f"{off}: fails at {100.0 * corner.distance:.3g} % of the tolerances"
         lines += [_line("worst corner", words), f"  {corner.command(stated)}"]
     return lines

@@ -48,7 +48,7 @@ def add(commands: Any) -> None:
         "fastest.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
-    add_model_options(parser)
+    add_model_options(parser, scene="insertion")
     add = parser.add_argument
     words = "netCDF file with every setting tried; a search that finds its own continues from it"
     add("--out", type=Path, metavar="FILE", help=words)

@@ -145,22 +145,22 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
     )
     separations: Count = entry(
         "lift-offs of the part from the base before alignment",
-        tolerance=equal_if_aligned, line="{} (lift-offs)".format,
+        tolerance=equal_if_aligned, line=str,
     )  # fmt: skip
     contact_force_max: Real = entry(
         "largest normal force at one place", FORCE, "n", tolerance=of_sampled_force
     )
     sticking_share: Real = entry(
         "share of the time in which the support sticks",
-        tolerance=of_share, line=lambda share: f"{100.0 * share:.3g} % of the time",
+        tolerance=of_share, line=lambda share: f"{100.0 * share:.3g} %",
     )  # fmt: skip
     rhs_evaluations: Count = entry(
         "evaluations of the equations of motion; of all runs of a parameter set",
-        line="{} (of the equations of motion)".format, wide=True,
+        line=str, wide=True,
     )  # fmt: skip
     period: Count = entry(
         "period of a settled motion, in excitation periods; else 0",
-        line=lambda period: f"{period} of the excitation" if period else "",
+        line=lambda period: str(period) if period else "",
     )
     tau_inserted: Real = entry(
         "time from falling in to inserted; NaN where not inserted", TIME,

@@ -118,8 +118,10 @@ class _PartLibrary(JITCodeLibrary):
         self._finalized = True
 
 
-class _PartCompiler(Compiler):
-    """numba's compiler, up to the intermediate code."""
+class PartCompiler(Compiler):
+    """numba's compiler, up to the intermediate code, which it keeps in a ``library``."""
+
+    library: type[JITCodeLibrary] = _PartLibrary
 
     def __init__(
         self,
@@ -132,7 +134,7 @@ class _PartCompiler(Compiler):
         *rest: Any,
     ) -> None:
         flags.no_compile = True
-        library = _PartLibrary(target.codegen(), "part")
+        library = self.library(target.codegen(), "part")
         super().__init__(typing, target, library, args, result, flags, *rest)
 
 
@@ -160,7 +162,7 @@ class _Part(CPUDispatcher):
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         without_wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         super().__init__(
-            function, targetoptions=options | without_wrappers, pipeline_class=_PartCompiler
+            function, targetoptions=options | without_wrappers, pipeline_class=PartCompiler
         )
         self._options = options
         self._whole: _Whole | None = None

@@ -19,7 +19,6 @@ import numba
 from llvmlite import binding as ll
 from numba.core import cgutils, types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.extending import intrinsic
@@ -124,22 +123,8 @@ class _Unoptimised(_Library):
         self._finalized = True
 
 
-class _Compiler(Compiler):
-    """numba's compiler, up to the intermediate code."""
-
-    def __init__(
-        self,
-        typing: Any,
-        target: Any,
-        _library: Any,
-        args: Any,
-        result: Any,
-        flags: Any,
-        *rest: Any,
-    ) -> None:
-        flags.no_compile = True
-        library = _Unoptimised(target.codegen(), "webassembly")
-        super().__init__(typing, target, library, args, result, flags, *rest)
+class _Compiler(compiled.PartCompiler):
+    library = _Unoptimised
 
 
 _KEYS = itertools.count(0x1000, 16)

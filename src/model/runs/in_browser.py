@@ -25,6 +25,7 @@ from model.engines.record import keep_result
 from model.engines.results import RunResult
 from model.engines.scalar.loop import Single, Workspace, new_single
 from model.engines.scalar.tableaux import DOP853
+from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
 from model.events.table import EVENTS
 from model.physics.compiled import cache_folder, kernel
@@ -63,6 +64,12 @@ def _resolved(name: str) -> str:
     place = {each: f"given[{n}]" for n, each in enumerate(PARAMETER_NAMES)}
     if name == "slot_half_width":
         return f"{place['half_width']} * (1.0 + {place['clearance']})"
+    if name == "insertion_depth":
+        relaxed = (
+            f"(0.0 if isnan({place['rest_y']}) else {place['rest_y']} - {place['half_height']})"
+        )
+        reach = f"0.5 * ({place['press_force']} - {relaxed})"
+        return f"min(max({reach}, 0.0), {place['half_width']})"
     if name not in place:
         return repr(_USUAL[name])
     given, derived = place[name], FIELDS[name].derived
@@ -177,7 +184,7 @@ class Modules(NamedTuple):
     interface: dict[str, Any]
 
 
-def interface(scene: Scene = ALIGNMENT) -> dict[str, Any]:
+def interface(scene: Scene = INSERTION) -> dict[str, Any]:
     """Return the names and numbers by which a page calls the engines and reads their results."""
     return {
         "parameters": PARAMETER_NAMES,
@@ -190,10 +197,10 @@ def interface(scene: Scene = ALIGNMENT) -> dict[str, Any]:
     }
 
 
-def _compile(folder: Path, scene: Scene = ALIGNMENT) -> None:
-    """Write the modules and their interface into ``folder``."""
-    made = _scalar(scene), _batch(scene)
-    table = interface(scene) | {"functions": {}}
+def _compile(folder: Path) -> None:
+    """Write the modules and their interface into ``folder``: a run goes on into the slot."""
+    made = _scalar(INSERTION), _batch(ALIGNMENT)
+    table = interface() | {"functions": {}}
     compiled = compile_modules([function for function, _ in made])
     for (function, size), module in zip(made, compiled, strict=True):
         table["functions"][function.name] = {"stack": module.stack, "memory": size}

@@ -27,7 +27,7 @@ MODEL_LIMITS = (
     "It is a model of one plane: a round part may also turn about the other axis.",
     "Friction is dry, with one coefficient for rest and motion; springs and dampers are linear.",
     "The base is a spring with a damper at the contact, and moves nowhere else.",
-    "A run ends when the part falls in; whether it then jams is another question.",
+    "A part is in at half the depth to which the press pushes it; what lies below is not modelled.",
     "The robot holds still: no path error, no control of force.",
 )
 

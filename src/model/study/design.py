@@ -177,7 +177,8 @@ class Search:
         """Hash of all that the results depend on."""
         whole = asdict(replace(self.stated, source=None, changes={}))  # type: ignore[arg-type]
         whole |= {"starts": list(self.starts), "seed": self.seed, "points": (POINTS, HALVINGS)}
-        whole |= {"tolerance": self.run_settings.tolerance, "horizon": self.run_settings.horizon}
+        run = self.run_settings
+        whole |= {"run": (run.scene.name, run.tolerance, run.horizon)}
         text = json.dumps(whole, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -4,6 +4,7 @@ import io
 import json
 import shlex
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from PIL import Image
 
 from model.cli import main as cli
+from model.events.insertion import INSERTION
 from model.runs.in_browser import interface, modules
 from model.runs.shown import shown_run
 from model.runs.simulate import simulate
@@ -26,6 +28,7 @@ pytestmark = [
     pytest.mark.skipif(PATH is None, reason="no Chromium is installed; CHROMIUM names one"),
 ]
 STUDY = load_study(study_path())
+SETTINGS = replace(STUDY.settings.settings, scene=INSERTION)
 MAPPED = "explorer.map && (explorer.map.stored || explorer.measured.map)"
 
 
@@ -70,8 +73,9 @@ def results(page: Page) -> dict[str, Any]:
 
 
 def test_opens_with_the_run_of_python(page: Page) -> None:
-    run = simulate(STUDY.parameters("fig05"), STUDY.settings.settings)
+    run = simulate(STUDY.parameters("fig05"), SETTINGS)
     assert results(page)["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
+    assert results(page)["tau_inserted"] == pytest.approx(run.tau_inserted, abs=1e-8)
     assert text(page, "verdict").startswith("Aligned at τ = ")
     assert page.evaluate("explorer.run.track.rows") == len(run.time)
 
@@ -100,7 +104,7 @@ def test_an_address_restores_the_state(page: Page, url: str) -> None:
 def test_without_vibration_is_the_run_at_frequency_0(page: Page) -> None:
     page.evaluate("document.getElementById('vibration').click()")
     still = STUDY.parameters("fig05").replace(frequency=0.0, phase=0.0)
-    run = simulate(still, STUDY.settings.settings)
+    run = simulate(still, SETTINGS)
     assert results(page)["outcome"] == run.outcome
 
 
@@ -154,11 +158,11 @@ def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
     page.press("ArrowUp", 38)
     y = page.evaluate("explorer.state.y")
     assert page.evaluate("explorer.state.values")[y] > after[y]
-    # The node that is nearest to the run has its outcome.
+    # The node that is nearest to the run aligns if the run does.
     agrees = """(() => { const m = explorer.map, v = explorer.state.values, n = m.cells - 1;
         const at = (value, [low, high]) => Math.round(n * (value - low) / (high - low));
         const node = at(v[m.y], m.ys) * m.cells + at(v[m.x], m.xs);
-        return m.outcome[node] === explorer.run.results.outcome; })()"""
+        return (m.outcome[node] === 0) === Number.isFinite(explorer.run.results.tau_align); })()"""
     assert page.evaluate(agrees)
 
 

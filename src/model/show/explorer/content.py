@@ -34,15 +34,36 @@ _MOST_NODES = 257  # along a side of a stored outline
 _EVENT_WORDS: Mapping[str, str] = {
     "aligned": "the edge is past the corner: aligned",
     "corners_inside": "both bottom corners are inside the slot",
-    "face_load": "the load on the edge vanishes: lift-off",
-    "face_gap": "the gap at the edge opens",
-    "face_reload": "the edge presses again",
+    "inserted": "deep enough: inserted",
     "right_edge_enters": "the part lands on the edge",
     "left_edge_enters": "the part lands on the far edge",
-    "side_load": "the far edge no longer presses",
-    "support_slip": "the slip at the edge ends or turns",
-    "side_slip": "the slip at the far edge ends or turns",
+    "right_corner_touches": "the right corner meets its wall",
+    "left_corner_touches": "the left corner meets its wall",
+    "support_slip": "the slip on the right ends or turns",
+    "side_slip": "the slip on the left ends or turns",
 }
+_CHANGES: Mapping[str, str] = {
+    "load": "the load on {} vanishes: lift-off",
+    "gap": "the gap at {} opens",
+    "reload": "{} presses again",
+    "end": "{} is at the end of its face",
+}
+_PLACES: Mapping[str, str] = {
+    "face": "the edge",
+    "corner": "the corner beside the slot",
+    "side": "the left edge",
+    "right_side": "the right edge",
+    "right_wall": "the right corner",
+    "left_wall": "the left corner",
+}
+
+
+def _event_words(name: str) -> str:
+    """Return what an event means, or its name in words."""
+    place, _, change = name.rpartition("_")
+    if place in _PLACES and change in _CHANGES:
+        return _CHANGES[change].format(_PLACES[place])
+    return _EVENT_WORDS.get(name, name.replace("_", " "))
 
 
 @dataclass(frozen=True)
@@ -132,7 +153,7 @@ def _model(
         "outcomes": {int(each): text for each, text in OUTCOME_TEXT.items()},
         "reasons": {int(each): text for each, text in REASON_TEXT.items()},
         "remedies": {f"{o:d},{r:d}": remedy(o, r) for o, r in product(Outcome, Reason)},
-        "events": [_EVENT_WORDS.get(e, e.replace("_", " ")) for e in interface["events"]],
+        "events": [_event_words(each) for each in interface["events"]],
         "panels": [
             {
                 "name": name,

@@ -16,16 +16,18 @@ const OPEN = 0, CLOSED = 1;
 function contactWords(frame) {
   const support = frame.mode_face === CLOSED || frame.mode_corner === CLOSED;
   const words = [];
-  if (support) words.push(frame.mode_support_slip === 0 ? "sticks on the edge" : frame.mode_support_slip < 0 ? "slides to the left" : "slides to the right");
+  if (frame.mode_in_slot && support) words.push(frame.mode_support_slip === 0 ? "sticks to the slot's right side" : "slides on the slot's right side");
+  else if (support) words.push(frame.mode_support_slip === 0 ? "sticks on the edge" : frame.mode_support_slip < 0 ? "slides to the left" : "slides to the right");
   else words.push(frame.mode_dropped ? "falls into the slot" : "in flight");
-  if (frame.mode_side === CLOSED) words.push("touches the slot's other edge");
+  if (frame.mode_side === CLOSED || frame.mode_wall === CLOSED) words.push("touches the slot's left side");
   return words.join(", ");
 }
 
 /** Return the kind of contact: "sticks", "slides" or "flies". @param {Frame} frame */
 function contactKind(frame) {
-  if (frame.mode_face !== CLOSED && frame.mode_corner !== CLOSED) return "flies";
-  return frame.mode_support_slip === 0 ? "sticks" : "slides";
+  const support = frame.mode_face === CLOSED || frame.mode_corner === CLOSED;
+  if (!support && frame.mode_side !== CLOSED && frame.mode_wall !== CLOSED) return "flies";
+  return (support ? frame.mode_support_slip : frame.mode_side_slip) === 0 ? "sticks" : "slides";
 }
 
 /**
@@ -115,18 +117,24 @@ function drawForces(g, place, frame, device, pose, scale) {
     const [x, y] = place(at[0], at[1]);
     arrow(g, [x, y], [x + way[0] * force * scale, y - way[1] * force * scale], colour);
   };
+  /** Return place, normal and tangent of what presses on a side of the slot. @param {number} side 1 right, -1 left @param {boolean} onEdge */
+  const onSide = (side, onEdge) => {
+    if (onEdge) return { at: [side * device.slot_half_width, 0], normal: [-side * c, -side * s], tangent: [side * s, -side * c] };
+    const depth = pose.y + side * device.half_width * s - device.half_height * c;
+    return { at: [side * device.slot_half_width, depth], normal: [-side, 0], tangent: [0, -side] };
+  };
+  /** @param {{at: number[], normal: number[], tangent: number[]}} contact @param {number} load @param {number} friction */
+  const pushBoth = ({ at, normal, tangent }, load, friction) => {
+    push(at, normal, Math.max(load, 0), COLOURS.normal);
+    push(at, tangent, friction, COLOURS.friction);
+  };
   if (frame.mode_face === CLOSED || frame.mode_corner === CLOSED) {
     const onFace = frame.mode_face === CLOSED;
     const corner = [pose.x + (frame.mode_edge || 1) * device.half_width * c + device.half_height * s, 0];
-    const at = onFace ? [edge, 0] : corner;
-    push(at, onFace ? [-s, c] : [0, 1], Math.max(frame.at_support_load, 0), COLOURS.normal);
-    push(at, onFace ? [c, s] : [1, 0], frame.at_support_friction, COLOURS.friction);
+    const below = onFace ? { at: [edge, 0], normal: [-s, c], tangent: [c, s] } : { at: corner, normal: [0, 1], tangent: [1, 0] };
+    pushBoth(frame.mode_in_slot ? onSide(1, onFace) : below, frame.at_support_load, frame.at_support_friction);
   }
-  if (frame.mode_side === CLOSED) {
-    const at = [(frame.mode_side_edge || -1) * device.slot_half_width, 0];
-    push(at, [c, s], Math.max(frame.at_side_load, 0), COLOURS.normal);
-    push(at, [-s, c], frame.at_side_friction, COLOURS.friction);
-  }
+  if (frame.mode_side === CLOSED || frame.mode_wall === CLOSED) pushBoth(onSide(-1, frame.mode_side === CLOSED), frame.at_side_load, frame.at_side_friction);
 }
 
 /**

@@ -5,7 +5,7 @@
  *   tau: Float64Array, outcome: Int8Array, step: Uint8Array, stored: boolean, reliable: Uint8Array | null}} MapData
  */
 
-const UNKNOWN = -1, ALIGNED = 0, SETTLED = 1;
+const UNKNOWN = -1, ALIGNED = 0, SETTLED = 1, INSERTED = 5;
 const FIRST_STEP = 8, CHUNK = 1024;
 const CIVIDIS = [[0, 34, 78], [24, 52, 111], [63, 74, 108], [92, 97, 109], [119, 120, 112], [147, 144, 113], [177, 168, 106], [208, 195, 94], [240, 222, 78], [254, 232, 56]];
 const INSET = { left: 58, right: 10, top: 8, bottom: 40 };
@@ -193,7 +193,7 @@ function drawMap(g, width, height, map, labels, point, outlined) {
   }
   if (map.reliable && outlined) drawReliable(g, map, place);
   g.restore();
-  drawAxes(g, width, height, map, labels, place);
+  drawAxes(g, height, map, labels, place);
   const [px, py] = [place.x(point[0]), place.y(point[1])];
   for (const [line, style] of /** @type {[number, string][]} */ ([[5, "#ffffff"], [2.5, "#D55E00"]])) {
     g.lineWidth = line;
@@ -210,7 +210,7 @@ function drawMap(g, width, height, map, labels, point, outlined) {
 
 /** Draw the outline of the nodes that align from every start. @param {CanvasRenderingContext2D} g @param {MapData} map @param {any} place */
 function drawReliable(g, map, place) {
-  const { cells } = map, reliable = /** @type {Uint8Array} */ (map.reliable);
+  const reliable = /** @type {Uint8Array} */ (map.reliable);
   const n = Math.round(Math.sqrt(reliable.length));
   const [dx, dy] = [place.wide / (n - 1), place.tall / (n - 1)];
   g.beginPath();
@@ -244,8 +244,8 @@ function hatching(g) {
   return /** @type {CanvasPattern} */ (g.createPattern(tile, "repeat"));
 }
 
-/** @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {MapData} map @param {{x: string, y: string}} labels @param {any} place */
-function drawAxes(g, width, height, map, labels, place) {
+/** @param {CanvasRenderingContext2D} g @param {number} height @param {MapData} map @param {{x: string, y: string}} labels @param {any} place */
+function drawAxes(g, height, map, labels, place) {
   g.font = "12px system-ui, sans-serif";
   g.fillStyle = "#333333";
   g.strokeStyle = "#555555";

@@ -152,9 +152,8 @@ function drawPlots(g, width, height, track, other, panels, axis) {
 /** Draw how the part is supported over time, and a mark at every event. @param {CanvasRenderingContext2D} g @param {Track} track @param {(t: number) => number} across @param {number} top @param {number} width */
 function drawBand(g, track, across, top, width) {
   let from = 0;
-  const kindOf = (/** @type {number} */ row) => contactKind(/** @type {any} */ ({
-    mode_face: track.columns.mode_face[row], mode_corner: track.columns.mode_corner[row], mode_support_slip: track.columns.mode_support_slip[row],
-  }));
+  const seen = ["face", "corner", "side", "wall", "support_slip", "side_slip"].map((name) => `mode_${name}`);
+  const kindOf = (/** @type {number} */ row) => contactKind(/** @type {any} */ (Object.fromEntries(seen.map((name) => [name, track.columns[name][row]]))));
   for (let row = 1; row <= track.rows; row += 1) {
     const kind = kindOf(from);
     if (row < track.rows && kindOf(row) === kind) continue;

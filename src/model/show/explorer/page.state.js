@@ -78,7 +78,7 @@ function valuesOf(state, vibration) {
 function commandOf(state, model) {
   const values = valuesOf(state, state.vibration);
   const sets = changed(values, model.baseline).map(([name, value]) => `--set ${name}=${Number.isNaN(value) ? "none" : value}`);
-  return ["vibralign simulate", ...(model.device ? [`--device ${model.device}`] : []), ...sets].join(" ");
+  return ["vibralign simulate --scene insertion", ...(model.device ? [`--device ${model.device}`] : []), ...sets].join(" ");
 }
 
 /** Return a state's device file, in SI units. @param {State} state @param {any} model */
