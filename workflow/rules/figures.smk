@@ -56,6 +56,7 @@ job(
     {**sweep, **wording},
     wildcards=dict(figure="|".join(HISTORIES)),
     message="{wildcards.figure}: computing the trajectory",
+    priority=3,  # it compiles what the comparisons of methods would else compile side by side
 )
 
 # What depends on the start: the same figures, the part at rest under the press before it is vibrated.

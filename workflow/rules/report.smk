@@ -27,7 +27,7 @@ job(
     after_kernels,
     message="compiling the engines for the explorer",
     minutes=10,
-    priority=1,
+    priority=2,
 )
 job(
     "explorer",
