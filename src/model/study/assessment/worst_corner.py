@@ -32,11 +32,13 @@ class WorstCorner:
         quantities: values of the quantities that are off, in SI units.
         distance: largest deviation, in tolerances.
         start: phase and tilt at touch-down of a failing run.
+        scene: name of the scene of its runs.
     """
 
     quantities: Mapping[str, float]
     distance: float
     start: Mapping[str, float]
+    scene: str
 
     def command(self, stated: StatedDevice) -> str:
         """Return the command line that runs it."""
@@ -47,7 +49,7 @@ class WorstCorner:
             f"--set {name}={value}" if " " not in value else f"--set '{name}={value}'"
             for name, value in changes.items()
         )
-        return f"vibralign simulate --device {stated.source} {words}"
+        return f"vibralign simulate --device {stated.source} --scene {self.scene} {words}"
 
 
 def worst_corner(
@@ -147,4 +149,4 @@ def _described(
     found = run_devices(stated, each, starts, settings, cores)
     off = {name: float(values[0, i]) for i, name in enumerate(names) if place[i] != 0.0}
     start = starts[max(int(found.failing[0]), 0)]
-    return WorstCorner(off, float(np.abs(place).max()), dict(start))
+    return WorstCorner(off, float(np.abs(place).max()), dict(start), settings.scene.name)
