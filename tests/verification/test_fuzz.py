@@ -21,6 +21,7 @@ from verification.fuzz import (
 
 SEED, OTHER_SEED = 2007, 2008
 PATIENT = replace(SETTINGS, max_evaluations=10_000)  # enough for a device to align
+BOUNCES_ON_EDGE = (4017, 5696)  # in flight or not, as a part in 10⁹ of its start decides
 IN_SLOT = 1000  # sets of the insertion scene
 SETTLES = 24_390  # as hardly one set in ten thousand does before the horizon
 # Sets that one engine or both got wrong without a flag; decision 21 says why.
@@ -58,6 +59,13 @@ def test_parts_that_fall_in_keep_every_property():
     assert report.against_reference > 0.8 * IN_SLOT
     ends = {name.split(":")[0] for name in report.endings}
     assert {"inserted", "climbed_out"} <= ends
+
+
+@pytest.mark.parametrize("number", BOUNCES_ON_EDGE)
+def test_a_part_that_bounces_on_an_edge_at_the_horizon_has_climbed_out(number):
+    report = try_sets(SEED, number, 1, *SCENES["insertion"])
+    assert report.findings == []
+    assert report.endings == {"climbed_out: on_edge": 1}
 
 
 def test_both_engines_agree_where_they_once_did_not():

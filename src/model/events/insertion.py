@@ -290,13 +290,17 @@ def is_wedged(q, p, mode):
 def end_in_slot(outcome, reason, q, p, mode):
     """Outcome and reason of a run that ends after alignment.
 
-    A part is at rest if its motion has settled, or if it sticks at two points.
+    A part is at rest if its motion has settled, or if it sticks at two points. It has climbed out
+    if a bottom corner is above the plane, also while it bounces.
     """
     if outcome == _LEFT_SCENE:
         return _CLIMBED_OUT, reason
     if outcome not in (_SETTLED, _HORIZON_REACHED):
         return outcome, reason
-    if _stands_on(mode, RIGHT_EDGE) or _stands_on(mode, LEFT_EDGE):
+    _, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    _, left_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
+    is_out = max(right_y, left_y) > 0.0
+    if is_out or _stands_on(mode, RIGHT_EDGE) or _stands_on(mode, LEFT_EDGE):
         return _CLIMBED_OUT, _ON_EDGE
     at_two_points = mode.in_slot and is_supported(mode) and is_beside(mode)
     held = at_two_points and mode.support_slip == STICKING and mode.side_slip == STICKING
