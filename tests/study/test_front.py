@@ -11,7 +11,13 @@ from model.study.identification.front import Wanted, on_front, promising
 from model.study.identification.score import Judge
 
 AIMS = Aims(
-    missing=2, beside=["M4b"], not_resting=0.1, not_resting_most=0.4, tilt=0.2, corners=0.95
+    missing=2,
+    beside=["M4b"],
+    not_resting=0.1,
+    not_resting_most=0.4,
+    tilt=0.2,
+    corners=0.95,
+    aligned=0.25,
 )
 
 
@@ -32,21 +38,22 @@ def judge_of(*names: str) -> Judge:
 def test_the_ratios_are_those_to_each_aim() -> None:
     regimes = np.array(
         [
-            Summary(0.1, 0.4, 0.2, 0.95),
-            Summary(0.3, 0.4, 0.2, 0.95),
-            Summary(0.1, 0.6, 0.2, 0.95),
-            Summary(0.1, 0.4, 0.5, 0.95),
-            Summary(0.1, 0.4, 0.2, 0.75),
-            Summary(0.05, 0.1, 0.1, 1.0),
+            Summary(0.1, 0.4, 0.2, 0.95, 0.25),
+            Summary(0.3, 0.4, 0.2, 0.95, 0.25),
+            Summary(0.1, 0.6, 0.2, 0.95, 0.25),
+            Summary(0.1, 0.4, 0.5, 0.95, 0.25),
+            Summary(0.1, 0.4, 0.2, 0.75, 0.25),
+            Summary(0.1, 0.4, 0.2, 0.95, 0.1),
+            Summary(0.05, 0.1, 0.1, 1.0, 0.5),
         ]
     )
     judge, wanted = judge_of("F6a", "M4b", "M3"), Wanted(AIMS, ["fig06"])
-    shown = np.full((6, 3), 0.1)
+    shown = np.full((7, 3), 0.1)
     ratios = wanted.ratios(judge, shown, regimes)
     np.testing.assert_allclose(ratios[:, 0], 0.0)
-    np.testing.assert_allclose(ratios[1], [0.0, 3.0, 1.0, 1.0, 1.0])
+    np.testing.assert_allclose(ratios[1], [0.0, 3.0, 1.0, 1.0, 1.0, 1.0])
     worst = wanted.worst(judge, shown, regimes)
-    np.testing.assert_allclose(worst, [1.0, 3.0, 1.5, 2.5, 5.0, 0.5])
+    np.testing.assert_allclose(worst, [1.0, 3.0, 1.5, 2.5, 5.0, 2.5, 0.5])
     # M4b asks what another aim asks, and M3 what is not computed.
     assert wanted.asked(judge).tolist() == [True, False, False]
     assert wanted.ratios(judge, -shown, regimes)[0, 0] == 1.0 / 2.0
@@ -56,7 +63,7 @@ def test_the_ratios_are_those_to_each_aim() -> None:
 
 def test_a_claim_shown_barely_counts_in_part() -> None:
     judge = judge_of("F6a", "F6c", "F6d")
-    margins, regime = np.array([[0.1, 0.01, -0.1]]), np.array([Summary(0.0, 0.0, 0.0, 1.0)])
+    margins, regime = np.array([[0.1, 0.01, -0.1]]), np.array([Summary(0.0, 0.0, 0.0, 1.0, 0.25)])
     ratios = Wanted(AIMS, ["fig06"], safe=0.04).ratios(judge, margins, regime)
     assert ratios[0, 0] == 1.75 / 2.0
 
@@ -67,17 +74,18 @@ def test_an_aim_missed_by_far_in_one_figure_is_no_bar() -> None:
 
 
 def test_the_front_holds_what_no_other_set_beats() -> None:
-    shown = np.array([52, 50, 50, 52, 48])
+    shown = np.array([52, 50, 50, 52, 48, 60])
     regimes = np.array(
         [
-            Summary(0.3, 1.0, 0.2, 1.0),
-            Summary(0.1, 1.0, 0.3, 1.0),
-            Summary(0.2, 1.0, 0.3, 1.0),  # beaten by the one before
-            Summary(0.3, 1.0, 0.2, 1.0),  # as good as the first
-            Summary(0.5, 1.0, 0.1, 1.0),
+            Summary(0.3, 1.0, 0.2, 1.0, 0.25),
+            Summary(0.1, 1.0, 0.3, 1.0, 0.25),
+            Summary(0.2, 1.0, 0.3, 1.0, 0.25),  # beaten by the one before
+            Summary(0.3, 1.0, 0.2, 1.0, 0.25),  # as good as the first
+            Summary(0.5, 1.0, 0.1, 1.0, 0.25),
+            Summary(0.0, 0.0, 0.0, 1.0, 0.1),  # aligns too little of a figure, and beats none
         ]
     )
-    assert on_front(shown, regimes).tolist() == [True, True, False, True, True]
+    assert on_front(shown, regimes, 0.25).tolist() == [True, True, False, True, True, False]
 
 
 def test_a_figure_that_never_aligns_counts_as_the_worst() -> None:
@@ -85,5 +93,5 @@ def test_a_figure_that_never_aligns_counts_as_the_worst() -> None:
     never = Regime(0.0, *[np.nan] * 6)
     both = summary_of([good, never])
     assert both.not_resting == 0.55
-    assert (both.not_resting_most, both.corners) == (1.0, 0.0)
-    assert summary_of([good, good]) == Summary(0.1, 0.1, 0.1, 1.0)
+    assert (both.not_resting_most, both.corners, both.aligned) == (1.0, 0.0, 0.0)
+    assert summary_of([good, good]) == Summary(0.1, 0.1, 0.1, 1.0, 0.25)

@@ -21,6 +21,7 @@ def run(
     study: Study,
     samples: list[Path],
     starts: list[Path],
+    descent: Path,
     half: list[Path],
     readings: list[Path],
     best: Path,
@@ -33,7 +34,7 @@ def run(
         [read_dataset(path) for path in paths] for paths in (samples, starts, half)
     )
     under_readings = {path.stem: read_dataset(path) for path in readings}
-    found = findings_of(study, pool, searches, halves, under_readings)
+    found = findings_of(study, pool, searches, read_dataset(descent), halves, under_readings)
     title = "Admissible sets, on the finer grids"
     sets = candidates_dataset(found.search, found.ensemble, title)
     write_dataset(sets, ensemble)

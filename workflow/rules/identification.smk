@@ -123,6 +123,25 @@ job(
 )
 
 job(
+    "identify_descent",
+    dict(data=found / "descent/{stage}.nc"),
+    dict(
+        starts=last_rounds("start", len(law.starts)),
+        before=lambda wildcards: (
+            [found / f"descent/{int(wildcards.stage) - 1}.nc"] if int(wildcards.stage) else []
+        ),
+    ),
+    dict(
+        space=space_of(study),
+        aims=law.aims,
+        descent=lambda wildcards: law.descents[int(wildcards.stage)],
+        stage=lambda wildcards: int(wildcards.stage),
+    ),
+    wildcards=dict(stage=r"\d+"),
+    message="identification: search by the aims, round {wildcards.stage}",
+)
+
+job(
     "identify_reading",
     dict(data=found / "readings/{reading}.nc"),
     samples,
@@ -146,6 +165,7 @@ job(
     dict(
         **samples,
         starts=last_rounds("start", len(law.starts)),
+        descent=found / f"descent/{len(law.descents) - 1}.nc",
         half=last_rounds("half", law.splits),
         readings=expand(found / "readings/{reading}.nc", reading=READINGS),
     ),

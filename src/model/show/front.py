@@ -17,10 +17,12 @@ CAPTIONS: Mapping[str, str] = {
     "vibration (left: mean over Figs. 5 to 14; right: in the worst figure), coloured by the median "
     "tilt at alignment in the worst figure. Ringed: no other set is better in claims, mean share "
     "and tilt. Star: the set with the least worst ratio to the aims (dashed; besides them those of "
-    "tilt and corner conditions), on the study's own grids.",
-    "budget": "The fronts that a quarter, half and all of the search's candidates found, on the "
-    "coarse grids: claims shown against the mean share of the aligned points that do not rest "
-    "without vibration. Where the last two fronts lie apart, more search would find more.",
+    "tilt, corner conditions and the share that aligns), on the study's own grids. All sets of a "
+    "front align over the stated share of every figure.",
+    "budget": "The fronts that half and all of the searches by scores found, then half and all of "
+    "the search by the aims, on the coarse grids: claims shown against the mean share of the "
+    "aligned points that do not rest without vibration. Where the last two fronts lie apart, more "
+    "search would find more.",
 }
 
 

@@ -69,12 +69,14 @@ class Summary(NamedTuple):
         not_resting_most: of the worst figure.
         tilt: median tilt at alignment of the worst figure in radians.
         corners: share of the worst figure.
+        aligned: share of all points that align, in the worst figure.
     """
 
     not_resting: float
     not_resting_most: float
     tilt: float
     corners: float
+    aligned: float
 
 
 def summary_of(regimes: Iterable[Regime]) -> Summary:
@@ -88,4 +90,5 @@ def summary_of(regimes: Iterable[Regime]) -> Summary:
         not_resting_most=float(np.max(each.not_resting)),
         tilt=float(np.max(each.tilt)),
         corners=float(np.min(each.corners)),
+        aligned=float(np.min(each.aligned)),
     )

@@ -23,6 +23,7 @@ from model.study.config.figures import (
 )
 from model.study.config.identification import (
     Aims,
+    Descent,
     Evolution,
     Identification,
     Pool,
@@ -41,8 +42,8 @@ from model.study.config.study import RunSettings, Study
 
 __all__ = [
     "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "LARGEST_MISALIGNMENT", "MAPS",
-    "SCHEMATICS", "Aims", "Axis", "ClaimRun", "ConfigError", "Curves", "Ensemble", "Evolution",
-    "Family", "HardCase", "HardCases", "History", "Identification", "Ladder", "Map", "Pool",
-    "Range", "RunSettings", "SearchLaw", "Span", "Study", "baseline", "check_plane",
+    "SCHEMATICS", "Aims", "Axis", "ClaimRun", "ConfigError", "Curves", "Descent", "Ensemble",
+    "Evolution", "Family", "HardCase", "HardCases", "History", "Identification", "Ladder", "Map",
+    "Pool", "Range", "RunSettings", "SearchLaw", "Span", "Study", "baseline", "check_plane",
     "check_study", "load_study", "read_study", "study_files", "study_path",
 ]  # fmt: skip

@@ -113,6 +113,20 @@ class Start(Strict):
     """Begin from the known sets as well as from the first samples."""
 
 
+class Descent(Strict):
+    """One round of the search by the aims; see identification/descent.py."""
+
+    structures: int = Field(ge=1)
+    """Number of structures tried."""
+    trials: int = Field(ge=2)
+    """Operating points of each figure tried with each structure."""
+
+    @property
+    def candidates(self) -> int:
+        """Number of sets that the round judges."""
+        return self.structures * self.trials
+
+
 class Aims(Strict):
     """Aims on claims and regime of a set; see identification/front.py."""
 
@@ -128,6 +142,8 @@ class Aims(Strict):
     """Most of the median tilt at alignment of the worst figure, in radians."""
     corners: float = Field(ge=0.0, lt=1.0)
     """Least share of aligned points that meet the corner conditions, of the worst figure."""
+    aligned: float = Field(gt=0.0, le=1.0)
+    """Least share of the points that align, of the worst figure."""
 
 
 class Identification(Strict):
@@ -141,6 +157,8 @@ class Identification(Strict):
     """Rounds of each search over all claims; each is a job and continues the one before."""
     starts: Annotated[list[Start], Field(min_length=1)]
     """Searches over all claims, each with its own random draws."""
+    descents: Annotated[list[Descent], Field(min_length=1)]
+    """Rounds of the search by the aims, which begins from the best of those over all claims."""
     known: dict[str, dict[str, float]]
     """Sets found before, by name."""
     former: dict[str, dict[str, float]]

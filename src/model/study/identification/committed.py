@@ -74,6 +74,7 @@ class FrontSet(NamedTuple):
     not_resting_most: float
     tilt: float
     corners: float
+    aligned: float
 
     @property
     def lacking(self) -> frozenset[str]:
@@ -90,6 +91,7 @@ class BudgetFront(NamedTuple):
     not_resting_most: float
     tilt: float
     corners: float
+    aligned: float
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from model.study.identification.score import Judge
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+_LEAST_ALIGNED = 0.01  # share below which a figure counts as not aligned
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Wanted:
         return np.asarray(judge.counted & ~beside & np.array(computed))
 
     def ratios(self, judge: Judge, margins: Array, regimes: Array) -> Array:
-        """Return the ratios of sets to the aims, shape (m, 5); 1 meets an aim.
+        """Return the ratios of sets to the aims, shape (m, 6); 1 meets an aim.
 
         Args:
             judge: of the margins.
@@ -59,6 +60,7 @@ class Wanted:
                 each.not_resting_most / aims.not_resting_most,
                 each.tilt / aims.tilt,
                 (1.0 - np.asarray(each.corners)) / (1.0 - aims.corners),
+                aims.aligned / np.maximum(each.aligned, _LEAST_ALIGNED),
             ]
         )
 
@@ -68,13 +70,18 @@ class Wanted:
         return np.where(judge.holds(margins), ratios, np.inf)
 
 
-def on_front(claims: NDArray[np.int64], regimes: Array) -> Flags:
-    """Return which sets no other beats: in claims, share not resting, and tilt; shape (m,)."""
+def on_front(claims: NDArray[np.int64], regimes: Array, aligned: float) -> Flags:
+    """Return which sets are on the front, shape (m,).
+
+    Of the sets that align over a share ``aligned`` of every figure no other beats them in claims,
+    share not resting, and tilt.
+    """
     each = Summary(*regimes.T)
+    enough = np.asarray(each.aligned) >= aligned
     costs = np.array([-claims, each.not_resting, each.tilt]).T
     no_worse = (costs[:, None] <= costs[None]).all(axis=-1)
     better = (costs[:, None] < costs[None]).any(axis=-1)
-    return np.asarray(~(no_worse & better).any(axis=0))
+    return np.asarray(enough & ~(no_worse & better & enough[:, None]).any(axis=0))
 
 
 def promising(ratios: Array) -> NDArray[np.int64]:

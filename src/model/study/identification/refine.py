@@ -17,7 +17,7 @@ from model.study.identification.search import Found, Search
 
 Array = NDArray[np.float64]
 _PASSES = 2
-_STEPS = (0.03, 0.1)  # standard deviations of steps beside an operating point, over the range
+_STEPS = (0.03, 0.1, 0.3)  # standard deviations of steps beside an operating point, over the range
 
 
 def trials_of(search: Search, point: Array, others: Array, count: int, seed: int) -> Array:
@@ -46,24 +46,25 @@ def refined(search: Search, trials: Array, wanted: Wanted) -> Found:
     Args:
         search: on the grids that decide.
         trials: points with the same structure, shape (trials, n).
-        wanted: the aims.
+        wanted: the aims, and the figures and own runs that are computed.
     """
     space, judge = search.space, search.judge
-    made = datasets_of(space, trials, space.everything)
+    made = datasets_of(space, trials, list(wanted.names))
     regimes = [{name: regime_of(Data(each), name) for name in space.figures} for each in made]
+
+    def regime_at(chosen: Sequence[int]) -> Array:
+        pairs = zip(chosen, space.figures, strict=True)
+        return np.array(summary_of(regimes[trial][name] for trial, name in pairs))
 
     def judged(chosen: Sequence[int]) -> tuple[Array, Array, tuple[float, float, float]]:
         datasets = {
             name: made[trial][name]
             for trial, names in zip(chosen, space.parts.values(), strict=True)
             for name in names
+            if name in made[trial]
         }
         margins, _ = judge.judged(datasets)
-        regime = np.array(
-            summary_of(
-                regimes[trial][name] for trial, name in zip(chosen, space.figures, strict=True)
-            )
-        )
+        regime = regime_at(chosen)
         ratios = wanted.ratios(judge, margins[None], regime[None])[0]
         unheld = float(not judge.holds(margins))
         return margins, regime, (unheld, round(float(ratios.max()), 2), float(ratios.sum()))
@@ -74,6 +75,10 @@ def refined(search: Search, trials: Array, wanted: Wanted) -> Found:
         for number in range(len(chosen)):
             for trial in range(len(trials)):
                 other = [*chosen[:number], trial, *chosen[number + 1 :]]
+                # The regime is known without the claims, and may be worse already.
+                known = wanted.ratios(judge, best[0][None], regime_at(other)[None])[0, 1:]
+                if best[2][0] == 0.0 and round(float(known.max()), 2) > best[2][1]:
+                    continue
                 found = judged(other)
                 if found[2] < best[2]:
                     chosen, best = other, found

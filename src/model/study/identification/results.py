@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 DIGITS = 4  # of an identified value; the ensemble spreads far wider
-BUDGET_SHARES = (0.25, 0.5, 1.0)  # of the budget, whose fronts are compared
+# Shares of the searches by scores and of the one by the aims, whose fronts are compared.
+BUDGET_SHARES = ((0.5, 0.0), (1.0, 0.0), (1.0, 0.5), (1.0, 1.0))
 SAFE = 0.03  # margin of a claim that other grids hardly turn
 FINER = 3  # factor on the number of values along each axis where the best are judged again
 
@@ -151,6 +152,7 @@ def findings_of(
     study: Study,
     samples: Sequence[xr.Dataset],
     starts: Sequence[xr.Dataset],
+    descent: xr.Dataset,
     halves: Sequence[xr.Dataset],
     readings: Mapping[str, xr.Dataset],
 ) -> Findings:
@@ -160,13 +162,14 @@ def findings_of(
         study: the study.
         samples: the pool.
         starts: candidates of the searches over all claims.
+        descent: candidates of the search by the aims.
         halves: candidates of the searches over one half of the claims, by split.
         readings: candidates under each reading.
     """
     law = study.identification
     space, aims = space_of(study), law.aims
     search, finer = search_of(space), search_of(space_of(study, FINER))
-    searches = [found_in(space, each) for each in starts]
+    searches = [found_in(space, each) for each in (*starts, descent)]
     # A set is admissible by what it shows, whichever claims it was searched by.
     tried = joined([*searches, *(found_in(space, each) for each in halves)])
     judge, whole = search.judge, Wanted(aims, space.everything)
@@ -216,7 +219,9 @@ def findings_of(
         },
         made_with=made_with(space, search.judge),
         front=(
-            *_front_sets(search.judge, judged, shown, on_front(shown, judged.regimes)),
+            *_front_sets(
+                search.judge, judged, shown, on_front(shown, judged.regimes, aims.aligned)
+            ),
             *_front_sets(
                 search.judge,
                 Found(*(each[best : best + 1] for each in last)),
@@ -273,17 +278,27 @@ def _contenders(search: Search, found: Found, law: Identification) -> Rows:
 def budget_of(search: Search, searches: Sequence[Found], study: Study) -> tuple[BudgetFront, ...]:
     """Return the fronts that parts of the budget find, on the coarse grids.
 
-    A part of the budget is the same share of every search, as all of them are in order.
+    Args:
+        search: on these grids.
+        searches: those by scores, and last the one by the aims; candidates in order.
+        study: the study.
     """
     law, found = study.identification, []
-    for share in BUDGET_SHARES:
-        both = joined([Found(*(a[: round(share * len(a))] for a in each)) for each in searches])
+    for by_score, by_aims in BUDGET_SHARES:
+        shares = [by_score] * (len(searches) - 1) + [by_aims]
+        both = joined(
+            [
+                Found(*(a[: round(share * len(a))] for a in each))
+                for share, each in zip(shares, searches, strict=True)
+            ]
+        )
         holds = search.judge.holds(both.margins)
         shown = shown_of(search.judge, both.margins, law.aims)[holds]
         regimes = both.regimes[holds]
-        rows = np.flatnonzero(on_front(shown, regimes))
+        rows = np.flatnonzero(on_front(shown, regimes, law.aims.aligned))
         tried = law.pool.structures * law.pool.operating_points + round(
-            share * len(searches) * sum(each.candidates for each in law.rounds)
+            by_score * len(law.starts) * sum(each.candidates for each in law.rounds)
+            + by_aims * sum(each.candidates for each in law.descents)
         )
         found += [BudgetFront(tried, int(shown[row]), *regimes[row].tolist()) for row in rows]
     return tuple(found)
@@ -335,6 +350,7 @@ def summary(findings: Findings, aims: Aims) -> str:
         f"in the worst figure: {chosen.not_resting_most:.2f} ({aims.not_resting_most})",
         f"median tilt at alignment in the worst figure: {chosen.tilt:.3f} ({aims.tilt})",
         f"corner conditions in the worst figure: {chosen.corners:.3f} ({aims.corners})",
+        f"points that align in the worst figure: {chosen.aligned:.2f} ({aims.aligned})",
         f"not reproduced: {lacking(found.margins)}",
         f"{len(findings.ensemble.points)} of {len(findings.judged.points)} sets are admissible",
         "",
