@@ -7,15 +7,21 @@ from model.study.config import Aims
 from model.study.identification.committed import BudgetFront, FrontSet
 
 AIMS = Aims(
-    missing=13, beside=["M4b"], not_resting=0.08, not_resting_most=0.35, tilt=0.175, corners=0.97
+    missing=13,
+    beside=["M4b"],
+    not_resting=0.08,
+    not_resting_most=0.35,
+    tilt=0.175,
+    corners=0.97,
+    aligned=0.2,
 )
 
 
 def test_the_front_shows_every_set_and_marks_the_device() -> None:
     sets = (
-        FrontSet(True, False, 52, "N1 M4", 0.2, 0.6, 0.25, 0.9),
-        FrontSet(False, False, 49, "N1 M4", 0.3, 0.7, 0.3, 0.8),
-        FrontSet(True, True, 51, "N1 M4", 0.1, 0.4, 0.2, 0.95),
+        FrontSet(True, False, 52, "N1 M4", 0.2, 0.6, 0.25, 0.9, 0.4),
+        FrontSet(False, False, 49, "N1 M4", 0.3, 0.7, 0.3, 0.8, 0.4),
+        FrontSet(True, True, 51, "N1 M4", 0.1, 0.4, 0.2, 0.95, 0.4),
     )
     figure = front_picture(sets, AIMS)
     left, right = figure.axes[:2]
@@ -29,9 +35,9 @@ def test_the_front_shows_every_set_and_marks_the_device() -> None:
 
 def test_the_budget_has_a_front_for_each_part_of_it() -> None:
     fronts = (
-        BudgetFront(1000, 50, 0.3, 0.9, 0.3, 0.9),
-        BudgetFront(4000, 51, 0.2, 0.6, 0.2, 0.9),
-        BudgetFront(4000, 48, 0.1, 0.5, 0.2, 0.9),
+        BudgetFront(1000, 50, 0.3, 0.9, 0.3, 0.9, 0.4),
+        BudgetFront(4000, 51, 0.2, 0.6, 0.2, 0.9, 0.4),
+        BudgetFront(4000, 48, 0.1, 0.5, 0.2, 0.9, 0.4),
     )
     (axes,) = budget_picture(fronts, AIMS).axes
     first, second = axes.lines[:2]

@@ -13,7 +13,7 @@ from model.show.identification import (
     readings_by_claims,
     structure_pairs,
 )
-from model.show.report.identification import content_of, exclusions
+from model.show.report.identification import content_of, exclusions, pair_table
 from model.study.config import Aims, Range
 from model.study.identification.band_table import Band
 from model.study.identification.committed import (
@@ -56,14 +56,14 @@ def found() -> Identified:
         readings={"consistent": np.array([0.1, 0.2, -0.9]), "printed": np.array([-1, -0.1, 0.3])},
         made_with={"search": "0123", "claims": "4567"},
         front=(
-            FrontSet(True, False, 52, "N1 M4", 0.2, 0.6, 0.25, 0.9),
-            FrontSet(False, False, 49, "N1 M4", 0.3, 0.7, 0.3, 0.8),
-            FrontSet(True, True, 51, "N1 M4", 0.1, 0.4, 0.2, 0.95),
+            FrontSet(True, False, 52, "N1 M4", 0.2, 0.6, 0.25, 0.9, 0.4),
+            FrontSet(False, False, 49, "N1 M4", 0.3, 0.7, 0.3, 0.8, 0.4),
+            FrontSet(True, True, 51, "N1 M4", 0.1, 0.4, 0.2, 0.95, 0.4),
         ),
         budget=(
-            BudgetFront(1000, 50, 0.3, 0.9, 0.3, 0.9),
-            BudgetFront(4000, 48, 0.1, 0.5, 0.2, 0.9),
-            BudgetFront(4000, 51, 0.2, 0.6, 0.2, 0.9),
+            BudgetFront(1000, 50, 0.3, 0.9, 0.3, 0.9, 0.4),
+            BudgetFront(4000, 48, 0.1, 0.5, 0.2, 0.9, 0.4),
+            BudgetFront(4000, 51, 0.2, 0.6, 0.2, 0.9, 0.4),
         ),
     )
 
@@ -203,13 +203,25 @@ def test_the_section_says_which_claims_hang_on_which_correction(found: Identifie
 
 
 def test_claims_that_no_set_near_an_aim_shows_are_named() -> None:
-    aims = Aims(missing=1, beside=[], not_resting=0.1, not_resting_most=0.4, tilt=0.2, corners=0.9)
+    aims = Aims(
+        missing=1,
+        beside=[],
+        not_resting=0.1,
+        not_resting_most=0.4,
+        tilt=0.2,
+        corners=0.9,
+        aligned=0.2,
+    )
     sets = (
-        FrontSet(True, False, 52, "N1 M4b", 0.5, 0.6, 0.3, 0.9),
-        FrontSet(True, False, 40, "N1 F8a F9a F9b", 0.1, 0.6, 0.3, 0.9),
-        FrontSet(True, False, 41, "N1 F8a F6a F6b", 0.14, 0.6, 0.3, 0.9),
+        FrontSet(True, False, 52, "N1 M4b", 0.5, 0.6, 0.3, 0.9, 0.4),
+        FrontSet(True, False, 40, "N1 F8a F9a F9b", 0.1, 0.6, 0.3, 0.9, 0.4),
+        FrontSet(True, False, 41, "N1 F8a F6a F6b", 0.14, 0.6, 0.3, 0.9, 0.4),
     )
     assert exclusions(sets, aims) == [
         ("rest unvibrated in nearly all figures (2 sets)", "F8a"),
+        ("align over the stated share of every figure (3 sets)", "none"),
         ("show most claims (1 sets)", "M4b"),
     ]
+    pairs = {row[0]: row[1:] for row in pair_table(sets, aims).rows}
+    assert pairs["claims"] == ["2.00", "4.00", "2.00", "2.00", "2.00", "2.00"]
+    assert pairs["rest"][1:3] == ["1.00", "1.50"]

@@ -16,6 +16,7 @@ from model.study.config import (
     HISTORIES,
     MAPS,
     ConfigError,
+    Descent,
     Evolution,
     Pool,
     Study,
@@ -35,11 +36,13 @@ from model.study.identification.candidate import (
     structure_of,
 )
 from model.study.identification.committed import IdentificationError, read_identified
+from model.study.identification.descent import descended
 from model.study.identification.evaluate import datasets_of
 from model.study.identification.front import Wanted
 from model.study.identification.refine import refined, trials_of
 from model.study.identification.results import configured, made_with, search_of, split_of
 from model.study.identification.score import Judge, judge_of, reproduced_shares
+from model.study.identification.search import Found, joined
 
 CONFIGURED = load_study(study_path())
 LAW = CONFIGURED.identification.law
@@ -373,6 +376,29 @@ def test_operating_points_chosen_by_the_aims_are_no_worse(study: Study, space: S
     again, _ = search.judged(found.points)
     np.testing.assert_array_equal(again.margins, found.margins)
     np.testing.assert_array_equal(again.regimes, found.regimes)
+
+
+def test_the_search_by_the_aims_begins_from_the_best_and_varies_structures(
+    study: Study, space: Space
+) -> None:
+    search = search_of(space)
+    wanted = Wanted(study.identification.aims, space.searched)
+    drawn = np.random.default_rng(15).random((2, len(space.names)))
+    known = joined([search.fit(each[None], -np.inf, []) for each in drawn])
+    found = descended(search, known, wanted, Descent(structures=3, trials=2), 0)
+    assert len(found.points) == 3
+
+    def worst(candidates: Found) -> dict[tuple[float, ...], tuple[bool, float]]:
+        ratios = wanted.ratios(search.judge, candidates.margins, candidates.regimes).max(axis=1)
+        held = search.judge.holds(candidates.margins)
+        return {
+            tuple(point[: search.size]): (not holds, round(ratio, 2))
+            for point, holds, ratio in zip(candidates.points, held, ratios, strict=True)
+        }
+
+    before, after = worst(known), worst(found)
+    assert set(before) < set(after), "the best as they are, and one beside"
+    assert all(after[structure] <= before[structure] for structure in before)
 
 
 def test_the_device_is_chosen_on_the_grids_of_the_figures(study: Study) -> None:

@@ -39,6 +39,7 @@ def section(results: Results) -> Section | None:
         "aims": aims,
         "missing": len(found.front[-1].lacking - set(aims.beside)),
         "exclusions": exclusions(found.front, aims),
+        "pairs": pair_table(found.front, aims),
     }
     template = Path(__file__).with_suffix(".html.j2")
     lead = (
@@ -101,6 +102,7 @@ def exclusions(sets: Sequence[FrontSet], aims: Aims) -> list[tuple[str, str]]:
     groups = {
         "rest unvibrated in nearly all figures": lambda s: s.not_resting <= 1.5 * aims.not_resting,
         "tilt slightly in every figure": lambda s: s.tilt <= aims.tilt,
+        "align over the stated share of every figure": lambda s: s.aligned >= aims.aligned,
         "show most claims": lambda s: len(s.lacking - set(aims.beside)) <= aims.missing + 2,
     }
     everywhere = frozenset.intersection(*(each.lacking for each in sets))
@@ -111,6 +113,29 @@ def exclusions(sets: Sequence[FrontSet], aims: Aims) -> list[tuple[str, str]]:
             never = frozenset.intersection(*chosen) - everywhere
             found.append((f"{words} ({len(chosen)} sets)", ", ".join(sorted(never)) or "none"))
     return found
+
+
+def pair_table(sets: Sequence[FrontSet], aims: Aims) -> Table:
+    """Return how near any set comes to two aims at once: the least worst ratio, 1 meets both."""
+    ratios = np.array([list(_ratios(each, aims).values()) for each in sets])
+    names = list(_ratios(sets[0], aims))
+    nearest = np.maximum(ratios[:, :, None], ratios[:, None, :]).min(axis=0)
+    rows = [
+        [name, *(f"{each:.2f}" for each in row)] for name, row in zip(names, nearest, strict=True)
+    ]
+    return Table(["", *(f">{name}" for name in names)], rows)
+
+
+def _ratios(chosen: FrontSet, aims: Aims) -> dict[str, float]:
+    """Return the ratios of a set to the aims, as ``Wanted.ratios`` does."""
+    return {
+        "claims": len(chosen.lacking - set(aims.beside)) / aims.missing,
+        "rest": chosen.not_resting / aims.not_resting,
+        "rest, worst figure": chosen.not_resting_most / aims.not_resting_most,
+        "tilt": chosen.tilt / aims.tilt,
+        "corners": (1.0 - chosen.corners) / (1.0 - aims.corners),
+        "aligned": aims.aligned / max(chosen.aligned, 0.01),
+    }
 
 
 def _of_readings(found: Identified) -> dict[str, Any]:
