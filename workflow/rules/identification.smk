@@ -61,7 +61,7 @@ job(
     after_kernels,
     dict(
         space=finer.only(finer.figures),
-        sets={**study.identification.former, "present": own_set(study)},
+        sets={**study.identification.compared, "present": own_set(study)},
     ),
     message="identification: the regime of every figure, of the former device and of the study's",
 )

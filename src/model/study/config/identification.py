@@ -161,8 +161,8 @@ class Identification(Strict):
     """Rounds of the search by the aims, which begins from the best of those over all claims."""
     known: dict[str, dict[str, float]]
     """Sets found before, by name."""
-    former: dict[str, dict[str, float]]
-    """Former devices of the study, with which its device is compared, by name."""
+    compared: dict[str, dict[str, float]]
+    """Sets whose regime stands beside that of the study's device, by name."""
     finer: int = Field(ge=1)
     """Number of best sets judged again with three times the values along each axis."""
     refined: int = Field(ge=0)

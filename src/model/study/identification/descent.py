@@ -40,7 +40,9 @@ def descended(search: Search, before: Found, wanted: Wanted, descent: Descent, s
             point[part] += rng.choice((0.0, 0.5)) * (second - third)[part]
             point[part] += rng.choice(_STEPS) * rng.normal(size=search.size)
             point = np.clip(point, 0.0, 1.0)
-        trials = trials_of(search, point, best, descent.trials, 1000 * (stage + 1) + number)
+        # Any set may have found what suits one figure.
+        others = np.concatenate([best, rng.permutation(found.points)[:_ELITE]])
+        trials = trials_of(search, point, others, descent.trials, 1000 * (stage + 1) + number)
         tried.append(refined(search, trials, wanted))
         found = joined([before, *tried])
     return joined(tried)
