@@ -8,7 +8,7 @@ from model.study.datasets import read_dataset, write_dataset
 from model.study.identification.candidate import Space
 from model.study.identification.descent import descended
 from model.study.identification.front import Wanted
-from model.study.identification.results import candidates_dataset, found_in, search_of
+from model.study.identification.results import SAFE, candidates_dataset, found_in, search_of
 from model.study.identification.search import joined
 
 
@@ -25,7 +25,8 @@ def run(
     search = search_of(space)
     rounds = [found_in(space, read_dataset(path)) for path in before]
     known = joined([*(found_in(space, read_dataset(path)) for path in starts), *rounds])
-    found = descended(search, known, Wanted(aims, space.searched), descent, stage)
+    wanted = Wanted(aims, space.searched, SAFE)
+    found = descended(search, known, wanted, descent, stage)
     title = f"Candidates of the search by the aims, round {stage}"
     write_dataset(candidates_dataset(search, joined([*rounds, found]), title), data)
     return {"sweep": space.identity}
