@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
+from model.events.outcomes import Outcome
 from model.show.report.section import Results, Section, Table
 from model.show.words import figure_title, number, percent
 from model.study.claims.reading import Data
@@ -52,11 +53,12 @@ def section(results: Results) -> Section:
 
 def _shares(name: str, dataset: "xr.Dataset") -> Sequence[object]:
     found = regime_of(Data({name: dataset}), name)
-    points = dataset["outcome"].size
+    outcome = dataset["outcome"].values
     shares = found.static, overshoot_of(dataset), found.not_resting, found.corners, found.lift_offs
     static, overshoot, resting, corners, lifting = map(_percent, shares)
     tilts = (f"{np.degrees(tilt):.1f}°" for tilt in (found.tilt, found.tilt_largest))
-    head = figure_title(name), f"{round(found.aligned * points):,} of {points:,}"
+    aligned = np.count_nonzero(outcome == Outcome.ALIGNED)
+    head = figure_title(name), f"{aligned:,} of {outcome.size:,}"
     return *head, static, overshoot, resting, *tilts, corners, lifting
 
 

@@ -310,6 +310,12 @@ def usual(points: Points, of: str) -> float:
     return median(np.abs(points.column(of, aligned=True)))
 
 
+@of_figure(Data.drawn)
+def least_aligned(drawn: Sequence[Points]) -> float:
+    """Share of the points that align, of the curve where it is least."""
+    return min(points.share({"aligned": 1}, {}) for points in drawn)
+
+
 @of_figure(Data.points)
 def smaller_share(points: Points) -> float:
     """Share of the runs that align, or that do not, whichever is smaller."""

@@ -18,6 +18,7 @@ from scipy import ndimage
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.study.claims.statistics import NAN, Array
+from model.study.config import CURVES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -273,6 +274,10 @@ class Data:
     def points(self, name: str) -> Points:
         """Return the points of a dataset."""
         return self._view(name, _points)
+
+    def drawn(self, name: str) -> tuple[Points, ...]:
+        """Return what a figure draws: each of its curves, otherwise all its points."""
+        return self.curves(name) if name in CURVES else (self.points(name),)
 
     def held(self, name: str, parameter: str) -> float:
         """Return the value at which a figure holds a parameter."""

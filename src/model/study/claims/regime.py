@@ -20,7 +20,7 @@ class Regime(NamedTuple):
     """Numbers of one figure; all but the first are of its points that align, NaN where none does.
 
     Attributes:
-        aligned: share of all points that align (claim M9).
+        aligned: share of all points that align, of the curve where it is least (claim M9).
         static: share whose unvibrated twin aligns too.
         not_resting: share whose twin does not come to rest on A1, slightly tilted (M4b).
         tilt: median magnitude of the tilt at alignment in radians (M2d).
@@ -69,7 +69,7 @@ class Summary(NamedTuple):
         not_resting_most: of the worst figure.
         tilt: median tilt at alignment of the worst figure in radians.
         corners: share of the worst figure.
-        aligned: share of all points that align, in the worst figure.
+        aligned: least share of all points that align, over figures and curves.
     """
 
     not_resting: float

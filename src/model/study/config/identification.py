@@ -143,7 +143,7 @@ class Aims(Strict):
     corners: float = Field(ge=0.0, lt=1.0)
     """Least share of aligned points that meet the corner conditions, of the worst figure."""
     aligned: float = Field(gt=0.0, le=1.0)
-    """Least share of the points that align, of the worst figure."""
+    """Least share of the points that align, of the worst curve or map."""
 
 
 class Identification(Strict):
