@@ -186,7 +186,7 @@ CASES: dict[str, tuple[Callable[[], Datasets], Callable[[], Datasets]]] = {
     ),
     "M9": (
         lambda: {**Course().datasets, **curves("fig06", lambda _, f: 5.0 if f < 4.0 else NAN)},
-        lambda: curves("fig06", lambda _, f: 5.0 if f < 1.2 else NAN),
+        lambda: curves("fig06", lambda k, f: 5.0 if k > 5.0 or f < 0.6 else NAN),
     ),
     "M2d": (
         lambda: {**Course().datasets, **curves("fig06")},

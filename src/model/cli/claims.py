@@ -25,8 +25,9 @@ def add(commands: Any) -> None:
         "--regime",
         action="store_true",
         help="print instead, by figure, the regime of the former device and of the study's: the "
-        "share of the points that align on the curve where it is least; of all that align the share that aligns, or does not rest, without "
-        "vibration, the tilt at alignment, corner conditions and lift-offs",
+        "share of the points that align on the curve where it is least; of all that align the "
+        "share that aligns, or does not rest, without vibration, the tilt at alignment, corner "
+        "conditions and lift-offs",
     )
     add_json(parser)
 
