@@ -4,7 +4,7 @@
 # make test       the environment, every check and every test
 # make maps       the stability maps that the paper does not have, into results/figures/maps
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
-# make identification  what the paper leaves unstated, searched for anew: an hour and a half; the result is committed
+# make identification  what the paper leaves unstated, searched for anew: an hour or two; the result is committed
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, of
 #                 which what is there already is not tried again; SCENE=insertion for devices that fall in
 # make yields     yields of two devices against a million devices each; DEVICES=100000 for fewer

@@ -1,4 +1,4 @@
-"""Compute the regime of every figure, of the former devices and of the study's."""
+"""Compute the regime of every figure, of the sets compared and of the study's device."""
 
 from pathlib import Path
 

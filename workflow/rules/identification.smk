@@ -63,7 +63,7 @@ job(
         space=finer.only(finer.figures),
         sets={**study.identification.compared, "present": own_set(study)},
     ),
-    message="identification: the regime of every figure, of the former device and of the study's",
+    message="identification: the regime of every figure, of the sets compared and of the study's device",
 )
 
 # A reading is a preset, or the one reading that is corrected while all others stay as printed.
