@@ -229,3 +229,10 @@ def test_a_nearly_flat_part_that_a_tilt_decides_is_flagged(differs_by):
     assert ran == [5, 5 + 3, 3 * 3 + 3]  # again, at a smaller tolerance, only what is flagged
     assert found.rhs_evaluations.tolist() == [3 + 4, 3 + 4, 3 + 4, 2, 2]
     assert (found.tau_error < 1e-8).all()  # the tilt adds nothing to the error of the time
+
+
+def test_the_end_after_alignment_does_not_change_the_estimate(device):
+    batch = cloud(device, 0)
+    whole, alone = (align(batch, horizon=60.0, alignment_only=only) for only in (False, True))
+    for name in ("tau_align", "tau_error", "outcome", "sensitive"):
+        assert np.array_equal(getattr(whole, name), getattr(alone, name), equal_nan=True), name

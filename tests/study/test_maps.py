@@ -123,18 +123,18 @@ def test_reliable_nodes_align_and_their_worst_duration_is_the_longest(found):
 def test_neighbours_try_all_starts_between_them():
     rows, columns = (4 * each.ravel() for each in np.indices((8, 8)))
     first = reliability._first(rows, columns, 4, phases=16, starts=32).reshape(8, 8, 32)
-    assert (first.sum(axis=2) == 4).all()
+    assert (first.sum(axis=2) == 8).all()
     for row, column in ((0, 0), (3, 5)):
         assert first[row : row + 4, column : column + 2].any(axis=(0, 1)).all()
         assert (first[row : row + 2, column] != first[row : row + 2, column + 1]).any()
 
 
 def test_a_start_that_fails_is_tried_near_it_and_beside_it_in_phase():
-    fails = np.zeros((9, 9, 12), dtype=np.bool_)
-    fails[4, 4, 6] = True  # of the second tilt, the first of 6 phases
+    fails = np.zeros((11, 11, 12), dtype=np.bool_)
+    fails[5, 5, 6] = True  # of the second tilt, the first of 6 phases
     rows, columns, starts = np.nonzero(reliability._near(fails, 6))
     assert set(starts.tolist()) == {6, 7, 11}
-    assert (rows.min(), rows.max(), columns.min(), columns.max()) == (2, 6, 2, 6)
+    assert (rows.min(), rows.max(), columns.min(), columns.max()) == (1, 9, 1, 9)
 
 
 def test_the_margin_is_the_distance_to_the_nearest_unreliable_node(found):

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from model.study.maps import MapPlan
 
 COARSE = 32  # coarse cells along a side
-APART = 8  # steps of the phase between the starts that every node tries
-NEAR = 2  # nodes; distance to which a start that fails is tried
+APART = 4  # steps of the phase between the starts that every node tries
+NEAR = 4  # nodes; distance to which a start that fails is tried
 NOT_TRIED, FAILS, ALIGNS = -1, 0, 1
 
 

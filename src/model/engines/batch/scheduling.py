@@ -166,6 +166,13 @@ def _pass_periods(scene, until, history, control, w, lane, runs, i):
 
 
 @inlined_kernel
+def _carries_error(scene, control, runs, i):
+    """Return whether run ``i`` carries its error: in the scene of the paper until it aligns."""
+    needed = scene.events.inserts == 1 or isnan(runs[i, TAU_ALIGN])
+    return control.carries_error != 0.0 and needed
+
+
+@inlined_kernel
 def _advance(scene, until, history, control, w, lane, runs, i):
     """Advance by a step, or by its part up to an event; return whether the run continues."""
     length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, TIME]
@@ -186,7 +193,7 @@ def _advance(scene, until, history, control, w, lane, runs, i):
     note_step(until * length, tilt, force, runs, i)
     if not continues:
         return False
-    if control.carries_error != 0.0:
+    if _carries_error(scene, control, runs, i):
         carry_error(until * length, w, lane, runs, i)
     at_deadline = until == 1.0 and length == runs[i, DEADLINE] - start
     runs[i, TIME] = runs[i, DEADLINE] if at_deadline else start + until * length
@@ -208,11 +215,12 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
     """Advance to an event in the step, and continue in the mode that follows."""
     if _advance(scene, theta, history, control, w, lane, runs, i):
         q, before = state_at(theta, w, lane), mode_of(runs, i)
+        carries = _carries_error(scene, control, runs, i)
         had_aligned = not isnan(runs[i, TAU_ALIGN])
         keep_state(q, runs, i)
         step = w[workspace.LENGTH * WIDTH + lane]
         make_event(which, theta * step, step, scene, control, runs, i)
-        if control.carries_error != 0.0:
+        if carries:
             aligns = not (had_aligned or isnan(runs[i, TAU_ALIGN]))
             if aligns or runs[i, OUTCOME] != CONTINUES:
                 error = error_of_time(scene.events, which, q, before, runs, i)
@@ -292,7 +300,8 @@ def _enqueue(scene, method, control, many, endings, i):
     """
     runs, waiting = many.runs, many.waiting
     while runs[i, OUTCOME] == CONTINUES and pair_of(mode_of(runs, i)) < 0:
-        runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
+        if _carries_error(scene, control, runs, i):
+            runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
         advance(scene, method, control, many.work.nodes[:0], many.history, many.work, runs, i)
     if runs[i, OUTCOME] != CONTINUES:
         keep_result(runs, i, endings, int(runs[i, ROW_OF_BATCH]))
