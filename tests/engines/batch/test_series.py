@@ -18,7 +18,6 @@ from model.engines.batch.series import (
     recurrences,
 )
 from model.engines.batch.series_plan import (
-    ERROR_ORDER,
     FRACTIONS,
     KINDS,
     NODES,
@@ -56,14 +55,7 @@ PLACES = [name for name in Watched._fields if name in Outline._fields]
 class Step:
     """One step of WIDTH random runs in the same kind of mode, of at most ``longest``."""
 
-    def __init__(
-        self,
-        support: int,
-        side: int,
-        longest: float,
-        tolerance: float = 1e-300,
-        displacement: float | np.ndarray = 0.0,
-    ) -> None:
+    def __init__(self, support: int, side: int, longest: float, tolerance: float = 1e-300) -> None:
         rng = np.random.default_rng(8 * support + side)
         flat = new_workspace(EVENTS.rows)
         self.w = flat.reshape(EVENTS.rows, WIDTH)
@@ -78,9 +70,8 @@ class Step:
         signs = self.w[GIVEN - 2 : GIVEN]
         self.w[workspace.SUPPORT_SLIP_STATE] = 0.0 if support == STICKS else signs[0]
         self.w[workspace.SIDE_SLIP_STATE] = 0.0 if side == STICKS else signs[1]
-        self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH)) + displacement
-        self.w[workspace.ERROR : workspace.ERROR + 6] = displacement
-        control = Settings().control._replace(carries_error=1.0)
+        self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH))
+        _, _, control = Settings().for_kernels
         step_all(
             EVENTS, len(KINDS) * support + side, support == FREE, side != FREE, False, control, flat
         )
@@ -121,18 +112,6 @@ def residual(step: Step, time: float) -> float:
         right = np.array([q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt])
         missed = max(missed, float(np.abs(step.rates(time, lane) - right).max()))
     return missed
-
-
-@each_kind
-def test_a_carried_error_is_the_derivative_of_the_series(support, side):
-    error = 1e-7 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
-    more, less = (Step(support, side, 0.1, displacement=each) for each in (error, -error))
-    orders = np.s_[: (ERROR_ORDER + 1) * 6]
-    found = more.w[workspace.ERROR :][orders].reshape(ERROR_ORDER + 1, 6, WIDTH)
-    expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
-    size = np.abs(expected).max(axis=1, keepdims=True)
-    assert np.abs(found - expected).max() < 1e-5 * size.max()
-    assert (np.abs(found - expected) < 1e-5 * size + 1e-14).all()
 
 
 @each_kind

@@ -18,7 +18,6 @@ from model.engines.batch.series import (
 
 WIDTH = 8  # runs in a vector
 ORDER = 16  # of the series
-ERROR_ORDER = 5  # of the series of the linearised motion
 STATE_ROWS = len(STATES)
 TILT = 2  # row of the tilt
 SINES = STATE_ROWS + len(Watched._fields)  # sine and cosine of the tilt, and of the excitation

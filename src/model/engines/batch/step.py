@@ -18,7 +18,6 @@ from model.engines.batch.workspace import (
     CONTACTS_AT,
     DEADLINE,
     END,
-    ERROR,
     LENGTH,
     LONGEST,
     STEP_FORCE,
@@ -290,8 +289,6 @@ def step_all(events, kind, flies, beside, fell, control, w):
     """
     _turn(w)
     events.fill_series(kind, w, COEFFICIENTS, 0)
-    if control.carries_error != 0.0:
-        events.fill_errors(kind, w, COEFFICIENTS, 0, ERROR)
     _set_lengths(w)
     follow_series(w, COEFFICIENTS, LENGTH, VALUES)
     events.sample_lanes(fell, w)

@@ -12,7 +12,7 @@ in the slot also those with one contact on either side, an edge on the one and a
 import numpy as np
 
 from model.engines.batch.series import CONSISTENT, GIVEN, ON_EDGE, ON_WALL, UNDER_EDGE, Watched
-from model.engines.batch.series_plan import ERROR_ORDER, NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES, TILT, WIDTH
 from model.engines.scalar.tableaux import Array
 from model.physics.compiled import inlined_kernel
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
@@ -41,10 +41,7 @@ from model.physics.views import reader
     STEP_FORCE,  # upper bound of the normal forces in the step
 ) = range(GIVEN, GIVEN + 17)
 END = STEP_FORCE + 1
-ERROR = END + STATE_SIZE  # series of the error that a run carries
-VALUES = (
-    ERROR + (ERROR_ORDER + 1) * STATE_SIZE
-)  # the tilt and the watched rows at each node, and their curvature bounds
+VALUES = END + STATE_SIZE  # the tilt and the watched rows at each node, and their curvature bounds
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
 EVENT_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS  # rows of the events of the scene follow
 
