@@ -20,7 +20,7 @@ from model.cli.arguments import (
     settings_of,
 )
 from model.cli.files import check_file, check_picture, save_picture
-from model.events.outcomes import SUCCESS_TEXT, Outcome
+from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
 from model.physics.units import Units
 from model.study.config import RunSettings, Span, check_plane, load_study, study_path
@@ -180,16 +180,14 @@ class _Bar:
 
 
 def _report(dataset: "xr.Dataset") -> list[str]:
-    from model.study.map_datasets import ONLY_VIBRATED, added  # noqa: PLC0415  (as in _map)
+    from model.study.map_datasets import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
 
     by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
-    inserts = dataset.attrs["scene"] == "insertion"
-    success = Outcome.INSERTED if inserts else Outcome.ALIGNED
-    verb = SUCCESS_TEXT[success]
+    success = success_of(dataset)
     share = float((dataset["outcome"] == success).mean())
     nodes = dataset["outcome"].size
     rows = [
-        (verb, f"{100.0 * share:.3g} % of the map"),
+        (SUCCESS_TEXT[success], f"{100.0 * share:.3g} % of the map"),
         ("reliable", f"{100.0 * float(dataset['reliable'].mean()):.3g} % of the map"),
         ("vibration", f"{100.0 * by_vibration:.3g} % of the map: does not align without it"),
         ("flagged", f"{100.0 * float(dataset['flagged'].mean()):.3g} %: may end differently"),

@@ -14,7 +14,6 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.show import style
 from model.show.axes import (
@@ -35,7 +34,7 @@ from model.show.overlays import (
     add_reliable,
     add_vibration,
 )
-from model.study.map_datasets import added
+from model.study.map_datasets import added, success_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +72,7 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
     y, x = (dataset[name] for name in dataset["tau_align"].dims)
     durations = np.ma.masked_invalid(dataset["tau_align"].values)
     outcome, label = dataset["outcome"].values, NOT_ALIGNED
-    if dataset.attrs.get("scene") == INSERTION.name:
+    if success_of(dataset) is Outcome.INSERTED:
         durations = np.ma.masked_where(outcome != Outcome.INSERTED, durations)
         label = NOT_IN
     gaps = np.ma.getmaskarray(durations)

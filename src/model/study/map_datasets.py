@@ -12,12 +12,15 @@ from model.engines.results import TWIN
 from model.events.outcomes import Outcome, Unvibrated
 from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME
+from model.physics.scenes import ALIGNMENT
 from model.physics.units import UNITS, Units
+from model.runs.settings import SCENES, Settings
 from model.study.config import CURVES, HISTORIES, Curves, Study
 from model.study.datasets import VARIABLES, global_attributes, parameter_coordinates
 from model.study.map_parts import AllKnown, Progress
 from model.study.maps import PERIODS, SHARE, MapPlan, assemble, evaluations
 from model.study.refinement import AROUND, BESIDE, PATCH, WINDOW
+from model.study.starts import GOES_IN
 
 _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
 LEVEL = {"long_name": "refinement level: how often the coarse cell was halved"}
@@ -72,13 +75,18 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
 BOTH, ONLY_VIBRATED, ONLY_PRESSED, NEITHER = range(4)
 
 
+def success_of(dataset: xr.Dataset) -> Outcome:
+    """Return the outcome of a run that ends well in the scene of a map or figure."""
+    return Settings(scene=SCENES[dataset.attrs.get("scene", ALIGNMENT.name)]).success
+
+
 def added(dataset: xr.Dataset) -> NDArray[np.int64]:
     """Return the share of vibration at every point of a map or figure, in the shape of its outcome.
 
     BOTH: the part aligns with and without vibration; ONLY_VIBRATED, ONLY_PRESSED: it aligns with
     vibration alone, or without alone; NEITHER: it aligns in no way.
     """
-    vibrated = np.isin(dataset["outcome"].values, (Outcome.ALIGNED, Outcome.INSERTED))
+    vibrated = np.isin(dataset["outcome"].values, GOES_IN)
     pressed = dataset["unvibrated"].values == Unvibrated.ALIGNS
     return np.select(
         [vibrated & pressed, vibrated, pressed], [BOTH, ONLY_VIBRATED, ONLY_PRESSED], NEITHER
