@@ -14,7 +14,7 @@ from typing import Any, Literal, get_args
 import yaml
 
 from model.study.claims import comparisons  # noqa: F401  (registers its measures)
-from model.study.claims.measures import Check, check_of
+from model.study.claims.checks import Check, check_of
 
 Kind = Literal["stated in figure text", "conclusion", "interpretation"]
 EVERY_FIGURE = tuple(f"fig{number:02}" for number in range(5, 15))

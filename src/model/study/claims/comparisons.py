@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from model.study.claims.measures import Part, growth, of_claim
+from model.study.claims.checks import Part, of_claim
+from model.study.claims.measures import growth
 from model.study.claims.reading import Curve, Data, MissingDataError
 from model.study.claims.statistics import (
     NAN,
