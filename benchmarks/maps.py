@@ -172,7 +172,7 @@ def judge(
         flagged=float(flagged.mean()),
         patch=float(refined.patch.mean()),
         wrong_unflagged=int((wrong & ~flagged).sum()),
-        off=float((difference[both] > 1.0).mean()),
+        off=float((difference[both] > 1.0).mean()) if both.any() else 0.0,
         seconds_full=seconds[0],
         seconds_refined=seconds[1],
     )

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 
 from model import Batch, Parameters, Readings, align, simulate
 from model.physics.parameters import Constants
@@ -82,12 +83,20 @@ def random_states() -> Callable[..., list[np.ndarray]]:
 
 @pytest.fixture(scope="session")
 def small_study() -> Callable[[int, int], Study]:
-    """The study of the project with two curves of ``points`` and maps of ``cells`` squared."""
+    """The study of the project, of the tests' own device.
+
+    Of each figure two curves of ``points``, of maps ``cells`` squared.
+    """
+    device = yaml.safe_load((Path(__file__).parent / "device.yaml").read_text(encoding="utf-8"))
+    held = device.pop("held")
 
     def make(points: int, cells: int) -> Study:
         full = load_study(study_path())
-        small = dict(full.figures)
-        for name, spec in full.figures.items():
+        small = {
+            name: spec.model_copy(update={"held": held[name]}) if name in held else spec
+            for name, spec in full.figures.items()
+        }
+        for name, spec in small.items():
             if isinstance(spec, Curves):
                 swept = spec.swept.model_copy(update={"count": points})
                 few = Family(parameter=spec.family.parameter, values=spec.family.values[:2])
@@ -95,7 +104,7 @@ def small_study() -> Callable[[int, int], Study]:
             elif isinstance(spec, Map):
                 x, y = (axis.model_copy(update={"count": cells}) for axis in (spec.x, spec.y))
                 small[name] = spec.model_copy(update={"x": x, "y": y})
-        return full.model_copy(update={"figures": small})
+        return full.model_copy(update={**device, "figures": small})
 
     return make
 

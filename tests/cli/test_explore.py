@@ -61,12 +61,11 @@ def test_refusals(arguments, message, tmp_path, monkeypatch, capsys):
     assert message in capsys.readouterr().err
 
 
-def test_a_run_is_animated_as_a_page(tmp_path):
+def test_a_run_is_animated_as_a_page(device, tmp_path):
     page = tmp_path / "run.html"
     arguments = [
         "simulate",
-        "--set",
-        "press_force=4",
+        *(part for each in device.given().items() for part in ("--set", "{}={}".format(*each))),
         "--tolerance",
         "1e-6",
         "--animate",
@@ -75,7 +74,7 @@ def test_a_run_is_animated_as_a_page(tmp_path):
     assert cli.main(arguments) == cli.DONE
     model = model_in(page)
     assert model["run"]["results"]["outcome"] == 0.0
-    assert model["baseline"]["press_force"] == 4.0
+    assert model["baseline"]["press_force"] == device.press_force
 
 
 def test_a_gif_without_a_browser_is_refused_in_words(tmp_path, monkeypatch, capsys):
