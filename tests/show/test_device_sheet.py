@@ -5,6 +5,8 @@ from pathlib import Path
 
 from model.cli.sheet import write_sheet
 from model.runs.settings import Settings
+from model.show.explorer.content import Scales
+from model.show.explorer.page import build_page
 from model.study.config import load_study, study_path
 from model.study.devices import read_device
 
@@ -16,13 +18,23 @@ GROUPS = {
 }
 
 
+def explorer_of(stated, folder):
+    device = stated.device
+    model = {
+        "title": "peg",
+        "footer": "",
+        "baseline": Scales(device.units).values(device.parameters),
+    }
+    (folder / "peg.html").write_text(build_page(model, None), encoding="utf-8")
+
+
 def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     study = load_study(study_path())
     stated, settings = (
         read_device(PEG, {"press_force": "12 N"}),
         Settings(horizon=40.0, tolerance=1e-6),
     )
-    (tmp_path / "peg.html").write_text("an explorer")
+    explorer_of(read_device(PEG), tmp_path)
     pages = []
     for name in ("one.html", "two.html"):
         write_sheet(tmp_path / name, stated, GROUPS, study, settings)
@@ -35,3 +47,6 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     assert re.search(r"<td>press force</td><td>12 N</td><td>± 1.2 N</td>", page)
     assert re.search(r"<td>amplitude</td><td>1 mm</td><td>± 0.05 mm</td>", page)
     assert "@page { size: A4" in page
+    explorer_of(read_device(PEG, {"tilt_stiffness": "0.5 N m/rad"}), tmp_path)
+    write_sheet(tmp_path / "three.html", stated, GROUPS, study, settings)
+    assert "peg.html" not in (tmp_path / "three.html").read_text(encoding="utf-8")

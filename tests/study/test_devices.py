@@ -11,6 +11,7 @@ from model.study.devices import DeviceError, Tolerance, load_device, read_device
 from model.study.devices.amounts import read_amount, read_range
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+STEEL = {"materials": "steel on aluminium", "edge_radius": "0.2 mm", "restitution": 0.5}
 
 
 def test_the_example_aligns():
@@ -99,6 +100,10 @@ def test_a_range_may_name_its_unit_once():
         ("3 mm", "N", "must be in N or alike, not in mm"),
         ("3 foo", "N", "unknown unit 'foo'"),
         ("3 N**", "N", "unknown unit"),
+        ("0,1", "1", "write 0.1"),
+        ("12,1 N", "N", "write 12.1 N"),
+        ("10 N ± 0,5 N", "N", "write 0.5 N"),
+        ("12 1 N", "N", "unknown unit '1 N'"),
         ("ten", "N", "must be a number in N, or with a unit"),
         (True, "N", "must be a number in N"),
         ("3 N ± -1 N", "N", "the tolerance must be >= 0"),
@@ -142,6 +147,7 @@ def test_free_quantities_and_limits_are_read(tmp_path):
         ({"press_force": 0.0}, "press_force = 0.0: must be > 0"),
         ({"clearance": 0.2}, "misalignment = 0.0008 m: already inside at the start"),
         ({"misalignment": 0.0}, "already inside at the start"),
+        (STEEL | {"press_force": "-6 N"}, "press_force = -6.0: must be > 0"),
     ],
 )
 def test_a_device_that_makes_no_sense_is_refused(changes, words):
@@ -161,6 +167,7 @@ def test_a_device_that_makes_no_sense_is_refused(changes, words):
         ({"friction": 1.5}, "friction = 1.5 is more than 1"),
         ({"frequency": 0.05}, "have their resonance at 15.9 Hz"),
         ({"press_force": "10 kN"}, "amplitude of 3 N"),
+        ({"friction": "0.2 ± 0.3"}, "friction = 0.2 ± 0.3: the tolerance reaches below 0"),
     ],
 )
 def test_a_doubtful_value_is_named(changes, words):

@@ -1,5 +1,6 @@
 """The sheet of a device that ``vibralign assess --sheet`` writes."""
 
+import json
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -12,8 +13,9 @@ from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
 from model.show.device_sheet import Sheet, render
+from model.show.explorer.content import Scales
 from model.study.config import RunSettings, Span, Study
-from model.study.devices import StatedDevice
+from model.study.devices import StatedDevice, load_device
 from model.study.files import whole_file
 from model.study.map_datasets import in_si, map_dataset
 from model.study.map_parts import nothing_known
@@ -74,10 +76,14 @@ def write_sheet(
 
 
 def _explorer(path: Path, stated: StatedDevice) -> str | None:
-    """Return the address of the device in its explorer, if DEVICE.html lies beside the sheet."""
+    """Return the address of the device in its explorer, if DEVICE.html beside the sheet is that."""
     page = path.with_name(f"{stated.source.stem}.html")
     if page.name == path.name or not page.exists():
         return None
+    units, parameters = load_device(stated.source, {})
+    own = json.dumps(Scales(units).values(parameters))
+    if f'"baseline": {own}' not in page.read_text(encoding="utf-8"):
+        return None  # of another device of the same name
     quantities = stated.resolved({})
     changes = {name: quantities[name] for name in stated.changes if name in FIELDS}
     return f"{page.name}#{urlencode(changes)}" if changes else page.name

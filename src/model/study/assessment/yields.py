@@ -77,7 +77,8 @@ class Yield:
         time: 5, 50 and 95 % quantiles of the alignment time over devices and starts.
         force: the same of a device's largest contact force.
         runs: number of runs.
-        blame: Sobol' indices, the quantity with the largest total index of failure first.
+        blame: Sobol' indices, the quantity with the largest total index of failure first; empty if
+            no device goes in.
     """
 
     devices: int
@@ -190,6 +191,7 @@ def yield_of(
     check_devices(devices)
     found = run_devices(stated, drawn(stated, devices, seed), starts, settings, cores)
     going_in = int(found.goes_in.sum())
+    blame = blame and going_in > 0
     low, high = interval(going_in, devices)
     indices = blame_of(stated, starts[::BLAME_STARTS], settings, cores, seed=seed) if blame else ()
     runs = devices * len(starts)

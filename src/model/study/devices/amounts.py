@@ -11,10 +11,14 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
+from model.physics.parameters import FIELDS
+
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _AMOUNT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 _SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")
 _RANGE = re.compile(r"\s+to\s+")
+_COMMA = re.compile(r"\d,\d")
+_UNIT = re.compile(r"(?:1\s*/\s*)?[^\W\d_][^,]*|°.*|%")  # pint reads ", 1 N" as a unit, too
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,15 @@ def _number(name: str, given: Any, text: str, unit: str) -> float:
     if found is None:
         raise ValueError(f"{name} = {given!r}: {_rule(unit)}")
     value, own = float(found[1]), found[2]
+    if _COMMA.search(text):
+        raise ValueError(f"{name} = {given!r}: write {_COMMA.sub(_pointed, text).strip()}")
+    if own and not _UNIT.fullmatch(own):
+        raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}")
     return value if own in ("", unit) else value * _factor(name, given, own, unit)
+
+
+def _pointed(found: re.Match[str]) -> str:
+    return found[0].replace(",", ".")
 
 
 def _factor(name: str, given: Any, own: str, unit: str) -> float:
@@ -122,7 +134,8 @@ def _factor(name: str, given: Any, own: str, unit: str) -> float:
         )
     except pint.DimensionalityError:
         hint = "a ratio, without a unit or in %" if unit == "1" else f"in {unit} or alike"
-        raise ValueError(f"{name} = {given!r}: must be {hint}, not in {own}") from None
+        meaning = f"; it is the {FIELDS[name].description}" if name in FIELDS else ""
+        raise ValueError(f"{name} = {given!r}: must be {hint}, not in {own}{meaning}") from None
     except Exception:  # noqa: BLE001  (on a malformed unit pint raises errors of many kinds)
         raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}") from None
 

@@ -11,15 +11,22 @@ _SLOWEST, _FASTEST = 0.05, 100.0  # excitation frequency, in axial resonances
 _WIDEST = 0.5  # clearance
 
 
-def check_sense(quantities: Mapping[str, float]) -> None:
-    """Refuse values in SI units that the model admits and no device has.
+def check_press(force: float) -> None:
+    """Refuse a press force in N that does not press.
 
     Raises:
-        ValueError: a press force that does not press, or a part that starts inside the hole.
+        ValueError: it is not > 0.
     """
-    force = quantities["press_force"]
     if not force > 0.0:
         raise ValueError(f"press_force = {force!r}: must be > 0, or nothing presses the part")
+
+
+def check_place(quantities: Mapping[str, float]) -> None:
+    """Refuse quantities in SI units with which the part starts inside the hole.
+
+    Raises:
+        ValueError: the misalignment is within the play.
+    """
     play = quantities["clearance"] * quantities["half_width"]
     if not quantities["misalignment"] > play:
         raise ValueError(

@@ -13,7 +13,7 @@ from model.physics.rest import Start
 from model.physics.units import UNITS, Device, device
 from model.study.devices.amounts import Tolerance, read_amount, read_range
 from model.study.devices.base import BASE, pair_of, with_base
-from model.study.devices.plausibility import check_sense, doubts
+from model.study.devices.plausibility import check_place, check_press, doubts
 
 # Limits that a design may keep: meaning and SI unit. Each is an upper limit.
 LIMITS: Mapping[str, tuple[str, str]] = {
@@ -97,7 +97,15 @@ class StatedDevice:
     @property
     def doubts(self) -> list[str]:
         """Values that are possible, and probably not meant."""
-        return doubts(self.resolved({}), self.device)
+        cut = [
+            f"{name} = {self.quantities[name]:.4g} ± {each.around(self.quantities[name]):.4g}: the "
+            "tolerance reaches below 0, where it is cut off"
+            for name, each in self.tolerances.items()
+            if each.kind == "uniform"
+            and each.around(self.quantities[name]) > abs(self.quantities[name])
+            and (name not in FIELDS or FIELDS[name].bound)
+        ]
+        return doubts(self.resolved({}), self.device) + cut
 
 
 def load_device(path: Path, changes: Mapping[str, object]) -> Device:
@@ -136,17 +144,13 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
             changes=dict(changes),
             start=_start(mapping.get("start")),
         )
-        check_sense(stated.resolved({}) if _is_whole(stated) else stated.quantities)
+        device({n: v for n, v in stated.quantities.items() if n not in BASE})  # nothing is missing
+        check_press(stated.quantities["press_force"])
+        check_place(stated.resolved({}))
         _check_tolerances(stated)
     except ValueError as error:
         raise DeviceError(f"{path}: {error}") from None
     return stated
-
-
-def _is_whole(stated: StatedDevice) -> bool:
-    """Return True; a missing or misspelt quantity is refused by ``device``."""
-    device({n: v for n, v in stated.quantities.items() if n not in BASE})
-    return True
 
 
 def unit_of(name: str) -> str:
