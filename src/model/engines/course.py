@@ -98,16 +98,16 @@ class Control(NamedTuple):
 class History(NamedTuple):
     """States and lowest levels in the last periods of runs, as ring buffers; see steady_state.py.
 
-    Shapes: states (runs, HISTORY, 6), lowest (runs, HISTORY, MOST_EVENTS).
+    Shapes: states (runs, HISTORY, 6), lowest (runs, HISTORY, events).
     """
 
     states: np.ndarray
     lowest: np.ndarray
 
 
-def new_history(count: int) -> History:
-    """Return an empty ``History`` of ``count`` runs."""
-    return History(np.zeros((count, HISTORY, STATE_SIZE)), np.zeros((count, HISTORY, MOST_EVENTS)))
+def new_history(count: int, events: int = MOST_EVENTS) -> History:
+    """Return an empty ``History`` of ``count`` runs, for a table of at most ``events``."""
+    return History(np.zeros((count, HISTORY, STATE_SIZE)), np.zeros((count, HISTORY, events)))
 
 
 @kernel
@@ -186,7 +186,7 @@ def begin(row, tolerance, scene, control, runs, i):
         runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # and stay so; see note_step
     elif scene.events.inserts == 1:
         runs[i, SIDE_FORCE_MAX] = 0.0
-    for which in range(MOST_EVENTS):
+    for which in range(scene.events.count):
         runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, scene.declared)
     if control.pressed != 0.0 and not _starts_past_the_end(q, p, mode):
@@ -327,18 +327,18 @@ def make_event(which, length, step, scene, control, runs, i):
 def _compare_periods(scene, periods, history, runs, i):
     """Record the state and the closest approaches of a period; end a run that has settled."""
     states, lowest = history.states[i], history.lowest[i]
-    for which in range(MOST_EVENTS):  # events that happened need no distance
+    for which in range(scene.events.count):  # events that happened need no distance
         if runs[i, MADE + which] != 0.0:
             runs[i, CLOSEST + which] = NEVER
             runs[i, MADE + which] = 0.0
     record_period(
         periods,
         runs[i, STATE : STATE + STATE_SIZE],
-        runs[i, CLOSEST : CLOSEST + MOST_EVENTS],
+        runs[i, CLOSEST : CLOSEST + scene.events.count],
         states,
         lowest,
     )
-    for which in range(MOST_EVENTS):
+    for which in range(scene.events.count):
         runs[i, CLOSEST + which] = NEVER
     if mode_of(runs, i).dropped and scene.events.inserts == 0:
         return

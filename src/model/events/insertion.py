@@ -145,19 +145,27 @@ def _right_edge_enters(time, q, p, mode, declared):
 
 
 @kernel
+def _corner_touches(side, time, q, p, mode):
+    """Begin the contact of a bottom corner with the wall on its side."""
+    state = touching(corner_on_wall(side, q, p), q, p)
+    met = with_wall(mode, state)
+    if side == RIGHT_EDGE:
+        met = _right_wall(_against_right(mode), state)
+    return decided(time, q, p, met, False, False)
+
+
+@inlined_kernel
 def _right_corner_touches(time, q, p, mode, _declared):
-    """Begin the contact of B1 with the right wall."""
+    """``_corner_touches`` of B1."""
     if _stands_on(mode, LEFT_EDGE):
         return mode, _LEFT_SCENE, _BOTH_SIDES
-    state = touching(corner_on_wall(RIGHT_EDGE, q, p), q, p)
-    return decided(time, q, p, _right_wall(_against_right(mode), state), False, False)
+    return _corner_touches(RIGHT_EDGE, time, q, p, mode)
 
 
-@kernel
+@inlined_kernel
 def _left_corner_touches(time, q, p, mode, _declared):
-    """Begin the contact of B2 with the left wall."""
-    state = touching(corner_on_wall(LEFT_EDGE, q, p), q, p)
-    return decided(time, q, p, with_wall(mode, state), False, False)
+    """``_corner_touches`` of B2."""
+    return _corner_touches(LEFT_EDGE, time, q, p, mode)
 
 
 @kernel

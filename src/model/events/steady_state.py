@@ -26,7 +26,7 @@ _LASTING = 3000.0  # assumed duration of a creep: ten times the usual horizon
 def record_period(count, y, closest, states, lowest):
     """Store the state at the end of period ``count`` and the lowest levels of the events in it.
 
-    ``states``, shape (HISTORY, 6), and ``lowest``, shape (HISTORY, MOST_EVENTS), are rings.
+    ``states``, shape (HISTORY, 6), and ``lowest``, shape (HISTORY, events), are rings.
     """
     row = count % HISTORY
     for i in range(STATE_SIZE):

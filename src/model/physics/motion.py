@@ -81,14 +81,20 @@ def _pressing(contact, load):
 
 
 @inlined_kernel
+def corner_share(load, load_of_edge):
+    """Return the share in the friction of a corner that presses, perhaps beside an edge."""
+    total = load_of_edge + load
+    return load / total if load_of_edge > 0.0 and total > 0.0 else 1.0
+
+
+@inlined_kernel
 def _with_corner(edge, corner, corner_load, slip_at_corner):
     """Return the ``Support`` by an edge and a corner on the same side.
 
     If both press, they share the friction in proportion to their normal forces.
     """
     normal, tangent = corner.normal, edge.tangent
-    total = edge.load + corner_load
-    share = corner_load / total if edge.load > 0.0 and total > 0.0 else 1.0
+    share = corner_share(corner_load, edge.load)
     tangent = (
         tangent[0] + share * (corner.tangent[0] - tangent[0]),
         tangent[1] + share * (corner.tangent[1] - tangent[1]),
@@ -98,22 +104,23 @@ def _with_corner(edge, corner, corner_load, slip_at_corner):
     if slip_at_corner:
         slip, slip_row, drift = corner.slip, corner.slip_row, corner.slip_drift
     return Support(
-        total, edge.x + corner_load * normal[0], edge.y + corner_load * normal[1],
+        edge.load + corner_load, edge.x + corner_load * normal[0], edge.y + corner_load * normal[1],
         edge.moment + corner_load * normal[2], tangent, slip, slip_row, drift,
     )  # fmt: skip
 
 
 @inlined_kernel
-def _right_side(q, p, mode):
-    support = NOTHING
-    if mode.face == CLOSED:
-        edge = edge_on_side(RIGHT_EDGE, q, p)
-        support = _pressing(edge, contact_load(edge.depth, edge.closing_rate, q, p))
-    if mode.corner == CLOSED:
-        corner = corner_on_wall(RIGHT_EDGE, q, p)
+def _beside(side, edge_state, corner_state, slip_at_corner, q, p):
+    """Return the contacts of one side: its edge on the side face, its corner on the wall."""
+    found = NOTHING
+    if edge_state == CLOSED:
+        edge = edge_on_side(side, q, p)
+        found = _pressing(edge, contact_load(edge.depth, edge.closing_rate, q, p))
+    if corner_state == CLOSED:
+        corner = corner_on_wall(side, q, p)
         corner_load = contact_load(corner.depth, corner.closing_rate, q, p)
-        support = _with_corner(support, corner, corner_load, mode.slip_at_corner)
-    return support
+        found = _with_corner(found, corner, corner_load, slip_at_corner)
+    return found
 
 
 @inlined_kernel
@@ -123,7 +130,7 @@ def support_contact(q, p, mode):
     In the slot, A1 on the right side face and B1 on the right wall.
     """
     if mode.in_slot:
-        return _right_side(q, p, mode)
+        return _beside(RIGHT_EDGE, mode.face, mode.corner, mode.slip_at_corner, q, p)
     support = NOTHING
     if mode.face == CLOSED:
         face = edge_on_face(mode.edge, q, p)
@@ -138,16 +145,7 @@ def support_contact(q, p, mode):
 @inlined_kernel
 def side_contact(q, p, mode):
     """Return the left side: A2 on the side face, and in the slot B2 on the wall."""
-    side = NOTHING
-    if mode.side == CLOSED:
-        edge = edge_on_side(LEFT_EDGE, q, p)
-        side_load = contact_load(edge.depth, edge.closing_rate, q, p)
-        side = _pressing(edge, side_load)
-    if mode.wall == CLOSED:
-        corner = corner_on_wall(LEFT_EDGE, q, p)
-        wall_load = contact_load(corner.depth, corner.closing_rate, q, p)
-        side = _with_corner(side, corner, wall_load, mode.slip_at_wall)
-    return side
+    return _beside(LEFT_EDGE, mode.side, mode.wall, mode.slip_at_wall, q, p)
 
 
 @inlined_kernel

@@ -1,5 +1,7 @@
 """The series of the batch engine: they solve the equations of motion, and hold what is watched."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -10,13 +12,18 @@ from model.engines.batch.event_search import QUANTITIES, crossing, values_at
 from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import (
     CONSISTENT,
+    FLUSH,
     FREE,
     GIVEN,
+    ON_WALL,
+    PAIRS,
     SLIDES,
     STICKS,
+    UNDER_EDGE,
     Watched,
     recurrences,
 )
+from model.engines.batch.series_code import series_filler
 from model.engines.batch.series_plan import (
     FRACTIONS,
     KINDS,
@@ -32,11 +39,11 @@ from model.engines.batch.series_plan import (
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, new_workspace
 from model.events.levels import NEVER, Outline, outline
-from model.physics.contacts import contact_load, edge_on_face, edge_on_side
+from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import ALIGNMENT, CLOSED, OPEN, STICKING, Mode
+from model.physics.scenes import ALIGNMENT, CLOSED, OPEN, START, STICKING, Mode
 
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
 each_kind = pytest.mark.parametrize(
@@ -126,6 +133,65 @@ def test_the_series_solve_the_equations_of_motion_to_their_order(support: int, s
     assert np.polyfit(np.log(times[clean]), np.log(missed[clean]), 1)[0] >= 0.95 * (ORDER - 1)
 
 
+IN_SLOT = [
+    (pair, support, side)
+    for pair, support, side in product(PAIRS[1:], KINDS, KINDS)
+    if pair != FLUSH or support != FREE
+]
+
+
+def in_slot(pair: int, support: int, side: int, signs: np.ndarray) -> Mode:
+    """Return the mode of a pair of contacts in the slot."""
+    normal, beside = NORMAL[support], NORMAL[side]
+    slips = np.where(np.array((support, side)) == STICKS, 0, signs).astype(int).tolist()
+    at_corner, at_wall = pair in (ON_WALL, FLUSH), pair == UNDER_EDGE
+    return START._replace(
+        face=OPEN if pair == ON_WALL else normal, corner=normal if at_corner else OPEN,
+        slip_at_corner=at_corner, support_slip=slips[0], side=OPEN if at_wall else beside,
+        wall=beside if at_wall else OPEN, slip_at_wall=at_wall, side_slip=slips[1],
+        dropped=True, in_slot=True,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("pair", "support", "side"), IN_SLOT)
+def test_the_series_in_the_slot_solve_the_equations_of_motion(pair, support, side):
+    rng, fill = np.random.default_rng(pair), series_filler(PAIRS)
+    flat = new_workspace(workspace.EVENT_ROWS)
+    w = flat.reshape(-1, WIDTH)
+    w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
+    row = {name: n for n, name in enumerate(np.array(Constants._fields)[CONSISTENT].tolist())}
+    w[row["contact_stiffness"]], w[row["friction"]] = 50.0, 0.3
+    signs = rng.choice([-1.0, 1.0], (2, WIDTH))
+    w[GIVEN - 2 : GIVEN] = signs
+    state = rng.uniform(-0.02, 0.02, (6, WIDTH))
+    # B1 is a tenth behind the wall, and so is A1 behind the face, but for the small tilt.
+    a, b = w[row["half_width"]], w[row["half_height"]]
+    state[0] = w[row["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
+    w[COEFFICIENTS : COEFFICIENTS + 6] = state
+    angle = w[row["frequency"]] * 0.3 + w[row["phase"]]
+    sines = np.sin(state[2]), np.cos(state[2]), np.sin(angle), np.cos(angle)
+    w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
+    fill((pair * len(KINDS) + support) * len(KINDS) + side, flat, COEFFICIENTS, 0)
+    series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * ROWS].reshape(ORDER + 1, ROWS, WIDTH)
+    time, orders = 1e-3, np.arange(1, ORDER + 1)
+    for lane in range(WIDTH):
+        values = np.zeros(len(Constants._fields))
+        values[CONSISTENT] = w[: GIVEN - 2, lane]
+        p, mode = Constants(*values.tolist()), in_slot(pair, support, side, signs[:, lane])
+        found = time ** np.arange(ORDER + 1) @ series[:, :SINES, lane]
+        q = State(*found[:6].tolist())
+        at = motion(0.3 + time, q, p, mode)
+        right = [q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt]
+        rates = (orders * time ** (orders - 1)) @ series[1:, :6, lane]
+        assert rates == pytest.approx(right, rel=1e-9, abs=1e-9)
+        if support != FREE:
+            loads = found[CONTACTS_AT], found[CONTACTS_AT + 4]
+            corner = corner_on_wall(RIGHT_EDGE, q, p)
+            load = contact_load(corner.depth, corner.closing_rate, q, p)
+            of_corner = load if pair in (ON_WALL, FLUSH) else 0.0
+            assert loads == pytest.approx((at.support_load, of_corner), rel=1e-9)
+
+
 @each_kind
 def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: int) -> None:
     step = Step(support, side, 0.1)
@@ -145,6 +211,7 @@ def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: in
                     at.support_friction if sticks else face.slip,
                     contact_load(beside.depth, beside.closing_rate, q, p),
                     at.side_friction if side_sticks else beside.slip,
+                    0.0,  # the right corner's, in the slot
                 ],
                 rel=1e-9,
                 abs=1e-9,

@@ -207,12 +207,14 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
 
 
 @inlined_kernel
-def _continue(scene, control, many, lane, i):
+def _continue(scene, method, control, many, lane, i):
     """Continue run ``i`` after the step of its lane."""
     w, runs, history = many.w, many.runs, many.history
     runs[i, EVALUATIONS] += ORDER
     length = w[workspace.LENGTH * WIDTH + lane]
-    if isnan(length) or is_too_short(length, runs[i, TIME]):
+    if scene.events.inserts == 1 and isnan(length):  # two loads that begin at zero have no quotient
+        advance(scene, method, control, many.work.nodes[:0], history, many.work, runs, i)
+    elif isnan(length) or is_too_short(length, runs[i, TIME]):
         q = state_in(runs, STATE, i)
         rates = rates_of(runs[i, TIME], q, constants_of(runs, i), mode_of(runs, i))
         fail(scene, runs, i, _STEP_TOO_SMALL if are_finite(rates) else _NOT_FINITE)
@@ -261,10 +263,8 @@ def new_many(scene: SceneKernels, may_settle: bool = True) -> Many:
     kinds = scene.events.kinds
     waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
     together = np.zeros(WIDTH, np.int64)
-    return Many(
-        w, runs, new_history(POOL if may_settle else 1), work, search, quantities, waiting,
-        together,
-    )  # fmt: skip
+    history = new_history(POOL if may_settle else 1, scene.events.count)
+    return Many(w, runs, history, work, search, quantities, waiting, together)
 
 
 @inlined_kernel
@@ -357,7 +357,7 @@ def integrate_all(rows, tolerances, scene, method, control, queue, endings, many
         _step_together(scene.events, kind, count, control, many)
         for lane in range(count):
             i = many.together[lane]
-            _continue(scene, control, many, lane, i)
+            _continue(scene, method, control, many, lane, i)
             if not _enqueue(scene, method, control, many, endings, i):
                 _begin_next(rows, tolerances, queue, scene, method, control, many, endings, i)
         kind = _fullest(counts)

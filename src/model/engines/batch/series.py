@@ -24,7 +24,7 @@ from model.physics.contacts import (
     edge_on_face,
     edge_on_side,
 )
-from model.physics.motion import motion
+from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, START, STICKING
@@ -91,10 +91,13 @@ class Sum(Symbol):
     def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Return the rule of a function: sine and cosine become rows and are not traced.
 
-        Rates of depth and place of a contact are taken from the series of depth and place.
+        Rates of depth and place of a contact are taken from the series of depth and place. Contacts
+        of a mode that lanes hold press.
         """
         if function is python_of(sine_cosine):
             return _sine_cosine
+        if function is python_of(corner_share):
+            return _share
         if function in _CONTACTS:
             return lambda *arguments: _with_rates(function(*arguments))
         return function
@@ -192,11 +195,15 @@ def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
     return _of(Row("sine", key)), _of(Row("cosine", key))
 
 
+def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
+    return load / (load + load_of_edge) if isinstance(load_of_edge, Sum) else 1.0
+
+
 class Watched(NamedTuple):
     """Quantities of which levels of events are functions, in modes that lanes hold.
 
-    Places as in ``Outline``; for the contact of the support, ``face``, and that of the left side
-    the load, and the slip or, while the contact sticks, the friction force.
+    Places as in ``Outline``; for the support, ``face``, and for the left side the load, and the
+    slip or, while the contact sticks, the friction force; the share of B1 in the support's load.
     """
 
     right_along_face: Any
@@ -212,6 +219,7 @@ class Watched(NamedTuple):
     support_friction: Any
     side_load: Any
     side_friction: Any
+    corner_load: Any
 
 
 class Recurrences(NamedTuple):
@@ -223,9 +231,10 @@ class Recurrences(NamedTuple):
 
 FREE, SLIDES, STICKS = range(3)  # states of a contact, each with its own equations of motion
 # Pairs of contacts, of the support and of the left side: A1 on the bottom face and A2 on its side
-# face; in the slot A1 on the right side face and B2 on the wall, or B1 on the wall and A2.
-ON_EDGE, UNDER_EDGE, ON_WALL = range(3)
-PAIRS = ON_EDGE, UNDER_EDGE, ON_WALL
+# face; in the slot both edges on the side faces; A1 on its side face and B2 on the wall; B1 on the
+# wall and A2 on its side face; A1 and B1, of which B1's slip decides the friction, and A2.
+ON_EDGE, BETWEEN_EDGES, UNDER_EDGE, ON_WALL, FLUSH = range(5)
+PAIRS = ON_EDGE, BETWEEN_EDGES, UNDER_EDGE, ON_WALL, FLUSH
 
 
 def recurrences(support: int, side: int, pair: int = ON_EDGE) -> Recurrences:
@@ -244,24 +253,35 @@ def recurrences(support: int, side: int, pair: int = ON_EDGE) -> Recurrences:
         _given(sign) if does == SLIDES else STICKING
         for does, sign in ((support, SUPPORT_SIGN), (side, SIDE_SIGN))
     ]
-    at_corner, at_wall = pair == ON_WALL, pair == UNDER_EDGE
+    at_corner, at_wall = pair in (ON_WALL, FLUSH), pair == UNDER_EDGE
     mode = START._replace(
-        face=OPEN if at_corner else support_state, support_slip=slips[0],
+        face=OPEN if pair == ON_WALL else support_state, support_slip=slips[0],
         corner=support_state if at_corner else OPEN, slip_at_corner=at_corner,
         side=OPEN if at_wall else side_state, side_slip=slips[1],
         wall=side_state if at_wall else OPEN, slip_at_wall=at_wall, in_slot=pair != ON_EDGE,
     )  # fmt: skip
     at = motion(_of(TIME_ROW), q, p, mode)
-    supporting: Any = {ON_EDGE: edge_on_face, UNDER_EDGE: edge_on_side, ON_WALL: corner_on_wall}
-    face = supporting[pair](RIGHT_EDGE, q, p)
+    edge = (edge_on_face if pair == ON_EDGE else edge_on_side)(RIGHT_EDGE, q, p)
+    corner = corner_on_wall(RIGHT_EDGE, q, p)
+    corner_load: Any = contact_load(corner.depth, corner.closing_rate, q, p)
+    load: Any = contact_load(edge.depth, edge.closing_rate, q, p)
+    if pair == FLUSH:
+        load = load + corner_load
+    elif pair == ON_WALL:
+        load, corner_load = corner_load, _of(corner_load.as_row())  # a row of its own
+    else:
+        corner_load = 0.0
     side_face = corner_on_wall(LEFT_EDGE, q, p) if at_wall else edge_on_side(LEFT_EDGE, q, p)
     places = outline(q, p)._asdict()
     watched = Watched(
         **{name: place for name, place in places.items() if name in Watched._fields},
-        face_load=contact_load(face.depth, face.closing_rate, q, p),
-        support_friction=at.support_friction if support == STICKS else face.slip,
+        face_load=load,
+        support_friction=(
+            at.support_friction if support == STICKS else (corner if at_corner else edge).slip
+        ),
         side_load=contact_load(side_face.depth, side_face.closing_rate, q, p),
         side_friction=at.side_friction if side == STICKS else side_face.slip,
+        corner_load=corner_load,
     )
     accelerations = _as_sum(at.x), _as_sum(at.y), _as_sum(at.tilt)
     return Recurrences(accelerations, tuple(map(_as_sum, watched)))

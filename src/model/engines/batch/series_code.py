@@ -14,6 +14,8 @@ from numba.core.cgutils import unpack_tuple
 from numba.extending import intrinsic
 
 from model.engines.batch.series import (
+    FLUSH,
+    FREE,
     STATES,
     Constant,
     Row,
@@ -23,6 +25,7 @@ from model.engines.batch.series import (
 )
 from model.engines.batch.series_plan import (
     FRACTIONS,
+    FURTHER_ROWS,
     KINDS,
     NODES,
     ORDER,
@@ -139,7 +142,10 @@ class _SeriesWriter(_Writer):
         return self.known[value]
 
     def _place(self, row: Row, order: ir.Value) -> ir.Value:
-        return self.code.add(self.code.mul(order, _INDEX(ROWS)), _INDEX(self.plan.place[row]))
+        place, rows, first = self.plan.place[row], ROWS, 0
+        if place >= ROWS:
+            place, rows, first = place - ROWS, FURTHER_ROWS, (ORDER + 1) * ROWS
+        return self.code.add(self.code.mul(order, _INDEX(rows)), _INDEX(first + place))
 
     def _at(self, row: Row, order: ir.Value) -> ir.Value:
         return self.load(self.memory, self._place(row, order))
@@ -366,6 +372,8 @@ def series_filler(pairs: Sequence[int]) -> Any:
     """
     known, lines = {}, ["def fill_series(kind, block, coefficients, given):"]
     for kind, (pair, support, side) in enumerate(product(pairs, KINDS, KINDS)):
+        if pair == FLUSH and support == FREE:
+            continue
         known[f"series_{kind}"] = _series_of(support, side, pair)
         lines.append(f"    if kind == {kind}: series_{kind}(block, (coefficients, given))")
     return generated(kernel, "fill_series", "\n".join(lines), known, f"{len(pairs)}_pairs")

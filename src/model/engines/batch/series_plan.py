@@ -22,7 +22,8 @@ STATE_ROWS = len(STATES)
 TILT = 2  # row of the tilt
 SINES = STATE_ROWS + len(Watched._fields)  # sine and cosine of the tilt, and of the excitation
 _OTHERS = SINES + 4
-ROWS = _OTHERS + 19  # as many as any kind of mode needs
+ROWS = _OTHERS + 16  # as many as the modes on the edges need
+FURTHER_ROWS = 12  # of modes in the slot; they follow the last order
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
 # Order of the last term summed at each fraction; omitted ones are below 1e-4 of those at the end.
@@ -63,8 +64,11 @@ class Plan:
             if not self.is_ahead(row):
                 for each in filter(self.is_ahead, _made_of(row)):
                     self.place.setdefault(each, len(self.place))
-        if len(self.place) > ROWS:
-            raise AssertionError(f"ROWS = {ROWS}: must be at least {len(self.place)}")
+        if len(self.place) > ROWS + FURTHER_ROWS:
+            raise AssertionError(
+                f"ROWS = {ROWS} and FURTHER_ROWS = {FURTHER_ROWS}: must be at least "
+                f"{len(self.place)} together"
+            )
         self.factors = self._oriented()
 
     def _pairs(self) -> list[Row]:

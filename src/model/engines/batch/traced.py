@@ -160,10 +160,11 @@ def _quantities() -> dict[Source, Any]:
         SIDE: Touch(places["left_behind_side"], _row("side_load"), places["left_along_axis"]),
         FORCES: Motion(**forces),
         RIGHT_SIDE: Touch(
-            P.half_width - places["right_along_face"], _row("face_load"), places["right_along_axis"]
+            P.half_width - places["right_along_face"], _row("face_load") - _row("corner_load"),
+            places["right_along_axis"],
         ),
         RIGHT_WALL: Touch(
-            places["right_corner_x"] - P.slot_half_width, _row("face_load"),
+            places["right_corner_x"] - P.slot_half_width, _row("corner_load"),
             places["right_corner_y"],
         ),
         LEFT_WALL: Touch(

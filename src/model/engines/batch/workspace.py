@@ -5,14 +5,23 @@ Loops over lanes are plain arithmetic, so that the compiler vectorizes them; the
 for vectors (series_code.py).
 
 Lanes hold the modes in which the part rests on A1 or flies, alone or with A2 on its left side face;
-in the slot also those with one contact on either side, an edge on the one and a corner on the other
+in the slot also those with an edge on one side, or with A1 and B1 on the right and A2 on the left
 (``PAIRS``). Other modes, and readings of the printed equations, are left to the reference engine.
 """
 
 import numpy as np
 
-from model.engines.batch.series import CONSISTENT, GIVEN, ON_EDGE, ON_WALL, UNDER_EDGE, Watched
-from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.batch.series import (
+    BETWEEN_EDGES,
+    CONSISTENT,
+    FLUSH,
+    GIVEN,
+    ON_EDGE,
+    ON_WALL,
+    UNDER_EDGE,
+    Watched,
+)
+from model.engines.batch.series_plan import FURTHER_ROWS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
 from model.engines.scalar.tableaux import Array
 from model.physics.compiled import inlined_kernel
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
@@ -43,7 +52,9 @@ from model.physics.views import reader
 END = STEP_FORCE + 1
 VALUES = END + STATE_SIZE  # the tilt and the watched rows at each node, and their curvature bounds
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
-EVENT_ROWS = COEFFICIENTS + (ORDER + 1) * ROWS  # rows of the events of the scene follow
+EVENT_ROWS = COEFFICIENTS + (ORDER + 1) * (
+    ROWS + FURTHER_ROWS
+)  # rows of the events of the scene follow
 
 CONTACTS_AT = STATE_SIZE + Watched._fields.index("face_load")
 ROW = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(Watched._fields)}
@@ -118,10 +129,15 @@ def pair_of(mode):
     wall = mode.wall != OPEN
     if mode.edge != RIGHT_EDGE:
         return -1
-    if not mode.in_slot:
-        if corner or (wall and (face or side)):
-            return -1
-        return UNDER_EDGE if wall else ON_EDGE
-    if (corner and (face or wall)) or (side and (face or wall)):
+    if (corner and not mode.in_slot) or (wall and (side or corner)):
         return -1
-    return UNDER_EDGE if face or wall else ON_WALL
+    if face and not mode.in_slot:
+        return -1 if wall else ON_EDGE
+    if wall:
+        return UNDER_EDGE
+    if corner and face:
+        presses = mode.corner == CLOSED and mode.face == CLOSED and mode.slip_at_corner
+        return FLUSH if presses else -1
+    if corner:
+        return ON_WALL
+    return BETWEEN_EDGES if face else ON_EDGE
