@@ -119,6 +119,17 @@ def _change(kind, r, p):
 
 
 @kernel
+def _no_event_follows(events, count, n, reach, lowest, p):
+    """Return whether all levels of the last ``n`` periods are farther from zero than they reach."""
+    for i in range(n):
+        for which in range(events.count):
+            distance = lowest[(count - i) % HISTORY, which]
+            if distance != NEVER and _SAFETY * _change(events.kind(which), reach, p) > distance:
+                return False
+    return True
+
+
+@kernel
 def settled_period(events, count, period, states, lowest, p, noise):
     """Period (in excitation periods) of the periodic steady state, or 0 if there is none yet.
 
@@ -133,14 +144,6 @@ def settled_period(events, count, period, states, lowest, p, noise):
             continue
         d1, d2 = _difference(count - n, n, states), _difference(count - 2 * n, n, states)
         reach, contracts = _reach(d0, d1, d2, _LASTING / (n * period), noise)
-        if not contracts:
-            continue
-        clear = True
-        for i in range(n):
-            for which in range(events.count):
-                distance = lowest[(count - i) % HISTORY, which]
-                if distance != NEVER and _SAFETY * _change(events.kind(which), reach, p) > distance:
-                    clear = False
-        if clear:
+        if contracts and _no_event_follows(events, count, n, reach, lowest, p):
             return n
     return 0
