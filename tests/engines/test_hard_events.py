@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from model import ALIGNMENT, Outcome, Reason, align, simulate
+from model import ALIGNMENT, Outcome, Parameters, Reason, Settings, align, simulate
 from model.engines.scalar.location import NO_EVENT, NODES, first_event, sample_step
 from model.engines.scalar.step import dense_output, right_hand_side, state_of, take_step
 from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE
@@ -237,3 +237,23 @@ def test_results_are_continuous_across_the_boundary_of_load(device):
     assert set(result.outcome) == {Outcome.ALIGNED}
     assert np.ptp(result.tau_align) < 1e-3
     assert np.ptp(result.tau_align[1:4]) < 1e-5
+
+
+def test_two_crossings_right_after_an_event_are_found():
+    """A1 is past B1 for 4e-9 before B2 leaves the slot again; set 24584 of the random sets."""
+    part = Parameters(
+        half_width=0.01720107408067621, half_height=0.14127879747675992,
+        clearance=1.0013570728290877e-08, misalignment=0.0021420394747234442,
+        initial_tilt=0.0, inertia=0.00023284397057132025,
+        lateral_stiffness=3997.711688356001, tilt_stiffness=0.0010005000770710198,
+        lateral_damping=0.7407903283831649, axial_damping=2.6106464608664917, tilt_damping=0.0,
+        contact_stiffness=11162889.66847919, contact_damping=0.04228888094476304,
+        friction=2.2070862887072575, press_force=0.0, frequency=304.8539728316224,
+        phase=-0.19376278644259384, rest_x=-0.028459289008773665, rest_tilt=2.2745447522134357e-05,
+    )  # fmt: skip
+    settings = Settings(horizon=0.05, tolerance=1e-10)
+    (batch, scalar) = (
+        align([part], settings, cores=1, engine=each) for each in ("batch", "scalar")
+    )
+    assert batch.tau_align[0] == pytest.approx(scalar.tau_align[0], abs=1e-9)
+    assert scalar.tau_align[0] == pytest.approx(0.00603080146, abs=1e-9)

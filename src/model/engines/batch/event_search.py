@@ -193,7 +193,7 @@ def _crossing_between(is_partial, count, left, end, series):
         if not one_stays_above(before, after, most):
             f, g = largest(before)[0], largest(after)[0]
             on_event = ON_AN_EVENT if left == 0.0 and not is_partial else REST_SLIP
-            begins = abs(f) <= on_event and g > -REST_SLIP
+            begins = -on_event <= f <= REST_SLIP and g > -REST_SLIP
             # A function that is zero to rounding throughout would be divided without end.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
             # A negative level that rises has no down-crossing, nor one that stays at zero.

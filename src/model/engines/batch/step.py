@@ -28,7 +28,7 @@ from model.engines.batch.workspace import (
     constants_of_lane,
     state_in_lane,
 )
-from model.events.friction import hold_sticking
+from model.events.friction import REST_SLIP, hold_sticking
 from model.events.levels import FLAT, NEVER, ON_AN_EVENT, largest
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import is_beside, is_supported
@@ -102,27 +102,30 @@ def curvature_bound(row, w, i):
 
 
 @inlined_kernel
-def stays_above(left, right, bound):
+def stays_above(left, right, bound, least=-ON_AN_EVENT):
     """Return whether a level with this curvature bound stays above zero between two places.
 
-    It may be zero at one of them if it leaves the zero.
+    It may be zero at one of them, or ``least`` at the left one, if it leaves the zero.
     """
     rise = right - left
     return (
         (min(left, right) > bound)
-        | ((left >= -ON_AN_EVENT) & (rise > 4.0 * bound))
+        | ((left >= least) & (rise > 4.0 * bound))
         | ((right > 0.0) & (rise < -4.0 * bound))
     )
 
 
 @inlined_kernel
 def one_stays_above(left, right, bounds):
-    """Return whether one of four quantities ``stays_above``, and with it the largest of them."""
+    """Return whether one of four quantities ``stays_above``, and with it the largest of them.
+
+    One that begins below zero does not: until it rises the others decide.
+    """
     return (
-        stays_above(left[0], right[0], bounds[0])
-        | stays_above(left[1], right[1], bounds[1])
-        | stays_above(left[2], right[2], bounds[2])
-        | stays_above(left[3], right[3], bounds[3])
+        stays_above(left[0], right[0], bounds[0], -REST_SLIP)
+        | stays_above(left[1], right[1], bounds[1], -REST_SLIP)
+        | stays_above(left[2], right[2], bounds[2], -REST_SLIP)
+        | stays_above(left[3], right[3], bounds[3], -REST_SLIP)
     )
 
 
