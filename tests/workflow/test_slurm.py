@@ -36,7 +36,7 @@ ONE = "tiny/data/fig05.nc"
 KERNELS = tuple(
     f"tiny/data/{name}.json" for name in ("kernels", "unlocated_kernels", "page_engines")
 )
-PARTS, SETS = 16, 250  # of a campaign
+PARTS, SETS = 16, 5000  # of a campaign
 RULES = "rules/figures.smk"
 TRAJECTORY = 'message="{wildcards.figure}: computing the trajectory",'
 STALL = """
@@ -95,9 +95,11 @@ def drain(slurm: Slurm) -> None:
 
 
 def resume(slurm: Slurm) -> None:
-    """Let it begin; nodes that are not drained cannot be resumed."""
-    if "drain" in slurm.call("sinfo", "--noheader", "--format=%T"):
-        slurm.call("scontrol", "update", "nodename=n1,n2", "state=resume")
+    """Let it begin; a node that is not drained cannot be resumed."""
+    for line in slurm.call("sinfo", "--noheader", "--Node", "--format=%N %T").splitlines():
+        node, state = line.split()
+        if "drain" in state:
+            slurm.call("scontrol", "update", f"nodename={node}", "state=resume")
 
 
 def kill_snakemake(process: Any) -> None:
@@ -157,12 +159,12 @@ def test_the_study_has_the_bytes_of_a_local_build_both_ways(
     runs = len(sidecars(jobs.folder / "tiny"))
     print(f"{runs} runs, those that compute in {submitted} jobs of Slurm")
     assert 0 < submitted < runs / 4, "jobs that take seconds are grouped, and merging is local"
+    assert "Nothing to be done" in jobs.make().stderr
+    assert slurm.submitted() - before == submitted
     for made in (allocated, jobs):
         made.take_times(local)
-        assert made.make().returncode == 0
+        assert made.snakemake().returncode == 0, "`make` would measure the times again"
         assert made.results().items() ^ local.results().items() == set()
-    assert "Nothing to be done" in jobs.make().stderr
-    assert slurm.submitted() - before == submitted, "drawing and indexing are local"
     print(f"{len(local.results())} files have the same bytes")
 
 
