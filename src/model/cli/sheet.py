@@ -20,6 +20,7 @@ from model.study.files import whole_file
 from model.study.map_datasets import in_si, map_dataset
 from model.study.map_parts import nothing_known
 from model.study.maps import plan_of
+from model.tracking.provenance import version
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, if the file frees no two quantities
 _SPAN = 2.5  # of the map, either way, if the file states no range
@@ -69,6 +70,7 @@ def write_sheet(
         lines=[("Verdict", groups["Verdict"][2:]), *list(groups.items())[1:]],
         run=simulate_once(device.parameters, settings),
         plane=in_si(plane, device.units),
+        made_by=f"vibralign {version()}",
         explorer=_explorer(path, stated),
     )
     with whole_file(path) as part:

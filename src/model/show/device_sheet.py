@@ -17,6 +17,8 @@ from model.show.history import trajectory
 from model.show.schematics.pose import resting_pose
 from model.show.si import display, quantity_of
 from model.study.devices import StatedDevice
+from model.study.devices.base import BASE
+from model.study.devices.stated import unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,6 +45,7 @@ class Sheet:
         lines: the assessment as printed, in groups (title, lines).
         run: one run over time.
         plane: map of the device in SI units.
+        made_by: version of the program.
         explorer: address of the explorer with this device, or None.
     """
 
@@ -52,6 +55,7 @@ class Sheet:
     lines: Sequence[tuple[str, Sequence[str]]]
     run: "Trajectory"
     plane: "xr.Dataset"
+    made_by: str
     explorer: str | None = None
 
 
@@ -89,10 +93,9 @@ def _picture(figure: Figure) -> str:
 
 
 def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
-    from model.study.devices.stated import unit_of  # noqa: PLC0415
-
     rows = []
-    for name, value in stated.resolved({}).items():
+    base = {name: value for name, value in stated.quantities.items() if name in BASE}
+    for name, value in {**stated.resolved({}), **base}.items():
         unit, one = display(value, quantity_of(name))
         unit = unit or unit_of(name).replace("1", "")
         tolerance = stated.tolerances.get(name)
@@ -101,7 +104,7 @@ def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
             sign = "±" if tolerance.kind == "uniform" else "σ"
             spread = f"{sign} {tolerance.around(value) / one:.3g} {unit}".strip()
         rows.append((name.replace("_", " "), f"{value / one:.4g} {unit}".strip(), spread))
-    return rows
+    return rows + ([("materials", stated.materials, "")] if stated.materials else [])
 
 
 def _drawing(stated: StatedDevice) -> Figure:

@@ -15,6 +15,7 @@ from model.physics.quantities import (
     Quantity,
 )
 from model.physics.units import Units
+from model.study.devices.stated import unit_of
 
 # Units below one SI unit, and from their own size on: name and size in the SI unit.
 _SMALL = {LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3)}
@@ -22,13 +23,13 @@ _LARGE = {
     STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)],
     FORCE: [("kN", 1e3)],
 }
+_BY_UNIT = {each.unit: each for each in (LENGTH, STIFFNESS)}
 DIGITS = 4
 
 
 def quantity_of(name: str) -> Quantity:
     """Return the quantity of one of a device's numbers; ``PLAIN`` for one without a prefix."""
-    of_units = {"amplitude": LENGTH, "axial_stiffness": STIFFNESS}
-    return FIELDS[name].quantity if name in FIELDS else of_units.get(name, PLAIN)
+    return FIELDS[name].quantity if name in FIELDS else _BY_UNIT.get(unit_of(name), PLAIN)
 
 
 def scale(units: Units | None, quantity: Quantity) -> float:
