@@ -203,3 +203,17 @@ def test_an_invalid_device_is_refused_in_one_line(tmp_path, text, message):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(DeviceError, match=r"peg\.yaml: cannot be read"):
         load_device(tmp_path / "peg.yaml", {})
+
+
+def test_a_stated_base_replaces_what_the_file_derives_it_from() -> None:
+    shaft = Path(__file__).parents[2] / "docs/devices/shaft.yaml"
+    own = read_device(shaft).resolved({})
+    changes = {name: own[name] for name in ("contact_stiffness", "contact_damping")}
+    stated = read_device(shaft, {**changes, "press_force": "18 N"})
+    assert stated.materials is None
+    found = stated.resolved({})
+    assert {name: found[name] for name in changes} == changes
+    # The other way round the file's materials give a new one.
+    assert read_device(shaft, {"press_force": 18.0}).resolved({})["contact_stiffness"] == (
+        pytest.approx(own["contact_stiffness"] * 1.5 ** (1.0 / 3.0))
+    )

@@ -51,6 +51,12 @@ BASE: Mapping[str, tuple[str, str]] = {
     "restitution": ("coefficient of restitution, for the contact damping", "1"),
 }
 
+# Parameters that follow from other quantities of a device file, if it states these.
+SOURCES: Mapping[str, tuple[str, ...]] = {
+    "contact_stiffness": ("materials", "edge_radius", "plate_thickness", "plate_radius"),
+    "contact_damping": ("restitution",),
+}
+
 
 def pair_of(text: object) -> tuple[Material, Material]:
     """Return the materials of ``part on base``, such as "steel on aluminium".

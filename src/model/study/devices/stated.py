@@ -12,7 +12,7 @@ from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
 from model.physics.rest import Start
 from model.physics.units import UNITS, Device, device
 from model.study.devices.amounts import Tolerance, read_amount, read_range
-from model.study.devices.base import BASE, pair_of, with_base
+from model.study.devices.base import BASE, SOURCES, pair_of, with_base
 from model.study.devices.plausibility import check_place, check_press, doubts
 
 # Limits that a design may keep: meaning and SI unit. Each is an upper limit.
@@ -123,13 +123,15 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
     Args:
         path: lines of NAME: VALUE, in SI units or with units.
         changes: quantities by name, numbers in SI units or text with units. A changed quantity
-            keeps its tolerance, unless the text states another.
+            keeps its tolerance, unless the text states another. A contact stiffness or damping
+            replaces the quantities of the file that it follows from.
 
     Raises:
         DeviceError: a file that cannot be read, is not YAML, breaks a rule, or makes no sense.
     """
     changes = {} if changes is None else changes
-    mapping = _mapping(path)
+    replaced = {each for name in changes for each in SOURCES.get(name, ())} - set(changes)
+    mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
         values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _BESIDES})
         changed, others = _amounts({n: v for n, v in changes.items() if n != "materials"})

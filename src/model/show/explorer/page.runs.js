@@ -1,0 +1,65 @@
+// Runs: short ones at once, long ones in a Worker, so that the page stays usable.
+
+/** @typedef {{track: Track, results: Record<string, number>}} Run */
+
+// A run of more evaluations goes on in a Worker; its drawing ends with the last of the rows.
+const QUICK = 200000, FIRST_ROWS = 8192, MOST_ROWS = 120000;
+
+/** Return a run from what an engine found. @param {Found} found @param {Interface} about @returns {Run} */
+function runOf(found, about) {
+  const results = Object.fromEntries(about.results.map((name, n) => [name, found.results[n]]));
+  return { track: trackOf(found.track, about.columns, Math.min(results.tracked, found.track.length / about.columns.length)), results };
+}
+
+/** Runs sets, dimensionless, on the page or in a Worker of its own. */
+class Runner {
+  /** @param {Engine} engine @param {ArrayBuffer} binary @param {any} model */
+  constructor(engine, binary, model) {
+    this.engine = engine;
+    this.binary = binary;
+    this.about = /** @type {Interface} */ (model.interface);
+    this.control = /** @type {Record<string, number>} */ (model.control);
+    this.code = URL.createObjectURL(new Blob([model.worker], { type: "text/javascript" }));
+    /** @type {Record<string, Worker>} */
+    this.long = {};
+  }
+
+  /** Return the run of a set, or null if it takes more than a few evaluations. @param {number[]} set @returns {Run | null} */
+  quick(set) {
+    const most = Math.min(QUICK, this.control.max_evaluations), control = { ...this.control, max_evaluations: most };
+    let found = this.engine([set], control, FIRST_ROWS);
+    const { tracked, rhs_evaluations: made } = runOf(found, this.about).results;
+    if (made >= most && most < this.control.max_evaluations) return null;
+    if (tracked > FIRST_ROWS) found = this.engine([set], control, Math.min(tracked, MOST_ROWS));
+    return runOf(found, this.about);
+  }
+
+  /** Run a set; a later one of the same name replaces it. @param {string} name @param {number[]} set @param {(run: Run) => void} done @returns {boolean} it is done */
+  start(name, set, done) {
+    this.stop(name);
+    const found = this.quick(set);
+    if (found) { done(found); return true; }
+    const worker = new Worker(this.code);
+    this.long[name] = worker;
+    worker.onmessage = ({ data }) => {
+      if (data.ready) return;
+      this.stop(name);
+      done(runOf(data, this.about));
+    };
+    worker.postMessage({ binary: this.binary, about: this.about, name: "run_one" });
+    worker.postMessage({ chunk: { sets: [set], control: this.control, rows: MOST_ROWS } });
+    return false;
+  }
+
+  /** End a run that is under way. @param {string} name */
+  stop(name) {
+    this.long[name]?.terminate();
+    delete this.long[name];
+  }
+
+  /** Return the tilt at which a part rests under a slow press; NaN without rest. @param {number[]} set */
+  slowTilt(set) {
+    const found = runOf(this.engine([set], { ...this.control, pressed: 1, horizon: 1e-9 }, 4), this.about);
+    return found.results.outcome === LEFT_SCENE ? NaN : found.track.columns.tilt[0];
+  }
+}
