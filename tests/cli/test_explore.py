@@ -37,7 +37,9 @@ def test_a_device_gets_a_page_in_its_units(tmp_path, capsys):
     cli.main(["explore", "--device", PEG, "--set", "press_force=12", "--out", str(again)])
     assert again.read_bytes() == page.read_bytes()
     assert model_in(page)["baseline"]["press_force"] == pytest.approx(12.0)
-    assert model_in(page)["device"] == PEG
+    origin = model_in(page)["origin"]
+    assert origin["options"] == ["--device", PEG]
+    assert origin["sets"] == {"press_force": "--set press_force=12"}
 
 
 @pytest.mark.usefixtures("engines")

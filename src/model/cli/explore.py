@@ -1,14 +1,17 @@
 """``vibralign explore``: make a page that runs a device live, in a browser and without network."""
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import add_command, add_model_options, device_of, settings_of
+from model.cli.arguments import add_command, add_model_options, device_of, pairs, settings_of
 from model.cli.files import check_file
 from model.physics.readings import Readings
 from model.study.config import load_study, study_path
+from model.study.devices import read_device
+from model.study.devices.base import SOURCES
 from model.study.files import whole_file
 
 
@@ -40,7 +43,7 @@ def _explore(arguments: argparse.Namespace) -> int:
         )
     # Imported here: a second that only this command needs.
     from model.runs.in_browser import are_cached, modules  # noqa: PLC0415
-    from model.show.explorer.content import device_model, study_model  # noqa: PLC0415
+    from model.show.explorer.content import Origin, device_model, study_model  # noqa: PLC0415
     from model.show.explorer.page import build_page  # noqa: PLC0415
 
     if sys.stderr.isatty() and not are_cached():
@@ -51,7 +54,8 @@ def _explore(arguments: argparse.Namespace) -> int:
     else:
         file = str(arguments.device or "")
         first = tuple(study.operating_point)
-        model = device_model(parameters, units, file, settings, engines.interface, first)
+        origin = Origin(**_origin(arguments))
+        model = device_model(parameters, units, file, settings, engines.interface, first, origin)
     try:
         with whole_file(arguments.out) as part:
             part.write_text(build_page(model, engines), encoding="utf-8")
@@ -60,3 +64,22 @@ def _explore(arguments: argparse.Namespace) -> int:
         return 1
     print(f"open {arguments.out} in a browser")
     return 0
+
+
+def _origin(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the ``Origin`` of the page: its own options, and the parameters that it holds."""
+    options = []
+    for name in ("device", "start", "horizon", "tolerance"):
+        if (given := getattr(arguments, name)) is not None:
+            options += [f"--{name}", shlex.quote(str(given))]
+    changes, held = pairs(arguments.changes, "--set"), {}
+    if arguments.device is not None:
+        stated = read_device(arguments.device, changes)
+        present = {*stated.quantities, *(() if stated.materials is None else ("materials",))}
+        held = {
+            name: [each for each in sources if each in present]
+            for name, sources in SOURCES.items()
+            if name not in present
+        }
+    sets = {name: f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()}
+    return {"options": options, "sets": sets, "held": held}

@@ -13,6 +13,7 @@ from PIL import Image
 
 from model.cli import main as cli
 from model.events.insertion import INSERTION
+from model.events.outcomes import Outcome
 from model.runs.in_browser import interface, modules
 from model.runs.shown import shown_run
 from model.runs.simulate import simulate
@@ -21,6 +22,8 @@ from model.show.explorer.browser import Page, browser, find_browser
 from model.show.explorer.content import device_model, study_model
 from model.show.explorer.page import build_page
 from model.study.config import load_study, study_path
+from model.study.devices.amounts import read_amount
+from model.study.devices.stated import unit_of
 
 PATH = find_browser()
 pytestmark = [
@@ -28,6 +31,7 @@ pytestmark = [
     pytest.mark.skipif(PATH is None, reason="no Chromium is installed; CHROMIUM names one"),
 ]
 STUDY = load_study(study_path())
+DOCS = Path(__file__).parents[3] / "docs"
 SETTINGS = replace(STUDY.settings.settings, scene=INSERTION)
 MAPPED = "explorer.map && (explorer.map.stored || explorer.measured.map)"
 
@@ -38,6 +42,22 @@ def url(tmp_path_factory: pytest.TempPathFactory) -> str:
     file = tmp_path_factory.mktemp("explorer") / "explorer.html"
     file.write_text(build_page(study_model(STUDY, made.interface), made), encoding="utf-8")
     return file.as_uri()
+
+
+DEVICES = ("devices/shaft", "devices/pin", "peg")
+
+
+@pytest.fixture(scope="module")
+def device_urls(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """Pages of the documentation's devices, by name."""
+    found, folder = {}, tmp_path_factory.mktemp("devices")
+    for name in DEVICES:
+        file = folder / f"{Path(name).stem}.html"
+        assert (
+            cli.main(["explore", "--device", str(DOCS / f"{name}.yaml"), "--out", str(file)]) == 0
+        )
+        found[file.stem] = file.as_uri()
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +84,13 @@ def slide(page: Page, name: str, value: float) -> None:
     page.evaluate(
         f"(() => {{ const slider = document.getElementById('s-{name}'); slider.value = {value};"
         "slider.dispatchEvent(new Event('input', {bubbles: true})); })()"
+    )
+
+
+def type_in(page: Page, name: str, value: str) -> None:
+    page.evaluate(
+        f"(() => {{ const box = document.getElementById('p-{name}'); box.value = '{value}';"
+        "box.dispatchEvent(new Event('change')); })()"
     )
 
 
@@ -112,22 +139,75 @@ def test_the_page_says_what_vibration_changes(page: Page, url: str) -> None:
     page.open(f"{url}#figure=fig06&t=1")
     page.wait_for("window.explorer && document.getElementById('beside').textContent")
     words = text(page, "beside")
-    assert words.startswith("Without vibration it comes to rest on the edge, tilted by ")
+    assert words.startswith("Without vibration it rests on the edge, tilted by ")
     assert words.endswith("only vibration brings it in.")
     page.evaluate("document.getElementById('vibration').click()")
     page.wait_for("document.getElementById('beside').textContent.startsWith('With vibration')")
-    assert "comes to rest on the edge" in text(page, "words")
+    assert "rests on the edge" in text(page, "words")
     assert text(page, "remedy") == ""
 
 
-def test_a_value_outside_its_rule_is_refused_in_words(page: Page) -> None:
-    before = results(page)
-    page.evaluate(
-        "(() => { const box = document.getElementById('p-friction'); box.value = '-1';"
-        "box.dispatchEvent(new Event('change')); })()"
-    )
-    assert "friction must be a finite number >= 0" in text(page, "fault")
+@pytest.mark.parametrize("given", ["-1", "abc", "", "0,1", "3 N"])
+def test_a_value_outside_its_rule_is_refused_in_words(page: Page, given: str) -> None:
+    before, address = results(page), page.evaluate("location.hash")
+    type_in(page, "friction", given)
+    words = "write 0.1" if "," in given else "a ratio, without a unit" if "N" in given else ">= 0"
+    assert text(page, "fault").startswith(f"Not run: friction = {given or '(empty)'}: ")
+    assert words in text(page, "fault")
+    assert all(text(page, each) == "" for each in ("verdict", "words", "remedy", "beside"))
+    assert page.evaluate("document.getElementById('p-friction').value") == given
     assert results(page) == before
+    page.evaluate("document.getElementById('command').click()")
+    assert text(page, "said").startswith("Not copied: friction")
+    # Another value is taken, and nothing runs until the first is mended.
+    slide(page, "press_force", 4.0)
+    assert text(page, "verdict") == ""
+    assert page.evaluate("location.hash").startswith(address.partition("&")[0] + "&press_force=4")
+    assert "friction" not in page.evaluate("location.hash")
+    type_in(page, "friction", "0.1")
+    assert text(page, "verdict").startswith("Aligned")
+    assert "friction=0.1" in page.evaluate("location.hash")
+
+
+def test_what_is_wrong_in_an_address_is_said(page: Page, url: str) -> None:
+    page.open(f"{url}#figure=fig99&friction=-1&mass=0&abc&vibration=maybe&t=-1")
+    page.wait_for("window.explorer && explorer.run")
+    for said in ("figure = fig99", "friction = -1: must be", "mass: is no", "abc:", "vibration ="):
+        assert said in text(page, "ignored")
+    assert page.evaluate("explorer.state.time") == 0.0
+    slide(page, "press_force", 4.0)
+    assert text(page, "ignored") == ""
+    page.open(f"{url}#figure=fig05&t=99")
+    page.wait_for("window.explorer && explorer.run")
+    assert "inserted" in text(page, "moment")
+
+
+def test_a_part_that_is_in_from_the_start_needs_no_comparison(page: Page) -> None:
+    type_in(page, "half_width", "5")
+    assert text(page, "verdict") == "In from the start"
+    page.evaluate("new Promise((done) => setTimeout(done, 300))")
+    assert text(page, "beside") == ""
+
+
+def test_vibration_that_changes_nothing_is_called_so(page: Page) -> None:
+    same = "comparisonWords({tau_align: 1}, {tau_align: 1.001}, NaN, true)"
+    assert page.evaluate(same).endswith("vibration changes nothing.")
+
+
+def test_a_long_run_leaves_the_page_usable(page: Page) -> None:
+    type_in(page, "frequency", "1e7")
+    assert text(page, "verdict").startswith("Computing")
+    type_in(page, "frequency", "6.5")
+    assert text(page, "verdict").startswith("Aligned")
+    type_in(page, "frequency", "2e4")
+    assert text(page, "verdict").startswith("Computing")
+    page.wait_for("!document.body.classList.contains('stale')", 60)
+    run = simulate(STUDY.parameters("fig05").replace(frequency=2e4), SETTINGS)
+    assert results(page)["rhs_evaluations"] > page.evaluate("QUICK")
+    assert results(page)["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
+    # The page keeps the first rows of its track.
+    assert page.evaluate("explorer.run.track.rows") < results(page)["tracked"]
+    assert "The drawing ends at" in text(page, "words")
 
 
 def test_events_are_stepped_with_the_keyboard(page: Page) -> None:
@@ -179,6 +259,83 @@ def test_command_and_device_file_repeat_the_run(
         assert cli.main([*arguments, "--json"]) == cli.DONE
         record = json.loads(capsys.readouterr().out)
         assert record["tau_align"] == pytest.approx(results(page)["tau_align"], abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("name", "address"),
+    [
+        ("shaft", "t=0"),
+        ("shaft", "press_force=18"),  # its contact stiffness is of materials and press force
+        ("shaft", "press_force=18&amplitude=0.0004&misalignment=0.0005"),
+        ("pin", "vibration=off"),
+        ("peg", "mass=0.4&axial_stiffness=2500&clearance=0.05"),
+    ],
+)
+def test_a_device_and_its_command_agree(
+    started: Page, device_urls: dict[str, str], name: str, address: str,
+    tmp_path: Path, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    started.open(f"{device_urls[name]}#{address}")
+    started.wait_for("window.explorer && document.getElementById('beside').textContent")
+    command = shlex.split(started.evaluate("commandOf(explorer.state, MODEL)"))
+    saved = tmp_path / started.evaluate("fileOf(explorer.state, MODEL)")
+    assert saved.stem == name
+    saved.write_text(started.evaluate("deviceOf({...explorer.state, vibration: true}, MODEL)"))
+    still = ["--set", "frequency=0"] if "vibration=off" in address else []
+    for arguments in (command[1:], [*command[1:4], "--device", str(saved), *still]):
+        assert cli.main([*arguments, "--json"]) == cli.DONE
+        record = json.loads(capsys.readouterr().out)
+        assert record["outcome"] == Outcome(results(started)["outcome"]).name.lower()
+        if record["tau_align"] is not None:
+            expected = pytest.approx(results(started)["tau_align"], rel=1e-8)
+            assert record["tau_align"] == expected
+    # The unvibrated run ends in the words of the command.
+    assert cli.main(command[1:]) == cli.DONE
+    words = capsys.readouterr().out.partition("without vibration: ")[2].strip()
+    said = text(started, "words") + text(started, "beside")
+    assert f"ithout vibration it {words}" in said
+    assert started.errors == []
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("press_force", "12 N"), ("press_force", "80mN"), ("half_width", "5 mm"),
+        ("half_width", "60 um"), ("half_width", "0.6 µm"), ("contact_stiffness", "48 MN/m"),
+        ("lateral_stiffness", "3 kN/m"), ("frequency", "3000 rpm"), ("frequency", "314 rad/s"),
+        ("inertia", "350 kg mm²"), ("inertia", "450 g cm^2"), ("initial_tilt", "3°"),
+        ("initial_tilt", "3 deg"), ("tilt_damping", "4 mN m s/rad"), ("clearance", "4 %"),
+        ("mass", "2 g"), ("amplitude", "1e-1 mm"),
+    ],
+)  # fmt: skip
+def test_units_are_read_as_in_a_device_file(
+    started: Page, device_urls: dict[str, str], name: str, given: str
+) -> None:
+    if started.evaluate("location.href").partition("#")[0] != device_urls["shaft"]:
+        started.open(device_urls["shaft"])
+        started.wait_for("window.explorer && explorer.run")
+    read = started.evaluate(f"readAmount(parameters[{json.dumps(name)}], {json.dumps(given)})")
+    assert read["message"] == ""
+    expected = read_amount(name, given, unit_of(name)).value
+    assert read["value"] == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_device_is_refused_as_by_the_command(
+    started: Page, device_urls: dict[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    started.open(device_urls["peg"])
+    started.wait_for("window.explorer && explorer.run")
+    wrong = {"half_width": "50 mm", "press_force": "0 N", "friction": "1 mm", "mass": "1 foo"}
+    for name, given in {**wrong, "clearance": "0,1"}.items():
+        started.evaluate(f"open(''); take({{{name}: {json.dumps(given)}}})")
+        said = text(started, "fault").partition(": ")[2]
+        command = ["simulate", "--device", str(DOCS / "peg.yaml"), "--set", f"{name}={given}"]
+        assert cli.main(command) == cli.REFUSED
+        refusal = capsys.readouterr().err
+        # From the name of the quantity on: which value it is, then the rule.
+        assert said.partition(" = ")[0] in refusal
+        rule = said.partition(": ")[2]
+        assert rule[:12] in refusal, (said, refusal)
 
 
 def test_every_preset_opens_and_plays_only_where_motion_is_wanted(page: Page, url: str) -> None:

@@ -104,10 +104,11 @@ def test_a_device_has_its_own_units() -> None:
     force = by_name["press_force"]
     assert model["baseline"]["press_force"] == pytest.approx(10.0)
     assert force["unit"] == "N"
-    assert force["scale"] == units.force
-    assert by_name["frequency"]["scale"] == pytest.approx(1.0 / (2.0 * np.pi * units.time))
+    assert [force["si"], force["one"], force["powers"][2]] == ["N", 1.0, 1]
+    assert [by_name["half_width"]["unit"], by_name["half_width"]["one"]] == ["mm", 1e-3]
     assert model["parameters"][0] == force
-    assert model["time"]["unit"] == "s"
+    assert model["time"]["si"] == "s"
+    assert model["baseline"]["amplitude"] == units.amplitude
 
 
 def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path) -> None:

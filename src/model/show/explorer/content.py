@@ -5,7 +5,7 @@ Values are in the page's units: dimensionless for the study, SI for a device.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -14,19 +14,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import COURSE
-from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
+from model.events.outcomes import (
+    OUTCOME_TEXT,
+    REASON_TEXT,
+    UNVIBRATED_TEXT,
+    Outcome,
+    Reason,
+    remedy,
+)
 from model.physics.parameters import FIELDS, Field, Parameters
-from model.physics.quantities import ANGLE, TIME
-from model.physics.units import Units
+from model.physics.quantities import ANGLE, LENGTH, PLAIN, STIFFNESS, TIME, Quantity
+from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from model.show.explorer.page import packed
+from model.show.si import display
 from model.show.words import figure_title, symbol_parts
 from model.study.config import CURVES, HISTORIES, MAPS, Axis, Curves, Family, Map, Study
 
-_UNITLESS = Units(mass=1.0, axial_stiffness=1.0, amplitude=1.0)
 # Axes of the map where a preset states none.
 _WITH_PLANE: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
-_PANELS = ("x", "y", "tilt", "contact_force")
+# Curves over time in panels, and their labels; the symbol where there is none.
+_PANELS: tuple[Mapping[str, str], ...] = (
+    {"x": ""}, {"y": ""}, {"tilt": ""},
+    {"contact_force": "n, under the part", "right_force": "right side", "side_force": "left side"},
+)  # fmt: skip
+# The units of a device: symbol in the paper, and quantity.
+_UNIT_FIELDS: Mapping[str, tuple[str, Quantity]] = {
+    "mass": ("M", Quantity("kg", length=-1, time=2, force=1)),
+    "axial_stiffness": ("K_Y", STIFFNESS),
+    "amplitude": ("A", LENGTH),
+}
 _SMALL_ANGLE = 0.05
 _LEVELS = 254  # of a stored duration
 _MOST_NODES = 257  # along a side of a stored outline
@@ -72,19 +89,28 @@ class Scales:
 
     units: Units | None
 
-    def of(self, quantity: Any) -> float:
+    def of(self, quantity: Quantity) -> float:
         """Return one dimensionless unit in the page's unit."""
         return 1.0 if self.units is None else self.units.of(quantity)
 
-    def unit(self, quantity: Any) -> str:
-        """Return the name of the unit; empty for none."""
-        named = self.units is not None or quantity is ANGLE
-        return quantity.unit if named and quantity.unit != "1" else ""
+    def shown(self, quantity: Quantity, value: float = 0.0) -> dict[str, Any]:
+        """Return a quantity's powers of the units, its unit, and that in which it is shown.
+
+        ``value`` is of the size that is shown, in the page's unit; one unit of the model if 0.
+        """
+        powers = [quantity.length, quantity.time, quantity.force, quantity.factor]
+        if self.units is None:
+            unit = "rad" if quantity == ANGLE else ""
+            return {"powers": powers, "si": unit, "unit": unit, "one": 1.0}
+        unit, one = display(value or self.of(quantity), quantity)
+        si = "" if quantity == PLAIN else quantity.unit
+        return {"powers": powers, "si": si, "unit": unit, "one": one}
 
     def values(self, parameters: Parameters) -> dict[str, float | None]:
-        """Return the parameters in the page's units."""
-        shown = parameters if self.units is None else self.units.in_si(parameters)
-        return shown.given()
+        """Return the parameters in the page's units, after the units themselves."""
+        if self.units is None:
+            return parameters.given()
+        return vars(self.units) | self.units.in_si(parameters).given()
 
 
 def study_model(
@@ -108,6 +134,22 @@ def study_model(
     }  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Origin:
+    """The options that a device's page was made with, for the commands that it gives.
+
+    Attributes:
+        options: of the command, besides --set; quoted for a shell.
+        sets: --set of a name, likewise.
+        held: parameters that the device's file does not state, and the quantities of the file
+            that each follows from; the page holds them while other values change.
+    """
+
+    options: Sequence[str] = ()
+    sets: Mapping[str, str] = field(default_factory=dict)
+    held: Mapping[str, Sequence[str]] = field(default_factory=dict)
+
+
 def device_model(
     device: Parameters,
     units: Units | None,
@@ -115,14 +157,18 @@ def device_model(
     settings: Settings,
     interface: Mapping[str, Any],
     first: Sequence[str],
+    origin: Origin = Origin(),
 ) -> dict[str, Any]:
     """Return the content of the page of a device, in SI units if it has ``units``."""
     scales = Scales(units)
     title = file or "the study's device"
-    preset = {**_WITH_PLANE, "group": "Device", "title": title, "values": scales.values(device)}
+    words = _held_words(origin.held)
+    preset = {**_WITH_PLANE, "group": "Device", "title": title, "words": words}
+    preset |= {"values": scales.values(device)}
     return {
         **_model(f"vibralign explorer: {file}", device, scales, settings, interface),
-        "device": file,
+        "origin": vars(origin),
+        "name": Path(file).stem or "device",
         "parameters": _parameters(device, scales, tuple(first), {}),
         "presets": {"device": preset},
         "first": "device",
@@ -138,13 +184,13 @@ def _model(
     interface: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Content that every page has."""
-    time = scales.unit(TIME)
     return {
         "title": title,
         "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, one run without an "
         "estimate of its error; vibralign simulate gives that.",
-        "device": "",
-        "units": vars(scales.units) if scales.units else False,
+        "origin": vars(Origin()),
+        "name": "",
+        "units": scales.units is not None,
         "interface": interface,
         "control": dict(
             zip(interface["control"], (settings.tolerance, *settings.control), strict=True)
@@ -154,22 +200,26 @@ def _model(
         "reasons": {int(each): text for each, text in REASON_TEXT.items()},
         "remedies": {f"{o:d},{r:d}": remedy(o, r) for o, r in product(Outcome, Reason)},
         "events": [_event_words(each) for each in interface["events"]],
+        "unvibrated": {int(each): text for each, text in UNVIBRATED_TEXT.items()},
         "panels": [
             {
-                "name": name,
-                "label": ", ".join(
-                    filter(None, (COURSE[name].symbol, scales.unit(COURSE[name].quantity)))
-                ),
-                "scale": scales.of(COURSE[name].quantity),
+                "curves": [
+                    {"name": n, "label": label or COURSE[n].symbol} for n, label in panel.items()
+                ],
+                **scales.shown(COURSE[next(iter(panel))].quantity),
             }
-            for name in _PANELS
+            for panel in _PANELS
         ],
-        "time": {
-            "scale": scales.of(TIME),
-            "unit": time,
-            "label": f"time, {time}" if time else "τ, in units of 1/p",
-        },
+        "time": scales.shown(TIME),
     }
+
+
+def _held_words(held: Mapping[str, Sequence[str]]) -> str:
+    """Say what stays as it is while other values change."""
+    words = [
+        f"{name.replace('_', ' ')} (from {sources[0]})" for name, sources in held.items() if sources
+    ]
+    return f"Held at the file's press force: {', '.join(words)}." if words else ""
 
 
 # --- Parameters ---------------------------------------------------------------------------------
@@ -214,8 +264,12 @@ def _parameters(
 ) -> list[dict[str, Any]]:
     """Return what the page knows of each parameter, those in ``first`` at the top."""
     values, found = scales.values(device), []
-    for name in sorted(FIELDS, key=lambda each: each not in first):
-        field = FIELDS[name]
+    names = [name for name in values if name in FIELDS]
+    for name in (
+        *sorted(names, key=lambda each: each not in first),
+        *(n for n in values if n in UNITS),
+    ):
+        field = FIELDS[name] if name in FIELDS else _unit_field(name)
         letter, index = symbol_parts(field.symbol)
         least, most = axes.get(name) or _range(name, field, values, scales.of(field.quantity))
         found.append(
@@ -225,18 +279,22 @@ def _parameters(
                 "letter": letter,
                 "index": index,
                 "words": field.description.partition(";")[0],
-                "unit": scales.unit(field.quantity),
-                "scale": scales.of(field.quantity),
-                "si": 1.0 if scales.units else _UNITLESS.of(field.quantity),
                 "rule": field.rule,
                 "bound": field.bound,
                 "derived": field.derived or "",
                 "least": least,
                 "most": most,
-                "first": name in first,
+                "first": name in (*first, "amplitude"),
+                **scales.shown(field.quantity, values[field.derived or name] or 0.0),
             }
         )
     return found
+
+
+def _unit_field(name: str) -> Field:
+    """Return one of a device's units as a parameter."""
+    symbol, quantity = _UNIT_FIELDS[name]
+    return Field(symbol, UNITS[name][0], quantity, "> 0")
 
 
 # --- Presets and maps of the study --------------------------------------------------------------

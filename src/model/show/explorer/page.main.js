@@ -5,75 +5,85 @@ const MODEL = JSON.parse(
   /** @type {HTMLElement} */ (document.getElementById("model")).textContent ?? "",
   (_, value) => (value === null ? NaN : value),
 );
-const CELLS = 65, FIRST_ROWS = 8192, SLOW_MAP = 150, SLOW_OTHER = 80;
+const CELLS = 65, SLOW_MAP = 150, SLOW_OTHER = 80, MAP_EVALUATIONS = 1e6;
 
 /** @param {string} id @returns {any} */
 const element = (id) => document.getElementById(id);
 /** @type {Record<string, Parameter>} */
 const parameters = Object.fromEntries(MODEL.parameters.map((/** @type {Parameter} */ each) => [each.name, each]));
-const panels = MODEL.panels;
-let state = stateOf(location.hash, MODEL);
-/** @type {Engine | null} */
-let runOne = null;
+let { state, ignored } = stateOf(location.hash, MODEL);
+/** Texts of the fields that break a rule: nothing is run until they are mended. @type {Record<string, string>} */
+let entered = {};
+let refusal = "";
+/** @type {Runner | null} */
+let runner = null;
 /** @type {Mapper | null} */
 let mapper = null;
-/** @type {{track: Track, results: Record<string, number>, device: any} | null} */
+/** @typedef {Run & {device: any, values: Record<string, number>}} DrawnRun */
+/** @type {DrawnRun | null} */
 let run = null;
-/** @type {{track: Track, results: Record<string, number>} | null} */
+/** @type {Run | null} */
 let other = null;
 /** @type {MapData | null} */
 let map = null;
 /** @type {Record<string, MapData>} */
 const stored = {};
-let time = 0, playing = false, lastFrame = 0, mapTimer = 0, otherTimer = 0, mapStarted = 0, mapFrame = 0;
+let time = 0, slowTilt = NaN, playing = false, lastFrame = 0, mapTimer = 0, otherTimer = 0, mapStarted = 0, mapFrame = 0;
 const measured = { runs: /** @type {number[]} */ ([]), map: 0, first: 0 };
 
 // ---------------------------------------------------------------- running
 
-/** Return a parameter as the engines take it, dimensionless. @param {string} name @param {number} value */
-const converted = (name, value) => value / parameters[name].scale;
+/** Return a parameter as the engines take it, dimensionless. @param {string} name @param {Record<string, number>} values */
+const converted = (name, values) => values[name] / scaleOf(parameters[name], values);
+
+/** Return a set as the engines take it. @param {Record<string, number>} values @returns {number[]} */
+const setOf = (values) => MODEL.interface.parameters.map((/** @type {string} */ name) => converted(name, values));
 
 /** Return all values, dimensionless, as the drawing takes them. @param {Record<string, number>} values */
 function drawnDevice(values) {
-  const device = Object.fromEntries(Object.entries(values).map(([name, value]) => [name, converted(name, value)]));
+  const device = Object.fromEntries(MODEL.interface.parameters.map((/** @type {string} */ name) => [name, converted(name, values)]));
   return { ...device, slot_half_width: device.half_width * (1 + device.clearance), force_shown: 1 };
-}
-
-/** Run one set and return its track and results. @param {Record<string, number>} values */
-function integrated(values) {
-  const set = MODEL.interface.parameters.map((/** @type {string} */ name) => converted(name, values[name]));
-  let rows = FIRST_ROWS;
-  for (;;) {
-    const found = /** @type {Engine} */ (runOne)([set], MODEL.control, rows);
-    const results = Object.fromEntries(MODEL.interface.results.map((/** @type {string} */ name, /** @type {number} */ n) => [name, found.results[n]]));
-    if (results.tracked <= rows) return { track: trackOf(found.track, MODEL.interface.columns, results.tracked), results };
-    rows = results.tracked;
-  }
 }
 
 /** Run what the state says, and draw it. */
 function rerun() {
-  const message = Object.values(parameters).map((each) => fault(each, state.values[each.name])).find(Boolean) || misplaced(state.values);
-  element("fault").textContent = message ? `Not run: ${message}` : "";
-  if (message) return;
-  if (runOne) {
-    const begun = performance.now();
-    run = { ...integrated(valuesOf(state, state.vibration)), device: drawnDevice(state.values) };
-    measured.runs.push(performance.now() - begun);
-    other = null;
-    clearTimeout(otherTimer);
-    if (state.compared) compare(); else otherTimer = setTimeout(() => { compare(); writeOutcome(); }, SLOW_OTHER);
-  }
-  if (!run) return;
-  if (!state.vibration) run.device = { ...run.device, frequency: 0, phase: 0 };
-  run.device.force_shown = Math.max(1, ...quantile(run.track.columns.contact_force));
+  clearTimeout(otherTimer);
+  runner?.stop("other");
+  if (refusal) { runner?.stop("run"); writeInstead(`Not run: ${refusal}`, true); return; }
+  if (!runner) { if (run) show(run); return; }
+  const begun = performance.now(), values = valuesOf(state, state.vibration);
+  const done = runner.start("run", setOf(values), (found) => {
+    show({ ...found, device: drawnDevice(values), values });
+    if (state.compared) compare(); else otherTimer = setTimeout(compare, SLOW_OTHER);
+  });
+  if (done) measured.runs.push(performance.now() - begun);
+  else writeInstead("Computing … this run has very many steps; the page stays usable.", false);
+}
+
+/** Show a run. @param {DrawnRun} found */
+function show(found) {
+  run = found;
+  other = null;
+  slowTilt = state.vibration ? NaN : slowTiltOf(found);
+  found.device.force_shown = Math.max(1, ...quantile(found.track.columns.contact_force));
   time = Math.min(state.time ?? time, lastTime());
   writeOutcome();
+  writePace();
   drawRun();
 }
 
 /** Run the same set with or without vibration. */
-function compare() { other = integrated(valuesOf(state, !state.vibration)); }
+function compare() {
+  runner?.start("other", setOf(valuesOf(state, !state.vibration)), (found) => {
+    other = found;
+    if (state.vibration) slowTilt = slowTiltOf(found);
+    writeOutcome();
+    if (state.compared) drawRun();
+  });
+}
+
+/** Return the tilt at which the part rests under a slow press, for a run without vibration that neither aligns nor rests; else NaN. @param {Run} still */
+const slowTiltOf = ({ results }) => (!runner || aligns(results) || rests(results) ? NaN : runner.slowTilt(setOf(state.values)));
 
 /** Return the other run if it is drawn, too. */
 const drawnOther = () => (state.compared ? other : null);
@@ -83,10 +93,11 @@ const quantile = (values) => [Float64Array.from(values).sort()[Math.floor(0.95 *
 
 /** Return the end of the time axis: a settled motion is shown for its last periods only. */
 function lastTime() {
-  const track = /** @type {any} */ (run).track, ends = [track.time[track.rows - 1]];
+  if (!run) return 1;
+  const track = run.track, ends = [track.time[track.rows - 1]];
   const beside = drawnOther();
   if (beside) ends.push(beside.track.time[beside.track.rows - 1]);
-  return Math.min(Math.max(...ends), Math.max(ends[0], 20));
+  return Math.min(Math.max(...ends), Math.max(ends[0], 20)) || 1;
 }
 
 // ---------------------------------------------------------------- drawing
@@ -107,26 +118,32 @@ function contextOf(id) {
 function drawRun() {
   if (!run) return;
   const scene = contextOf("scene"), beside = drawnOther(), ghost = beside ? frameAt(beside.track, time) : null;
-  const exaggeration = element("exaggerate").checked ? 5 : 1;
+  const exaggeration = element("exaggerate").checked ? 5 : 1, { values } = run;
   drawScene(scene.context, scene.width, scene.height, frameAt(run.track, time), run.device, { exaggeration, ghost, colours: COLOURS });
-  const plots = contextOf("plots");
-  drawPlots(plots.context, plots.width, plots.height, run.track, beside?.track ?? null, panels, { time, end: lastTime(), label: MODEL.time.label, scale: MODEL.time.scale });
+  const plots = contextOf("plots"), scaled = (/** @type {Quantity} */ panel) => scaleOf(panel, values) / panel.one;
+  const second = scaleOf(MODEL.time, values), [unit, one] = timeUnit(lastTime() * second);
+  const axis = { time, end: lastTime(), label: unit ? `time, ${unit}` : "τ, in units of 1/p", scale: second / one };
+  drawPlots(plots.context, plots.width, plots.height, run.track, beside?.track ?? null, MODEL.panels, scaled, axis);
   writeMoment();
 }
 
 function drawWholeMap() {
   if (!map) return;
   const { context, width, height } = contextOf("map");
-  const label = (/** @type {Parameter} */ each) => `${each.words}, ${each.symbol}${each.unit ? ` (${each.unit})` : ""}`;
-  drawMap(context, width, height, map, { x: label(parameters[map.x]), y: label(parameters[map.y]) }, [state.values[map.x], state.values[map.y]], true);
+  const axis = (/** @type {Parameter} */ each) => ({ label: `${each.words}, ${each.symbol}${each.unit ? ` (${each.unit})` : ""}`, one: each.one });
+  drawMap(context, width, height, map, { x: axis(parameters[map.x]), y: axis(parameters[map.y]) }, [state.values[map.x], state.values[map.y]], true);
   const [shortest, longest] = durations(map);
   element("shortest").textContent = inTime(shortest);
   element("longest").textContent = `${inTime(longest)} and longer`;
-  const known = map.outcome.reduce((n, each) => n + Number(each >= 0), 0), aligned = map.outcome.reduce((n, each) => n + Number(each === 0), 0);
+  const count = (/** @type {(outcome: number) => boolean} */ is) => /** @type {MapData} */ (map).outcome.reduce((n, each) => n + Number(is(each)), 0);
+  const known = count((each) => each >= 0), share = (/** @type {number} */ of) => Math.round((100 * count((each) => each === of)) / known);
   const origin = map.stored ? " (stored by the study)" : known < map.outcome.length ? "; more is being computed" : "";
   const outlined = map.reliable ? " Black outline: aligns from every start that was tried." : "";
-  element("share").textContent = known ? `${Math.round((100 * aligned) / known)} % of it aligns${origin}.${outlined}` : "";
+  const open = known && count((each) => each === FAILED) ? ` Grey, ${share(FAILED)} %: too many steps for the map.` : "";
+  element("share").textContent = known ? `${share(ALIGNED)} % of it aligns${origin}.${open}${outlined}` : "";
 }
+
+// ---------------------------------------------------------------- the map
 
 /** Return the range of a map's axis. @param {"x" | "y"} side @returns {[number, number]} */
 function span(side) {
@@ -159,77 +176,15 @@ function mapKey() {
 }
 
 function computeMap() {
-  if (!mapper || element("fault").textContent) return;
+  if (!mapper || refusal) return;
   sameMap = mapKey();
   mapStarted = performance.now();
-  mapper.compute(emptyMap(state.x, state.y, span("x"), span("y"), CELLS), valuesOf(state, state.vibration), converted, { ...MODEL.control, alignment_only: 1 });
+  const values = valuesOf(state, state.vibration), limit = Math.min(MAP_EVALUATIONS, MODEL.control.max_evaluations);
+  const control = { ...MODEL.control, alignment_only: 1, max_evaluations: limit };
+  mapper.compute(emptyMap(state.x, state.y, span("x"), span("y"), CELLS), (changes) => setOf({ ...values, ...changes }), control);
 }
 
-// ---------------------------------------------------------------- controls
-
-/** Make the controls of the parameters. */
-function makeControls() {
-  for (const each of Object.values(parameters)) {
-    const row = document.createElement("div");
-    row.className = "parameter";
-    const step = (each.most - each.least) / 200;
-    row.innerHTML = `<label for="p-${each.name}"><i>${each.letter}</i><sub>${each.index}</sub> ${each.words}</label>
-      <input type="range" id="s-${each.name}" min="${each.least}" max="${each.most}" step="${step}" aria-label="${each.words}">
-      <input type="text" inputmode="decimal" id="p-${each.name}" autocomplete="off"><span class="unit">${each.unit}</span>`;
-    element(each.first ? "first" : "more").append(row);
-    const [slider, box] = [element(`s-${each.name}`), element(`p-${each.name}`)];
-    if (each.derived) box.placeholder = `as ${parameters[each.derived].symbol}`;
-    slider.addEventListener("input", () => change(each.name, Number(Number(slider.value).toPrecision(4))));
-    box.addEventListener("change", () => change(each.name, box.value.trim() === "" && each.derived ? NaN : Number(box.value.replace(",", ".") || NaN)));
-  }
-  for (const side of ["x", "y"]) {
-    for (const each of Object.values(parameters)) element(side).append(new Option(`${each.symbol} ${each.words}`, each.name));
-    element(side).addEventListener("change", () => {
-      const before = state[/** @type {"x"} */ (side)], opposite = side === "x" ? "y" : "x";
-      state[/** @type {"x"} */ (side)] = element(side).value;
-      if (state.x === state.y) state[/** @type {"x"} */ (opposite)] = before;
-      state.spans = { x: undefined, y: undefined };
-      follow();
-    });
-  }
-  const groups = /** @type {Record<string, HTMLOptGroupElement>} */ ({});
-  for (const [name, preset] of Object.entries(MODEL.presets)) {
-    const { group, title } = /** @type {any} */ (preset);
-    groups[group] ??= element("preset").appendChild(Object.assign(document.createElement("optgroup"), { label: group }));
-    groups[group].append(new Option(title, name));
-  }
-}
-
-/** Show the state in the controls and the address. */
-function writeControls() {
-  for (const { name, derived } of Object.values(parameters)) {
-    const value = state.values[name], box = element(`p-${name}`), slider = element(`s-${name}`);
-    if (document.activeElement !== slider) slider.value = String(Number.isNaN(value) && derived ? state.values[derived] : value);
-    box.value = Number.isNaN(value) ? "" : shown(value);
-    box.setAttribute("aria-invalid", String(Boolean(fault(parameters[name], value))));
-  }
-  element("preset").value = state.figure;
-  element("x").value = state.x;
-  element("y").value = state.y;
-  element("vibration").setAttribute("aria-pressed", String(!state.vibration));
-  element("compare").setAttribute("aria-pressed", String(state.compared));
-  element("about").textContent = MODEL.presets[state.figure].words ?? "";
-  history.replaceState(null, "", hashOf(state, MODEL));
-}
-
-/** Follow a change of the state. */
-function follow() {
-  writeControls();
-  rerun();
-  remap();
-}
-
-/** @param {string} name @param {number} value */
-function change(name, value) {
-  state.values = { ...state.values, [name]: value };
-  state.time = null;
-  follow();
-}
+// ---------------------------------------------------------------- time
 
 /** Move the cursor. @param {number} to */
 function seek(to) {
@@ -242,18 +197,24 @@ function seek(to) {
 function play(on) {
   playing = on && run !== null;
   element("play").textContent = playing ? "Pause" : "Play";
-  element("play").setAttribute("aria-pressed", String(playing));
   if (!playing) { state.time = time > 0 ? time : null; history.replaceState(null, "", hashOf(state, MODEL)); return; }
   if (time >= lastTime()) time = 0;
   lastFrame = 0;
   requestAnimationFrame(advance);
 }
 
+/** Return the time that plays in a second. */
+const pace = () => Number(element("speed").value) * Math.max(lastTime() / 60, Math.min(lastTime(), 30) / 10);
+
+function writePace() {
+  const shown = rounded(Number((pace() * scaleOf(MODEL.time, run?.values ?? state.values)).toPrecision(2)));
+  element("pace").textContent = MODEL.units ? `${shown} × real time` : `τ advances by ${shown} a second`;
+}
+
 /** @param {number} now */
 function advance(now) {
   if (!playing) return;
-  const speed = Number(element("speed").value) * Math.max(lastTime() / 60, Math.min(lastTime(), 30) / 10);
-  if (lastFrame) seek(time + (speed * (now - lastFrame)) / 1000);
+  if (lastFrame) seek(time + (pace() * (now - lastFrame)) / 1000);
   lastFrame = now;
   if (time >= lastTime()) play(false); else requestAnimationFrame(advance);
 }
@@ -269,64 +230,7 @@ function stepEvent(way) {
   seek(way > 0 ? lastTime() : 0);
 }
 
-/** Choose a point of the map. @param {number} x @param {number} y */
-function choose(x, y) {
-  state.values = { ...state.values, [state.x]: Number(x.toPrecision(4)), [state.y]: Number(y.toPrecision(4)) };
-  state.time = null;
-  follow();
-}
-
-/** @param {string} text @param {string} said */
-async function copy(text, said) {
-  element("copied").textContent = text;
-  try { await navigator.clipboard.writeText(text); element("said").textContent = said; } catch { element("said").textContent = "Copy it from here:"; }
-}
-
-function listen() {
-  element("play").addEventListener("click", () => play(!playing));
-  element("before").addEventListener("click", () => stepEvent(-1));
-  element("next").addEventListener("click", () => stepEvent(1));
-  element("scrub").addEventListener("input", () => { play(false); seek((Number(element("scrub").value) / 1000) * lastTime()); });
-  element("exaggerate").addEventListener("change", drawRun);
-  element("vibration").addEventListener("click", () => { state.vibration = !state.vibration; follow(); });
-  element("compare").addEventListener("click", () => { state.compared = !state.compared; follow(); });
-  element("preset").addEventListener("change", () => { state = stateOf(`#figure=${element("preset").value}`, MODEL); time = 0; follow(); });
-  element("link").addEventListener("click", () => copy(location.href, "Link copied:"));
-  element("command").addEventListener("click", () => copy(commandOf(state, MODEL), "Command copied:"));
-  element("save").addEventListener("click", () => {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([deviceOf(state, MODEL)], { type: "text/yaml" }));
-    link.download = "device.yaml";
-    link.click();
-  });
-  const plots = element("plots");
-  const point = (/** @type {PointerEvent} */ event) => { play(false); seek(timeAxis(plots.clientWidth, lastTime()).back(event.offsetX)); };
-  plots.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => { plots.setPointerCapture(event.pointerId); point(event); });
-  plots.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => { if (event.buttons) point(event); });
-  const canvas = element("map");
-  const pick = (/** @type {PointerEvent} */ event) => {
-    if (!map) return;
-    const place = mapPlaces(map, canvas.clientWidth, canvas.clientHeight);
-    choose(place.valueX(event.offsetX), place.valueY(event.offsetY));
-  };
-  canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => { canvas.setPointerCapture(event.pointerId); pick(event); });
-  canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => { if (event.buttons) pick(event); });
-  canvas.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
-    const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-    if (!way || !map) return;
-    event.preventDefault();
-    const size = event.shiftKey ? 0.05 : 1 / (CELLS - 1), inside = (/** @type {number} */ v, /** @type {[number, number]} */ of) => Math.max(of[0], Math.min(of[1], v));
-    choose(inside(state.values[state.x] + way[0] * size * (map.xs[1] - map.xs[0]), map.xs), inside(state.values[state.y] + way[1] * size * (map.ys[1] - map.ys[0]), map.ys));
-  });
-  document.addEventListener("keydown", (event) => {
-    if (/** @type {HTMLElement} */ (event.target).matches?.("input, select, button, summary, canvas#map")) return;
-    if (event.key === " ") { event.preventDefault(); play(!playing); }
-    if (event.key === "ArrowRight") stepEvent(1);
-    if (event.key === "ArrowLeft") stepEvent(-1);
-  });
-  addEventListener("hashchange", () => { state = stateOf(location.hash, MODEL); follow(); });
-  addEventListener("resize", () => { drawRun(); drawWholeMap(); });
-}
+// ---------------------------------------------------------------- start
 
 /** Return pictures of the drawing, over the whole run, as data URLs. @param {number} count */
 function pictures(count) {
@@ -345,16 +249,17 @@ async function start() {
   const about = MODEL.interface;
   if (MODEL.run) {
     const numbers = new Float64Array(await unpacked(MODEL.run.track));
-    run = { track: trackOf(numbers, about.columns, MODEL.run.results.tracked), results: MODEL.run.results, device: drawnDevice(state.values) };
+    const track = trackOf(numbers, about.columns, MODEL.run.results.tracked);
+    run = { track, results: MODEL.run.results, device: drawnDevice(state.values), values: state.values };
     document.body.classList.add("only-run");
     rerun();
   } else {
     for (const [name, each] of Object.entries(MODEL.maps)) stored[name] = Object.assign(await storedMap(each), { values: /** @type {any} */ (each).values });
-    runOne = await engineOf(await unpacked(MODEL.modules.run_one), "run_one", about);
+    const binary = await unpacked(MODEL.modules.run_one);
+    runner = new Runner(await engineOf(binary, "run_one", about), binary, MODEL);
     rerun();
     measured.first = performance.now();
-    const binary = await unpacked(MODEL.modules.run_many);
-    mapper = new Mapper(binary, about, MODEL.worker, (found, done) => {
+    mapper = new Mapper(await unpacked(MODEL.modules.run_many), about, MODEL.worker, (found, done) => {
       map = found;
       if (done && !measured.map) measured.map = performance.now() - mapStarted;
       if (!mapFrame) mapFrame = requestAnimationFrame(() => { mapFrame = 0; drawWholeMap(); });

@@ -3,12 +3,14 @@
 /**
  * @typedef {{x: string, y: string, xs: [number, number], ys: [number, number], cells: number,
  *   tau: Float64Array, outcome: Int8Array, step: Uint8Array, stored: boolean, reliable: Uint8Array | null}} MapData
+ * @typedef {{label: string, one: number}} MapAxis its title, and the size of the unit in which it is shown
  */
 
-const UNKNOWN = -1, ALIGNED = 0, SETTLED = 1, INSERTED = 5;
+const UNKNOWN = -1, ALIGNED = 0, SETTLED = 1, LEFT_SCENE = 2, FAILED = 4, INSERTED = 5;
 const FIRST_STEP = 8, CHUNK = 1024;
+const LONG_CHUNK = 500; // ms, after which a chunk of a map that is not wanted any more is given up
 const CIVIDIS = [[0, 34, 78], [24, 52, 111], [63, 74, 108], [92, 97, 109], [119, 120, 112], [147, 144, 113], [177, 168, 106], [208, 195, 94], [240, 222, 78], [254, 232, 56]];
-const INSET = { left: 58, right: 10, top: 8, bottom: 40 };
+const INSET = { left: 68, right: 22, top: 8, bottom: 40 };
 
 /** Return an empty map. @param {string} x @param {string} y @param {[number, number]} xs @param {[number, number]} ys @param {number} cells @returns {MapData} */
 function emptyMap(x, y, xs, ys, cells) {
@@ -64,6 +66,7 @@ function nodesOf(map, step) {
 class Mapper {
   /** @param {BufferSource} binary @param {Interface} about @param {string} code @param {(map: MapData, done: boolean) => void} changed */
   constructor(binary, about, code, changed) {
+    this.binary = binary;
     this.about = about;
     this.changed = changed;
     this.generation = 0;
@@ -73,27 +76,41 @@ class Mapper {
     /** @type {number[]} */
     this.queue = [];
     this.step = 0;
-    const url = URL.createObjectURL(new Blob([code], { type: "text/javascript" }));
-    const count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 2));
+    this.url = URL.createObjectURL(new Blob([code], { type: "text/javascript" }));
+    this.count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 2));
     /** @type {Worker[]} */
     this.idle = [];
-    this.workers = Array.from({ length: count }, () => {
-      const worker = new Worker(url);
-      worker.onmessage = (message) => this.receive(worker, message.data);
-      worker.postMessage({ binary, about });
-      return worker;
-    });
+    /** Workers that run a chunk, and since when. @type {Map<Worker, number>} */
+    this.busy = new Map();
+    for (let n = 0; n < this.count; n += 1) this.hire();
   }
 
-  /** Compute a map. @param {MapData} map @param {Record<string, number>} values parameters, in the map's units @param {(name: string, value: number) => number} converted @param {Record<string, number>} control */
-  compute(map, values, converted, control) {
+  /** Start a worker, which is idle when it is ready. */
+  hire() {
+    const worker = new Worker(this.url);
+    worker.onmessage = (message) => this.receive(worker, message.data);
+    worker.postMessage({ binary: this.binary, about: this.about, name: "run_many" });
+  }
+
+  /** Replace the workers that are long at what is not wanted any more. */
+  giveUp() {
+    for (const [worker, since] of this.busy) {
+      if (performance.now() - since < LONG_CHUNK) continue;
+      worker.terminate();
+      this.busy.delete(worker);
+      this.hire();
+    }
+  }
+
+  /** Compute a map. @param {MapData} map @param {(changes: Record<string, number>) => number[]} setOf the set with some values of the map's unit changed @param {Record<string, number>} control */
+  compute(map, setOf, control) {
+    this.giveUp();
     this.generation += 1;
     this.map = map;
     this.control = control;
     this.setOf = (/** @type {number} */ node) => {
       const [x, y] = valuesAt(map, node);
-      const all = { ...values, [map.x]: x, [map.y]: y };
-      return this.about.parameters.map((name) => converted(name, all[name]));
+      return setOf({ [map.x]: x, [map.y]: y });
     };
     this.step = FIRST_STEP;
     this.queue = nodesOf(map, this.step);
@@ -103,6 +120,7 @@ class Mapper {
 
   /** Stop computing. */
   stop() {
+    this.giveUp();
     this.generation += 1;
     this.queue = [];
     this.map = null;
@@ -111,16 +129,18 @@ class Mapper {
   feed() {
     while (this.map && this.queue.length && this.idle.length) {
       const worker = /** @type {Worker} */ (this.idle.pop());
-      const share = Math.ceil(this.queue.length / (2 * this.workers.length));
+      const share = Math.ceil(this.queue.length / (2 * this.count));
       const nodes = this.queue.splice(0, Math.max(16, Math.min(CHUNK, share)));
       this.pending += 1;
       const chunk = { generation: this.generation, nodes, sets: nodes.map(/** @type {any} */ (this.setOf)), control: this.control };
+      this.busy.set(worker, performance.now());
       worker.postMessage({ chunk });
     }
   }
 
   /** @param {Worker} worker @param {any} message */
   receive(worker, message) {
+    this.busy.delete(worker);
     this.idle.push(worker);
     const { map } = this;
     if (map && message.generation === this.generation) {
@@ -168,8 +188,8 @@ function mapPlaces(map, width, height) {
   };
 }
 
-/** Draw a map with its axes and the chosen point. @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {MapData} map @param {{x: string, y: string}} labels @param {[number, number]} point @param {boolean} outlined */
-function drawMap(g, width, height, map, labels, point, outlined) {
+/** Draw a map with its axes and the chosen point. @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {MapData} map @param {{x: MapAxis, y: MapAxis}} axes @param {[number, number]} point @param {boolean} outlined */
+function drawMap(g, width, height, map, axes, point, outlined) {
   const { cells } = map, place = mapPlaces(map, width, height), [shortest, longest] = durations(map);
   g.clearRect(0, 0, width, height);
   g.save();
@@ -186,14 +206,14 @@ function drawMap(g, width, height, map, labels, point, outlined) {
       const left = Math.floor(place.x(x) - (size[0] * step) / 2), top = Math.floor(place.y(y) - (size[1] * step) / 2);
       const right = Math.ceil(place.x(x) + (size[0] * step) / 2), bottom = Math.ceil(place.y(y) + (size[1] * step) / 2);
       if (map.outcome[node] === ALIGNED) g.fillStyle = `rgb(${colour(Math.log(map.tau[node] / shortest) / Math.log(longest / shortest)).join(",")})`;
-      else g.fillStyle = hatch;
+      else g.fillStyle = map.outcome[node] === FAILED ? "#bdbdbd" : hatch;
       if (map.outcome[node] !== ALIGNED) g.clearRect(left, top, right - left, bottom - top);
       g.fillRect(left, top, right - left, bottom - top);
     }
   }
   if (map.reliable && outlined) drawReliable(g, map, place);
   g.restore();
-  drawAxes(g, height, map, labels, place);
+  drawAxes(g, height, map, axes, place);
   const [px, py] = [place.x(point[0]), place.y(point[1])];
   for (const [line, style] of /** @type {[number, string][]} */ ([[5, "#ffffff"], [2.5, "#D55E00"]])) {
     g.lineWidth = line;
@@ -244,23 +264,23 @@ function hatching(g) {
   return /** @type {CanvasPattern} */ (g.createPattern(tile, "repeat"));
 }
 
-/** @param {CanvasRenderingContext2D} g @param {number} height @param {MapData} map @param {{x: string, y: string}} labels @param {any} place */
-function drawAxes(g, height, map, labels, place) {
+/** @param {CanvasRenderingContext2D} g @param {number} height @param {MapData} map @param {{x: MapAxis, y: MapAxis}} axes @param {any} place */
+function drawAxes(g, height, map, axes, place) {
   g.font = "12px system-ui, sans-serif";
   g.fillStyle = "#333333";
   g.strokeStyle = "#555555";
   g.lineWidth = 1;
   g.strokeRect(INSET.left, INSET.top, place.wide, place.tall);
   g.textAlign = "center";
-  for (const tick of ticks(map.xs[0], map.xs[1], 5)) g.fillText(String(tick), place.x(tick), height - INSET.bottom + 15);
-  g.fillText(labels.x, INSET.left + place.wide / 2, height - 6);
+  for (const tick of ticks(map.xs[0] / axes.x.one, map.xs[1] / axes.x.one, place.wide > 300 ? 5 : 3)) g.fillText(String(tick), place.x(tick * axes.x.one), height - INSET.bottom + 15);
+  g.fillText(axes.x.label, INSET.left + place.wide / 2, height - 6, place.wide);
   g.textAlign = "right";
-  for (const tick of ticks(map.ys[0], map.ys[1], 5)) g.fillText(String(tick), INSET.left - 4, place.y(tick) + 4);
+  for (const tick of ticks(map.ys[0] / axes.y.one, map.ys[1] / axes.y.one, 5)) g.fillText(String(tick), INSET.left - 4, place.y(tick * axes.y.one) + 4);
   g.save();
   g.translate(12, INSET.top + place.tall / 2);
   g.rotate(-Math.PI / 2);
   g.textAlign = "center";
-  g.fillText(labels.y, 0, 0);
+  g.fillText(axes.y.label, 0, 0, place.tall);
   g.restore();
 }
 

@@ -2,10 +2,11 @@
 
 /**
  * @typedef {{time: Float64Array, columns: Record<string, Float64Array>, rows: number}} Track
- * @typedef {{name: string, label: string, scale: number}} Panel
+ * @typedef {Quantity & {curves: {name: string, label: string}[]}} Panel the first curve of each is that of the other run, too
  */
 
 const KINDS = { sticks: "#E69F00", slides: "#56B4E9", flies: "#ffffff" };
+const CURVES = ["#0072B2", "#CC79A7", "#009E73"];
 const MARGIN = { left: 62, right: 10, top: 6, bottom: 34 }, BAND = 10;
 
 /** Return a track by columns. @param {Float64Array} numbers @param {string[]} names @param {number} rows @returns {Track} */
@@ -43,13 +44,14 @@ function frameAt(track, time) {
   return frame;
 }
 
-/** Return three or so round numbers between two. @param {number} low @param {number} high @param {number} count */
+/** Return round numbers between two: as few as possible, but at least a count. @param {number} low @param {number} high @param {number} count */
 function ticks(low, high, count) {
-  const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5, 10].find((each) => each * power >= rough) ?? 10);
-  const found = [];
-  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n += 1) found.push(Number((n * step).toPrecision(9)));
-  return found;
+  const power = 10 ** Math.floor(Math.log10((high - low) / count));
+  for (const part of [10, 5, 2.5, 2, 1, 0.5]) {
+    const step = part * power, first = Math.ceil(low / step - 1e-9), last = Math.floor(high / step + 1e-9);
+    if (last - first + 1 >= count) return Array.from({ length: last - first + 1 }, (_, n) => Number(((first + n) * step).toPrecision(9)));
+  }
+  return [low, high];
 }
 
 /** Draw a curve, from pixel to pixel its lowest and highest value. @param {CanvasRenderingContext2D} g @param {Track} track @param {string} name @param {(t: number) => number} across @param {(v: number) => number} down */
@@ -84,19 +86,21 @@ function timeAxis(width, end) {
 /**
  * Draw the panels of a run, and of another one beside it.
  * @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {Track} track
- * @param {Track | null} other @param {Panel[]} panels @param {{time: number, end: number, label: string, scale: number}} axis
+ * @param {Track | null} other @param {Panel[]} panels @param {(panel: Quantity) => number} scaled one of the model in the unit shown
+ * @param {{time: number, end: number, label: string, scale: number}} axis
  */
-function drawPlots(g, width, height, track, other, panels, axis) {
+function drawPlots(g, width, height, track, other, panels, scaled, axis) {
   g.clearRect(0, 0, width, height);
   g.font = "12px system-ui, sans-serif";
   const { across } = timeAxis(width, axis.end), inner = height - MARGIN.top - MARGIN.bottom - BAND - 4;
   const tall = inner / panels.length;
   panels.forEach((panel, n) => {
+    const curves = panel.curves.map((curve, k) => ({ ...curve, colour: CURVES[k] })).filter(({ name }, k) => k === 0 || track.columns[name].some((each) => each !== 0)), scale = scaled(panel);
     let [low, high] = [Infinity, -Infinity];
-    for (const each of other ? [track, other] : [track]) {
+    for (const [each, name] of /** @type {[Track, string][]} */ ([...(other ? [[other, curves[0].name]] : []), ...curves.map((curve) => [track, curve.name])])) {
       for (let row = 0; row < each.rows && each.time[row] <= axis.end; row += 1) {
-        low = Math.min(low, each.columns[panel.name][row]);
-        high = Math.max(high, each.columns[panel.name][row]);
+        low = Math.min(low, each.columns[name][row]);
+        high = Math.max(high, each.columns[name][row]);
       }
     }
     if (!(high - low > 1e-9)) [low, high] = [low - 0.5, high + 0.5];
@@ -107,8 +111,8 @@ function drawPlots(g, width, height, track, other, panels, axis) {
     g.strokeRect(MARGIN.left, top + 2, width - MARGIN.left - MARGIN.right, tall - 4);
     g.fillStyle = "#444444";
     g.textAlign = "right";
-    for (const tick of ticks(low * panel.scale, high * panel.scale, 2)) {
-      const y = down(tick / panel.scale);
+    for (const tick of ticks(low * scale, high * scale, 3)) {
+      const y = down(tick / scale);
       g.fillText(String(tick), MARGIN.left - 4, y + 4);
       g.beginPath();
       g.moveTo(MARGIN.left, y);
@@ -122,18 +126,22 @@ function drawPlots(g, width, height, track, other, panels, axis) {
     if (other) {
       g.strokeStyle = "#6e6e6e";
       g.setLineDash([4, 3]);
-      drawCurve(g, other, panel.name, across, down);
+      drawCurve(g, other, curves[0].name, across, down);
       g.setLineDash([]);
     }
-    g.strokeStyle = "#0072B2";
     g.lineWidth = 1.5;
-    drawCurve(g, track, panel.name, across, down);
+    curves.forEach(({ name, colour }) => { g.strokeStyle = colour; drawCurve(g, track, name, across, down); });
     g.restore();
     g.textAlign = "left";
-    g.fillStyle = "rgba(255,255,255,0.8)";
-    g.fillRect(MARGIN.left + 3, top + 4, g.measureText(panel.label).width + 6, 15);
-    g.fillStyle = "#1b1b1b";
-    g.fillText(panel.label, MARGIN.left + 6, top + 16);
+    let left = MARGIN.left + 3;
+    curves.forEach(({ label, colour }, k) => {
+      const text = k === 0 && panel.unit ? `${label}, ${panel.unit}` : label, wide = g.measureText(text).width + 8;
+      g.fillStyle = "rgba(255,255,255,0.7)";
+      g.fillRect(left, top + 4, wide, 15);
+      g.fillStyle = curves.length > 1 ? colour : "#1b1b1b";
+      g.fillText(text, left + 3, top + 16);
+      left += wide + 4;
+    });
   });
   drawBand(g, track, across, MARGIN.top + inner + 2, width);
   g.fillStyle = "#444444";

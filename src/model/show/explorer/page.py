@@ -13,7 +13,9 @@ from typing import Any
 
 from model.runs.in_browser import Modules
 
-SCRIPTS = ("engine", "state", "drawing", "plots", "map", "words", "main")
+SCRIPTS = (
+    "engine", "amounts", "state", "drawing", "plots", "map", "words", "runs", "controls", "main"
+)  # fmt: skip
 _WORKER = ("engine", "worker")
 _HERE = Path(__file__).resolve().parent
 

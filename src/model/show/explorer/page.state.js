@@ -1,52 +1,55 @@
 // What is shown: the parameters and the view, in the address after #; as a command, and as a file.
 
 /**
- * @typedef {{name: string, symbol: string, letter: string, index: string, words: string, unit: string, scale: number, rule: string,
- *   bound: string, derived: string | null, least: number, most: number, first: boolean}} Parameter
  * @typedef {{figure: string, values: Record<string, number>, x: string, y: string, spans: Record<string, number[] | undefined>,
  *   vibration: boolean, compared: boolean, time: number | null}} State
  */
 
-/** Return a number with six digits at most. @param {number} value */
-function shown(value) {
-  return Number.isFinite(value) ? String(Number(value.toPrecision(6))) : "–";
+/** Return the message on values that do not go together, else "". @param {Record<string, number>} values @param {boolean} isDevice */
+function misplaced(values, isDevice) {
+  const { misalignment, half_width: width, clearance, press_force: force } = values;
+  const play = clearance * width, unit = isDevice ? " m" : "";
+  if (misalignment >= width * (2 + clearance)) return `misalignment = ${shown(misalignment)}${unit}: the part would start wholly beside the slot`;
+  if (isDevice && !(force > 0)) return `press_force = ${shown(force)} N: must be > 0, or nothing presses the part`;
+  if (isDevice && !(misalignment > play)) return `misalignment = ${shown(misalignment)} m: already inside at the start, misalignment <= clearance * half_width = ${shown(play)} m`;
+  return "";
 }
 
-/** Return the message on a value that breaks its rule, else "". @param {Parameter} parameter @param {number} value */
-function fault(parameter, value) {
-  if (Number.isNaN(value) && parameter.derived) return "";
-  const inside = Number.isFinite(value) && (parameter.bound === "> 0" ? value > 0 : parameter.bound === ">= 0" ? value >= 0 : true);
-  return inside ? "" : `${parameter.name} ${parameter.rule}`;
-}
-
-/** Return the message on values that do not go together, else "". @param {Record<string, number>} values */
-function misplaced(values) {
-  const most = values.half_width * (2 + values.clearance);
-  return values.misalignment >= most ? "misalignment: the part would start wholly beside the slot" : "";
-}
-
-/** Return the state that an address asks for. @param {string} hash @param {any} model @returns {State} */
+/** Return the state that an address asks for, and what of the address is ignored, in words. @param {string} hash @param {any} model @returns {{state: State, ignored: string[]}} */
 function stateOf(hash, model) {
   const asked = new URLSearchParams(hash.replace(/^#/, ""));
-  const figure = asked.get("figure") ?? "";
-  const preset = model.presets[figure] ?? model.presets[model.first];
-  const values = { ...model.baseline, ...preset.values };
+  /** @type {string[]} */
+  const ignored = [];
+  /** Return the choice of an address, or the usual one. @param {string} key @param {string[]} choices @param {string} usual */
+  const choice = (key, choices, usual) => {
+    const text = asked.get(key) ?? usual;
+    if (choices.includes(text)) return text;
+    ignored.push(`${key} = ${text}: must be one of ${choices.length > 6 ? "those to choose from" : choices.join(", ")}`);
+    return usual;
+  };
+  const figure = choice("figure", Object.keys(model.presets), model.first), preset = model.presets[figure];
+  const start = { ...model.baseline, ...preset.values }, values = { ...start };
+  const names = model.parameters.map((/** @type {Parameter} */ each) => each.name);
   for (const parameter of model.parameters) {
     const text = asked.get(parameter.name);
     if (text === null) continue;
-    const value = text === "none" ? NaN : Number(text);
-    if (!fault(parameter, value)) values[parameter.name] = value;
+    const value = text.trim() === "" || text === "none" ? NaN : Number(text), message = fault(parameter, value);
+    if (message) ignored.push(`${parameter.name} = ${text || "(empty)"}: ${message}`);
+    else values[parameter.name] = value;
   }
-  const names = model.parameters.map((/** @type {Parameter} */ each) => each.name);
-  const axis = (/** @type {string} */ side) => (names.includes(asked.get(side) ?? "") ? String(asked.get(side)) : preset[side]);
-  const [x, y] = [axis("x"), axis("y")];
-  const spans = { x: preset.spans?.[x], y: preset.spans?.[y] };
-  const time = asked.get("t") === null ? NaN : Number(asked.get("t"));
-  return {
-    figure: model.presets[figure] ? figure : model.first, values, x, y: y === x ? preset.y : y, spans,
-    vibration: asked.get("vibration") !== "off", compared: asked.get("compared") === "on",
-    time: Number.isFinite(time) ? time / model.time.scale : null,
+  const message = misplaced(values, model.units), together = !message || Boolean(misplaced(start, model.units));
+  if (!together) ignored.push(message);
+  const view = ["figure", "x", "y", "vibration", "compared", "t"];
+  for (const key of new Set(asked.keys())) if (![...names, ...view].includes(key)) ignored.push(`${key}: is no parameter`);
+  const x = choice("x", names, preset.x), y = choice("y", names, preset.y), time = Number(asked.get("t") ?? NaN);
+  if (asked.get("t") !== null && !Number.isFinite(time)) ignored.push(`t = ${asked.get("t")}: must be a number`);
+  const state = {
+    figure, values: together ? values : start, x, y: y === x ? (x === preset.y ? preset.x : preset.y) : y,
+    spans: { x: preset.spans?.[x], y: preset.spans?.[y] },
+    vibration: choice("vibration", ["on", "off"], "on") === "on", compared: choice("compared", ["on", "off"], "off") === "on",
+    time: Number.isFinite(time) ? Math.max(0, time / scaleOf(model.time, together ? values : start)) : null,
   };
+  return { state, ignored };
 }
 
 /** Return the values of a state that differ from others. @param {Record<string, number>} values @param {Record<string, number>} others */
@@ -65,7 +68,7 @@ function hashOf(state, model) {
   if (state.y !== preset.y) asked.set("y", state.y);
   if (!state.vibration) asked.set("vibration", "off");
   if (state.compared) asked.set("compared", "on");
-  if (state.time !== null) asked.set("t", shown(state.time * model.time.scale));
+  if (state.time !== null) asked.set("t", shown(state.time * scaleOf(model.time, state.values)));
   return `#${asked}`;
 }
 
@@ -74,21 +77,31 @@ function valuesOf(state, vibration) {
   return vibration ? state.values : { ...state.values, frequency: 0, phase: 0 };
 }
 
-/** Return the command of a state's run. @param {State} state @param {any} model */
+/** Return the command of a state's run; with other values than the file's, it states what the file derives from them. @param {State} state @param {any} model */
 function commandOf(state, model) {
-  const values = valuesOf(state, state.vibration);
-  const sets = changed(values, model.baseline).map(([name, value]) => `--set ${name}=${Number.isNaN(value) ? "none" : value}`);
-  return ["vibralign simulate --scene insertion", ...(model.device ? [`--device ${model.device}`] : []), ...sets].join(" ");
+  const { options, sets, held } = model.origin, values = valuesOf(state, state.vibration), stated = { ...sets };
+  const changes = changed(values, model.baseline).map(([name]) => name);
+  for (const [name, sources] of changes.length ? Object.entries(held) : []) {
+    for (const each of /** @type {string[]} */ (sources)) delete stated[each];
+    changes.push(name);
+  }
+  for (const name of changes) stated[name] = `--set ${name}=${Number.isNaN(values[name]) ? "none" : values[name]}`;
+  return ["vibralign simulate --scene insertion", ...options, ...Object.values(stated)].join(" ");
 }
 
-/** Return a state's device file, in SI units. @param {State} state @param {any} model */
+/** Return a state's device file. @param {State} state @param {any} model */
 function deviceOf(state, model) {
   const lines = ["# Saved from the explorer; for vibralign simulate, assess and map --device."];
+  const values = model.units ? state.values : { mass: 1, axial_stiffness: 1, amplitude: 1, ...state.values };
   if (!model.units) lines.push("# The device has no units: mass, axial stiffness and amplitude are 1, so that its other numbers are dimensionless,", "# except the frequency, which is in Hz.");
-  for (const [name, value] of Object.entries(model.units || { mass: 1, axial_stiffness: 1, amplitude: 1 })) lines.push(`${name}: ${value}`);
-  for (const { name, si } of model.parameters) {
-    const value = state.values[name];
-    if (!Number.isNaN(value)) lines.push(`${name}: ${value * si}`);
+  const quantities = Object.fromEntries(model.parameters.map((/** @type {Parameter} */ each) => [each.name, each]));
+  for (const [name, value] of Object.entries(values)) {
+    if (Number.isNaN(value)) continue;
+    const { one = 1, unit = "", powers = [0, 0, 0, 1] } = quantities[name] ?? {};
+    lines.push(model.units ? `${name}: ${inOne(value, 1 / one)} ${unit}`.trimEnd() : `${name}: ${value * powers[3]}`);
   }
   return `${lines.join("\n")}\n`;
 }
+
+/** Return the name of a state's device file. @param {State} state @param {any} model */
+const fileOf = (state, model) => `${model.name || state.figure}.yaml`;

@@ -1,17 +1,17 @@
-// A worker: runs the sets of one chunk of a map after another.
+// A worker: runs the sets that it is sent, one message after another.
 
 /** @type {Promise<Engine> | undefined} */
 let workerEngine;
 
 self.onmessage = async (/** @type {MessageEvent} */ message) => {
-  const { binary, about, chunk } = message.data;
+  const { binary, about, name, chunk } = message.data;
   if (binary) {
-    workerEngine = engineOf(binary, "run_many", about);
+    workerEngine = engineOf(binary, name, about);
     await workerEngine;
     self.postMessage({ ready: true });
     return;
   }
   const engine = await /** @type {Promise<Engine>} */ (workerEngine);
-  const { results } = engine(chunk.sets, chunk.control);
-  self.postMessage({ generation: chunk.generation, nodes: chunk.nodes, results });
+  const { results, track } = engine(chunk.sets, chunk.control, chunk.rows);
+  self.postMessage({ generation: chunk.generation, nodes: chunk.nodes, results, track: track.slice() });
 };
