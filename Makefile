@@ -8,7 +8,8 @@
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, of
 #                 which what is there already is not tried again; SCENE=insertion for devices that fall in
 # make yields     yields of two devices against a million devices each; DEVICES=100000 for fewer
-# make truth      alignment times against heyoka and MuJoCo, and insertion against MuJoCo, in the environment of the benchmark
+# make truth      alignment times against heyoka and MuJoCo, insertion against MuJoCo and the independent
+#                 solution, in the environment of the benchmark
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
 # make bench-study  the whole study from an empty cache against its graph with empty jobs

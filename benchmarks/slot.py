@@ -1,8 +1,10 @@
-"""Insertion against MuJoCo, given bodies, joints and soft contacts: ``python -m benchmarks.slot``.
+"""Insertion against two solutions that share no code: ``python -m benchmarks.slot``.
 
 Sets are drawn by the law of ``make fuzz SCENE=insertion`` and kept where a run aligns, is not
-flagged, and the base is soft enough for MuJoCo's step. MuJoCo begins with the state at alignment.
-Its edges and corners are small balls, so that it is off by a share of their radius.
+flagged, and the base is soft enough for MuJoCo's step. The independent solution runs the whole
+scene from its own statement of the contacts. MuJoCo is given bodies, joints and soft contacts, and
+begins with the state at alignment; its edges and corners are small balls, so that it is off by a
+share of their radius.
 """
 
 import argparse
@@ -13,13 +15,21 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.truth import OPTIONS, modelled, suspension
-from model import Batch, Outcome, Parameters, align, simulate
+from model import Batch, Outcome, Parameters, Reason, align, simulate
+from verification.accuracy import LEAVING, Check, judge_estimate
 from verification.fuzz import IN_SLOT, LAWS_IN_SLOT, draw
+from verification.independent import insert
 
-# The reference engine, which gives the trajectories, takes more evaluations than the fuzz allows.
-_SETTINGS = replace(IN_SLOT, max_evaluations=1_000_000)
+Floats = NDArray[np.float64]
+
+# Rest is told by both sides sticking, as in the independent solution, and not by periods; and the
+# reference engine, which gives the trajectories, takes more evaluations than the fuzz allows.
+SETTINGS = replace(IN_SLOT, may_settle=False, max_evaluations=1_000_000)
+_ENDS = Outcome.INSERTED, Outcome.JAMMED, Outcome.CLIMBED_OUT
+_TOLERANCE = 1e-12  # of the independent solution
 _RADIUS = 0.002  # of edges and corners, over the part's half-width
 _SOFT = 2e3  # largest contact stiffness
 _DEEP = 20.0  # size of the base
@@ -32,14 +42,33 @@ def sets_of(count: int, seed: int = 2007) -> list[tuple[Parameters, Any]]:
     found: list[tuple[Parameters, Any]] = []
     for first in range(0, 100 * count, _AT_ONCE):
         batch = draw(seed, first, _AT_ONCE, LAWS_IN_SLOT)
-        runs = align(batch, _SETTINGS, cores=1)
-        soft = batch.values["contact_stiffness"] <= _SOFT
-        ends = np.isin(runs.outcome, (Outcome.INSERTED, Outcome.JAMMED))
-        for row in np.flatnonzero(soft & ends & ~runs.sensitive):
-            found.append((batch[int(row)], simulate(batch[int(row)], _SETTINGS)))
+        runs = align(batch, SETTINGS, cores=1)
+        # The independent solution starts on the edge.
+        fits = (batch.values["contact_stiffness"] <= _SOFT) & (batch.values["initial_tilt"] >= 0.0)
+        for row in np.flatnonzero(fits & np.isin(runs.outcome, _ENDS) & ~runs.sensitive):
+            found.append((batch[int(row)], simulate(batch[int(row)], SETTINGS)))
             if len(found) == count:
                 return found
     raise ValueError(f"only {len(found)} of {count} sets qualify")
+
+
+def ends_as(run: Any, ending: str) -> bool:
+    """Return whether an ending of the independent solution is the run's outcome and reason."""
+    if run.outcome is Outcome.INSERTED:
+        return ending == "inserted"
+    if run.outcome is Outcome.JAMMED:
+        return ending == {Reason.WEDGED: "wedged"}.get(run.reason, "lack of force")
+    return ending in {Reason.ON_EDGE: ("climbed out",), **LEAVING}.get(run.reason, ())
+
+
+def by_independent(p: Parameters, run: Any, depth: float) -> tuple[float, bool]:
+    """Return (time until inserted, whether the end is the run's); NaN for one not inserted."""
+    try:
+        solution = insert(p, SETTINGS.horizon, depth, _TOLERANCE)
+    except ArithmeticError:
+        return math.nan, False
+    time = solution.time if solution.ending == "inserted" else math.nan
+    return time, ends_as(run, solution.ending)
 
 
 def scene_of(p: Parameters) -> str:
@@ -79,7 +108,7 @@ def by_mujoco(p: Parameters, run: Any, depth: float) -> float:
     data = mujoco.MjData(model)
     first = int(np.searchsorted(run.time, run.tau_align))
     data.qpos[:], data.qvel[:] = run.state[first, :3], run.state[first, 3:]
-    while data.time < _SETTINGS.horizon:
+    while data.time < SETTINGS.horizon:
         time = run.tau_align + data.time
         data.qfrc_applied[1] = -p.press_force - math.sin(p.frequency * time + p.phase)
         mujoco.mj_step(model, data)
@@ -90,26 +119,45 @@ def by_mujoco(p: Parameters, run: Any, depth: float) -> float:
     return math.nan
 
 
+def judge(
+    runs: Sequence[Any], independent: Sequence[tuple[float, bool]], mujoco: Floats
+) -> list[Check]:
+    """Judge the comparison of runs with both solutions."""
+    after = np.array([run.tau_inserted for run in runs])
+    time, alike = (np.array(each) for each in zip(*independent, strict=True))
+    apart = np.abs(np.array([run.tau_align for run in runs]) + after - time)
+    same = np.isnan(after) == np.isnan(mujoco)
+    both = np.isfinite(mujoco) & (after > 0.0)
+    off = np.abs(mujoco - after)[both] / after[both]
+    inserted = np.isfinite(after) & np.isfinite(time)
+    error = np.array([run.insertion_error for run in runs])[inserted]
+    middle = float(np.median(off))
+    return [
+        Check("sets", f"{after.size}, of which {int(np.isnan(after).sum())} do not go in"),
+        Check("other ends, independent solution", f"{int((~alike).sum())}", "0", bool(alike.all())),
+        Check("independent solution apart: median", f"{np.median(apart[inserted]):.1e}"),
+        *judge_estimate("independent solution", apart[inserted], error),
+        Check("MuJoCo goes in or not alike", f"{100 * same.mean():.1f} %", f">= {100 * _SAME:g} %",
+                bool(same.mean() >= _SAME)),
+        Check("MuJoCo off: median", f"{100 * middle:.2f} %", f"<= {100 * _CLOSE:g} %",
+                middle <= _CLOSE),
+        Check("MuJoCo off: 90 % of the sets below", f"{100 * np.quantile(off, 0.9):.1f} %"),
+    ]  # fmt: skip
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Read the command line and do it; the exit code is 1 where the two disagree."""
+    """Read the command line and do it; the exit code is 1 where an agreement fails."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.slot", description=__doc__)
     parser.add_argument("--sets", type=int, default=200)
     given = parser.parse_args(arguments)
     sets = sets_of(given.sets)
-    mine = np.array([run.tau_inserted for _, run in sets])
-    depths = Batch.stack([p for p, _ in sets]).insertion_depths()
-    theirs = np.array([by_mujoco(p, run, h) for (p, run), h in zip(sets, depths, strict=True)])
-    same = np.isnan(mine) == np.isnan(theirs)
-    both = np.isfinite(mine) & np.isfinite(theirs)
-    off = np.abs(theirs - mine)[both] / mine[both]
-    lines = (
-        f"sets                      {len(sets)}, {int(np.isnan(mine).sum())} do not go in",
-        f"the same end              {same.sum()} (>= {100 * _SAME:g} %)",
-        f"times off: median         {100 * np.median(off):.2f} % (<= {100 * _CLOSE:g} %)",
-        f"times off: 90 % below     {100 * np.quantile(off, 0.9):.2f} %",
-    )
-    sys.stdout.write("\n".join(lines) + "\n")
-    return int(same.mean() < _SAME or np.median(off) > _CLOSE)
+    depths = Batch.stack([p for p, _ in sets]).insertion_depths().tolist()
+    tried = [(p, run, depth) for (p, run), depth in zip(sets, depths, strict=True)]
+    independent = [by_independent(*each) for each in tried]
+    mujoco = np.array([by_mujoco(*each) for each in tried])
+    checks = judge([run for _, run in sets], independent, mujoco)
+    sys.stdout.write("\n".join(map(str, checks)) + "\n")
+    return int(any(check.holds is False for check in checks))
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ TIGHT = 1e-13  # tolerance of the run taken as the truth
 ACCURATE = 1e-8  # accuracy wanted of a regular alignment time
 _AFTER = 1.0  # time after the run's end within which the independent solution may end
 # Names of the ways of leaving the scene in the independent solution.
-_LEAVING = {
+LEAVING = {
     Reason.MOVED_AWAY: ("face far", "right wall"),  # a wall's name for all that comes down beside
     Reason.OVERSHOT: ("face far", "left wall"),
     Reason.CORNER_ON_WALL: ("right wall", "left wall"),
@@ -241,7 +241,7 @@ def _judge_leaving(table: Table) -> list[Check]:
         return []
     endings, reasons = table["independent_ending"][left], table["reason"][left]
     alike = [
-        ending in _LEAVING.get(Reason(int(reason)), ())
+        ending in LEAVING.get(Reason(int(reason)), ())
         for ending, reason in zip(endings, reasons, strict=True)
     ]
     apart = np.abs(table["end"] - table["independent_end"])[left]

@@ -1,11 +1,14 @@
 """The independent solution agrees with the integrator through every kind of event."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
+from benchmarks.slot import SETTINGS, ends_as
 from model import Outcome, Parameters, simulate
-from verification.independent import solve
+from verification.fuzz import LAWS_IN_SLOT, draw
+from verification.independent import insert, solve
 
 # Parameters that differ from the device, and events that the run must meet.
 RUNS = {
@@ -78,3 +81,36 @@ def test_the_first_drop_is_the_alignment():
     run = simulate(DROPS_TWICE)
     assert run.tau_align == pytest.approx(solution.tau, abs=10 * run.tau_error)
     assert run.tau_corners_inside >= run.tau_align
+
+
+# Sets of the fuzz, their endings in the independent solution, and contacts that they must meet.
+IN_SLOT_RUNS = {
+    "all four contacts": (33, "inserted", {"right_side load", "right_wall load", "left_wall load"}),
+    "a corner behind the wall as it falls in": (49, "inserted", {"right_wall load"}),
+    "held at two points": (3451, "wedged", {"right_wall touches"}),
+    "an edge meets the top": (853, "other face", set()),
+    "out again on an edge": (3216, "climbed out", set()),
+}
+
+
+@pytest.mark.parametrize(
+    ("number", "ending", "kinds"), IN_SLOT_RUNS.values(), ids=list(IN_SLOT_RUNS)
+)
+def test_it_agrees_in_the_slot(number, ending, kinds):
+    batch = draw(2007, number, 1, LAWS_IN_SLOT)
+    settings = replace(SETTINGS, tolerance=1e-11)
+    run = simulate(batch[0], settings)
+    (depth,) = batch.insertion_depths().tolist()
+    solution = insert(batch[0], settings.horizon, depth, 1e-12)
+    assert solution.ending == ending
+    assert ends_as(run, solution.ending)
+    assert kinds <= set(solution.events)
+    assert solution.tau == pytest.approx(run.tau_align, abs=1e-11 + run.tau_error)
+    if ending == "inserted":
+        inserted = run.tau_align + run.tau_inserted
+        assert solution.time == pytest.approx(inserted, abs=1e-11 + run.insertion_error)
+
+
+def test_a_part_that_starts_on_its_corner_is_refused(device):
+    with pytest.raises(ValueError, match="must be >= 0"):
+        insert(device.replace(initial_tilt=-0.01), 1.0, 0.1)

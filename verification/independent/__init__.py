@@ -1,5 +1,6 @@
-"""Independent solution of the alignment runs, for verification of the integrator."""
+"""Independent solution of the runs, for verification of the integrator."""
 
+from verification.independent.insertion import insert
 from verification.independent.solution import Solution, solve
 
-__all__ = ["Solution", "solve"]
+__all__ = ["Solution", "insert", "solve"]

@@ -1,7 +1,7 @@
 """Second statement of the model, for verification of the package: contacts, forces, friction.
 
 It shares no code with ``model``. Vectors of the plane are complex numbers, a contact is a place, a
-tangent and a normal, and forces act by r × F. Consistent readings and the full scene only.
+tangent and a normal, and forces act by r × F. Consistent readings only.
 """
 
 import cmath
@@ -19,7 +19,11 @@ RIGHT, LEFT = 1, -1
 
 @dataclass(frozen=True)
 class Mode:
-    """States of the contacts, "on", "off" or "released", and signs of the slips (0 sticks)."""
+    """States of the contacts, "on", "off" or "released", and signs of the slips (0 sticks).
+
+    ``right_side`` is A1 on the right side face, ``right_wall`` and ``left_wall`` B1 and B2 on the
+    walls of the slot. The contacts of the right side take the place of the support, and its slip.
+    """
 
     edge: int = RIGHT
     face: str = "on"
@@ -29,6 +33,21 @@ class Mode:
     slides: int = 0
     side: str = "off"
     side_slides: int = 0
+    dropped: bool = False
+    right_side: str = "off"
+    right_wall: str = "off"
+    left_wall: str = "off"
+    slip_at_wall: bool = False
+
+    @property
+    def supported(self) -> bool:
+        """True if a contact of the support presses."""
+        return "on" in (self.face, self.corner, self.right_side, self.right_wall)
+
+    @property
+    def beside(self) -> bool:
+        """True if a contact of the left side presses."""
+        return "on" in (self.side, self.left_wall)
 
 
 class Body(NamedTuple):
@@ -70,6 +89,15 @@ def highest(*values: Any) -> Any:
     return np.maximum.reduce(values)
 
 
+def _group(touches: list[Touch], slides: int, reverse: bool) -> tuple[Any, ...]:
+    """Return (contacts, shares of the friction, sign of the slip, load); the deciding one first."""
+    total = sum(touch.load for touch in touches)
+    shares = [touch.load / total if len(touches) > 1 else 1.0 for touch in touches]
+    if reverse:
+        touches, shares = touches[::-1], shares[::-1]
+    return touches, shares, slides, total
+
+
 class Device:
     """The device and its equations of motion, for one parameter set."""
 
@@ -86,10 +114,16 @@ class Device:
         place = side * self.l - at.centre
         return self._touch(at, place, at.along, 1j * at.along, self.b, fixed_to_base=True)
 
-    def edge_on_side(self, at: Body) -> Touch:
-        """Return the contact of A2 with the left side face."""
-        place = -self.l - at.centre
-        return self._touch(at, place, 1j * at.along, at.along, self.a, fixed_to_base=True)
+    def edge_on_side(self, at: Body, side: int = LEFT) -> Touch:
+        """Return the contact of an edge with the side face on its side."""
+        place, normal = side * self.l - at.centre, -side * at.along
+        return self._touch(at, place, 1j * at.along, normal, self.a, fixed_to_base=True)
+
+    def corner_on_wall(self, side: int, at: Body) -> Touch:
+        """Return the contact of a bottom corner with the slot's wall on its side."""
+        place, normal = complex(side * self.a, -self.b) * at.along, complex(-side)
+        reach = side * at.centre.real - self.l
+        return self._touch(at, place, 1j, normal, reach, fixed_to_base=False)
 
     def corner_on_flat(self, side: int, at: Body, offset: float) -> Touch:
         """Return the contact of a bottom corner with the flat, ``offset`` below it."""
@@ -134,18 +168,18 @@ class Device:
         support = []
         if mode.face == "on":
             support.append(self.edge_on_face(mode.edge, at))
+        if mode.right_side == "on":
+            support.append(self.edge_on_side(at, RIGHT))
         if mode.corner == "on":
             support.append(self.corner_on_flat(mode.edge, at, mode.offset))
-        total = sum(touch.load for touch in support)
-        shares = [touch.load / total if len(support) > 1 else 1.0 for touch in support]
-        if mode.slip_at_corner:
-            support.reverse()
-            shares.reverse()
+        if mode.right_wall == "on":
+            support.append(self.corner_on_wall(RIGHT, at))
         side = [self.edge_on_side(at)] if mode.side == "on" else []
-        beside = side[0].load if side else 0.0
+        if mode.left_wall == "on":
+            side.append(self.corner_on_wall(LEFT, at))
         groups = [
-            (support, shares, mode.slides, total),
-            (side, [1.0] * len(side), mode.side_slides, beside),
+            _group(support, mode.slides, mode.slip_at_corner),
+            _group(side, mode.side_slides, mode.slip_at_wall),
         ]
 
         spring = self.rest - at.centre

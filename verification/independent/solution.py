@@ -1,8 +1,8 @@
 """Runs of the independent solution: events and transitions.
 
 It shares no code with ``model``. Events are sought on the dense output of scipy's DOP853, at many
-more places of a step, and then met by integrating up to them. Slow; for the consistent readings and
-the full scene only.
+more places of a step, and then met by integrating up to them. Slow; consistent readings only.
+What follows alignment is in insertion.py.
 """
 
 import itertools
@@ -33,13 +33,14 @@ Function = Callable[[Any, State], Any]
 
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
 _NODES = np.concatenate([[0.0, 1e-4, 1e-3, 1e-2], np.linspace(1 / 24, 1.0, 24)])
-_ON_ZERO = 1e-9  # a event function below this, as a mode begins, begins on its zero
+ON_ZERO = 1e-9  # a event function below this, as a mode begins, begins on its zero
 _AT_REST = 1e-11
 _NO_LOAD = 1e-11
-_FLAT = 1e-8  # a part tilted by less rests on its edge
+FLAT = 1e-8  # a part tilted by less rests on its edge
 _MOMENT = 1e-5
 _FIRST_STEP = 1e-3
 _MOST_EVENTS = 100_000
+_CONTACTS = "face", "side", "corner", "right_side", "right_wall", "left_wall"
 
 
 class Solution(NamedTuple):
@@ -56,18 +57,35 @@ class Solution(NamedTuple):
 
 def _with(mode: Mode, what: str, state: str) -> Mode:
     """Return the mode with another state of one contact; a corner that opens forgets its offset."""
-    if what == "face":
-        return replace(mode, face=state)
-    if what == "side":
-        return replace(mode, side=state)
-    return replace(mode, corner=state, offset=mode.offset if state != "off" else 0.0)
+    if what == "corner" and state == "off":
+        mode = replace(mode, offset=0.0)
+    changes: dict[str, Any] = {what: state}
+    return replace(mode, **changes)
 
 
-class _Run:
+class Run:
     """One run of a device: its modes one after the other."""
 
     def __init__(self, device: Device, tolerance: float) -> None:
         self.device, self.tolerance = device, tolerance
+        if device.p.initial_tilt < 0.0:
+            raise ValueError(
+                f"initial_tilt = {device.p.initial_tilt!r}: must be >= 0 for the independent "
+                "solution, which starts on the edge"
+            )
+
+    def touch(self, name: str, mode: Mode, at: Body) -> Touch:
+        """Return the contact of that name."""
+        d = self.device
+        made: dict[str, Callable[[], Touch]] = {
+            "face": lambda: d.edge_on_face(mode.edge, at),
+            "side": lambda: d.edge_on_side(at),
+            "corner": lambda: d.corner_on_flat(mode.edge, at, mode.offset),
+            "right_side": lambda: d.edge_on_side(at, RIGHT),
+            "right_wall": lambda: d.corner_on_wall(RIGHT, at),
+            "left_wall": lambda: d.corner_on_wall(LEFT, at),
+        }
+        return made[name]()
 
     def functions(self, mode: Mode) -> dict[str, Function]:
         """Return the event functions of the mode by name, positive while it holds."""
@@ -77,16 +95,16 @@ class _Run:
         def add(name: str, function: Callable[[Any, State, Body], Any]) -> None:
             found[name] = lambda time, z: function(time, z, body(z))
 
-        def contact(name: str, state: str, touch: Callable[[Body], Touch]) -> None:
+        def contact(name: str) -> None:
+            state = getattr(mode, name)
             if state == "on":
-                add(f"{name} load", lambda _t, _z, at: touch(at).load)
+                add(f"{name} load", lambda _t, _z, at: self.touch(name, mode, at).load)
             elif state == "released":
-                add(f"{name} gap", lambda _t, _z, at: touch(at).depth)
-                add(f"{name} reload", lambda _t, _z, at: -touch(at).load)
+                add(f"{name} gap", lambda _t, _z, at: self.touch(name, mode, at).depth)
+                add(f"{name} reload", lambda _t, _z, at: -self.touch(name, mode, at).load)
 
-        contact("face", mode.face, lambda at: d.edge_on_face(mode.edge, at))
-        contact("side", mode.side, d.edge_on_side)
-        contact("corner", mode.corner, lambda at: d.corner_on_flat(mode.edge, at, mode.offset))
+        for name in _CONTACTS:
+            contact(name)
         if mode.face != "off":
             add("face end", lambda _t, _z, at: d.depths(mode.edge, at)[1 + (mode.edge == RIGHT)])
             add("face far", lambda _t, _z, at: d.depths(mode.edge, at)[1 + (mode.edge == LEFT)])
@@ -119,18 +137,18 @@ class _Run:
         def lands(_time: Any, z: State, at: Body) -> Any:
             place = complex(side * d.a, -d.b) * at.along
             rising = (at.velocity + 1j * at.turn * place).imag
-            return highest(*beside(at), side * z[2] + _FLAT, rising)
+            return highest(*beside(at), side * z[2] + FLAT, rising)
 
         if side == RIGHT or mode.side == "off":  # else B2 has come through the slot's wall
             add(f"{name} lands", lands)
         if not faced:
-            add(f"{name} wall", lambda _t, z, at: highest(*beside(at), -side * z[2] - _FLAT))
+            add(f"{name} wall", lambda _t, z, at: highest(*beside(at), -side * z[2] - FLAT))
 
     def _add_friction(self, mode: Mode, found: dict[str, Function]) -> None:
         mu = self.device.p.friction
         if mu == 0.0:
             return
-        pressing = (mode.face == "on" or mode.corner == "on", mode.side == "on")
+        pressing = mode.supported, mode.beside
         for i, name in enumerate(("slip", "side slip")):
             if not pressing[i]:
                 continue
@@ -159,28 +177,39 @@ class _Run:
                 earliest = name, found
         return earliest
 
-    def align(self, horizon: float) -> Solution:
-        """Run from the start until the part aligns, leaves the scene, or the horizon is reached."""
+    def continued(self, _time: float, _z: State, _mode: Mode) -> Mode | str:
+        """Return the mode in which a run goes on after alignment, or its end."""
+        return "aligned"
+
+    def end_at_horizon(self, _z: State, _mode: Mode) -> str:
+        """Return the name of the end of a run that reaches the horizon."""
+        return "horizon"
+
+    def run(self, horizon: float) -> Solution:
+        """Run from the start to the end; after alignment the horizon counts once more."""
         p = self.device.p
         reach = self.device.l - p.misalignment
         y = (self.device.b - reach * math.sin(p.initial_tilt)) / math.cos(p.initial_tilt)
         z = np.array([p.misalignment, y, p.initial_tilt, 0.0, 0.0, 0.0])
-        mode, time = self.decided(0.0, z, Mode(), True, False), 0.0
+        mode, time, tau, end = self.decided(0.0, z, Mode(), True, False), 0.0, math.nan, horizon
         met: list[str] = []
         muted = ""
         while len(met) < _MOST_EVENTS:
             began = time
-            name, time, z = self.segment(time, z, mode, horizon, muted)
+            name, time, z = self.segment(time, z, mode, end, muted)
             if not name:
-                return Solution("horizon", time, math.nan, tuple(met))
+                return Solution(self.end_at_horizon(z, mode), time, tau, tuple(met))
             met.append(name)
             after = self.after(name, time, z, mode)
+            if after == "aligned":
+                if math.isnan(tau):
+                    tau, end = time, time + horizon
+                after = self.continued(time, z, mode)
             if isinstance(after, str):
-                tau = time if after == "aligned" else math.nan
                 return Solution(after, time, tau, tuple(met))
             muted = name if time == began and after == mode else ""
             mode = after
-        return Solution("endless", time, math.nan, tuple(met))
+        return Solution("endless", time, tau, tuple(met))
 
     def segment(
         self, time: float, z: State, mode: Mode, end: float, muted: str
@@ -223,10 +252,14 @@ class _Run:
         self, time: float, z: State, mode: Mode, support_rests: bool, side_rests: bool
     ) -> Mode:
         """Return the mode whose friction fits the slips: at rest the first that is consistent."""
-        at_corner = mode.corner == "on" and (mode.slip_at_corner or mode.face != "on")
+        on_edge = "on" in (mode.face, mode.right_side)
+        on_corner = "on" in (mode.corner, mode.right_wall)
+        at_corner = on_corner and (mode.slip_at_corner or not on_edge)
+        at_wall = mode.left_wall == "on" and (mode.slip_at_wall or mode.side != "on")
         # A contact that stuck at one place may slip at the other.
         support_rests = support_rests and at_corner == mode.slip_at_corner
-        mode = replace(mode, slip_at_corner=at_corner)
+        side_rests = side_rests and at_wall == mode.slip_at_wall
+        mode = replace(mode, slip_at_corner=at_corner, slip_at_wall=at_wall)
         mu = self.device.p.friction
         if mu == 0.0:
             return mode
@@ -268,8 +301,8 @@ class _Run:
 
     def _next(self, time: float, z: State, was: Mode, mode: Mode) -> Mode:
         """Return ``decided`` where a contact that sticks goes on if friction still suffices."""
-        rests = was.slides == 0 and "on" in (was.face, was.corner)
-        return self.decided(time, z, mode, rests, was.side == "on" and was.side_slides == 0)
+        rests = was.slides == 0 and was.supported
+        return self.decided(time, z, mode, rests, was.beside and was.side_slides == 0)
 
     def after(self, name: str, time: float, z: State, mode: Mode) -> Mode | str:
         """Return the mode that follows an event, or the name of the end."""
@@ -287,17 +320,14 @@ class _Run:
             return self._after_meeting(event, RIGHT if what == "right" else LEFT, time, z, mode)
         state = {"reload": "on", "gap": "off", "end": "off", "load": "off"}[event]
         if event == "load" and d.p.contact_damping > 0.0:
-            touch = {
-                "face": lambda: d.edge_on_face(mode.edge, at),
-                "side": lambda: d.edge_on_side(at),
-                "corner": lambda: d.corner_on_flat(mode.edge, at, mode.offset),
-            }[what]()
-            state = "released" if touch.depth > 0.0 else "off"
+            state = "released" if self.touch(what, mode, at).depth > 0.0 else "off"
         bottom, _, _, top = d.depths(LEFT, at)
         if name == "side end" and top < bottom:
             return "other face"
         changed = _with(mode, what, state)
-        return changed if name in ("face gap", "side gap") else self._next(time, z, mode, changed)
+        return (
+            changed if event == "gap" and what != "corner" else self._next(time, z, mode, changed)
+        )
 
     def _after_meeting(
         self, event: str, side: int, time: float, z: State, mode: Mode
@@ -322,8 +352,8 @@ class _Run:
             frictions = self.device.rates(time, z, mode)[3]
             sign = -int(np.sign(frictions[beside]))
             return replace(mode, side_slides=sign) if beside else replace(mode, slides=sign)
-        support = mode.slides == 0 and "on" in (mode.face, mode.corner)
-        other = mode.side == "on" and mode.side_slides == 0
+        support = mode.slides == 0 and mode.supported
+        other = mode.beside and mode.side_slides == 0
         return self.decided(time, z, mode, support or not beside, other or beside)
 
 
@@ -336,7 +366,7 @@ def _crossing(
 ) -> float | None:
     """Return the time of the first down-crossing of a sampled function, or None."""
     first = 0
-    if values[0] <= _ON_ZERO:  # a mode may begin on a zero of its own functions, or beyond it
+    if values[0] <= ON_ZERO:  # a mode may begin on a zero of its own functions, or beyond it
         if not muted and values[1] < min(values[0], 0.0) and values[2] < values[1]:
             return float(times[0])
         above = np.flatnonzero(values > 0.0)
@@ -374,9 +404,4 @@ def solve(
         ArithmeticError: scipy gives up, or no friction force is consistent.
         ValueError: a part that starts tilted away from the slot, on its corner.
     """
-    if parameters.initial_tilt < 0.0:
-        raise ValueError(
-            f"initial_tilt = {parameters.initial_tilt!r}: must be >= 0 for the independent "
-            "solution, which starts on the edge"
-        )
-    return _Run(Device(parameters), tolerance).align(horizon)
+    return Run(Device(parameters), tolerance).run(horizon)
