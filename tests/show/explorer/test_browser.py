@@ -142,6 +142,8 @@ def test_the_page_says_what_vibration_changes(page: Page, url: str) -> None:
     assert words.startswith("Without vibration it rests on the edge, tilted by ")
     assert words.endswith("only vibration brings it in.")
     page.evaluate("document.getElementById('vibration').click()")
+    assert text(page, "vibration") == "With vibration"
+    assert text(page, "map-title").endswith("without vibration")
     page.wait_for("document.getElementById('beside').textContent.startsWith('With vibration')")
     assert "rests on the edge" in text(page, "words")
     assert text(page, "remedy") == ""
@@ -359,6 +361,25 @@ def test_nothing_is_wider_than_the_window(page: Page, url: str, width: int, tmp_
     page.wait_for("window.explorer && explorer.run")
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     (tmp_path / f"explorer-{width}.png").write_bytes(page.picture(whole=True))
+
+
+def test_verdict_and_drawing_stay_in_sight_on_a_small_screen(page: Page, url: str) -> None:
+    page.open(f"{url}#figure=fig05&t=1", 400, 800)
+    page.wait_for("window.explorer && explorer.run")
+    for name in ("s-tilt_stiffness", "command"):
+        page.evaluate(f"document.getElementById('{name}').scrollIntoView({{block: 'center'}})")
+        for shown in ("verdict", "scene"):
+            box = page.evaluate(
+                f"document.getElementById('{shown}').getBoundingClientRect().toJSON()"
+            )
+            assert 0 <= box["top"] < box["bottom"] < 400
+
+
+@pytest.mark.parametrize(("low", "high"), [(0, 1), (19.87, 20.03), (-3e-4, 0.14), (0, 2.99)])
+def test_an_axis_has_at_least_three_ticks(page: Page, low: float, high: float) -> None:
+    found = page.evaluate(f"ticks({low}, {high}, 3)")
+    assert 3 <= len(found) <= 8
+    assert all(low <= each <= high for each in found)
 
 
 def test_every_control_has_a_name(page: Page) -> None:

@@ -105,7 +105,7 @@ function save() {
   link.href = URL.createObjectURL(new Blob([deviceOf(state, MODEL)], { type: "text/yaml" }));
   link.download = fileOf(state, MODEL);
   link.click();
-  URL.revokeObjectURL(link.href);
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
 /** Follow the pointer while it is pressed. @param {any} canvas @param {(event: PointerEvent) => void} point */

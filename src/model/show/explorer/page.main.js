@@ -133,6 +133,7 @@ function drawWholeMap() {
   const axis = (/** @type {Parameter} */ each) => ({ label: `${each.words}, ${each.symbol}${each.unit ? ` (${each.unit})` : ""}`, one: each.one });
   drawMap(context, width, height, map, { x: axis(parameters[map.x]), y: axis(parameters[map.y]) }, [state.values[map.x], state.values[map.y]], true);
   const [shortest, longest] = durations(map);
+  element("durations").hidden = !map.outcome.includes(ALIGNED);
   element("shortest").textContent = inTime(shortest);
   element("longest").textContent = `${inTime(longest)} and longer`;
   const count = (/** @type {(outcome: number) => boolean} */ is) => /** @type {MapData} */ (map).outcome.reduce((n, each) => n + Number(is(each)), 0);

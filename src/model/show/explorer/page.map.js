@@ -152,7 +152,8 @@ class Mapper {
         map.tau[node] = message.results[n * width + tau];
         map.step[node] = this.step;
       });
-      if (!this.queue.length && !this.pending && this.step > 1) {
+      const finished = map.outcome.some((each) => each >= 0 && each !== FAILED);
+      if (!this.queue.length && !this.pending && this.step > 1 && finished) {
         this.step /= 2;
         this.queue = nodesOf(map, this.step);
       }
