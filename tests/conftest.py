@@ -12,7 +12,16 @@ import yaml
 
 from model import Batch, Parameters, Readings, align, simulate
 from model.physics.parameters import Constants
-from model.study.config import Curves, Family, Map, Study, baseline, load_study, study_path
+from model.study.config import (
+    Curves,
+    Family,
+    Map,
+    Study,
+    baseline,
+    check_study,
+    read_study,
+    study_path,
+)
 from model.study.datasets import write_dataset
 from model.tracking.invocation import Invocation
 from model.tracking.provenance import INVOCATION, Job
@@ -82,21 +91,24 @@ def random_states() -> Callable[..., list[np.ndarray]]:
 
 
 @pytest.fixture(scope="session")
-def small_study() -> Callable[[int, int], Study]:
-    """The study of the project, of the tests' own device.
+def fixed_study() -> Study:
+    """The study of the project, of the tests' own device and law of random sets."""
+    own = yaml.safe_load((Path(__file__).parent / "device.yaml").read_text(encoding="utf-8"))
+    stated = read_study(study_path())
+    stated["structure"], stated["operating_point"] = own["structure"], own["operating_point"]
+    stated["accuracy"]["ranges"] = own["ranges"]
+    for name, held in own["held"].items():
+        stated["figures"][name]["held"] = held
+    return check_study(stated)
 
-    Of each figure two curves of ``points``, of maps ``cells`` squared.
-    """
-    device = yaml.safe_load((Path(__file__).parent / "device.yaml").read_text(encoding="utf-8"))
-    held = device.pop("held")
+
+@pytest.fixture(scope="session")
+def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
+    """The same with two curves of ``points`` and maps of ``cells`` squared."""
 
     def make(points: int, cells: int) -> Study:
-        full = load_study(study_path())
-        small = {
-            name: spec.model_copy(update={"held": held[name]}) if name in held else spec
-            for name, spec in full.figures.items()
-        }
-        for name, spec in small.items():
+        small = dict(fixed_study.figures)
+        for name, spec in fixed_study.figures.items():
             if isinstance(spec, Curves):
                 swept = spec.swept.model_copy(update={"count": points})
                 few = Family(parameter=spec.family.parameter, values=spec.family.values[:2])
@@ -104,7 +116,7 @@ def small_study() -> Callable[[int, int], Study]:
             elif isinstance(spec, Map):
                 x, y = (axis.model_copy(update={"count": cells}) for axis in (spec.x, spec.y))
                 small[name] = spec.model_copy(update={"x": x, "y": y})
-        return full.model_copy(update={**device, "figures": small})
+        return fixed_study.model_copy(update={"figures": small})
 
     return make
 

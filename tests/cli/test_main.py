@@ -11,6 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import pytest
+import yaml
 from matplotlib.figure import Figure
 
 from model.cli import main as cli
@@ -22,7 +23,12 @@ from model.runs.simulate import simulate
 from model.study.config import baseline, load_study, study_path
 
 ALIGNING = ["simulate", "--set", "press_force=2", "--set", "tilt_stiffness=10"]
-OVERTURNING = ["simulate", "--set", "press_force=9", "--set", "tilt_stiffness=2"]
+OWN = yaml.safe_load((Path(__file__).parents[1] / "device.yaml").read_text(encoding="utf-8"))
+OWN = {**OWN["structure"], **OWN["operating_point"], "press_force": 9.0, "tilt_stiffness": 2.0}
+OVERTURNING = [
+    "simulate",
+    *(part for each in OWN.items() for part in ("--set", "{}={}".format(*each))),
+]
 
 
 @pytest.fixture(scope="module")

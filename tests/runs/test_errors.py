@@ -7,7 +7,6 @@ from model import Batch, Outcome, Reason, align, simulate
 from model.engines.results import RunResult
 from model.physics.parameters import Constants
 from model.runs.errors import TILTED, estimate
-from model.study.config import load_study, study_path
 from verification.trials import trial_of
 
 SEEDS = [0, 1]
@@ -196,9 +195,9 @@ def test_a_part_that_leaves_the_scene_at_another_time_is_flagged():
 
 
 @pytest.mark.parametrize("number", [1079, 1442])
-def test_chance_is_said_whatever_the_tolerance(number):
+def test_chance_is_said_whatever_the_tolerance(number, fixed_study):
     """Sets of the accuracy trial that lift off until τ = 300 and align at some tolerances only."""
-    trial = trial_of(load_study(study_path()), "error")
+    trial = trial_of(fixed_study, "error")
     settings, batch = trial.settings.settings, trial.batch(np.array([number]))
     found = [align(batch, settings, tolerance=tolerance) for tolerance in (1e-8, 1e-9, 1e-10)]
     assert all(run.sensitive[0] or run.reason[0] == Reason.CHAOTIC for run in found)

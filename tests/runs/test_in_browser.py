@@ -22,7 +22,7 @@ from model.runs.in_browser import modules
 from model.runs.settings import Settings
 from model.runs.shown import COLUMNS
 from model.runs.simulate import simulate_once
-from model.study.config import load_study, study_path
+from model.study.config import Study, load_study, study_path
 from verification.trials import trial_of
 
 wasmtime = pytest.importorskip("wasmtime")
@@ -103,8 +103,8 @@ def engines() -> dict[str, Browser]:
 
 
 @pytest.fixture(scope="module")
-def batch() -> Batch:
-    return trial_of(load_study(study_path()), "error").batch(np.arange(SETS))
+def batch(fixed_study: Study) -> Batch:
+    return trial_of(fixed_study, "error").batch(np.arange(SETS))
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Reason, align
-from model.study.config import load_study, study_path
 from verification import accuracy
 from verification.accuracy import (
     FARTHEST,
@@ -21,19 +20,14 @@ from verification.accuracy import (
 from verification.trials import TRIALS, trial_of
 
 
-@pytest.fixture(scope="module")
-def study():
-    return load_study(study_path())
-
-
 @pytest.fixture(scope="module", params=TRIALS)
-def trial(request, study):
-    return trial_of(study, request.param)
+def trial(request, fixed_study):
+    return trial_of(fixed_study, request.param)
 
 
-def test_sets_follow_the_law(trial, study):
+def test_sets_follow_the_law(trial, fixed_study):
     batch = trial.batch(np.arange(trial.sets))
-    for name, law in study.accuracy.ranges.items():
+    for name, law in fixed_study.accuracy.ranges.items():
         values = batch.values[name]
         drawn = values[values > 0.0]
         assert law.low <= drawn.min() <= drawn.max() <= law.high
@@ -50,8 +44,8 @@ def test_every_set_starts_beside_the_slot(trial):
     assert (values["initial_tilt"] > 0.0).all()
 
 
-def test_the_two_trials_draw_different_sets(study):
-    one, other = (trial_of(study, name).batch(np.arange(10)) for name in TRIALS)
+def test_the_two_trials_draw_different_sets(fixed_study):
+    one, other = (trial_of(fixed_study, name).batch(np.arange(10)) for name in TRIALS)
     assert not np.intersect1d(one.values["press_force"], other.values["press_force"]).size
 
 
@@ -84,11 +78,11 @@ def test_identity_is_that_of_the_numbers(trial):
 
 
 @pytest.fixture(scope="module")
-def tables(study, tmp_path_factory):
+def tables(fixed_study, tmp_path_factory):
     """Both trials on a few sets, through files."""
     found = {}
     for name, sets, horizon in (("error", 8, 30.0), ("settled", 12, 300.0)):
-        trial = trial_of(study, name)
+        trial = trial_of(fixed_study, name)
         settings = trial.settings.model_copy(update={"horizon": horizon})
         trial = trial.model_copy(update={"sets": sets, "settings": settings, "longer": 2.0})
         folder = tmp_path_factory.mktemp(name)
@@ -121,9 +115,9 @@ def test_truths_are_given_for_every_certain_alignment(tables):
         assert (error <= 10 * table["tau_error"][certain]).all()
 
 
-def test_what_the_reference_engine_does_not_settle_on_is_carried_on_itself(study):
+def test_what_the_reference_engine_does_not_settle_on_is_carried_on_itself(fixed_study):
     # It enters a slip of 9e-7, just after it has left zero, as a near approach.
-    trial = trial_of(study, "settled")
+    trial = trial_of(fixed_study, "settled")
     sets = np.array([15645])
     table = accuracy._settled(trial.batch(sets), trial.settings.settings, longer=2.0, cores=1)
     assert table["outcome"].tolist() == [Outcome.SETTLED]
@@ -133,8 +127,8 @@ def test_what_the_reference_engine_does_not_settle_on_is_carried_on_itself(study
 
 
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-10, 1e-11])
-def test_a_course_repeats_after_its_period_only_and_once_it_is_periodic(study, tolerance):
-    trial = trial_of(study, "settled")
+def test_a_course_repeats_after_its_period_only_and_once_it_is_periodic(fixed_study, tolerance):
+    trial = trial_of(fixed_study, "settled")
     p = trial.batch(np.array([1565]))[0]  # a period of eight excitations from about 90 on
     excitation = 2.0 * np.pi / p.frequency
     long = replace(trial.settings.settings, tolerance=tolerance, horizon=600.0, may_settle=False)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.study.config import load_study, study_path
+from model.study.config import Study
 from model.study.datasets import (
     DatasetError,
     compute_chunk,
@@ -62,12 +62,11 @@ def test_wrong_points_are_counted_by_scheme_and_step() -> None:
 
 
 @pytest.fixture(scope="module")
-def plan() -> FixedStepPlan:
-    study = load_study(study_path())
-    spec = study.figures["fig13"]
+def plan(fixed_study: Study) -> FixedStepPlan:
+    spec = fixed_study.figures["fig13"]
     axes = {key: getattr(spec, key).model_copy(update={"count": 7}) for key in ("x", "y")}
-    figures = {**study.figures, "fig13": spec.model_copy(update=axes)}
-    sweep = sweep_of(study.model_copy(update={"figures": figures}), "fig13")
+    figures = {**fixed_study.figures, "fig13": spec.model_copy(update=axes)}
+    sweep = sweep_of(fixed_study.model_copy(update={"figures": figures}), "fig13")
     return FixedStepPlan(sweep=sweep, every=3, steps=[0.02, 0.01], tau_tolerance=0.1)
 
 
