@@ -13,7 +13,8 @@ from model.show.identification import (
     readings_by_claims,
     structure_pairs,
 )
-from model.show.report.identification import content_of, exclusions, pair_table
+from model.show.report.identification import content_of, exclusions, in_brief, pair_table
+from model.study.claims.regime import Regime
 from model.study.config import Aims, Range
 from model.study.identification.band_table import Band
 from model.study.identification.committed import (
@@ -25,6 +26,7 @@ from model.study.identification.committed import (
     read_identified,
     tables_of,
 )
+from model.study.identification.regimes import Row
 
 RANGES = {"half_width": Range(low=0.5, high=2.0), "half_height": Range(low=1.0, high=4.0)}
 CHOSEN = {"half_width": 1.0, "half_height": 2.0}
@@ -37,6 +39,15 @@ BAND = Band(
     high=np.array([3.0, 4.0, np.nan]),
 )
 CLAIMS = ("N1", "F6a", "C2a")
+AIMS = Aims(
+    missing=1,
+    beside=[],
+    not_resting=0.1,
+    not_resting_most=0.4,
+    tilt=0.2,
+    corners=0.9,
+    aligned=0.2,
+)
 
 
 @pytest.fixture
@@ -202,26 +213,31 @@ def test_the_section_says_which_claims_hang_on_which_correction(found: Identifie
     assert (section["printed_only"], section["nowhere"]) == ("N1", "F6a")
 
 
+def test_what_was_found_is_told_in_brief(found: Identified) -> None:
+    rows = [
+        Row(device, figure, Regime(0.7, 0.1, share, 0.3, 0.5, 0.94, 1.0))
+        for device, figure, share in (
+            ("former", "fig06", 0.65), ("present", "fig06", 0.25), ("present", "fig07", 0.15),
+        )
+    ]  # fmt: skip
+    text = in_brief(found, rows, AIMS)
+    assert "without it 80 % of the points that align" in text
+    assert "35 % of the former device's. It shows 51 of 53 claims" in text
+    assert "among 4,000 candidates" in text
+    assert text.endswith("falls short in claims.")
+
+
 def test_claims_that_no_set_near_an_aim_shows_are_named() -> None:
-    aims = Aims(
-        missing=1,
-        beside=[],
-        not_resting=0.1,
-        not_resting_most=0.4,
-        tilt=0.2,
-        corners=0.9,
-        aligned=0.2,
-    )
     sets = (
         FrontSet(True, False, 52, "N1 M4b", 0.5, 0.6, 0.3, 0.9, 0.4),
         FrontSet(True, False, 40, "N1 F8a F9a F9b", 0.1, 0.6, 0.3, 0.9, 0.4),
         FrontSet(True, False, 41, "N1 F8a F6a F6b", 0.14, 0.6, 0.3, 0.9, 0.4),
     )
-    assert exclusions(sets, aims) == [
+    assert exclusions(sets, AIMS) == [
         ("rest unvibrated in nearly all figures (2 sets)", "F8a"),
         ("align over the stated share of every figure (3 sets)", "none"),
         ("show most claims (1 sets)", "M4b"),
     ]
-    pairs = {row[0]: row[1:] for row in pair_table(sets, aims).rows}
+    pairs = {row[0]: row[1:] for row in pair_table(sets, AIMS).rows}
     assert pairs["claims"] == ["2.00", "4.00", "2.00", "2.00", "2.00", "2.00"]
     assert pairs["rest"][1:3] == ["1.00", "1.50"]

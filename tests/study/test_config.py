@@ -95,7 +95,7 @@ REFUSED = [
     ("accuracy.settled.longer", 1.0, ["accuracy.settled.longer = 1.0", "greater than 1"]),
     ("accuracy.ranges.press", {"low": 1.0, "high": 2.0}, ["accuracy.ranges", "press_force"]),
     ("accuracy.ranges.friction.low", 0.0, ["accuracy.ranges.friction.low = 0.0", "than 0"]),
-    ("accuracy.ranges.friction.low", 1.0, ["accuracy.ranges.friction", "low = 1.0", "high = 0.3"]),
+    ("accuracy.ranges.friction.low", 1.0, ["accuracy.ranges.friction", "low = 1.0", "high = 0.5"]),
     ("accuracy.ranges.friction.hgh", 1.0, ["accuracy.ranges.friction.hgh", "'high'"]),
     ("accuracy.ranges.inertia.zero", 0.1, ["accuracy.ranges.inertia = 0.0", "> 0"]),
     ("accuracy.ranges.misalignment.high", 2.0, ["accuracy.ranges", "misalignment = 2.0"]),

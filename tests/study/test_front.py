@@ -53,7 +53,8 @@ def test_the_ratios_are_those_to_each_aim() -> None:
     np.testing.assert_allclose(ratios[:, 0], 0.0)
     np.testing.assert_allclose(ratios[1], [0.0, 3.0, 1.0, 1.0, 1.0, 1.0])
     worst = wanted.worst(judge, shown, regimes)
-    np.testing.assert_allclose(worst, [1.0, 3.0, 1.5, 2.5, 5.0, 2.5, 0.5])
+    # The sixth aligns too little of a curve.
+    np.testing.assert_allclose(worst, [1.0, 3.0, 1.5, 2.5, 5.0, np.inf, 0.5])
     # M4b asks what another aim asks, and M3 what is not computed.
     assert wanted.asked(judge).tolist() == [True, False, False]
     assert wanted.ratios(judge, -shown, regimes)[0, 0] == 1.0 / 2.0

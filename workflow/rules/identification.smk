@@ -5,7 +5,7 @@ from model.study.config import CURVES
 from model.study.identification.candidate import space_of, space_of_reading
 from model.study.identification.committed import PICTURES as IDENTIFIED_PICTURES
 from model.study.identification.committed import TABLES
-from model.study.identification.regimes import own_set
+from model.study.identification.regimes import PRESENT, own_set
 from model.study.identification.results import FINER
 
 # What was found is committed: these tables are made by `identification`, and then copied there.
@@ -61,7 +61,7 @@ job(
     after_kernels,
     dict(
         space=finer.only(finer.figures),
-        sets={**study.identification.compared, "present": own_set(study)},
+        sets={**study.identification.compared, PRESENT: own_set(study)},
     ),
     message="identification: the regime of every figure, of the sets compared and of the study's device",
 )

@@ -24,10 +24,10 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--regime",
         action="store_true",
-        help="print instead, by figure, the regime of the study's device and of the set that the "
-        "identification chooses: the share of the points that align on the curve where it is "
-        "least; of all that align the share that aligns, or does not rest, without vibration, the "
-        "tilt at alignment, corner conditions and lift-offs",
+        help="print instead, by figure, the regime of the study's device and of its former one: "
+        "the share of the points that align on the curve where it is least; of all that align the "
+        "share that aligns, or does not rest, without vibration, the tilt at alignment, corner "
+        "conditions and lift-offs",
     )
     add_json(parser)
 

@@ -98,7 +98,10 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
                 cell_edges(followed[str(x.name)].values),
                 cell_edges(followed[str(y.name)].values),
             )
-            handles.append(_add_area(axes, *cells, lost, NOT_INSERTED, **style.NOT_INSERTED))
+            _add_area(axes, *cells, lost, NOT_INSERTED, **style.NOT_INSERTED)
+            # White dots need a colour behind them in the legend, too.
+            seen = {**style.NOT_INSERTED, "facecolor": style.BLUE}
+            handles.append(Patch(label=NOT_INSERTED, **seen))
         if not gaps.all():
             _colour_durations(figure, axes, edges, durations, axis_label(dataset["tau_align"]))
         patch = np.zeros(gaps.shape, dtype=np.bool_)

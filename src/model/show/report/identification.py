@@ -10,11 +10,11 @@ import numpy as np
 from model.show.front import CAPTIONS as FRONT_CAPTIONS
 from model.show.identification import CAPTIONS, READING_LABELS, UNKNOWNS
 from model.show.report.section import Results, Section, Table
-from model.show.words import figure_title
+from model.show.words import figure_title, percent
 from model.study.config import Aims, Range
 from model.study.identification.candidate import searched_of, space_of
 from model.study.identification.committed import PICTURES, FrontSet, Identified, read_identified
-from model.study.identification.regimes import Row, read_regimes
+from model.study.identification.regimes import PRESENT, Row, read_regimes
 from model.study.identification.results import made_with
 from model.study.identification.score import judge_of
 
@@ -49,6 +49,26 @@ def section(results: Results) -> Section | None:
         "structure each are admissible, so it is one of many."
     )
     return Section("identification", "What the paper leaves unstated", template, content, lead)
+
+
+def in_brief(found: Identified, rows: Sequence[Row], aims: Aims) -> str:
+    """Return in three sentences what was found: regime, claims, and aims that are not met."""
+    chosen = found.front[-1]
+    asked = chosen.claims + len(chosen.lacking - set(aims.beside))
+    resting: dict[str, list[float]] = {}
+    for row in rows:
+        resting.setdefault(row.device, []).append(1.0 - row.regime.not_resting)
+    shares = {device: percent(float(np.mean(each))) for device, each in resting.items()}
+    own = shares.pop(PRESENT)
+    others = ", ".join(f"{share} of the {device} device's" for device, share in shares.items())
+    missed = ", ".join(name for name, ratio in ratios_of(chosen, aims).items() if ratio > 1.0)
+    return (
+        f"The device is one that vibration aligns: without it {own} of the points that align rest "
+        f"on the edge, slightly tilted, in the mean over the figures; {others}. It shows "
+        f"{chosen.claims} of {asked} claims of the paper, and was chosen for both among "
+        f"{found.budget[-1].candidates:,} candidates. None of them meets every aim; this one falls "
+        f"short in {missed}."
+    )
 
 
 def regime_table(rows: Sequence[Row]) -> Table:
@@ -117,8 +137,8 @@ def exclusions(sets: Sequence[FrontSet], aims: Aims) -> list[tuple[str, str]]:
 
 def pair_table(sets: Sequence[FrontSet], aims: Aims) -> Table:
     """Return how near any set comes to two aims at once: the least worst ratio, 1 meets both."""
-    ratios = np.array([list(_ratios(each, aims).values()) for each in sets])
-    names = list(_ratios(sets[0], aims))
+    ratios = np.array([list(ratios_of(each, aims).values()) for each in sets])
+    names = list(ratios_of(sets[0], aims))
     nearest = np.maximum(ratios[:, :, None], ratios[:, None, :]).min(axis=0)
     rows = [
         [name, *(f"{each:.2f}" for each in row)] for name, row in zip(names, nearest, strict=True)
@@ -126,7 +146,7 @@ def pair_table(sets: Sequence[FrontSet], aims: Aims) -> Table:
     return Table(["", *(f">{name}" for name in names)], rows)
 
 
-def _ratios(chosen: FrontSet, aims: Aims) -> dict[str, float]:
+def ratios_of(chosen: FrontSet, aims: Aims) -> dict[str, float]:
     """Return the ratios of a set to the aims, as ``Wanted.ratios`` does."""
     return {
         "claims": len(chosen.lacking - set(aims.beside)) / aims.missing,

@@ -72,7 +72,7 @@ def _draw_whole(sheet: Sheet, pose: Pose) -> None:
     cm, p = sheet.cm, pose.constants
     sheet.base(pose, reach=2.2, depth=1.6)
     sheet.part(pose)
-    sheet.frame(p.half_width + 2.75 * cm, 1.4 * cm, origin=(0.24, -0.34))
+    sheet.frame(p.half_width + 2.75 * cm, 1.4 * cm, origin=(-0.17, -0.45))
     _name_points(sheet, pose)
     _mark_sizes(sheet, pose)
     sheet.tilt_of_face(pose, reach=1.9)

@@ -2,7 +2,7 @@
 
 Two things are wanted, and no set has the most of both: that the figures show what the paper says,
 and that it is the vibration that aligns the part, at a small tilt. The device is the set whose
-worst ratio to the aims is least.
+worst ratio to the aims is least, of those that align over a share of every curve.
 """
 
 from collections.abc import Collection
@@ -65,9 +65,13 @@ class Wanted:
         )
 
     def worst(self, judge: Judge, margins: Array, regimes: Array) -> Array:
-        """Return the worst ratio of each set, shape (m,); infinite without what is required."""
+        """Return the worst ratio of each set, shape (m,); infinite without what is required.
+
+        Required are the claims that the judge requires, and a share of every curve that aligns.
+        """
         ratios = self.ratios(judge, margins, regimes).max(axis=-1)
-        return np.where(judge.holds(margins), ratios, np.inf)
+        aligned = np.asarray(Summary(*regimes.T).aligned) >= self.aims.aligned
+        return np.where(judge.holds(margins) & aligned, ratios, np.inf)
 
 
 def on_front(claims: NDArray[np.int64], regimes: Array, aligned: float) -> Flags:

@@ -66,7 +66,7 @@ def refined(search: Search, trials: Array, wanted: Wanted) -> Found:
         margins, _ = judge.judged(datasets)
         regime = regime_at(chosen)
         ratios = wanted.ratios(judge, margins[None], regime[None])[0]
-        unheld = float(not judge.holds(margins))
+        unheld = float(np.isinf(wanted.worst(judge, margins[None], regime[None])[0]))
         return margins, regime, (unheld, round(float(ratios.max()), 2), float(ratios.sum()))
 
     chosen = [0] * len(space.figures)

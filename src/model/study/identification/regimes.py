@@ -11,6 +11,8 @@ from model.study.csv_tables import csv_text, read_rows
 from model.study.identification.candidate import Space, searched_of
 from model.study.identification.evaluate import datasets_of
 
+PRESENT = "present"  # name of the study's device in the table
+
 
 class Row(NamedTuple):
     """The regime of one figure of one device."""
