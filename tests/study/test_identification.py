@@ -366,6 +366,7 @@ def test_operating_points_chosen_by_the_aims_are_no_worse(study: Study, space: S
     np.testing.assert_array_equal(trials[0], points[0])
     assert (trials[:, : search.size] == points[0, : search.size]).all()
     np.testing.assert_array_equal(trials[2, search.size :], points[1, search.size :])
+    assert refined(search, trials, wanted, most=0.0) is None, "given up at the first figure"
     found = refined(search, trials, wanted)
     own, _ = search.judged(points[:1])
     before, after = (

@@ -1,4 +1,4 @@
-"""A search by the aims themselves: structures beside the best, each with refined operating points.
+"""A search by the aims themselves: structures beside the best, each with operating points anew.
 
 The searches by a score find where to begin; the rule of the choice is the worst ratio to the aims.
 """
@@ -15,10 +15,13 @@ Array = NDArray[np.float64]
 _ELITE = 8  # sets among which a step begins, of different structures
 _STEPS = (0.01, 0.03, 0.1)  # standard deviations of steps of a structure, over the range
 _SEED = 5  # of these draws, apart from those of the other searches
+_NEAR = 1.1  # times the worst ratio of the best set: what exceeds it in a figure is given up
 
 
 def descended(search: Search, before: Found, wanted: Wanted, descent: Descent, stage: int) -> Found:
     """Return the candidates of one round: first the best of ``before`` refined, then others.
+
+    Structures that are given up are not among them.
 
     Args:
         search: on the coarse grids.
@@ -31,10 +34,13 @@ def descended(search: Search, before: Found, wanted: Wanted, descent: Descent, s
     found = before
     tried: list[Found] = []
     for number in range(descent.structures):
-        best = found.points[_best(search, found, wanted)]
-        if stage == 0 and number < len(best):
+        rows = _best(search, found, wanted)
+        best, most = found.points[rows], np.inf
+        if number < (len(best) if stage == 0 else 1):
             point = best[number]
         else:
+            least = wanted.worst(search.judge, found.margins, found.regimes)[rows[0]]
+            most = _NEAR * least
             first, second, third = best[rng.integers(len(best), size=3)]
             point, part = first.copy(), slice(search.size)
             point[part] += rng.choice((0.0, 0.5)) * (second - third)[part]
@@ -43,8 +49,10 @@ def descended(search: Search, before: Found, wanted: Wanted, descent: Descent, s
         # Any set may have found what suits one figure.
         others = np.concatenate([best, rng.permutation(found.points)[:_ELITE]])
         trials = trials_of(search, point, others, descent.trials, 1000 * (stage + 1) + number)
-        tried.append(refined(search, trials, wanted))
-        found = joined([before, *tried])
+        made = refined(search, trials, wanted, most)
+        if made is not None:
+            tried.append(made)
+            found = joined([before, *tried])
     return joined(tried)
 
 

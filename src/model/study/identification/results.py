@@ -178,19 +178,15 @@ def findings_of(
     order = promising(whole.ratios(judge, judged.margins, judged.regimes))
     order = order[judge.holds(judged.margins)[order]]
     safely = replace(whole, safe=SAFE)
-    judged = joined(
-        [
-            judged,
-            *(
-                refined(
-                    finer,
-                    trials_of(finer, judged.points[row], judged.points[order], law.refine, number),
-                    safely,
-                )
-                for number, row in enumerate(order[: law.refined])
-            ),
-        ]
-    )
+    anew = [
+        refined(
+            finer,
+            trials_of(finer, judged.points[row], judged.points[order], law.refine, number),
+            safely,
+        )
+        for number, row in enumerate(order[: law.refined])
+    ]
+    judged = joined([judged, *(each for each in anew if each is not None)])
     ratios = whole.worst(judge, judged.margins, judged.regimes)
     order = np.argsort(ratios, kind="stable")
     last, _ = search_of(space_of_figures(study)).judged(judged.points[order[: law.final]])
