@@ -17,7 +17,7 @@ from model.show.report.background import READING_WORDS
 from model.show.report.contact_stiffness import sentences
 from model.show.report.figures import HEAD, Counts, _ranges
 from model.show.report.section import Results, subscripts
-from model.show.words import percent, short
+from model.show.words import figure_title, percent, short
 from model.study.claims import tally
 from model.study.config import FIGURES
 from model.study.contact_comparison import claims_on_bases
@@ -173,7 +173,10 @@ def test_the_page_opens_with_numbers_from_the_datasets(rendered, datasets, refin
     tau = np.concatenate([each["tau_align"].values.ravel() for each in gridded])
     assert f"τ = {short(np.nanmedian(tau))} alignment duration, median" in text
     of = refined["reliable"].values[refined["outcome"].values == Outcome.ALIGNED]
-    assert f"{percent(of.mean())} of what aligns in Fig. 13 aligns from every start" in text
+    assert (
+        f"{percent(of.mean())} of what aligns in {figure_title(HEAD)} aligns from every start"
+        in text
+    )
     judged = [line.verdict for line in lines if line.verdict != "not checkable"]
     assert f"{judged.count('reproduced')} of {len(judged)} claims of the paper" in text
     ends = [each["insertion"].values for each in datasets.values()]

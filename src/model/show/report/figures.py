@@ -30,7 +30,7 @@ from model.study.config import COMPUTED, MAPS
 if TYPE_CHECKING:
     import xarray as xr
 
-HEAD = MAPS[0]  # the figure at the head of the page
+HEAD = MAPS[-1]  # the figure at the head of the page, that of README
 _FEW = 3  # ranges that are stated one by one
 _CODE = Markup("<code>{}</code>")
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -260,11 +261,11 @@ def _contenders(search: Search, found: Found, law: Identification) -> Rows:
     wanted = Wanted(law.aims, search.space.searched)
     order = np.argsort(wanted.worst(search.judge, found.margins, found.regimes), kind="stable")
     _, first = np.unique(structures[order], axis=0, return_index=True)
-    rows = [order[np.sort(first)[: law.finer // 2]]]
     weights = sorted({start.weight for start in law.starts})
+    rows = [order[np.sort(first)[: math.ceil(law.finer / 2)]]]
     rows += [
         search.weighing(weight).judge.contenders(
-            structures, found.margins, law.finer // (2 * len(weights))
+            structures, found.margins, math.ceil(law.finer / (2 * len(weights)))
         )
         for weight in weights
     ]
