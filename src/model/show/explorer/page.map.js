@@ -250,8 +250,11 @@ function drawReliable(g, map, place) {
   g.stroke();
 }
 
-/** Return the pattern of what does not align. @param {CanvasRenderingContext2D} g */
+/** @type {CanvasPattern | null} */
+let pattern = null;
+/** Return the pattern of what does not align. @param {CanvasRenderingContext2D} g @returns {CanvasPattern} */
 function hatching(g) {
+  if (pattern) return pattern;
   const tile = document.createElement("canvas");
   tile.width = tile.height = 8;
   const t = /** @type {CanvasRenderingContext2D} */ (tile.getContext("2d"));
@@ -262,7 +265,8 @@ function hatching(g) {
   t.beginPath();
   for (const shift of [-8, 0, 8]) { t.moveTo(shift - 1, 9); t.lineTo(shift + 9, -1); }
   t.stroke();
-  return /** @type {CanvasPattern} */ (g.createPattern(tile, "repeat"));
+  pattern = /** @type {CanvasPattern} */ (g.createPattern(tile, "repeat"));
+  return pattern;
 }
 
 /** @param {CanvasRenderingContext2D} g @param {number} height @param {MapData} map @param {{x: MapAxis, y: MapAxis}} axes @param {any} place */

@@ -12,6 +12,6 @@ self.onmessage = async (/** @type {MessageEvent} */ message) => {
     return;
   }
   const engine = await /** @type {Promise<Engine>} */ (workerEngine);
-  const { results, track } = engine(chunk.sets, chunk.control, chunk.rows);
-  self.postMessage({ generation: chunk.generation, nodes: chunk.nodes, results, track: track.slice() });
+  const found = engine(chunk.sets, chunk.control, chunk.rows), track = found.track.slice();
+  self.postMessage({ generation: chunk.generation, nodes: chunk.nodes, results: found.results, track }, { transfer: [track.buffer] });
 };
