@@ -16,6 +16,7 @@ from model.show.report import background
 from model.show.report.background import READING_WORDS
 from model.show.report.contact_stiffness import sentences
 from model.show.report.figures import HEAD, Counts, _ranges
+from model.show.report.jamming import _beyond
 from model.show.report.section import Results, subscripts
 from model.show.words import figure_title, percent, short
 from model.study.claims import tally
@@ -332,6 +333,12 @@ def test_jamming_is_counted_beside_the_wedging_limit(rendered):
         cells = re.findall(r'<td class="n">(\d+)</td>', row)
         assert clearance in ("0.03", "0.09")
         assert (int(cells[0]), int(cells[2])) == (fallen.sum(), held.sum())
+
+
+def test_parts_that_go_in_above_the_wedging_limit_are_counted():
+    flags = np.array([True, True, False])
+    text = _beyond(np.zeros(3, dtype=np.bool_), flags, flags[::-1], 0)
+    assert text.startswith("1 of them lie above the textbook's wedging limit")
 
 
 def test_provenance_is_printed_and_escaped(study, root, monkeypatch):

@@ -53,6 +53,11 @@ def _share(part: np.ndarray, of: np.ndarray) -> float:
 def _beyond(stuck: np.ndarray, beyond: np.ndarray, falls: np.ndarray, undriven: int) -> str:
     """Compare the jammed parts with the wedging limit."""
     below = falls & ~beyond
+    if not stuck.any():
+        return (
+            f"{int((falls & beyond).sum())} of them lie above the textbook's wedging limit at "
+            "their tilt at entry, where two points at rest would hold a part: vibrated, it goes in."
+        )
     high, low = int((stuck & beyond).sum()), int((stuck & below).sum())
     return (
         f"{high} of the {int(stuck.sum())} that jam lie above the textbook's wedging limit at "
