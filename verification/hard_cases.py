@@ -84,7 +84,7 @@ class BatchEngine(Package):
         """As ``Method.answer``, of one case."""
         settings = self.settings(problem, resolution)
         rows = Batch.stack(problem.cases).constants(settings.readings)
-        found = estimate(batch_engine(settings), rows, resolution)
+        found = estimate(batch_engine(settings, carries_error=True), rows, resolution)
         finer = replace(settings, tolerance=float(found.tolerance[0]))
         run = run_once(problem.cases[0], finer, batch=True)
         failure = failure_of(run.outcome, Reason(int(found.columns()["reason"][0])))

@@ -12,10 +12,12 @@ from model.engines.record import (
     CLOSEST,
     CONSTANTS,
     DEADLINE,
+    END_ERROR,
     EVALUATIONS,
     EVENT_COUNT,
     EVENTS_AT_ONCE,
     FORCE_MAX,
+    LARGEST_ERROR,
     LIFT_OFFS,
     MADE,
     NEXT_STEP,
@@ -34,6 +36,7 @@ from model.engines.record import (
     TILT_AT_ALIGNMENT,
     TILT_MAX,
     TIME,
+    TIME_ERROR,
     TOLERANCE,
     constants_of,
     keep_mode,
@@ -86,6 +89,7 @@ class Control(NamedTuple):
         may_settle: 1.0 to stop a run in periodic steady state, else 0.0.
         alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
         pressed: 1.0 to start at rest under the press, else 0.0.
+        carries_error: 1.0 to carry the error along (batch engine only), else 0.0.
     """
 
     horizon: float
@@ -93,6 +97,7 @@ class Control(NamedTuple):
     may_settle: float
     alignment_only: float
     pressed: float
+    carries_error: float = 0.0
 
 
 class History(NamedTuple):
@@ -180,6 +185,8 @@ def begin(row, tolerance, scene, control, runs, i):
     p = constants_of(runs, i)
     runs[i, TOLERANCE], runs[i, DEADLINE] = tolerance, control.horizon
     runs[i, OUTCOME], runs[i, NEXT_STEP] = CONTINUES, _FIRST_STEP
+    known = 0.0 if control.carries_error != 0.0 else nan
+    runs[i, TIME_ERROR], runs[i, END_ERROR], runs[i, LARGEST_ERROR] = known, known, known
     runs[i, TAU_ALIGN], runs[i, TAU_CORNERS_INSIDE], runs[i, TILT_AT_ALIGNMENT] = nan, nan, nan
     runs[i, TAU_INSERTED], runs[i, SIDE_FORCE_MAX] = nan, nan
     if control.alignment_only != 0.0:

@@ -24,6 +24,7 @@ _WORKING = (
     "sticking_time",
     "events_at_once",  # number of events without time passing between them
     "row_of_batch",
+    *(f"error_{name}" for name in State._fields),  # that the run carries
 )
 _COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)
 
@@ -63,6 +64,10 @@ PERIODS = column("periods")
 STICKING_TIME = column("sticking_time")
 EVENTS_AT_ONCE = column("events_at_once")
 ROW_OF_BATCH = column("row_of_batch")
+TIME_ERROR = column("time_error")
+END_ERROR = column("end_error")
+LARGEST_ERROR = column("largest_error")
+ERROR = column(f"error_{State._fields[0]}")
 _STICKING_SHARE = column("sticking_share")
 
 STATE = len(_COLUMNS)

@@ -208,7 +208,16 @@ KINDS |= {
 }
 
 # Further numbers of a run from its engine; see ``RunResult``.
-_BESIDES = ("time", "end_tilt", "end_on_edge", "rejected", "tracked")
+_BESIDES = (
+    "time",
+    "end_tilt",
+    "end_on_edge",
+    "time_error",
+    "end_error",
+    "largest_error",
+    "rejected",
+    "tracked",
+)
 
 
 class RunResult(
@@ -220,7 +229,9 @@ class RunResult(
 
     The fields are those of ``Results`` that are not ``estimated``, ``time`` of the end,
     ``end_tilt`` there, ``end_on_edge`` (1 if the edge A1 on the bottom face is then the only
-    contact, else 0), ``rejected`` steps and ``tracked``, the number of rows of a full track.
+    contact, else 0), ``rejected`` steps, the errors that it carries
+    (``time_error`` of the alignment time, ``end_error`` of the last event's, and the largest of its
+    state; NaN if it carries none) and ``tracked``, the number of rows of a full track.
     """
 
     __slots__ = ()

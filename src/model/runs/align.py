@@ -83,7 +83,7 @@ def align(
     cores = os.cpu_count() or 1 if cores is None else cores
     if cores < 1:
         raise ValueError(f"cores = {cores!r}: must be >= 1")
-    run = engine_for(settings, engine, cores)
+    run = engine_for(settings, engine, cores, carries_error=True)
     found = estimate(run, settings.rows(rows_of), settings.tolerance)
     columns = found.columns()
     return Alignments(**{name: columns[name].astype(KINDS[name].array) for name in RESULTS})

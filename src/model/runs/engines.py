@@ -34,9 +34,10 @@ def scalar_engine(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -
     return _on_cores(fill, cores)
 
 
-def batch_engine(settings: Settings, cores: int = 1) -> Run:
-    """Return the batch engine: many runs at a time."""
+def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = False) -> Run:
+    """Return the batch engine: many runs at a time, each with its error if ``carries_error``."""
     _, method, control = settings.for_kernels
+    control = control._replace(carries_error=float(carries_error))
     scene = in_vector_kernels(settings.scene)
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
@@ -46,8 +47,16 @@ def batch_engine(settings: Settings, cores: int = 1) -> Run:
     return _on_cores(fill, cores)
 
 
-def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -> Run:
+def engine_for(
+    settings: Settings,
+    name: Engine | None = None,
+    cores: int = 1,
+    *,
+    carries_error: bool = False,
+) -> Run:
     """Return the engine of that name, or the fastest that fits the settings.
+
+    The batch engine carries the error of each run if ``carries_error``; the scalar engine does not.
 
     Raises:
         ValueError: an unknown name, or an engine that does not fit.
@@ -64,7 +73,7 @@ def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -
             f"engine = {name!r}: needs the consistent readings and the method DOP853; "
             "choose 'scalar', or None for the fastest one that fits"
         )
-    return batch_engine(settings, cores)
+    return batch_engine(settings, cores, carries_error=carries_error)
 
 
 def _on_cores(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:

@@ -1,12 +1,15 @@
-"""Error estimates: every parameter set is run at least twice.
+"""Error estimates: from the error that a run carries, or from its neighbours.
 
-The result is taken from the run at the requested tolerance. A second run, at ``COARSER`` times that
-tolerance and with x(0) displaced by the tolerance, estimates the error of the alignment time. A set
-is run again at a smaller tolerance if the two outcomes differ, if the times are far apart or differ
-by more than the tolerance promises, or if the gap between part and slot is below the tolerance, so
-that both runs may be wrong in the same way. The error estimate of the first two runs, times the
-ratio of the tolerances and divided by 4, is a lower bound of the final estimate: the later runs may
-agree by chance.
+The batch engine carries the error of a run along (engines/batch/carried_error.py), which gives that
+of its times. A set with an error larger than the tolerance promises is run again at a smaller
+tolerance. The error estimate of its first run, times the ratio of the tolerances and divided by 4,
+is a lower bound of the final estimate: errors may cancel by chance.
+
+Neighbours decide where a run carries no error (reference engine), or one that is too large for the
+linearised motion, where a set starts nearly flat, or with a gap below the tolerance. A neighbour is
+run at ``COARSER`` times the tolerance and with x(0) displaced by the tolerance. A set is run again
+at a smaller tolerance if the two outcomes differ, or if their times are far apart or differ by more
+than the tolerance promises.
 
 A set is sensitive if the run with the displaced start, at the smaller tolerance, still ends with
 another outcome or at another time: the digits of its alignment time would be meaningless. A set
@@ -14,9 +17,9 @@ with a nearly flat start is also sensitive if an initial tilt larger by ``TILTED
 no device has so exact a tilt, but the tilt decides whether such a part rests on its edge or on its
 corner, or touches the base at all.
 
-If the two runs differ in lift-offs or sticking and both reach the horizon, a run at another
-tolerance may align by chance. The reason of such a set is ``CHAOTIC``: a sensitive dependence;
-chaos is not tested for.
+If a run and its neighbour differ in lift-offs or sticking and both reach the horizon, a run at
+another tolerance may align by chance. The reason of such a set is ``CHAOTIC``: a sensitive
+dependence; chaos is not tested for.
 """
 
 from typing import Any, NamedTuple
@@ -40,7 +43,7 @@ NEARLY_FLAT = 1e-6  # initial tilt below which a part is nearly flat
 TILTED = 10.0 * FLAT  # additional tilt of its neighbour
 
 _SAFETY = 4.0
-_TANGENTIAL = 2.0  # error of such a limit over the square root of the tolerance
+_CARRIED = 3.0  # estimate of an error over the error that a run carries; decision 3
 
 
 class Estimate(NamedTuple):
@@ -74,25 +77,67 @@ class Estimate(NamedTuple):
 
 
 def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
-    """Run every row, shape (n, constants), twice, and rows with large errors three times more."""
-    first = _compare(run, rows, np.full(len(rows), tolerance))
+    """Run every row, shape (n, constants), and estimate its error; see the module."""
+    found = _by_carried_errors(run, rows, np.full(len(rows), tolerance))
+    error = np.fmax(found.tau_error, found.insertion_error)
+    imprecise = (error > PROMISED * tolerance) & ~found.sensitive
+    if imprecise.any() and tolerance > FINEST:
+        reduced = tolerance * PROMISED * tolerance / (_SAFETY * error[imprecise])
+        reduced = np.maximum(reduced, FINEST)
+        finer = _by_carried_errors(run, rows[imprecise], reduced)
+        # Lower bound from the first run, in case errors cancel in the second.
+        least = found.tau_error[imprecise] * reduced / tolerance / _SAFETY
+        np.maximum(finer.tau_error, least, out=finer.tau_error)
+        _renew(found, imprecise, finer)
+    doubtful = found.sensitive.copy()
+    if doubtful.any():
+        first = Estimate(**{name: each[doubtful] for name, each in found._asdict().items()})
+        _renew(found, doubtful, _by_neighbours(run, rows[doubtful], first, tolerance))
+    return found
+
+
+def _renew(found: Estimate, which: NDArray[np.bool_], renewed: Estimate) -> None:
+    """Replace the estimates of ``which`` sets by others."""
+    renewed.rhs_evaluations[:] += found.rhs_evaluations[which]
+    for kept, new in zip(found, renewed, strict=True):
+        kept[which] = new
+
+
+def _by_carried_errors(run: Run, rows: Array, tolerance: Array) -> Estimate:
+    """Run each row once; ``sensitive`` where the error that it carries is no estimate."""
+    p, results = Constants(*rows.T), run(rows, tolerance)
+    found = RunResult(*results.T)
+    is_small = found.largest_error <= SENSITIVE
+    is_flat = np.abs(p.initial_tilt) < NEARLY_FLAT
+    inserted = found.tau_align + found.tau_inserted
+    return Estimate(
+        results=results,
+        tau_error=_error_of(found.tau_align, _CARRIED * found.time_error, tolerance),
+        insertion_error=_error_of(inserted, _CARRIED * found.end_error, tolerance),
+        sensitive=~is_small | is_flat | _is_too_narrow(p, tolerance),
+        rhs_evaluations=found.rhs_evaluations.copy(),
+        tolerance=tolerance,
+    )
+
+
+def _by_neighbours(run: Run, rows: Array, known: Estimate, neighbour: float) -> Estimate:
+    """Compare ``known`` results with second runs, and three more where they differ by much."""
+    tolerance = known.tolerance
+    first = _compare(run, rows, tolerance, results=known.results)
     error = np.fmax(first.tau_error, first.insertion_error)
     imprecise = error > PROMISED * tolerance
-    again = first.sensitive | imprecise
-    if not again.any() or tolerance <= FINEST:
+    again = (first.sensitive | imprecise) & (tolerance > FINEST)
+    if not again.any():
         return first
-    reduced, least = np.full(len(rows), tolerance / SHARPER), np.zeros(len(rows))
+    reduced, least = tolerance / SHARPER, np.zeros(len(rows))
     few = imprecise & ~first.sensitive
-    reduced[few] = tolerance * PROMISED * tolerance / (_SAFETY * error[few])
+    reduced[few] = tolerance[few] * PROMISED * tolerance[few] / (_SAFETY * error[few])
     reduced = np.maximum(reduced, FINEST)
     # Lower bound from the first two runs, in case the later ones agree by chance.
-    least[few] = first.tau_error[few] * reduced[few] / tolerance / _SAFETY
-    second = _compare(run, rows[again], reduced[again], tolerance)
+    least[few] = first.tau_error[few] * reduced[few] / tolerance[few] / _SAFETY
+    second = _compare(run, rows[again], reduced[again], neighbour)
     np.maximum(second.tau_error, least[again], out=second.tau_error)
-    evaluations = first.rhs_evaluations[again] + second.rhs_evaluations
-    for kept, renewed in zip(first, second, strict=True):
-        kept[again] = renewed
-    first.rhs_evaluations[again] = evaluations
+    _renew(first, again, second)
     return first
 
 
@@ -142,32 +187,39 @@ def _end(run: RunResult) -> Array:
     return np.where(ends, time, run.tau_align)
 
 
-def _are_chaotic(run: RunResult, other: RunResult, tolerance: Array) -> NDArray[np.bool_]:
-    """Return a mask of the runs that reach the horizon by another motion than their neighbours.
-
-    ``tolerance`` is that of the finer runs. A friction limit that is met tangentially is met to the
-    square root of the neighbour's tolerance only.
-    """
+def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
+    """Return a mask of the runs that reach the horizon by another motion than their neighbours."""
     at_horizon = (run.outcome == Outcome.HORIZON_REACHED) & (
         other.outcome == Outcome.HORIZON_REACHED
     )
-    resolved = np.fmax(SENSITIVE, _TANGENTIAL * np.sqrt(COARSER * tolerance))
-    differ = np.abs(run.sticking_share - other.sticking_share) > resolved
+    differ = np.abs(run.sticking_share - other.sticking_share) > SENSITIVE
     found: NDArray[np.bool_] = at_horizon & ((run.separations != other.separations) | differ)
     return found
 
 
-def _difference(time: Array, other: Array, tolerance: Array) -> Array:
-    """Return the error of a time by its difference from another run."""
-    found: Array = np.abs(time - other) + tolerance + RESOLUTION * (1.0 + time)
+def _error_of(time: Array, difference: Array, tolerance: Array) -> Array:
+    """Return the estimated error of a time, from its ``difference`` to that of another run."""
+    found: Array = np.abs(difference) + tolerance + RESOLUTION * (1.0 + time)
     return found
 
 
-def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = None) -> Estimate:
+def _is_too_narrow(p: Constants, tolerance: Array) -> NDArray[np.bool_]:
+    """Return a mask of the sets with a gap below the tolerance."""
+    found: NDArray[np.bool_] = p.slot_half_width - p.half_width < tolerance
+    return found
+
+
+def _compare(
+    run: Run,
+    rows: Array,
+    tolerance: Array,
+    neighbour: float | None = None,
+    results: Array | None = None,
+) -> Estimate:
     """Run each row twice, and a third time, for the flag, from a start displaced by ``neighbour``.
 
     Without ``neighbour`` the second run decides the flag. Rows that start nearly flat are run once
-    more.
+    more. The first runs are not made if their ``results`` are known.
     """
     p = Constants(*rows.T)
     every = np.arange(len(rows))
@@ -176,26 +228,31 @@ def _compare(run: Run, rows: Array, tolerance: Array, neighbour: float | None = 
     if neighbour is not None:
         others.append((every, _displaced(rows, "misalignment", neighbour)))
     others.append((flat, _displaced(rows[flat], "initial_tilt", TILTED)))
-    starts = np.concatenate([rows, *(displaced for _, displaced in others)])
-    tolerances = [tolerance, *(COARSER * tolerance[which] for which, _ in others)]
+    starts = [displaced for _, displaced in others]
+    tolerances = [COARSER * tolerance[which] for which, _ in others]
+    if results is None:
+        starts, tolerances = [rows, *starts], [tolerance, *tolerances]
     ends = np.cumsum([each.size for each in tolerances])
-    results, *ran = np.split(run(starts, np.concatenate(tolerances)), ends[:-1])
-
+    ran = np.split(run(np.concatenate(starts), np.concatenate(tolerances)), ends[:-1])
+    spent = np.zeros(len(rows))
+    if results is None:
+        results = ran.pop(0)
+        spent += RunResult(*results.T).rhs_evaluations
     fine, coarse = RunResult(*results.T), RunResult(*ran[0].T)
-    spent = fine.rhs_evaluations.copy()
-    sensitive = p.slot_half_width - p.half_width < tolerance
+    sensitive = _is_too_narrow(p, tolerance)
     for (which, _), displaced in zip(others, ran, strict=True):
         mine, other = RunResult(*results[which].T), RunResult(*displaced.T)
         alike = _lift_off_alike(Constants(*rows[which].T), mine, other) | (which is flat)
         apart = np.abs(_end(mine) - _end(other)) > SENSITIVE
         sensitive[which] |= outcomes_differ(mine.outcome, other.outcome, alike) | apart
         spent[which] += other.rhs_evaluations
-    fine.reason[_are_chaotic(fine, coarse, tolerance)] = Reason.CHAOTIC  # a view of ``results``
-    inserted = fine.tau_align + fine.tau_inserted, coarse.tau_align + coarse.tau_inserted
+    fine.reason[_are_chaotic(fine, coarse)] = Reason.CHAOTIC  # a view of ``results``
+    inserted = fine.tau_align + fine.tau_inserted
+    later = inserted - (coarse.tau_align + coarse.tau_inserted)
     return Estimate(
         results=results,
-        tau_error=_difference(fine.tau_align, coarse.tau_align, tolerance),
-        insertion_error=_difference(*inserted, tolerance),
+        tau_error=_error_of(fine.tau_align, fine.tau_align - coarse.tau_align, tolerance),
+        insertion_error=_error_of(inserted, later, tolerance),
         sensitive=sensitive,
         rhs_evaluations=spent,
         tolerance=tolerance,

@@ -196,7 +196,8 @@ def _paper_layer(plan: MapPlan, cores: int) -> Layer:
     settings, base = plan.settings.settings, plan.baseline
 
     def compute(rows: Ints, columns: Ints, _: Known) -> Columns:
-        batch, run = Batch.of(base, **plan.swept(rows, columns)), engine_for(settings, cores=cores)
+        batch = Batch.of(base, **plan.swept(rows, columns))
+        run = engine_for(settings, cores=cores, carries_error=True)
         found = estimate(run, settings.rows(batch), settings.tolerance).columns()
         return {name: found[name].astype(unknown.dtype) for name, unknown in PAPER.items()}
 

@@ -25,10 +25,12 @@ from model.engines.batch.series import (
 )
 from model.engines.batch.series_code import series_filler
 from model.engines.batch.series_plan import (
+    ERROR_ORDER,
     FRACTIONS,
     KINDS,
     NODES,
     ORDER,
+    ORDERS,
     ORDERS_THERE,
     ROWS,
     SINES,
@@ -37,7 +39,7 @@ from model.engines.batch.series_plan import (
     Plan,
 )
 from model.engines.batch.step import step_all
-from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, new_workspace
+from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
 from model.events.levels import NEVER, Outline, outline
 from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side
 from model.physics.motion import motion
@@ -62,7 +64,14 @@ PLACES = [name for name in Watched._fields if name in Outline._fields]
 class Step:
     """One step of WIDTH random runs in the same kind of mode, of at most ``longest``."""
 
-    def __init__(self, support: int, side: int, longest: float, tolerance: float = 1e-300) -> None:
+    def __init__(
+        self,
+        support: int,
+        side: int,
+        longest: float,
+        tolerance: float = 1e-300,
+        displacement: float | np.ndarray = 0.0,
+    ) -> None:
         rng = np.random.default_rng(8 * support + side)
         flat = new_workspace(EVENTS.rows)
         self.w = flat.reshape(EVENTS.rows, WIDTH)
@@ -77,13 +86,15 @@ class Step:
         signs = self.w[GIVEN - 2 : GIVEN]
         self.w[workspace.SUPPORT_SLIP_STATE] = 0.0 if support == STICKS else signs[0]
         self.w[workspace.SIDE_SLIP_STATE] = 0.0 if side == STICKS else signs[1]
-        self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH))
-        _, _, control = Settings().for_kernels
+        self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH)) + displacement
+        self.w[workspace.ERROR : workspace.ERROR + 6] = displacement
+        control = Settings().control._replace(carries_error=1.0)
         step_all(
             EVENTS, len(KINDS) * support + side, support == FREE, side != FREE, False, control, flat
         )
-        coefficients = self.w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * ROWS]
-        self.series = coefficients.reshape(ORDER + 1, ROWS, WIDTH)
+        coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * ROWS]
+        self.further = coefficients.reshape(ORDERS, ROWS, WIDTH)
+        self.series = self.further[: ORDER + 1]
 
     def constants(self, lane: int) -> Constants:
         values = np.zeros(len(Constants._fields))
@@ -102,11 +113,11 @@ class Step:
 
     def at(self, time: float, lane: int) -> np.ndarray:
         """States and what is watched, a time after the start of the step."""
-        return time ** np.arange(ORDER + 1) @ self.series[:, :SINES, lane]
+        return time ** np.arange(len(self.series)) @ self.series[:, :SINES, lane]
 
     def rates(self, time: float, lane: int) -> np.ndarray:
         """The same, of the states' time derivative."""
-        orders = np.arange(1, ORDER + 1)
+        orders = np.arange(1, len(self.series))
         return (orders * time ** (orders - 1)) @ self.series[1:, :6, lane]
 
 
@@ -122,15 +133,31 @@ def residual(step: Step, time: float) -> float:
 
 
 @each_kind
+def test_a_carried_error_is_the_derivative_of_the_series(support, side):
+    error = 1e-7 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
+    more, less = (Step(support, side, 0.1, displacement=each) for each in (error, -error))
+    orders = np.s_[: (ERROR_ORDER + 1) * 6]
+    found = more.w[workspace.ERROR :][orders].reshape(ERROR_ORDER + 1, 6, WIDTH)
+    expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
+    size = np.abs(expected).max(axis=1, keepdims=True)
+    assert np.abs(found - expected).max() < 1e-5 * size.max()
+    assert (np.abs(found - expected) < 1e-5 * size + 1e-14).all()
+
+
+@each_kind
 def test_the_series_solve_the_equations_of_motion_to_their_order(support: int, side: int) -> None:
     step = Step(support, side, 0.1)
     assert residual(step, 1e-3) < 1e-10
-    # Half the time, 2^-15 of what is missed: shorter steps between, as long as it is not rounding.
-    times = 2.0 * 0.9 ** np.arange(60)
-    missed = np.array([residual(step, time) for time in times])
-    clean = (missed < 1e-4) & (missed > 1e-11)
-    assert clean.sum() >= 5
-    assert np.polyfit(np.log(times[clean]), np.log(missed[clean]), 1)[0] >= 0.95 * (ORDER - 1)
+    for series in (step.series, step.further):
+        step.series = series
+        # Half the time, 2^-15 of what is missed: shorter steps between, as long as it is not
+        # rounding.
+        times = 2.0 * 0.9 ** np.arange(60)
+        missed = np.array([residual(step, time) for time in times])
+        clean = (missed < 1e-4) & (missed > 1e-11)
+        assert clean.sum() >= 5
+        slope = np.polyfit(np.log(times[clean]), np.log(missed[clean]), 1)[0]
+        assert slope >= 0.95 * (len(step.series) - 2)
 
 
 IN_SLOT = [
@@ -171,7 +198,8 @@ def test_the_series_in_the_slot_solve_the_equations_of_motion(pair, support, sid
     angle = w[row["frequency"]] * 0.3 + w[row["phase"]]
     sines = np.sin(state[2]), np.cos(state[2]), np.sin(angle), np.cos(angle)
     w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
-    fill((pair * len(KINDS) + support) * len(KINDS) + side, flat, COEFFICIENTS, 0)
+    w[LAST_ORDER] = ORDER
+    fill((pair * len(KINDS) + support) * len(KINDS) + side, flat, COEFFICIENTS, 0, LAST_ORDER)
     series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * ROWS].reshape(ORDER + 1, ROWS, WIDTH)
     time, orders = 1e-3, np.arange(1, ORDER + 1)
     for lane in range(WIDTH):

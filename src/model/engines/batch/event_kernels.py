@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from model.engines.batch import step, workspace
 from model.engines.batch.series import PAIRS
-from model.engines.batch.series_code import series_filler
+from model.engines.batch.series_code import errors_filler, series_filler
 from model.engines.batch.series_plan import KINDS, NODES, ORDER, ROWS, SINES, WIDTH
 from model.engines.batch.traced import MODE, Form, P, forms_of, is_nothing, rendered
 from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
@@ -330,6 +330,7 @@ def vector_kernels_of(table: Table) -> KernelSet:
     )
     members = base.members | write.members | numbers
     members |= {"mode_of_lane": mode_of_lane, "fill_series": series_filler(pairs)}
+    members["fill_errors"] = errors_filler(pairs)
     return KernelSet(f"{base.name}-lanes", members, write.sources)
 
 

@@ -6,12 +6,13 @@ and the run advances to the first one without another step. Transitions at event
 periods are shared with the reference engine, which also steps runs in modes that lanes do not hold.
 """
 
-from math import inf, isnan
+from math import inf, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
 
 from model.engines.batch import workspace
+from model.engines.batch.carried_error import carry_error, error_of_time, pass_event
 from model.engines.batch.event_kernels import TERMS
 from model.engines.batch.event_search import QUANTITIES, first_event, state_at
 from model.engines.batch.peaks import largest_until
@@ -37,9 +38,12 @@ from model.engines.course import (
 from model.engines.queue import fair_share, next_in
 from model.engines.record import (
     DEADLINE,
+    END_ERROR,
+    ERROR,
     EVALUATIONS,
     EVENTS_AT_ONCE,
     FORCE_MAX,
+    LARGEST_ERROR,
     MODE,
     NEXT_STEP,
     OUTCOME,
@@ -48,8 +52,10 @@ from model.engines.record import (
     SIZE,
     STATE,
     STOP,
+    TAU_ALIGN,
     TILT_MAX,
     TIME,
+    TIME_ERROR,
     TOLERANCE,
     constants_of,
     keep_result,
@@ -126,6 +132,7 @@ def _gather(events, runs, i, w, lane):
             w[place * WIDTH + lane] = runs[i, row]
     for n in range(STATE_SIZE):
         w[(COEFFICIENTS + n) * WIDTH + lane] = runs[i, STATE + n]
+        w[(workspace.ERROR + n) * WIDTH + lane] = runs[i, ERROR + n]
 
 
 @inlined_kernel
@@ -159,6 +166,13 @@ def _pass_periods(scene, until, history, control, w, lane, runs, i):
 
 
 @inlined_kernel
+def _carries_error(scene, control, runs, i):
+    """Return whether run ``i`` carries its error: in the scene of the paper until it aligns."""
+    needed = scene.events.inserts == 1 or isnan(runs[i, TAU_ALIGN])
+    return control.carries_error != 0.0 and needed
+
+
+@inlined_kernel
 def _advance(scene, until, history, control, w, lane, runs, i):
     """Advance by a step, or by its part up to an event; return whether the run continues."""
     length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, TIME]
@@ -179,6 +193,8 @@ def _advance(scene, until, history, control, w, lane, runs, i):
     note_step(until * length, tilt, force, runs, i)
     if not continues:
         return False
+    if _carries_error(scene, control, runs, i):
+        carry_error(until * length, w, lane, runs, i)
     at_deadline = until == 1.0 and length == runs[i, DEADLINE] - start
     runs[i, TIME] = runs[i, DEADLINE] if at_deadline else start + until * length
     runs[i, NEXT_STEP] = MOST_GROWTH * length
@@ -198,9 +214,18 @@ def _accept_step(scene, history, control, w, lane, runs, i):
 def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
     """Advance to an event in the step, and continue in the mode that follows."""
     if _advance(scene, theta, history, control, w, lane, runs, i):
-        keep_state(state_at(theta, w, lane), runs, i)
+        q, before = state_at(theta, w, lane), mode_of(runs, i)
+        carries = _carries_error(scene, control, runs, i)
+        had_aligned = not isnan(runs[i, TAU_ALIGN])
+        keep_state(q, runs, i)
         step = w[workspace.LENGTH * WIDTH + lane]
         make_event(which, theta * step, step, scene, control, runs, i)
+        if carries:
+            aligns = not (had_aligned or isnan(runs[i, TAU_ALIGN]))
+            if aligns or runs[i, OUTCOME] != CONTINUES:
+                error = error_of_time(scene.events, which, q, before, runs, i)
+                runs[i, TIME_ERROR if aligns else END_ERROR] = error
+            pass_event(scene.events, which, q, before, runs, i)
         if runs[i, EVENTS_AT_ONCE] == 0.0:
             runs[i, NEXT_STEP] *= MOST_GROWTH
         end_step(scene, False, history, control, runs, i)
@@ -213,6 +238,7 @@ def _continue(scene, method, control, many, lane, i):
     runs[i, EVALUATIONS] += ORDER
     length = w[workspace.LENGTH * WIDTH + lane]
     if scene.events.inserts == 1 and isnan(length):  # two loads that begin at zero have no quotient
+        runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
         advance(scene, method, control, many.work.nodes[:0], history, many.work, runs, i)
     elif isnan(length) or is_too_short(length, runs[i, TIME]):
         q = state_in(runs, STATE, i)
@@ -275,6 +301,8 @@ def _enqueue(scene, method, control, many, endings, i):
     """
     runs, waiting = many.runs, many.waiting
     while runs[i, OUTCOME] == CONTINUES and pair_of(mode_of(runs, i)) < 0:
+        if _carries_error(scene, control, runs, i):
+            runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
         advance(scene, method, control, many.work.nodes[:0], many.history, many.work, runs, i)
     if runs[i, OUTCOME] != CONTINUES:
         keep_result(runs, i, endings, int(runs[i, ROW_OF_BATCH]))

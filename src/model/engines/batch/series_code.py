@@ -24,11 +24,13 @@ from model.engines.batch.series import (
     recurrences,
 )
 from model.engines.batch.series_plan import (
+    ERROR_ORDER,
     FRACTIONS,
     FURTHER_ROWS,
     KINDS,
     NODES,
     ORDER,
+    ORDERS,
     ORDERS_THERE,
     ROWS,
     SINES,
@@ -110,11 +112,14 @@ class _Writer:
 
 
 class _SeriesWriter(_Writer):
-    """Writes the function (coefficients, given) that fills coefficients of one kind of mode."""
+    """Writes the function (coefficients, given, last) that fills coefficients of a kind of mode.
+
+    ``last`` holds the last order of the states.
+    """
 
     def __init__(self, module: ir.Module, name: str, plan: Plan) -> None:
-        super().__init__(module, name, 2)
-        self.memory, self.given = self.function.args
+        super().__init__(module, name, 3)
+        self.memory, self.given, last = self.function.args
         self.plan = plan
         self.known: dict[Constant, ir.Value] = {}
         totals = [Sum(row.of[0], dict(row.of[1])) for row in plan.stage if row.kind == "sum"]
@@ -125,7 +130,9 @@ class _SeriesWriter(_Writer):
         self.terms: dict[Row, ir.Value] = {}
         self._write_stages(_FIRST, ahead=True)
         self._one_order(_FIRST)
-        self.repeat(_INDEX(ORDER - 1), self._one_more)
+        order = self.code.extract_element(self.load(last, _INDEX(0)), _INDEX(0))
+        count = self.code.sub(self.code.fptosi(order, _INDEX), _INDEX(1))
+        self.repeat(count, self._one_more)
         self.code.ret_void()
 
     def constant(self, value: Constant) -> ir.Value:
@@ -144,7 +151,7 @@ class _SeriesWriter(_Writer):
     def _place(self, row: Row, order: ir.Value) -> ir.Value:
         place, rows, first = self.plan.place[row], ROWS, 0
         if place >= ROWS:
-            place, rows, first = place - ROWS, FURTHER_ROWS, (ORDER + 1) * ROWS
+            place, rows, first = place - ROWS, FURTHER_ROWS, ORDERS * ROWS
         return self.code.add(self.code.mul(order, _INDEX(rows)), _INDEX(first + place))
 
     def _at(self, row: Row, order: ir.Value) -> ir.Value:
@@ -285,6 +292,83 @@ class _SeriesWriter(_Writer):
         return self.code.fdiv(rest, self._at(bottom, _FIRST))
 
 
+class _ErrorWriter(_SeriesWriter):
+    """Writes the function (coefficients, given, error): the series of the linearised motion.
+
+    ``error`` holds the errors of the states; their coefficients up to ERROR_ORDER are entered.
+    """
+
+    def __init__(self, module: ir.Module, name: str, plan: Plan) -> None:
+        _Writer.__init__(self, module, name, 3)
+        self.memory, self.given, error = self.function.args
+        self.plan, self.known, half = plan, {}, len(STATES) // 2
+        self.values: dict[tuple[Row, int], ir.Value] = {}
+        self.errors = {(row, 0): self.load(error, _INDEX(n)) for n, row in enumerate(STATES)}
+        for order in range(ERROR_ORDER):
+            share = self.vector(1.0 / (order + 1))
+            for row, rate_row in zip(STATES[:half], STATES[half:], strict=True):
+                rate = self.errors[rate_row, order]
+                self.errors[row, order + 1] = self.code.fmul(rate, share)
+            for row, total in zip(STATES[half:], plan.series.accelerations, strict=True):
+                rate = self._error_of_sum(tuple(total.terms.items()), order)
+                self.errors[row, order + 1] = self.code.fmul(rate, share)
+            for n, row in enumerate(STATES):
+                place = _INDEX((order + 1) * STATE_ROWS + n)
+                self.keep(self.errors[row, order + 1], error, place)
+        self.code.ret_void()
+
+    def _coefficient(self, row: Row, order: int) -> ir.Value:
+        if (row, order) not in self.values:
+            self.values[row, order] = self._at(row, _INDEX(order))
+        return self.values[row, order]
+
+    def _error(self, row: Row, order: int) -> ir.Value:
+        """Error of a coefficient of a row."""
+        if (row, order) not in self.errors:
+            self.errors[row, order] = self._new_error(row, order)
+        return self.errors[row, order]
+
+    def _new_error(self, row: Row, order: int) -> ir.Value:
+        sine, cosine = self.plan.sines[:2]
+        if row == sine:
+            return self._folded(STATES[TILT], cosine, order)
+        if row == cosine:
+            return self.code.fneg(self._folded(STATES[TILT], sine, order))
+        if row.kind == "sum":
+            return self._error_of_sum(row.of[1], order)
+        if row.kind == "rate":
+            return self.code.fmul(self.vector(order + 1.0), self._error(row.of[0], order + 1))
+        if row.kind == "product":
+            one, other = row.of
+            return self._folded(one, other, order, self._folded(other, one, order))
+        if row.kind == "quotient":
+            top, bottom = row.of
+            known = self._folded(row, bottom, order, self._folded(bottom, row, order), order)
+            rest = self.code.fsub(self._error(top, order), known)
+            return self.code.fdiv(rest, self._coefficient(bottom, 0))
+        return self.vector(0.0)  # time and excitation
+
+    def _error_of_sum(self, terms: tuple[tuple[Row, Constant], ...], order: int) -> ir.Value:
+        total = self.vector(0.0)
+        for row, factor in terms:
+            total = self.fma(self.constant(factor), self._error(row, order), total)
+        return total
+
+    def _folded(
+        self,
+        row: Row,
+        by: Row,
+        order: int,
+        total: ir.Value | None = None,
+        count: int | None = None,
+    ) -> ir.Value:
+        """``total`` + Σ_j (error of ``row``)_j ``by``_(order - j) over the first ``count`` j."""
+        total = self.vector(0.0) if total is None else total
+        for j in range(order + 1 if count is None else count):
+            total = self.fma(self._error(row, j), self._coefficient(by, order - j), total)
+        return total
+
+
 class _SamplesWriter(_Writer):
     """Writes the function (coefficients, lengths, values) that sums series at the nodes."""
 
@@ -352,31 +436,45 @@ def _written(name: str, write: Callable[[ir.Module, str], _Writer]) -> Any:
     return call
 
 
-def _series_of(support: int, side: int, pair: int) -> Any:
-    def write(module: ir.Module, name: str) -> _Writer:
-        return _SeriesWriter(module, name, Plan(recurrences(support, side, pair)))
-
-    return _written(f"series_{support}_{side}_{pair}", write)
-
-
 _follow = _written("follow", _SamplesWriter)
 
 
-def series_filler(pairs: Sequence[int]) -> Any:
-    """Make the kernel (kind, block, coefficients, given) that fills the coefficients of WIDTH runs.
+def _filler(name: str, writer: type[_SeriesWriter], pairs: Sequence[int], places: str) -> Any:
+    """Make the kernel (kind, block, ``places``) that calls the function written for a kind."""
 
-    ``block`` holds vectors on cache lines. At the place ``coefficients`` in it stand ROWS of them
-    for each order, of which the first holds the states and sines; at ``given``, GIVEN of them. The
-    ``kind`` is 9 times the number of the pair of contacts, plus 3 times what the support does, plus
-    what the side does.
-    """
-    known, lines = {}, ["def fill_series(kind, block, coefficients, given):"]
+    def written(pair: int, support: int, side: int) -> Any:
+        def write(module: ir.Module, label: str) -> _Writer:
+            return writer(module, label, Plan(recurrences(support, side, pair)))
+
+        return _written(f"{name}_{support}_{side}_{pair}", write)
+
+    known, lines = {}, [f"def {name}(kind, block, {places}):"]
     for kind, (pair, support, side) in enumerate(product(pairs, KINDS, KINDS)):
         if pair == FLUSH and support == FREE:
             continue
-        known[f"series_{kind}"] = _series_of(support, side, pair)
-        lines.append(f"    if kind == {kind}: series_{kind}(block, (coefficients, given))")
-    return generated(kernel, "fill_series", "\n".join(lines), known, f"{len(pairs)}_pairs")
+        known[f"series_{kind}"] = written(pair, support, side)
+        lines.append(f"    if kind == {kind}: series_{kind}(block, ({places}))")
+    return generated(kernel, name, "\n".join(lines), known, f"{len(pairs)}_pairs")
+
+
+def series_filler(pairs: Sequence[int]) -> Any:
+    """Make the kernel (kind, block, coefficients, given, last) that fills the coefficients of runs.
+
+    ``block`` holds vectors on cache lines. At the place ``coefficients`` in it stand ROWS of them
+    for each order, of which the first holds the states and sines; at ``given``, GIVEN of them; at
+    ``last`` the last order of the states. The ``kind`` is 9 times the number of the pair of
+    contacts, plus 3 times what the support does, plus what the side does.
+    """
+    return _filler("fill_series", _SeriesWriter, pairs, "coefficients, given, last")
+
+
+def errors_filler(pairs: Sequence[int]) -> Any:
+    """Make the kernel (kind, block, coefficients, given, error) that fills the series of errors.
+
+    The coefficients are filled. At ``error`` stand the errors of the states, one order after the
+    other up to ERROR_ORDER; the first is given.
+    """
+    return _filler("fill_errors", _ErrorWriter, pairs, "coefficients, given, error")
 
 
 @kernel

@@ -18,6 +18,9 @@ from model.engines.batch.series import (
 
 WIDTH = 8  # runs in a vector
 ORDER = 16  # of the series
+ERROR_ORDER = 5  # of the series of the linearised motion
+REMAINDER = 2  # further orders, which estimate what the series omits
+ORDERS = ORDER + REMAINDER + 1  # in memory
 STATE_ROWS = len(STATES)
 TILT = 2  # row of the tilt
 SINES = STATE_ROWS + len(Watched._fields)  # sine and cosine of the tilt, and of the excitation

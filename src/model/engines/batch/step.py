@@ -11,13 +11,24 @@ from math import floor
 import numpy as np
 
 from model.engines.batch.series_code import follow_series
-from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.batch.series_plan import (
+    FRACTIONS,
+    NODES,
+    ORDER,
+    REMAINDER,
+    ROWS,
+    SINES,
+    TILT,
+    WIDTH,
+)
 from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
     DEADLINE,
     END,
+    ERROR,
+    LAST_ORDER,
     LENGTH,
     LONGEST,
     STEP_FORCE,
@@ -291,7 +302,12 @@ def step_all(events, kind, flies, beside, fell, control, w):
     and upper bounds of tilt and forces, are entered if ``control`` requires them.
     """
     _turn(w)
-    events.fill_series(kind, w, COEFFICIENTS, 0)
+    carries_error = control.carries_error != 0.0
+    for i in range(WIDTH):
+        w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
+    events.fill_series(kind, w, COEFFICIENTS, 0, LAST_ORDER)
+    if carries_error:
+        events.fill_errors(kind, w, COEFFICIENTS, 0, ERROR)
     _set_lengths(w)
     follow_series(w, COEFFICIENTS, LENGTH, VALUES)
     events.sample_lanes(fell, w)

@@ -21,7 +21,16 @@ from model.engines.batch.series import (
     UNDER_EDGE,
     Watched,
 )
-from model.engines.batch.series_plan import FURTHER_ROWS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.batch.series_plan import (
+    ERROR_ORDER,
+    FURTHER_ROWS,
+    NODES,
+    ORDERS,
+    ROWS,
+    SINES,
+    TILT,
+    WIDTH,
+)
 from model.engines.scalar.tableaux import Array
 from model.physics.compiled import inlined_kernel
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
@@ -48,13 +57,14 @@ from model.physics.views import reader
     CANDIDATES,  # mask of the events that may happen in the step
     STEP_TILT,  # upper bound of |tilt| in the step
     STEP_FORCE,  # upper bound of the normal forces in the step
-) = range(GIVEN, GIVEN + 17)
-END = STEP_FORCE + 1
-VALUES = END + STATE_SIZE  # the tilt and the watched rows at each node, and their curvature bounds
+    LAST_ORDER,  # of the states' series
+) = range(GIVEN, GIVEN + 18)
+END = LAST_ORDER + 1
+ERROR = END + STATE_SIZE  # series of the error that a run carries
+# The tilt and the watched rows at each node, and their curvature bounds.
+VALUES = ERROR + (ERROR_ORDER + 1) * STATE_SIZE
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
-EVENT_ROWS = COEFFICIENTS + (ORDER + 1) * (
-    ROWS + FURTHER_ROWS
-)  # rows of the events of the scene follow
+EVENT_ROWS = COEFFICIENTS + ORDERS * (ROWS + FURTHER_ROWS)  # rows of the events follow
 
 CONTACTS_AT = STATE_SIZE + Watched._fields.index("face_load")
 ROW = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(Watched._fields)}

@@ -1,0 +1,124 @@
+"""The error of a run, carried through its steps by the linearised motion and through its events.
+
+Every step adds its local error, the next terms of its series. Between events the error obeys the
+linearised equations of motion (``_ErrorWriter`` of series_code.py). At an event it is multiplied by
+the saltation matrix: a displaced run reaches the event later, and goes on in the mode before it in
+the meantime (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
+section 7.2).
+"""
+
+from math import inf
+
+from model.engines.batch import workspace
+from model.engines.batch.series_plan import ERROR_ORDER, ORDER, REMAINDER, ROWS, WIDTH
+from model.engines.batch.workspace import COEFFICIENTS
+from model.engines.record import (
+    ERROR,
+    LARGEST_ERROR,
+    TIME,
+    constants_of,
+    keep_state_in,
+    mode_of,
+    state_in,
+)
+from model.engines.scalar.step import rates_of
+from model.events.friction import hold_sticking
+from model.physics.compiled import inlined_kernel, kernel
+from model.physics.notation import STATE_SIZE, State
+
+_DISPLACEMENT = 1e-7  # of the state, for a derivative
+_ORIGIN = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@inlined_kernel
+def _size(q):
+    """Largest absolute value of a state; infinity if one is not a number."""
+    total = abs(q.x) + abs(q.y) + abs(q.tilt) + abs(q.x_rate) + abs(q.y_rate) + abs(q.tilt_rate)
+    if not total < inf:
+        return inf
+    rates = max(max(abs(q.x_rate), abs(q.y_rate)), abs(q.tilt_rate))
+    return max(max(max(abs(q.x), abs(q.y)), abs(q.tilt)), rates)
+
+
+@inlined_kernel
+def carry_error(length, w, lane, runs, i):
+    """Carry the error of run ``i`` through a step of its lane, or through its part to an event.
+
+    The local error is what the series omits: its next two terms.
+    """
+    power = length ** (ORDER + 1)
+    for n in range(STATE_SIZE):
+        error = 0.0
+        for order in range(ERROR_ORDER, -1, -1):
+            row = workspace.ERROR + order * STATE_SIZE + n
+            error = error * length + w[row * WIDTH + lane]
+        omitted = 0.0
+        for order in range(ORDER + REMAINDER, ORDER, -1):
+            row = COEFFICIENTS + order * ROWS + n
+            omitted = omitted * length + w[row * WIDTH + lane]
+        error += power * omitted
+        runs[i, ERROR + n] = error
+    size = _size(state_in(runs, ERROR, i))
+    runs[i, LARGEST_ERROR] = max(runs[i, LARGEST_ERROR], size)
+
+
+@inlined_kernel
+def _moved(q, by, factor):
+    """``q`` + ``factor`` · ``by``."""
+    return State(
+        q.x + factor * by.x,
+        q.y + factor * by.y,
+        q.tilt + factor * by.tilt,
+        q.x_rate + factor * by.x_rate,
+        q.y_rate + factor * by.y_rate,
+        q.tilt_rate + factor * by.tilt_rate,
+    )
+
+
+@kernel
+def _derivative(events, which, time, q, p, mode, direction, later):
+    """Derivative of a level at its zero, along ``direction`` and ``later`` of state and time."""
+    ahead, moment = _moved(q, direction, _DISPLACEMENT), later * _DISPLACEMENT
+    return events.level(which, time + moment, ahead, p, mode) / _DISPLACEMENT
+
+
+@kernel
+def pass_event(events, which, q, before, runs, i):
+    """Carry the error of run ``i`` through the event ``which``, which has just changed its mode.
+
+    ``q`` and ``before`` are its state and mode at the event.
+    """
+    time, p, after = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
+    error = state_in(runs, ERROR, i)
+    size = _size(error)
+    if not 0.0 < size < inf:
+        return
+    rates, rates_after = rates_of(time, q, p, before), rates_of(time, q, p, after)
+    unit = _moved(_ORIGIN, error, 1.0 / size)
+    across = size * _derivative(events, which, time, q, p, before, unit, 0.0)
+    late = -across / _derivative(events, which, time, q, p, before, rates, 1.0)
+    at_event = _moved(error, rates, late)
+    factor = _DISPLACEMENT / max(_size(at_event), 1e-300)
+    held = hold_sticking(_moved(q, at_event, factor), p, after)
+    jump = _moved(held, hold_sticking(q, p, after), -1.0)
+    error = _moved(_moved(_ORIGIN, jump, 1.0 / factor), rates_after, -late)
+    keep_state_in(error, runs, ERROR, i)
+    runs[i, LARGEST_ERROR] = max(runs[i, LARGEST_ERROR], _size(error))
+
+
+@kernel
+def error_of_time(events, which, q, before, runs, i):
+    """Bound of the error of the time of an event at ``q``, which ends the mode ``before``.
+
+    The errors of the states do not cancel in it: they are estimates.
+    """
+    time, p, error = runs[i, TIME], constants_of(runs, i), state_in(runs, ERROR, i)
+    across = 0.0
+    for n in range(STATE_SIZE):
+        unit = State(
+            1.0 * (n == 0), 1.0 * (n == 1), 1.0 * (n == 2),
+            1.0 * (n == 3), 1.0 * (n == 4), 1.0 * (n == 5),
+        )  # fmt: skip
+        across += abs(error[n] * _derivative(events, which, time, q, p, before, unit, 0.0))
+    rates = rates_of(time, q, p, before)
+    return across / abs(_derivative(events, which, time, q, p, before, rates, 1.0))
