@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from model import Alignments, Batch, Outcome, Parameters, Reason, Settings, align, simulate
 from model.physics.parameters import FIELDS
+from model.runs.errors import outcomes_differ
 from verification.fuzz import (
     LAWS,
     SCENES,
@@ -223,6 +224,7 @@ def test_a_run_and_its_row_of_a_batch_agree(device, changes):
     run = simulate(p, horizon=10.0)
     if run.sensitive or row.sensitive[0]:
         return
-    assert run.outcome == row.outcome[0]
+    alike = run.separations == row.separations[0]  # a period test may pass a little later
+    assert not outcomes_differ(np.array(run.outcome), row.outcome[0], alike)
     if run.outcome is Outcome.ALIGNED:
         assert abs(run.tau_align - row.tau_align[0]) <= 10.0 * (run.tau_error + row.tau_error[0])
