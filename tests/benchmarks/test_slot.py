@@ -46,9 +46,10 @@ def test_every_disagreement_fails():
     far = [(3.0 + 2e-8, True), *close[1:]]
     assert "error below 10 tau_error, independent solution" in failing(judge(RUNS, far, mujoco))
     assert failing(judge(RUNS, close, 1.2 * mujoco)) == ["MuJoCo off: median"]
-    assert failing(judge(RUNS, close, np.array([2.0, np.nan, np.nan]))) == [
-        "MuJoCo goes in or not alike"
-    ]
+    not_in = np.array([2.0, np.nan, np.nan])
+    assert failing(judge(RUNS, close, not_in)) == ["MuJoCo goes in or not alike"]
+    out = [RUNS[0], run_of(Outcome.CLIMBED_OUT, Reason.ON_EDGE), RUNS[2]]
+    assert failing(judge(out, close, np.array([2.0, 3.0, np.nan]))) == []
 
 
 def test_the_scene_has_edges_and_corners_as_balls(device):

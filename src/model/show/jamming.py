@@ -23,11 +23,13 @@ CAPTION = (
     "clearance. Above the line friction alone can hold a part between edge and wall: wedging, from "
     "the geometry of two-point contact. A part to the right of the dashed line touches two points "
     "before it is deep enough to count as inserted, unless it turns upright on the way. "
-    "Below, the same parts by the loads of press and springs at their tip: outside the square, the "
-    "parallelogram of the jamming diagram, these loads cannot drive a part on at two points."
+    "Below, the same parts by the loads of press and springs at their tip, each over its limit: "
+    "outside the square, the parallelogram of the jamming diagram, these loads cannot drive a part "
+    "on at two points. Both limits hold for a part at rest at its tilt at entry. Beyond them a "
+    "part may still go in: vibration takes the load off its contacts, and it may turn upright."
 )
 WEDGED, TWO_POINTS = "wedging limit $μ = h/d$", "two-point contact at the depth asked for"
-DIAGRAM = "border of the jamming diagram"
+DIAGRAM = "jamming diagram"
 _LOOKS: Mapping[Outcome, Mapping[str, Any]] = {
     Outcome.INSERTED: {"color": style.SKY_BLUE, "marker": "o", "label": "inserted"},
     Outcome.JAMMED: {"color": style.VERMILLION, "marker": "X", "label": "jammed"},
@@ -60,11 +62,11 @@ def draw_jamming(dataset: "xr.Dataset") -> Figure:
             above.set_xlabel("tilt at entry (rad)")
             _draw_ends(below, part, sideways[k], turning[k])
             below.plot(*_SQUARE, color=style.BLACK, linewidth=1.4, label=DIAGRAM)
-            below.set_xlabel("$μ F_x / F_z$")
+            below.set_xlabel("load across, $μ F_x / F_z$")
         panels[0].set_xlim(0.0, tilt[-1])
         panels[0].set_ylim(0.0, 1.08 * float(friction.max()))
         panels[0].set_ylabel(axis_label(friction))
-        diagrams[0].set_ylabel("$[M / (r F_z) + μ (1 + λ) F_x / F_z] / λ$")
+        diagrams[0].set_ylabel("turning load, $[M / (r F_z) + μ (1 + λ) F_x / F_z] / λ$")
         found = {str(each.get_label()): each for axes in figure.axes for each in axes.lines}
         looks = *_LOOKS.values(), _OTHER
         named = *(look["label"] for look in looks), WEDGED, TWO_POINTS, DIAGRAM
