@@ -51,8 +51,8 @@ MUTATIONS = {
     ),
     "force on the side": (
         "motion.py",
-        "side_load = contact_load(",
-        "side_load = 1.01 * contact_load(",
+        "_pressing(edge, contact_load(",
+        "_pressing(edge, 1.01 * contact_load(",
     ),
     "friction": (
         "motion.py",
