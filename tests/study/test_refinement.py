@@ -271,3 +271,12 @@ REFUSED: list[tuple[dict[str, int], str]] = [
 def test_an_invalid_lattice_is_refused(rule: dict[str, int], words: str):
     with pytest.raises(ValueError, match=words):
         Lattice(**rule)
+
+
+def test_a_finger_between_two_rows_of_corners_is_followed_to_its_end():
+    kind = np.zeros((65, 65), dtype=np.int64)
+    kind[:21, :9] = 1
+    kind[19, 9:40] = 1  # one node high, on an odd row, beyond the cells that hold a corner of it
+    found = refine(Map(kind, np.zeros(kind.shape)), Lattice(cells=64, coarse=8))
+    assert np.array_equal(found.kind, kind)
+    assert found.computed[18:21, 9:40].all()

@@ -11,7 +11,9 @@ An island (a connected set of nodes of another kind) inside a coarse cell is mis
 that are long and thin, nodes half as far apart are computed on ``lines``, some rows and columns.
 Once one of its nodes is known, an island is followed as far as the cells around known nodes show
 more of it. Most small islands lie beside larger ones or beside the border, where cells are smaller
-than the island.
+than the island. At last every filled node beside a computed one of another kind is computed, until
+there is none: the border of whatever touches a computed node is known, also of a finger that runs
+between two rows of corners.
 
 Where cells of a given side that hold a border are dense, the border is no curve: outcomes alternate
 from node to node. Such a *patch* is not halved further.
@@ -281,6 +283,19 @@ class _Map:
         wanted[1::2, 1::2] = cells & sides
         return wanted
 
+    def beside_others(self) -> Bools:
+        """Return the nodes beside a computed one that are known or filled with another kind.
+
+        Patches have no border to follow.
+        """
+        kind, wanted = self.found().spread(self.kind), np.zeros(self.lattice.shape, dtype=np.bool_)
+        for turned in (np.asarray, np.transpose):  # views
+            asked, kinds, computed = (turned(each) for each in (wanted, kind, self.computed))
+            differ = kinds[1:] != kinds[:-1]
+            asked[1:] |= differ & computed[:-1]
+            asked[:-1] |= differ & computed[1:]
+        return wanted & (self.density <= PATCH)
+
     def _differ(self, known: tuple[Ints, Floats], axis: int) -> Bools:
         """Return where neighbours along an axis differ in kind, or in value by more than a jump."""
         kind, value = (np.diff(each, axis=axis) for each in known)
@@ -297,13 +312,12 @@ class _Map:
         self.density = _nodes_of(_repeated(density, level.size))
 
     def found(self) -> Refined:
-        """Return the map with its nodes filled."""
+        """Return the map; its nodes are not filled yet."""
         size = np.full(self.lattice.shape, self.lattice.coarse, dtype=np.int64)
         for level in self.levels:
             size[_nodes_of(_repeated(level.exists, level.size))] = level.size
         size[(size == 1) & ~self.computed] = 2
-        found = Refined(self.lattice, self.kind, self.value, self.computed, size, self.density)
-        return replace(found, kind=found.spread(self.kind), value=found.filled(self.value))
+        return Refined(self.lattice, self.kind, self.value, self.computed, size, self.density)
 
 
 def refine(evaluate: Evaluate, lattice: Lattice, within: Bools | None = None) -> Refined:
@@ -313,7 +327,8 @@ def refine(evaluate: Evaluate, lattice: Lattice, within: Bools | None = None) ->
         evaluate: computes nodes; called with many at a time, with each once.
         lattice: nodes and rule.
         within: coarse cells to stay in, shape (cells/coarse, cells/coarse); all by default. Nodes
-            outside of them keep kind 0 and value NaN, and are not computed.
+            outside of them keep kind 0 and value NaN, and are not computed; nodes beside those of
+            another kind are left to the whole map.
     """
     refined = _Map(evaluate, lattice, within)
     in_cells = _corners(_repeated(refined.levels[0].exists, lattice.coarse), 1)
@@ -323,11 +338,14 @@ def refine(evaluate: Evaluate, lattice: Lattice, within: Bools | None = None) ->
             pass
         refined.find_patches()
     least = min(2, lattice.coarse)
-    while refined.compute(refined.corners(least)) or (
-        lattice.coarse > 1 and refined.compute(refined.between())
+    while (
+        refined.compute(refined.corners(least))
+        or (lattice.coarse > 1 and refined.compute(refined.between()))
+        or (within is None and refined.compute(refined.beside_others()))
     ):
         pass
-    return refined.found()
+    found = refined.found()
+    return replace(found, kind=found.spread(found.kind), value=found.filled(found.value))
 
 
 def _repeated(cells: NDArray[Any], times: int) -> NDArray[Any]:
