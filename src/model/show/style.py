@@ -8,10 +8,12 @@ settled only when a figure is written.
 import contextlib
 import logging
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib import font_manager
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -106,9 +108,21 @@ _METADATA: Mapping[str, dict[str, None]] = {
 FORMATS: tuple[str, ...] = tuple(_METADATA)
 
 
+@cache
+def _prefer_own_fonts() -> None:
+    """Put matplotlib's own DejaVu first: the machine's may differ, or lack the italics."""
+    manager = font_manager.fontManager
+    others = list(manager.ttflist)
+    manager.ttflist.clear()
+    for file in sorted(Path(mpl.get_data_path(), "fonts", "ttf").glob("DejaVu*.ttf")):
+        manager.addfont(file)
+    manager.ttflist += others
+
+
 @contextlib.contextmanager
 def context() -> Iterator[None]:
     """Context for drawing with the study's settings over matplotlib's defaults, not the user's."""
+    _prefer_own_fonts()
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_RC)

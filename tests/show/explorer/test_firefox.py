@@ -114,6 +114,9 @@ def test_opens_from_a_file_runs_and_maps(firefox: Firefox, tmp_path: Path) -> No
     firefox.wait_for("explorer.measured.map")
     assert firefox.evaluate("explorer.map.outcome.every((each) => each >= 0)")
     before = firefox.evaluate("location.hash")
-    firefox.evaluate("change('press_force', 4)")
+    firefox.evaluate(
+        "(() => { const box = document.getElementById('p-press_force'); box.value = '4';"
+        "box.dispatchEvent(new Event('change')); })()"
+    )
     assert firefox.evaluate("location.hash") != before
     assert firefox.evaluate("explorer.run.results.tau_align") != time_there
