@@ -110,11 +110,11 @@ FORMATS: tuple[str, ...] = tuple(_METADATA)
 
 @cache
 def _prefer_own_fonts() -> None:
-    """Put matplotlib's own DejaVu first: the machine's may differ, or lack the italics."""
+    """Put matplotlib's own fonts first: the machine's may differ, or lack the italics."""
     manager = font_manager.fontManager
     others = list(manager.ttflist)
     manager.ttflist.clear()
-    for file in sorted(Path(mpl.get_data_path(), "fonts", "ttf").glob("DejaVu*.ttf")):
+    for file in sorted(Path(mpl.get_data_path(), "fonts", "ttf").glob("*.ttf")):
         manager.addfont(file)
     manager.ttflist += others
 
