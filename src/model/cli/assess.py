@@ -91,11 +91,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     found = assess(device, settings, ensemble, cores, stated=stated, bases=arguments.bases)
     drawn, corner = None, None
     if stated is not None and stated.tolerances:
-        if not found.aligned:  # the yield is low: a few devices say so
-            devices = min(devices, _FEW)
-        drawn, corner = _drawn(
-            stated, ensemble, settings, cores, devices, found.failing_start is None
-        )
+        drawn, corner = _drawn(found, stated, ensemble, settings, cores, devices)
     met = drawn is None or required is None or drawn.low >= required
     if arguments.json:
         print_json(
@@ -115,9 +111,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     from_materials = stated is not None and stated.materials is not None
     groups["Leeways"] = [*_advice(found, shown), *_varied(found, shown, from_materials)]
     if drawn is not None and stated is not None:
-        groups["Yield"] = _yield_report(
-            drawn, corner, stated, required, found.failing_start is None
-        )
+        groups["Yield"] = _yield_report(found, drawn, corner, stated, required)
     print("\n".join(line for lines in groups.values() for line in lines))
     if arguments.sheet is not None and stated is not None:
         from model.cli.sheet import write_sheet  # noqa: PLC0415  (as above)
@@ -143,7 +137,12 @@ def _required(
 
 
 def _drawn(
-    stated: "StatedDevice", ensemble: Any, settings: Any, cores: int, devices: int, reliable: bool
+    found: "Assessment",
+    stated: "StatedDevice",
+    ensemble: Any,
+    settings: Any,
+    cores: int,
+    devices: int,
 ) -> tuple["Yield", "WorstCorner | None"]:
     from dataclasses import replace  # noqa: PLC0415
 
@@ -156,8 +155,12 @@ def _drawn(
 
     settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
     starts = starts_of(stated.device.parameters, ensemble)
+    if not found.aligned:  # the yield is low: a few devices say so
+        devices = min(devices, _FEW)
     drawn, known = yield_of(stated, starts, settings, cores, devices=devices)
-    return drawn, worst_corner(stated, known, starts, settings, cores) if reliable else None
+    if found.failing_start is not None:
+        return drawn, None
+    return drawn, worst_corner(stated, known, starts, settings, cores)
 
 
 def _report(
@@ -268,11 +271,11 @@ def _value(parameter: str, value: float, units: Units | None) -> str:
 
 
 def _yield_report(
+    found: "Assessment",
     drawn: "Yield",
     corner: "WorstCorner | None",
     stated: "StatedDevice",
     required: float | None,
-    reliable: bool,
 ) -> list[str]:
     percent = [f"{100.0 * each:.4g} %" for each in (drawn.share, drawn.low, drawn.high)]
     lines = [
@@ -297,7 +300,7 @@ def _yield_report(
                 for each in drawn.blame
             ]
         )  # fmt: skip
-    if not reliable:
+    if found.failing_start is not None:
         lines.append(_line("worst corner", "the device itself is not reliable"))
     elif corner is None:
         lines.append(

@@ -6,11 +6,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import add_command, add_model_options, device_of, pairs, settings_of
+from model.cli.arguments import (
+    add_command,
+    add_model_options,
+    device_of,
+    pairs,
+    settings_of,
+    stated_device,
+)
 from model.cli.files import check_file
 from model.physics.readings import Readings
 from model.study.config import load_study, study_path
-from model.study.devices import read_device
+from model.study.devices import StatedDevice
 from model.study.devices.base import SOURCES
 from model.study.files import whole_file
 
@@ -34,7 +41,11 @@ def add(commands: Any) -> None:
 def _explore(arguments: argparse.Namespace) -> int:
     check_file(arguments.out, "--out", ["html"])
     study = load_study(study_path())
-    units, parameters, start = device_of(study.baseline, arguments)
+    stated = stated_device(arguments)
+    if stated is None:
+        units, parameters, start = device_of(study.baseline, arguments)
+    else:
+        (units, parameters), start = stated.device, stated.start
     settings = settings_of(study.settings.settings, arguments, units, start)
     if settings.readings != Readings.consistent():
         raise ValueError(
@@ -54,7 +65,7 @@ def _explore(arguments: argparse.Namespace) -> int:
     else:
         file = str(arguments.device or "")
         first = tuple(study.operating_point)
-        origin = Origin(**_origin(arguments))
+        origin = Origin(**_origin(arguments, stated))
         model = device_model(parameters, units, file, settings, engines.interface, first, origin)
     try:
         with whole_file(arguments.out) as part:
@@ -66,15 +77,14 @@ def _explore(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _origin(arguments: argparse.Namespace) -> dict[str, Any]:
+def _origin(arguments: argparse.Namespace, stated: StatedDevice | None) -> dict[str, Any]:
     """Return the ``Origin`` of the page: its own options, and the parameters that it holds."""
     options = []
     for name in ("device", "start", "horizon", "tolerance"):
         if (given := getattr(arguments, name)) is not None:
             options += [f"--{name}", shlex.quote(str(given))]
     changes, held = pairs(arguments.changes, "--set"), {}
-    if arguments.device is not None:
-        stated = read_device(arguments.device, changes)
+    if stated is not None:
         present = {*stated.quantities, *(() if stated.materials is None else ("materials",))}
         held = {
             name: [each for each in sources if each in present]
