@@ -8,12 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from model.cli import main as cli
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
+from model.physics.parameters import Batch
+from model.runs.align import run_once
 from model.runs.in_browser import interface, modules
 from model.runs.shown import shown_run
 from model.runs.simulate import simulate
@@ -226,7 +229,7 @@ def test_events_are_stepped_with_the_keyboard(page: Page) -> None:
 
 def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
     page.wait_for(MAPPED, 300)
-    # Every node has the outcome of a run.
+    # Every node has an outcome.
     assert page.evaluate("explorer.map.outcome.every((each) => each >= 0)")
     box = page.evaluate(
         "(() => { const m = document.getElementById('map'); m.scrollIntoView();"
@@ -247,6 +250,46 @@ def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
         const node = at(v[m.y], m.ys) * m.cells + at(v[m.x], m.xs);
         return (m.outcome[node] === 0) === Number.isFinite(explorer.run.results.tau_align); })()"""
     assert page.evaluate(agrees)
+
+
+def test_a_map_is_computed_near_what_aligns_and_filled_elsewhere(page: Page) -> None:
+    # A disc and a finger one node wide that begins at it: in truth, and by the page's lattices.
+    found = page.evaluate("""(() => {
+        const cells = 65, map = emptyMap("x", "y", [0, 1], [0, 1], cells), { outcome } = map;
+        const aligns = (node) => {
+          const row = Math.floor(node / cells), column = node % cells;
+          const inFinger = row === 21 && column > 30 && column < 60;
+          return inFinger || Math.hypot(row - 20, column - 30) < 9;
+        };
+        let rounds = 0;
+        for (let step = FIRST_STEP; ; rounds += 1) {
+          const nodes = nodesOf(map, step);
+          for (const node of nodes) outcome[node] = aligns(node) ? ALIGNED : SETTLED;
+          if (step > 1) step /= 2; else if (!nodes.length) break;
+        }
+        const computed = outcome.filter((each) => each !== UNKNOWN).length;
+        fill(map);
+        const wrong = outcome.filter((each, node) => (each === ALIGNED) !== aligns(node)).length;
+        return { computed, wrong, rounds };
+    })()""")
+    assert found["wrong"] == 0
+    assert found["computed"] < 0.5 * 65**2
+    assert found["rounds"] > 6  # the finger is followed
+
+
+def test_a_node_that_is_filled_does_not_align(page: Page, url: str) -> None:
+    page.open(f"{url}#figure=fig13&t=1")
+    page.wait_for("window.explorer && explorer.measured.map", 300)
+    nodes = page.evaluate("""(() => {
+        const { map } = explorer, nodes = [...map.step.keys()].filter((node) => !map.step[node]);
+        return nodes.map((node) => [...valuesAt(map, node), map.outcome[node]]); })()""")
+    assert len(nodes) > 1000
+    names = page.evaluate("[explorer.state.x, explorer.state.y]")
+    device = STUDY.parameters("fig13")
+    sets = [replace(device, **dict(zip(names, node, strict=False))) for node in nodes]
+    found = run_once(Batch.stack(sets), STUDY.settings.settings.quickest)
+    assert not np.any(found["outcome"] == Outcome.ALIGNED)
+    assert Outcome.ALIGNED not in {node[2] for node in nodes}
 
 
 def test_command_and_device_file_repeat_the_run(

@@ -141,7 +141,8 @@ function drawWholeMap() {
   const origin = map.stored ? " (stored by the study)" : known < map.outcome.length ? "; more is being computed" : "";
   const outlined = map.reliable ? " Black outline: aligns from every start that was tried." : "";
   const open = known && count((each) => each === FAILED) ? ` Grey, ${share(FAILED)} %: too many steps for the map.` : "";
-  element("share").textContent = known ? `${share(ALIGNED)} % of it aligns${origin}.${open}${outlined}` : "";
+  const filled = !map.stored && map.step.some((step, node) => !step && /** @type {MapData} */ (map).outcome[node] >= 0) ? " Away from what aligns, every second node is computed." : "";
+  element("share").textContent = known ? `${share(ALIGNED)} % of it aligns${origin}.${open}${outlined}${filled}` : "";
 }
 
 // ---------------------------------------------------------------- the map

@@ -1,4 +1,4 @@
-// The map over two parameters: computed from coarse to fine in Workers, along the boundary first.
+// The map over two parameters: computed from coarse to fine in Workers, along the boundary first, and finest near what aligns.
 
 /**
  * @typedef {{x: string, y: string, xs: [number, number], ys: [number, number], cells: number,
@@ -8,6 +8,7 @@
 
 const UNKNOWN = -1, ALIGNED = 0, SETTLED = 1, LEFT_SCENE = 2, FAILED = 4, INSERTED = 5;
 const FIRST_STEP = 8, CHUNK = 1024;
+const FILLED_BEYOND = 2; // nodes: farther from all that aligns, every second node is computed
 const LONG_CHUNK = 500; // ms, after which a chunk of a map that is not wanted any more is given up
 const CIVIDIS = [[0, 34, 78], [24, 52, 111], [63, 74, 108], [92, 97, 109], [119, 120, 112], [147, 144, 113], [177, 168, 106], [208, 195, 94], [240, 222, 78], [254, 232, 56]];
 const INSET = { left: 68, right: 22, top: 8, bottom: 40 };
@@ -38,7 +39,19 @@ function valuesAt(map, node) {
   return [map.xs[0] + ((map.xs[1] - map.xs[0]) * column) / n, map.ys[0] + ((map.ys[1] - map.ys[0]) * row) / n];
 }
 
-/** Return the nodes of one step in the order of their computation: those beside a change of outcome first. @param {MapData} map @param {number} step */
+/** True if a node aligns within `reach` nodes of a place. @param {MapData} map @param {number} row @param {number} column @param {number} reach */
+function alignsNear({ cells, outcome }, row, column, reach) {
+  for (let r = Math.max(0, row - reach); r <= Math.min(cells - 1, row + reach); r += 1) {
+    for (let c = Math.max(0, column - reach); c <= Math.min(cells - 1, column + reach); c += 1) if (outcome[r * cells + c] === ALIGNED) return true;
+  }
+  return false;
+}
+
+/**
+ * Return the nodes of one step that are to be computed: all of them, those beside a change of outcome first; of the finest,
+ * those with an aligned one near.
+ * @param {MapData} map @param {number} step
+ */
 function nodesOf(map, step) {
   const coarse = 2 * step, { cells, outcome } = map;
   /** @type {number[]} */
@@ -49,6 +62,7 @@ function nodesOf(map, step) {
     for (let column = 0; column < cells; column += step) {
       const node = row * cells + column;
       if (outcome[node] !== UNKNOWN) continue;
+      if (step === 1 && !alignsNear(map, row, column, FILLED_BEYOND)) continue;
       const found = new Set();
       if (step < FIRST_STEP) {
         const top = row - (row % coarse), left = column - (column % coarse);
@@ -60,6 +74,14 @@ function nodesOf(map, step) {
     }
   }
   return [...edge, ...rest];
+}
+
+/** Give the nodes that are left the outcome of a computed one beside them; their step stays 0. @param {MapData} map */
+function fill({ cells, outcome }) {
+  for (let node = 0; node < outcome.length; node += 1) {
+    const row = Math.floor(node / cells), column = node % cells;
+    if (outcome[node] === UNKNOWN) outcome[node] = outcome[(row - (row % 2)) * cells + column - (column % 2)];
+  }
 }
 
 /** Computes maps in Workers; a new one replaces the one under way. */
@@ -153,9 +175,10 @@ class Mapper {
         map.step[node] = this.step;
       });
       const finished = map.outcome.some((each) => each >= 0 && each !== FAILED);
-      if (!this.queue.length && !this.pending && this.step > 1 && finished) {
-        this.step /= 2;
+      if (!this.queue.length && !this.pending && finished) {
+        if (this.step > 1) this.step /= 2;
         this.queue = nodesOf(map, this.step);
+        if (!this.queue.length) fill(map);
       }
       this.changed(map, !this.queue.length && !this.pending);
     }
