@@ -55,6 +55,10 @@ def test_without_a_device_the_page_is_that_of_the_study(tmp_path):
         (["--out", "peg.txt"], "must end in .html"),
         (["--out", "no/such/peg.html"], "does not exist"),
         (["--out", "peg.html", "--readings", "printed"], "consistent readings only"),
+        (
+            ["--out", "peg.html", "--scene", "insertion", "--insertion-depth", "0.2"],
+            "default depth only",
+        ),
     ],
 )
 def test_refusals(arguments, message, tmp_path, monkeypatch, capsys):

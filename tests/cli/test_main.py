@@ -21,6 +21,7 @@ from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES, Readings
 from model.runs.simulate import simulate
 from model.study.config import baseline, load_study, study_path
+from model.study.devices import load_device
 
 ALIGNING = ["simulate", "--set", "press_force=2", "--set", "tilt_stiffness=10"]
 OWN = yaml.safe_load((Path(__file__).parents[1] / "device.yaml").read_text(encoding="utf-8"))
@@ -236,13 +237,14 @@ class TestRefusals:
             ("--horizon", "0", "> 0"),
             ("--horizon", "soon", "must be a number"),
             ("--horizon", "inf", "> 0"),
+            ("--insertion-depth", "0.2", "use the insertion scene"),
             ("--tolerance", "1", "between 1e-14 and 1e-2"),
             ("--tolerance", "nan", "between 1e-14 and 1e-2"),
         ],
     )
     def test_an_impossible_setting_with_its_rule(self, capsys, option, value, rule):
         line = refused(capsys, option, value)
-        assert option.lstrip("-") in line
+        assert option.lstrip("-").replace("-", "_") in line
         assert value in line
         assert rule in line
 
@@ -394,6 +396,20 @@ def test_with_a_device_what_is_set_is_in_si_units(capsys):
     assert record["si"]["alignment_time_s"] is None
 
 
+@pytest.mark.parametrize("unit", [" mm", "e-3"])
+def test_the_depth_at_which_a_device_is_inserted_is_in_si_units(capsys, unit):
+    given = ["--device", PEG, "--scene", "insertion", "--insertion-depth", f"0.5{unit}", "--json"]
+    assert cli.main(["simulate", *given]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["outcome"] == "inserted"
+    device = load_device(Path(PEG), {})
+    state, length = record["final_state"], device.units.amplitude
+    low = device.parameters.half_height * math.cos(state["tilt"]) - state["y"]
+    low -= device.parameters.half_width * math.sin(abs(state["tilt"]))
+    assert length * low == pytest.approx(0.5e-3, rel=1e-6)
+    assert length * record["insertion_depth"] == pytest.approx(0.5e-3)
+
+
 def test_a_device_that_breaks_a_rule_is_refused_in_its_own_units(capsys):
     assert "half_width = -0.005: must be" in refused(
         capsys, "--device", PEG, "--set", "half_width=-0.005"
@@ -401,6 +417,9 @@ def test_a_device_that_breaks_a_rule_is_refused_in_its_own_units(capsys):
     assert "unknown quantity of a device 'nu'" in refused(capsys, "--device", PEG, "--set", "nu=1")
     assert "cannot be read" in refused(capsys, "--device", "nowhere.yaml")
     assert "must be in s or alike" in refused(capsys, "--device", PEG, "--horizon", "3 mm")
+    slot = ["--device", PEG, "--scene", "insertion", "--insertion-depth"]
+    assert "must be in m or alike" in refused(capsys, *slot, "3 N")
+    assert "insertion_depth = -1.0: must be a finite number > 0" in refused(capsys, *slot, "-1 mm")
 
 
 def test_a_doubtful_device_runs_with_a_warning(capsys):

@@ -6,6 +6,7 @@ import pytest
 from model import INSERTION, Batch, Outcome, Settings, align, simulate
 from model.events.outcomes import InSlot, Reason
 from model.runs.align import run_once
+from model.runs.shown import shown_run
 from model.runs.slot import ends_in_slot
 
 SETS = 96
@@ -99,6 +100,21 @@ def test_a_deeper_insertion_than_the_press_reaches_is_no_insertion(device):
     if run.outcome is Outcome.JAMMED:
         assert run.reason is Reason.LACK_OF_FORCE
         assert "insertion_depth" in run.remedy
+
+
+def test_a_part_is_inserted_at_the_depth_that_is_set(device):
+    settings = Settings(scene=INSERTION, insertion_depth=0.2)
+    run, shown = simulate(device, settings), shown_run(device, settings)
+    assert run.depth[-1] == pytest.approx(0.2, rel=1e-9)
+    assert shown.track[-1, 0] == pytest.approx(run.time[-1], abs=1e-9)
+    usual = simulate(device, scene=INSERTION)
+    assert usual.depth[-1] > 0.2
+    assert run.tau_align == pytest.approx(usual.tau_align, abs=1e-9)
+
+
+def test_a_run_that_ends_at_alignment_has_no_insertion_depth():
+    with pytest.raises(ValueError, match=r"insertion_depth = 0\.2: .* insertion scene"):
+        Settings(insertion_depth=0.2)
 
 
 @pytest.mark.parametrize("depth", [0.0, -1.0, float("nan")])

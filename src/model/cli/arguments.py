@@ -13,7 +13,7 @@ from typing import Any, get_args
 from model.cli.tables import in_columns
 from model.physics.compiled import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
-from model.physics.quantities import TIME
+from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.rest import Start
 from model.physics.units import UNITS, Units
@@ -107,6 +107,9 @@ def add_model_options(parser: Any, scene: str = "alignment") -> None:
     words = "end of a run: alignment, or insertion, jamming or climbing out after it "
     words += f"(default: {scene})"
     add("--scene", choices=list(SCENES), default=scene, help=words)
+    words = "depth at which a part counts as inserted, in metres with --device; needs --scene "
+    words += "insertion (default: half of what the press reaches, and at most the half-width)"
+    add("--insertion-depth", metavar="DEPTH", help=words)
     words = "latest time, in seconds with --device, else in units of 1/p (default: the study's)"
     add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
@@ -182,7 +185,7 @@ def settings_of(
 ) -> Settings:
     """Return the study's settings, changed by the options of ``add_model_options``.
 
-    A horizon is read in seconds for a device with ``units``. ``start`` is that of its file.
+    Horizon and depth are in SI units for a device with ``units``. ``start`` is that of its file.
     """
     switches: dict[str, Any] = asdict(of_study.readings)
     if arguments.readings:
@@ -192,19 +195,27 @@ def settings_of(
         switches[name] = value
     horizon, tolerance = of_study.horizon, of_study.tolerance
     if arguments.horizon is not None:
-        if units is None:
-            horizon = number("horizon", arguments.horizon)
-        else:
-            horizon = read_amount("horizon", arguments.horizon, "s").value / units.of(TIME)
+        horizon = _amount("horizon", arguments.horizon, TIME, units)
+    depth = None
+    if arguments.insertion_depth is not None:
+        depth = _amount("insertion_depth", arguments.insertion_depth, LENGTH, units)
     if arguments.tolerance is not None:
         tolerance = number("tolerance", arguments.tolerance)
     return Settings(
         readings=Readings(**switches),
         scene=SCENES[arguments.scene],
         start=arguments.start or start or of_study.start,
+        insertion_depth=depth,
         horizon=horizon,
         tolerance=tolerance,
     )
+
+
+def _amount(name: str, text: str, quantity: Quantity, units: Units | None) -> float:
+    """Return ``text`` as a dimensionless number; with ``units`` it is in SI units."""
+    if units is None:
+        return number(name, text)
+    return read_amount(name, text, quantity.unit).value / units.of(quantity)
 
 
 def parameter_table(baseline: Parameters) -> str:

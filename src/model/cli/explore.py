@@ -52,6 +52,11 @@ def _explore(arguments: argparse.Namespace) -> int:
             "explore: the page runs the consistent readings only; leave out --readings and "
             "--reading, or use vibralign simulate --animate"
         )
+    if settings.insertion_depth is not None:
+        raise ValueError(
+            "explore: the page has the default depth only; leave out --insertion-depth, or use "
+            "vibralign simulate --animate"
+        )
     # Imported here: a second that only this command needs.
     from model.runs.in_browser import are_cached, modules  # noqa: PLC0415
     from model.show.explorer.content import Origin, device_model, study_model  # noqa: PLC0415

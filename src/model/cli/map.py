@@ -7,7 +7,6 @@ import math
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -115,16 +114,10 @@ def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
         spans = _dimensionless(spans[0], units), _dimensionless(spans[1], units)
     from model.study.maps import plan_of  # noqa: PLC0415
 
-    run_settings = RunSettings(
-        readings=asdict(settings.readings),
-        scene=arguments.scene,
-        horizon=settings.horizon,
-        tolerance=settings.tolerance,
-        start=settings.start,
-    )
     every = min(study.maps.ensemble.every, max(resolution // _ENSEMBLE, 1))
     ensemble = study.maps.ensemble.model_copy(update={"every": every})
-    return plan_of("map", parameters, run_settings, spans, resolution, ensemble), units
+    ran = RunSettings.of(settings)
+    return plan_of("map", parameters, ran, spans, resolution, ensemble), units
 
 
 def _dimensionless(span: Span, units: Units) -> Span:

@@ -4,11 +4,10 @@ import json
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import urlencode
 
-from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
@@ -44,17 +43,9 @@ def write_sheet(
     device = stated.device
     names = [name for name in (*stated.free, *_AXES) if name in FIELDS]
     spans = [_span(stated, name) for name in dict.fromkeys(names)][:2]
-    run_settings = RunSettings(
-        readings=asdict(settings.readings),
-        scene="insertion" if settings.success is Outcome.INSERTED else "alignment",
-        start=settings.start,
-        horizon=settings.horizon,
-        tolerance=settings.tolerance,
-    )
     ensemble = study.maps.ensemble.model_copy(update={"every": 1})
-    plan = plan_of(
-        "map", device.parameters, run_settings, (spans[0], spans[1]), _RESOLUTION, ensemble
-    )
+    ran = RunSettings.of(settings)
+    plan = plan_of("map", device.parameters, ran, (spans[0], spans[1]), _RESOLUTION, ensemble)
     title = f"Area of stable alignment over {spans[0].parameter} and {spans[1].parameter}"
     cores = os.cpu_count() or 1
     plane = map_dataset(plan, nothing_known(plan), title, "Of a device sheet.", cores=cores)

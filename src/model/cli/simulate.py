@@ -212,6 +212,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "readings": asdict(settings.readings),
         "start": settings.start,
         "scene": settings.scene.name,
+        "insertion_depth": settings.insertion_depth,
         "method": settings.method.name,
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,

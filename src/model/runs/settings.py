@@ -34,8 +34,8 @@ class Settings:
             the base without load (paper). "pressed": the part rests under the press, which has
             risen slowly, and then the vibration sets in; needs the consistent readings. The
             initial tilt then has no effect. A part without rest leaves the scene at once.
-        insertion_depth: depth at which a part counts as inserted, > 0, dimensionless; by default
-            that of ``Batch.insertion_depths``.
+        insertion_depth: depth at which a part counts as inserted, > 0, dimensionless, with
+            ``INSERTION`` only; by default that of ``Batch.insertion_depths``.
         horizon: latest time τ of a run, > 0, dimensionless.
         tolerance: largest local error of a step, 1e-14 to 1e-2, relative to 1 + |state|.
         max_evaluations: largest number of right-hand-side evaluations of one integration, >= 1.
@@ -81,6 +81,10 @@ class Settings:
         depth = self.insertion_depth
         if depth is not None and not (isinstance(depth, numbers.Real) and 0.0 < depth < math.inf):
             raise ValueError(f"insertion_depth = {depth!r}: must be a finite number > 0, or None")
+        if depth is not None and self.success is not Outcome.INSERTED:
+            raise ValueError(
+                f"insertion_depth = {depth!r}: a run ends at alignment; use the insertion scene"
+            )
         if self.alignment_only and self.success is Outcome.INSERTED:
             raise ValueError(
                 "alignment_only: ends a run before the part is inserted; use the alignment scene"

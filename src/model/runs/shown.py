@@ -102,7 +102,7 @@ class Shown(NamedTuple):
 
 def shown_run(parameters: Parameters, settings: Settings) -> Shown:
     """Run one parameter set once, without an estimate of the error; dimensionless."""
-    (row,) = Batch.stack([parameters]).constants(settings.readings)
+    (row,) = settings.rows(Batch.stack([parameters]))
     scene, method, control = settings.for_kernels
     rows = _USUAL_TRACK
     while True:

@@ -51,7 +51,8 @@ def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> Unvibrations
     twins = Batch({**batch.values, "frequency": still, "phase": still})
     rows, which = np.unique(twins.constants(settings.readings), axis=0, return_inverse=True)
     scene = ALIGNMENT if settings.success is Outcome.INSERTED else settings.scene
-    settings = replace(settings, scene=scene, start="simultaneous", alignment_only=True)
+    changes: dict[str, Any] = {"insertion_depth": None, "alignment_only": True}
+    settings = replace(settings, scene=scene, start="simultaneous", **changes)
     run = engine_for(settings, cores=cores)
     found = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     rests = (found.outcome == Outcome.SETTLED) & (found.end_on_edge == 1.0) & (found.end_tilt > 0.0)

@@ -171,6 +171,7 @@ def global_attributes(
     ``name``, ``kind`` and ``identity`` tell which computation it holds: "fig06", "curves", and the
     hash of all that its numbers depend on besides the code.
     """
+    depth = settings.insertion_depth
     return {
         "Conventions": "CF-1.11 ACDD-1.3",
         "title": title,
@@ -186,6 +187,7 @@ def global_attributes(
         "sweep": identity,
         "readings": json.dumps(asdict(settings.readings)),
         "scene": settings.scene.name,
+        **({} if depth is None else {"insertion_depth": depth}),
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,
     }

@@ -178,7 +178,7 @@ class Search:
         whole = asdict(replace(self.stated, source=None, changes={}))  # type: ignore[arg-type]
         whole |= {"starts": list(self.starts), "seed": self.seed, "points": (POINTS, HALVINGS)}
         run = self.run_settings
-        whole |= {"run": (run.scene.name, run.tolerance, run.horizon)}
+        whole |= {"run": (run.scene.name, run.insertion_depth, run.tolerance, run.horizon)}
         text = json.dumps(whole, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -33,12 +33,14 @@ class WorstCorner:
         distance: largest deviation, in tolerances.
         start: phase and tilt at touch-down of a failing run.
         scene: name of the scene of its runs.
+        insertion_depth: depth at which they count as inserted, in m; None for the default one.
     """
 
     quantities: Mapping[str, float]
     distance: float
     start: Mapping[str, float]
     scene: str
+    insertion_depth: float | None = None
 
     def command(self, stated: StatedDevice) -> str:
         """Return the command line that runs it."""
@@ -49,6 +51,8 @@ class WorstCorner:
             f"--set {name}={value}" if " " not in value else f"--set '{name}={value}'"
             for name, value in changes.items()
         )
+        if self.insertion_depth is not None:
+            words = f"--insertion-depth {self.insertion_depth!r} {words}"
         return f"vibralign simulate --device {stated.source} --scene {self.scene} {words}"
 
 
@@ -148,5 +152,7 @@ def _described(
     each = {name: values[0, i : i + 1] for i, name in enumerate(names)}
     found = run_devices(stated, each, starts, settings, cores)
     off = {name: float(values[0, i]) for i, name in enumerate(names) if place[i] != 0.0}
-    start = starts[max(int(found.failing[0]), 0)]
-    return WorstCorner(off, float(np.abs(place).max()), dict(start), settings.scene.name)
+    start, depth = starts[max(int(found.failing[0]), 0)], settings.insertion_depth
+    if depth is not None:
+        depth *= stated.device.units.amplitude
+    return WorstCorner(off, float(np.abs(place).max()), dict(start), settings.scene.name, depth)

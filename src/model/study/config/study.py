@@ -1,9 +1,11 @@
 """The whole study: its sections, and the parameters of each figure, run and case."""
 
+from dataclasses import asdict
 from typing import Literal
 
 from pydantic import Field, model_validator
 
+from model.events.outcomes import Outcome
 from model.physics.parameters import Parameters, check_name
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.rest import Start
@@ -38,14 +40,28 @@ class RunSettings(Strict):
     """Press and vibration set in together, or the part rests under the press before it vibrates."""
     scene: Literal["alignment", "insertion"] = "alignment"
     """Contacts that are modelled; runs of the scene insertion end when the part is inserted."""
+    insertion_depth: float | None = Field(default=None, gt=0.0, exclude_if=lambda v: v is None)
+    """Depth at which a part counts as inserted; by default half of what the press reaches."""
 
     @model_validator(mode="after")
     def _fit_together(self) -> "RunSettings":
         if isinstance(self.readings, dict):
             for name in self.readings:
                 check_name(name, READING_NAMES, "reading")
-        _ = self.settings  # a pressed start needs the consistent readings
+        _ = self.settings  # a pressed start needs the consistent readings, a depth its scene
         return self
+
+    @classmethod
+    def of(cls, settings: Settings) -> "RunSettings":
+        """Return the settings of runs as the study states them."""
+        return cls(
+            readings=asdict(settings.readings),
+            scene="insertion" if settings.success is Outcome.INSERTED else "alignment",
+            start=settings.start,
+            insertion_depth=settings.insertion_depth,
+            horizon=settings.horizon,
+            tolerance=settings.tolerance,
+        )
 
     @property
     def settings(self) -> Settings:
@@ -58,6 +74,7 @@ class RunSettings(Strict):
             readings=readings,
             scene=SCENES[self.scene],
             start=self.start,
+            insertion_depth=self.insertion_depth,
             horizon=self.horizon,
             tolerance=self.tolerance,
         )
