@@ -4,7 +4,8 @@ Sets are drawn by the law of ``make fuzz SCENE=insertion`` and kept where a run 
 flagged, and the base is soft enough for MuJoCo's step. The independent solution runs the whole
 scene from its own statement of the contacts. MuJoCo is given bodies, joints and soft contacts, and
 begins with the state at alignment; its edges and corners are small balls, so that it is off by a
-share of their radius.
+share of their radius. ``--speed`` instead compares the time of a step after alignment with that of
+a step of the alignment scene, by figure.
 """
 
 import argparse
@@ -12,13 +13,18 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from time import process_time
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.truth import OPTIONS, modelled, suspension
-from model import Batch, Outcome, Parameters, Reason, align, simulate
+from model import INSERTION, Batch, Outcome, Parameters, Reason, align, simulate
+from model.engines.results import RunResult
+from model.runs.engines import batch_engine
+from model.study.config import GRIDDED, load_study, study_path
+from model.study.sweeps import sweep_of
 from verification.accuracy import LEAVING, Check, judge_estimate
 from verification.fuzz import IN_SLOT, LAWS_IN_SLOT, draw
 from verification.independent import insert
@@ -35,6 +41,7 @@ _SOFT = 2e3  # largest contact stiffness
 _DEEP = 20.0  # size of the base
 _AT_ONCE = 500
 _CLOSE, _SAME = 0.05, 0.95  # relative difference of times in the median; share of the same ends
+_ROUNDS, _LEAST_TIME = 5, 0.1  # of a measured time; in CPU seconds
 
 
 def sets_of(count: int, seed: int = 2007) -> list[tuple[Parameters, Any]]:
@@ -149,11 +156,51 @@ def judge(
     ]  # fmt: skip
 
 
+def speed_of(figure: str, count: int) -> str:
+    """Return the line on the aligned ones of ``count`` points of a figure, in the batch engine.
+
+    Both scenes run them in turn, each with its error. Sets are counted as handed over if the
+    reference engine made some of their steps.
+    """
+    sweep = sweep_of(load_study(study_path()), figure)
+    settings = sweep.settings.settings
+    points = np.random.default_rng(0).permutation(int(np.prod(sweep.shape)))[:count]
+    rows, scenes = settings.rows(sweep.batch(points)), (settings.scene, INSERTION)
+    before, after = (
+        batch_engine(replace(settings, scene=each), carries_error=True) for each in scenes
+    )
+    tolerance = np.full(len(rows), settings.tolerance)
+    rows = rows[RunResult(*before(rows, tolerance).T).outcome == Outcome.ALIGNED]
+    runs = [RunResult(*run(rows, tolerance[: len(rows)]).T) for run in (before, after)]
+    steps = [int(each.steps.sum()) for each in runs]
+    times = np.zeros((_ROUNDS, 2))
+    for each in range(2 * _ROUNDS):
+        run, calls, started = (before, after)[each % 2], 0, process_time()
+        while (spent := process_time() - started) < _LEAST_TIME:
+            run(rows, tolerance[: len(rows)])
+            calls += 1
+        times[divmod(each, 2)] = spent / calls
+    aligning, whole = np.median(times, axis=0).tolist()
+    step, added = aligning / steps[0], (whole - aligning) / (steps[1] - steps[0])
+    handed = np.isnan(runs[1].largest_error).mean()
+    return (
+        f"{figure}: {len(rows)} align, {100 * handed:.0f} % handed over; {1e6 * step:.2f} us a "
+        f"step, {added / step:.1f} times as much after it; whole runs {whole / aligning:.2f} "
+        f"times, of {steps[1] / steps[0]:.2f} times the steps"
+    )
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Read the command line and do it; the exit code is 1 where an agreement fails."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.slot", description=__doc__)
     parser.add_argument("--sets", type=int, default=200)
+    parser.add_argument("--speed", action="store_true", help="only measure the time of steps")
     given = parser.parse_args(arguments)
+    if given.speed:
+        for figure in GRIDDED:
+            sys.stdout.write(speed_of(figure, given.sets) + "\n")
+            sys.stdout.flush()
+        return 0
     sets = sets_of(given.sets)
     depths = Batch.stack([p for p, _ in sets]).insertion_depths().tolist()
     tried = [(p, run, depth) for (p, run), depth in zip(sets, depths, strict=True)]

@@ -3,11 +3,12 @@
 MuJoCo is not in this environment; `make truth` runs it.
 """
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
 
-from benchmarks.slot import ends_as, judge, scene_of
+from benchmarks.slot import ends_as, judge, scene_of, speed_of
 from model import Outcome, Reason
 
 
@@ -50,6 +51,14 @@ def test_every_disagreement_fails():
     assert failing(judge(RUNS, close, not_in)) == ["MuJoCo goes in or not alike"]
     out = [RUNS[0], run_of(Outcome.CLIMBED_OUT, Reason.ON_EDGE), RUNS[2]]
     assert failing(judge(out, close, np.array([2.0, 3.0, np.nan]))) == []
+
+
+def test_steps_after_alignment_are_timed():
+    said = re.fullmatch(
+        r"fig11: 8 align, .*; whole runs (\S+) times, of (\S+) times the steps",
+        speed_of("fig11", 8),
+    )
+    assert all(float(each) > 1.0 for each in said.groups())
 
 
 def test_the_scene_has_edges_and_corners_as_balls(device):
