@@ -29,8 +29,7 @@ MODEL_LIMITS = (
     "It is a model of one plane: a round part may also turn about the other axis.",
     "Friction is dry, with one coefficient for rest and motion; springs and dampers are linear.",
     "The base is a spring with a damper at the contact, and moves nowhere else.",
-    "A part is in at half the depth to which the press pushes it, or as --insertion-depth says; what "
-    "lies below is not modelled.",
+    "A part is in at half of what the press reaches, or at --insertion-depth; deeper is unknown.",
     "The robot holds still: no path error, no control of force.",
 )
 
