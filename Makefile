@@ -91,8 +91,9 @@ yields: environment
 
 SETS ?= 10000
 SCENE ?= alignment
+fuzzed = {\"fuzz\":{\"sets\":$(SETS),\"scene\":\"$(SCENE)\"}}# its comma would end an argument of call
 fuzz: $(study_environment)
-	$(call run_study,fuzz --config accuracy={\"fuzz\":{\"sets\":$(SETS),\"scene\":\"$(SCENE)\"}})
+	$(call run_study,fuzz --config accuracy=$(fuzzed))
 
 # $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE.
 hold = $(PYTHON) workflow/hold.py $(1) $(2)

@@ -1,6 +1,9 @@
 """The lock that `make` holds: a second `make` is refused, one just killed is waited for."""
 
 import fcntl
+import json
+import re
+import subprocess
 import threading
 from pathlib import Path
 from typing import Any
@@ -26,6 +29,19 @@ def test_a_make_that_is_just_dying_is_waited_for(workspace: Any) -> None:
     run = workspace.make("-n", *workspace.DATA)
     dying.join()
     assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_fuzz_passes_sets_and_scene_to_the_configuration() -> None:
+    told = subprocess.run(
+        ["make", "-n", "fuzz", "SETS=7", "SCENE=insertion"],
+        cwd=Path(__file__).parents[2],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    (given,) = re.findall(r"--config accuracy=(\S+)", told)
+    fuzz = {"sets": 7, "scene": "insertion"}
+    assert json.loads(given.replace('\\"', '"')) == {"fuzz": fuzz}
 
 
 @pytest.mark.parametrize(
