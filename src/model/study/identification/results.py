@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 DIGITS = 4  # of an identified value; the ensemble spreads far wider
+_PLACES = 9  # of coordinates by which a set found twice counts once
 # Shares of the searches by scores and of the one by the aims, whose fronts are compared.
 BUDGET_SHARES = ((0.5, 0.0), (1.0, 0.0), (1.0, 0.5), (1.0, 1.0))
 SAFE = 0.03  # margin of a claim that other grids hardly turn
@@ -174,8 +175,9 @@ def findings_of(
     # A set is admissible by what it shows, whichever claims it was searched by.
     tried = joined([*searches, *(found_in(space, each) for each in halves)])
     judge, whole = search.judge, Wanted(aims, space.everything)
-    rows = _contenders(search, tried, law)
-    judged, _ = finer.judged(tried.points[rows])
+    known = [space.point_of(values) for values in law.known.values()]
+    contenders = np.array([*tried.points[_contenders(search, tried, law)], *known])
+    judged, _ = finer.judged(np.unique(contenders.round(_PLACES), axis=0))
     order = promising(whole.ratios(judge, judged.margins, judged.regimes))
     order = order[judge.holds(judged.margins)[order]]
     safely = replace(whole, safe=SAFE)
@@ -190,7 +192,9 @@ def findings_of(
     judged = joined([judged, *(each for each in anew if each is not None)])
     ratios = whole.worst(judge, judged.margins, judged.regimes)
     order = np.argsort(ratios, kind="stable")
-    last, _ = search_of(space_of_figures(study)).judged(judged.points[order[: law.final]])
+    # On the grids that decide a known set may be better than what coarse ones led to.
+    finals = np.array([*judged.points[order[: law.final]], *known])
+    last, _ = search_of(space_of_figures(study)).judged(finals)
     best = int(np.argmin(whole.worst(judge, last.margins, last.regimes)))
     kept = ratios <= law.admissible * ratios[order[0]]
     shown = shown_of(search.judge, judged.margins, aims)
