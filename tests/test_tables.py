@@ -172,11 +172,11 @@ print(json.dumps({
 """
 
 SERIES = """
-from model.engines.batch.series import FREE, recurrences
+from model.engines.batch.series import ALIGNMENT_KINDS, recurrences
 from model.physics.parameters import Constants
 
 place = Constants._fields.index("side_pull")
-constant = recurrences(FREE, FREE).accelerations[0].constant
+constant = recurrences(ALIGNMENT_KINDS[0]).accelerations[0].constant
 print(str(repr(("given", place)) in repr(constant)).lower())
 """
 

@@ -84,13 +84,14 @@ class BatchEngine(Package):
         """As ``Method.answer``, of one case."""
         settings = self.settings(problem, resolution)
         rows = Batch.stack(problem.cases).constants(settings.readings)
-        found = estimate(batch_engine(settings, carries_error=True), rows, resolution)
+        run = batch_engine(settings, carries_error=True)
+        found = estimate(run, rows, resolution, carries_error=True)
         finer = replace(settings, tolerance=float(found.tolerance[0]))
-        run = run_once(problem.cases[0], finer, batch=True)
-        failure = failure_of(run.outcome, Reason(int(found.columns()["reason"][0])))
+        last = run_once(problem.cases[0], finer, batch=True)
+        failure = failure_of(last.outcome, Reason(int(found.columns()["reason"][0])))
         evaluations = int(found.rhs_evaluations[0])
         return Solution(
-            np.array([run.tau_align]), run.state.reshape(1, 1, -1), evaluations, failure
+            np.array([last.tau_align]), last.state.reshape(1, 1, -1), evaluations, failure
         )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from model import ALIGNMENT, Batch, Parameters, Readings, Scene
-from model.engines.course import Control, begin
+from model.engines.course import NOISE, Control, begin
 from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single
 from model.engines.scalar.step import dense_output, interpolate, right_hand_side, take_step
@@ -66,8 +66,8 @@ class Course:
         self.parameters, self.steps = parameters, []
         single = new_single(DOP853.method)
         # Runs settle in the slot: what they do before is another test's.
-        settles = float(scene is not ALIGNMENT)
-        control = Control(horizon, 50_000_000, settles, alignment_only=0.0, pressed=0.0)
+        noise = NOISE * tolerance * (scene is not ALIGNMENT)
+        control = Control(horizon, 50_000_000, noise, alignment_only=0.0, pressed=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
         kernels = in_kernels(scene)
         begin(row, tolerance, kernels, control, runs, 0)

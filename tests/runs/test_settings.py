@@ -11,7 +11,7 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
     assert settings.readings == Readings.consistent()
     assert settings.scene is ALIGNMENT
     assert settings.tolerance == 1e-10
-    assert settings.control.may_settle == 1.0
+    assert settings.control.settling_noise == pytest.approx(1e-8)
 
 
 @pytest.mark.parametrize(

@@ -77,6 +77,7 @@ _FIRST_STEP = 1e-2
 _SHORTEST_STEP = 1e-12  # after an event
 _SEVERAL_AT_ONCE = 16  # number of events above which rounding may be their only cause
 _MOST_EVENTS_AT_ONCE = 64
+NOISE = 100.0  # difference between two periods that errors cause, over the tolerance
 _FALL_TIME = 20.0  # longest fall from the loss of contact until the corners are inside
 
 
@@ -86,7 +87,8 @@ class Control(NamedTuple):
     Attributes:
         horizon: latest time.
         max_evaluations: largest number of right-hand-side evaluations.
-        may_settle: 1.0 to stop a run in periodic steady state, else 0.0.
+        settling_noise: difference between periods that counts as none, unless that of the run's
+            own tolerance is larger; 0.0 if runs may not stop in periodic steady state.
         alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
         pressed: 1.0 to start at rest under the press, else 0.0.
         carries_error: 1.0 to carry the error along (batch engine only), else 0.0.
@@ -94,7 +96,7 @@ class Control(NamedTuple):
 
     horizon: float
     max_evaluations: int
-    may_settle: float
+    settling_noise: float
     alignment_only: float
     pressed: float
     carries_error: float = 0.0
@@ -331,7 +333,7 @@ def make_event(which, length, step, scene, control, runs, i):
 
 
 @kernel
-def _compare_periods(scene, periods, history, runs, i):
+def _compare_periods(scene, periods, history, settling_noise, runs, i):
     """Record the state and the closest approaches of a period; end a run that has settled."""
     states, lowest = history.states[i], history.lowest[i]
     for which in range(scene.events.count):  # events that happened need no distance
@@ -349,7 +351,8 @@ def _compare_periods(scene, periods, history, runs, i):
         runs[i, CLOSEST + which] = NEVER
     if mode_of(runs, i).dropped and scene.events.inserts == 0:
         return
-    noise, p = 100.0 * runs[i, TOLERANCE], constants_of(runs, i)
+    noise = max(settling_noise, NOISE * runs[i, TOLERANCE])
+    p = constants_of(runs, i)
     length = period_length(p)
     period = settled_period(scene.events, periods, length, states, lowest, p, noise)
     if period > 0:
@@ -358,13 +361,13 @@ def _compare_periods(scene, periods, history, runs, i):
 
 
 @kernel
-def end_period(scene, history, may_settle, runs, i):
-    """Enter a completed period; end the run if it ``may_settle`` and its motion is periodic."""
+def end_period(scene, history, settling_noise, runs, i):
+    """Enter a completed period; end the run if it may settle and its motion is periodic."""
     periods = int(runs[i, PERIODS]) + 1
     runs[i, PERIODS] = periods
     _note_end_of_period(runs, i)
-    if may_settle:
-        _compare_periods(scene, periods, history, runs, i)
+    if settling_noise > 0.0:
+        _compare_periods(scene, periods, history, settling_noise, runs, i)
 
 
 @kernel
@@ -379,4 +382,4 @@ def end_step(scene, reached_stop, history, control, runs, i):
     elif runs[i, TIME] >= runs[i, DEADLINE]:
         _end(scene, runs, i, _HORIZON_REACHED, _NONE)
     elif reached_stop:
-        end_period(scene, history, control.may_settle != 0.0, runs, i)
+        end_period(scene, history, control.settling_noise, runs, i)

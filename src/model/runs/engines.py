@@ -47,6 +47,11 @@ def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = Fa
     return _on_cores(fill, cores)
 
 
+def batch_engine_fits(settings: Settings) -> bool:
+    """Return whether the batch engine runs these settings."""
+    return settings.readings == Readings.consistent() and settings.method is DOP853
+
+
 def engine_for(
     settings: Settings,
     name: Engine | None = None,
@@ -65,7 +70,7 @@ def engine_for(
         raise ValueError(
             f"engine = {name!r}: must be 'batch', 'scalar', or None for the fastest that fits"
         )
-    batch_fits = settings.readings == Readings.consistent() and settings.method is DOP853
+    batch_fits = batch_engine_fits(settings)
     if name == "scalar" or (name is None and not batch_fits):
         return scalar_engine(settings, cores=cores)
     if not batch_fits:

@@ -1,9 +1,10 @@
 """Error estimates: from the error that a run carries, or from its neighbours.
 
 The batch engine carries the error of a run along (engines/batch/carried_error.py), which gives that
-of its times. A set with an error larger than the tolerance promises is run again at a smaller
-tolerance. The error estimate of its first run, times the ratio of the tolerances and divided by 4,
-is a lower bound of the final estimate: errors may cancel by chance.
+of its times. It runs at a ``FINER``-th of the tolerance, where few sets have an error larger than
+the tolerance promises; those are run again at a smaller one. The error estimate of the first run,
+times the ratio of the tolerances and divided by 4, is a lower bound of the final estimate: errors
+may cancel by chance.
 
 Neighbours decide where a run carries no error (reference engine), or one that is too large for the
 linearised motion, where a set starts nearly flat, or with a gap below the tolerance. A neighbour is
@@ -33,6 +34,7 @@ from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Constants
 from model.runs.engines import Array, Run
 
+FINER = 100.0  # tolerance over that of runs that carry their error
 COARSER = 16.0
 SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same
 SHARPER = 1e3  # tolerance over that of the second runs of a set
@@ -76,17 +78,21 @@ class Estimate(NamedTuple):
         }
 
 
-def estimate(run: Run, rows: Array, tolerance: float) -> Estimate:
-    """Run every row, shape (n, constants), and estimate its error; see the module."""
-    found = _by_carried_errors(run, rows, np.full(len(rows), tolerance))
+def estimate(run: Run, rows: Array, tolerance: float, *, carries_error: bool = False) -> Estimate:
+    """Run every row, shape (n, constants), and estimate its error; see the module.
+
+    ``carries_error``: True if ``run`` carries errors along.
+    """
+    sharper = max(tolerance / FINER, FINEST) if carries_error else tolerance
+    found = _by_carried_errors(run, rows, np.full(len(rows), sharper))
     error = np.fmax(found.tau_error, found.insertion_error)
     imprecise = (error > PROMISED * tolerance) & ~found.sensitive
-    if imprecise.any() and tolerance > FINEST:
-        reduced = tolerance * PROMISED * tolerance / (_SAFETY * error[imprecise])
+    if imprecise.any() and sharper > FINEST:
+        reduced = sharper * PROMISED * tolerance / (_SAFETY * error[imprecise])
         reduced = np.maximum(reduced, FINEST)
         finer = _by_carried_errors(run, rows[imprecise], reduced)
         # Lower bound from the first run, in case errors cancel in the second.
-        least = found.tau_error[imprecise] * reduced / tolerance / _SAFETY
+        least = found.tau_error[imprecise] * reduced / sharper / _SAFETY
         np.maximum(finer.tau_error, least, out=finer.tau_error)
         _renew(found, imprecise, finer)
     doubtful = found.sensitive.copy()
@@ -121,17 +127,20 @@ def _by_carried_errors(run: Run, rows: Array, tolerance: Array) -> Estimate:
 
 
 def _by_neighbours(run: Run, rows: Array, known: Estimate, neighbour: float) -> Estimate:
-    """Compare ``known`` results with second runs, and three more where they differ by much."""
+    """Compare ``known`` results with second runs, and three more where they differ by much.
+
+    ``neighbour`` is the tolerance asked for, and the displacement of a neighbour's start.
+    """
     tolerance = known.tolerance
     first = _compare(run, rows, tolerance, results=known.results)
     error = np.fmax(first.tau_error, first.insertion_error)
-    imprecise = error > PROMISED * tolerance
+    imprecise = error > PROMISED * neighbour
     again = (first.sensitive | imprecise) & (tolerance > FINEST)
     if not again.any():
         return first
-    reduced, least = tolerance / SHARPER, np.zeros(len(rows))
+    reduced, least = np.minimum(tolerance, neighbour / SHARPER), np.zeros(len(rows))
     few = imprecise & ~first.sensitive
-    reduced[few] = tolerance[few] * PROMISED * tolerance[few] / (_SAFETY * error[few])
+    reduced[few] = tolerance[few] * PROMISED * neighbour / (_SAFETY * error[few])
     reduced = np.maximum(reduced, FINEST)
     # Lower bound from the first two runs, in case the later ones agree by chance.
     least[few] = first.tau_error[few] * reduced[few] / tolerance[few] / _SAFETY

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.course import Control
+from model.engines.course import NOISE, Control
 from model.engines.scalar.tableaux import DOP853, Method, Tableau
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
@@ -124,7 +124,7 @@ class Settings:
         return Control(
             float(self.horizon),
             int(self.max_evaluations),
-            float(self.may_settle),
+            NOISE * self.tolerance if self.may_settle else 0.0,
             float(self.alignment_only),
             float(self.start == "pressed"),
         )

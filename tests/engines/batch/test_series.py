@@ -1,7 +1,5 @@
 """The series of the batch engine: they solve the equations of motion, and hold what is watched."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 
@@ -11,15 +9,18 @@ from model.engines.batch.event_kernels import TERMS, in_vector_kernels
 from model.engines.batch.event_search import QUANTITIES, crossing, values_at
 from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import (
+    ALIGNMENT_KINDS,
+    BETWEEN_WALLS,
     CONSISTENT,
-    FLUSH,
     FREE,
     GIVEN,
-    ON_WALL,
-    PAIRS,
+    INSERTION_KINDS,
+    ON_LEFT_EDGE,
+    ON_RIGHT_EDGE,
+    PRESSING,
     SLIDES,
     STICKS,
-    UNDER_EDGE,
+    Kind,
     Watched,
     recurrences,
 )
@@ -27,7 +28,6 @@ from model.engines.batch.series_code import series_filler
 from model.engines.batch.series_plan import (
     ERROR_ORDER,
     FRACTIONS,
-    KINDS,
     NODES,
     ORDER,
     ORDERS,
@@ -40,13 +40,15 @@ from model.engines.batch.series_plan import (
 )
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
+from model.events.insertion import INSERTION
 from model.events.levels import NEVER, Outline, outline
 from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import ALIGNMENT, CLOSED, OPEN, START, STICKING, Mode
+from model.physics.scenes import ALIGNMENT, CLOSED, OPEN, RELEASED, START, STICKING, Mode
 
+KINDS = FREE, SLIDES, STICKS
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
 each_kind = pytest.mark.parametrize(
     ("support", "side"),
@@ -57,6 +59,13 @@ NORMAL = {FREE: OPEN, SLIDES: CLOSED, STICKS: CLOSED}
 
 
 EVENTS = in_vector_kernels(ALIGNMENT).events
+
+
+def kind_of(support: int, side: int) -> int:
+    """Return the number of the kind of mode with these states of A1 and A2."""
+    return ALIGNMENT_KINDS.index(Kind(ON_RIGHT_EDGE, support, side))
+
+
 WATCHED = [k for k in range(EVENTS.count) if f"enter_{k}" in EVENTS.members]
 PLACES = [name for name in Watched._fields if name in Outline._fields]
 
@@ -90,7 +99,7 @@ class Step:
         self.w[workspace.ERROR : workspace.ERROR + 6] = displacement
         control = Settings().control._replace(carries_error=1.0)
         step_all(
-            EVENTS, len(KINDS) * support + side, support == FREE, side != FREE, False, control, flat
+            EVENTS, kind_of(support, side), support == FREE, side != FREE, False, control, flat
         )
         coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * ROWS]
         self.further = coefficients.reshape(ORDERS, ROWS, WIDTH)
@@ -160,29 +169,35 @@ def test_the_series_solve_the_equations_of_motion_to_their_order(support: int, s
         assert slope >= 0.95 * (len(step.series) - 2)
 
 
-IN_SLOT = [
-    (pair, support, side)
-    for pair, support, side in product(PAIRS[1:], KINDS, KINDS)
-    if pair != FLUSH or support != FREE
-]
-
-
-def in_slot(pair: int, support: int, side: int, signs: np.ndarray) -> Mode:
-    """Return the mode of a pair of contacts in the slot."""
-    normal, beside = NORMAL[support], NORMAL[side]
-    slips = np.where(np.array((support, side)) == STICKS, 0, signs).astype(int).tolist()
-    at_corner, at_wall = pair in (ON_WALL, FLUSH), pair == UNDER_EDGE
+def mode_of(kind: Kind, signs: np.ndarray) -> Mode:
+    """Return a mode of a kind, with these signs of the slips."""
+    support, side = PRESSING[kind.support], PRESSING[kind.side]
+    slips = np.where([support.sticks, side.sticks], 0, signs).astype(int).tolist()
+    without_load = RELEASED if kind.place == ON_LEFT_EDGE else OPEN
     return START._replace(
-        face=OPEN if pair == ON_WALL else normal, corner=normal if at_corner else OPEN,
-        slip_at_corner=at_corner, support_slip=slips[0], side=OPEN if at_wall else beside,
-        wall=beside if at_wall else OPEN, slip_at_wall=at_wall, side_slip=slips[1],
-        dropped=True, in_slot=True,
+        edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
+        face=CLOSED if support.edge else without_load, corner=int(support.corner),
+        slip_at_corner=support.slip_at_corner, support_slip=slips[0],
+        side=int(side.edge), wall=int(side.corner), slip_at_wall=side.slip_at_corner,
+        side_slip=slips[1],
+        dropped=True, in_slot=kind.place == BETWEEN_WALLS,
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(("pair", "support", "side"), IN_SLOT)
-def test_the_series_in_the_slot_solve_the_equations_of_motion(pair, support, side):
-    rng, fill = np.random.default_rng(pair), series_filler(PAIRS)
+def test_a_mode_has_the_number_of_its_kind():
+    kind_of_mode = in_vector_kernels(INSERTION).events.kind_of
+    for number, kind in enumerate(INSERTION_KINDS):
+        assert kind_of_mode(mode_of(kind, np.array([-1, 1]))) == number
+        assert EVENTS.kind_of(mode_of(kind, np.array([1, 1]))) == (
+            number if kind in ALIGNMENT_KINDS else -1
+        )
+    on_flat = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
+    assert kind_of_mode(on_flat) == EVENTS.kind_of(on_flat) == -1
+
+
+@pytest.mark.parametrize("kind", INSERTION_KINDS)
+def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
+    rng, fill = np.random.default_rng(kind), series_filler(INSERTION_KINDS, True)
     flat = new_workspace(workspace.EVENT_ROWS)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
@@ -191,33 +206,48 @@ def test_the_series_in_the_slot_solve_the_equations_of_motion(pair, support, sid
     signs = rng.choice([-1.0, 1.0], (2, WIDTH))
     w[GIVEN - 2 : GIVEN] = signs
     state = rng.uniform(-0.02, 0.02, (6, WIDTH))
-    # B1 is a tenth behind the wall, and so is A1 behind the face, but for the small tilt.
+    # B1 is a tenth behind the wall, and so is A1 behind the face, but for the small tilt; likewise
+    # B2 and A2 where both press.
     a, b = w[row["half_width"]], w[row["half_height"]]
     state[0] = w[row["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
+    if PRESSING[kind.side].edge and PRESSING[kind.side].corner:
+        state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[row["slot_half_width"]] - 0.1
     w[COEFFICIENTS : COEFFICIENTS + 6] = state
     angle = w[row["frequency"]] * 0.3 + w[row["phase"]]
     sines = np.sin(state[2]), np.cos(state[2]), np.sin(angle), np.cos(angle)
     w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
     w[LAST_ORDER] = ORDER
-    fill((pair * len(KINDS) + support) * len(KINDS) + side, flat, COEFFICIENTS, 0, LAST_ORDER)
+    fill(INSERTION_KINDS.index(kind), flat, COEFFICIENTS, 0, LAST_ORDER)
     series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * ROWS].reshape(ORDER + 1, ROWS, WIDTH)
     time, orders = 1e-3, np.arange(1, ORDER + 1)
     for lane in range(WIDTH):
         values = np.zeros(len(Constants._fields))
         values[CONSISTENT] = w[: GIVEN - 2, lane]
-        p, mode = Constants(*values.tolist()), in_slot(pair, support, side, signs[:, lane])
+        p, mode = Constants(*values.tolist()), mode_of(kind, signs[:, lane])
         found = time ** np.arange(ORDER + 1) @ series[:, :SINES, lane]
         q = State(*found[:6].tolist())
         at = motion(0.3 + time, q, p, mode)
         right = [q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt]
         rates = (orders * time ** (orders - 1)) @ series[1:, :6, lane]
         assert rates == pytest.approx(right, rel=1e-9, abs=1e-9)
-        if support != FREE:
-            loads = found[CONTACTS_AT], found[CONTACTS_AT + 4]
-            corner = corner_on_wall(RIGHT_EDGE, q, p)
-            load = contact_load(corner.depth, corner.closing_rate, q, p)
-            of_corner = load if pair in (ON_WALL, FLUSH) else 0.0
-            assert loads == pytest.approx((at.support_load, of_corner), rel=1e-9)
+        edges = [edge_on_side(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
+        corners = [corner_on_wall(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
+        if not mode.in_slot:
+            edges[0] = edge_on_face(mode.edge, q, p)
+        loads = [contact_load(each.depth, each.closing_rate, q, p) for each in (*edges, *corners)]
+        loads[2] *= mode.in_slot
+        rows = [workspace.ROW[f"{each}_load"] for each in ("face", "side", "corner", "wall")]
+        assert found[rows] == pytest.approx(loads, rel=1e-9)
+        slips = [
+            (corners[0] if mode.slip_at_corner else edges[0]).slip,
+            (corners[1] if mode.slip_at_wall else edges[1]).slip,
+        ]
+        if PRESSING[kind.support].sticks:
+            slips[0] = at.support_friction
+        if PRESSING[kind.side].sticks:
+            slips[1] = at.side_friction
+        frictions = [workspace.ROW[f"{each}_friction"] for each in ("support", "side")]
+        assert found[frictions] == pytest.approx(slips, rel=1e-9)
 
 
 @each_kind
@@ -233,20 +263,19 @@ def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: in
             face, beside = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)
             sticks = mode.support_slip == STICKING and mode.face == CLOSED
             side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
-            assert values[6 + len(PLACES) :] == pytest.approx(
+            assert values[6 + len(PLACES) : -2] == pytest.approx(
                 [
                     contact_load(face.depth, face.closing_rate, q, p),
                     at.support_friction if sticks else face.slip,
                     contact_load(beside.depth, beside.closing_rate, q, p),
                     at.side_friction if side_sticks else beside.slip,
-                    0.0,  # the right corner's, in the slot
                 ],
                 rel=1e-9,
                 abs=1e-9,
             )
 
 
-FOLLOWED = [TILT, *range(6, SINES)]  # rows that are sampled at every node
+FOLLOWED = [TILT, *range(6, SINES - 2)]  # rows that are sampled at every node
 
 
 @each_kind
@@ -265,7 +294,7 @@ def test_curvature_bounds_bound_the_distance_from_a_line(support: int, side: int
 
 def operations(support: int, side: int) -> int:
     """Return the floating-point operations of the series of one run in a kind of mode."""
-    plan, count = Plan(recurrences(support, side)), 0
+    plan, count = Plan(recurrences(Kind(ON_RIGHT_EDGE, support, side))), 0
     for row in plan.stage:
         orders = ORDER + 1 if plan.is_ahead(row) else ORDER
         if row.kind in ("product", "quotient"):
@@ -276,7 +305,7 @@ def operations(support: int, side: int) -> int:
 
 
 def test_a_sliding_part_takes_ten_products() -> None:
-    sliding = recurrences(SLIDES, FREE)
+    sliding = recurrences(Kind(ON_RIGHT_EDGE, SLIDES, FREE))
     assert len(sliding.accelerations) == 3
     # Two for sine and cosine, four for where the edge is, four for its forces: of each order.
     products = 10 * ORDER * (ORDER + 1)

@@ -1,6 +1,6 @@
 """The error of a run, carried through its steps by the linearised motion and through its events.
 
-Every step adds its local error, the next terms of its series. Between events the error obeys the
+Every step adds its local error, the next term of its series. Between events the error obeys the
 linearised equations of motion (``_ErrorWriter`` of series_code.py). At an event it is multiplied by
 the saltation matrix: a displaced run reaches the event later, and goes on in the mode before it in
 the meantime (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
@@ -23,8 +23,11 @@ from model.engines.record import (
 )
 from model.engines.scalar.step import rates_of
 from model.events.friction import hold_sticking
+from model.events.table import LENGTH
 from model.physics.compiled import inlined_kernel, kernel
+from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
+from model.physics.scenes import STICKING
 
 _DISPLACEMENT = 1e-7  # of the state, for a derivative
 _ORIGIN = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -44,7 +47,7 @@ def _size(q):
 def carry_error(length, w, lane, runs, i):
     """Carry the error of run ``i`` through a step of its lane, or through its part to an event.
 
-    The local error is what the series omits: its next two terms.
+    The local error is what the series omits: its next term.
     """
     power = length ** (ORDER + 1)
     for n in range(STATE_SIZE):
@@ -52,12 +55,8 @@ def carry_error(length, w, lane, runs, i):
         for order in range(ERROR_ORDER, -1, -1):
             row = workspace.ERROR + order * STATE_SIZE + n
             error = error * length + w[row * WIDTH + lane]
-        omitted = 0.0
-        for order in range(ORDER + REMAINDER, ORDER, -1):
-            row = COEFFICIENTS + order * ROWS + n
-            omitted = omitted * length + w[row * WIDTH + lane]
-        error += power * omitted
-        runs[i, ERROR + n] = error
+        omitted = w[(COEFFICIENTS + (ORDER + REMAINDER) * ROWS + n) * WIDTH + lane]
+        runs[i, ERROR + n] = error + power * omitted
     size = _size(state_in(runs, ERROR, i))
     runs[i, LARGEST_ERROR] = max(runs[i, LARGEST_ERROR], size)
 
@@ -82,6 +81,29 @@ def _derivative(events, which, time, q, p, mode, direction, later):
     return events.level(which, time + moment, ahead, p, mode) / _DISPLACEMENT
 
 
+@inlined_kernel
+def _keeps_friction(pressed, slip, presses, slips):
+    """Return whether a contact slides on, begins to slide, or presses no more."""
+    if pressed:
+        return not presses or slips == slip or slip == STICKING
+    return not presses or slips != STICKING
+
+
+@inlined_kernel
+def _is_continuous(kind, before, after):
+    """Return whether forces and velocities are continuous at an event, so that the error is.
+
+    They are where a load is zero, and where friction reaches its limit.
+    """
+    return (
+        kind != LENGTH
+        and _keeps_friction(
+            is_supported(before), before.support_slip, is_supported(after), after.support_slip
+        )
+        and _keeps_friction(is_beside(before), before.side_slip, is_beside(after), after.side_slip)
+    )
+
+
 @kernel
 def pass_event(events, which, q, before, runs, i):
     """Carry the error of run ``i`` through the event ``which``, which has just changed its mode.
@@ -91,7 +113,7 @@ def pass_event(events, which, q, before, runs, i):
     time, p, after = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
     size = _size(error)
-    if not 0.0 < size < inf:
+    if not 0.0 < size < inf or _is_continuous(events.kind(which), before, after):
         return
     rates, rates_after = rates_of(time, q, p, before), rates_of(time, q, p, after)
     unit = _moved(_ORIGIN, error, 1.0 / size)

@@ -5,44 +5,63 @@ time; the code is therefore generated, a line for each event, from the forms of 
 (traced.py). Events that apply in no mode of the lanes are omitted.
 """
 
+from collections.abc import Iterator
 from functools import cache, cached_property
 from itertools import product
 from typing import Any, NamedTuple
 
 from model.engines.batch import step, workspace
-from model.engines.batch.series import PAIRS
-from model.engines.batch.series_code import errors_filler, series_filler
-from model.engines.batch.series_plan import KINDS, NODES, ORDER, ROWS, SINES, WIDTH
+from model.engines.batch.series import ALIGNMENT_KINDS, INSERTION_KINDS, Kind, Watched
+from model.engines.batch.series_code import errors_filler, series_filler, series_sampler
+from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES, WIDTH
 from model.engines.batch.traced import MODE, Form, P, forms_of, is_nothing, rendered
-from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
+from model.engines.batch.workspace import (
+    COEFFICIENTS,
+    EVENT_ROWS,
+    ROW,
+    VALUES,
+    kind_in,
+    numbers_of,
+)
 from model.engines.record import CLOSEST
 from model.events.kernel_set import KernelSet
 from model.events.kernels import Lines, SceneKernels, Writer, combined_count, kernels_of, python_of
 from model.events.levels import NEVER, NOTHING
 from model.events.table import EVENTS, Event, Table
 from model.physics.compiled import inlined_kernel, kernel
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING, Mode, Scene
 
 TERMS = ORDER + 1  # of the series of each quantity
+_CORNERS = "corner_load", "wall_load"  # the last quantities, of the insertion scene
 _STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
 _FALLS = (False, False, False), (True, False, False), (True, True, False), (True, True, True)
+
+
+def kinds_of(inserts: bool) -> tuple[Kind, ...]:
+    """Return the kinds of modes that lanes hold."""
+    return INSERTION_KINDS if inserts else ALIGNMENT_KINDS
 
 
 @cache
 def _held(inserts: bool) -> list[Mode]:
     """Modes that lanes hold, of friction coefficients and slips that suffice for all events."""
     within = _STATES if inserts else (OPEN,)
+    contacts = [(RIGHT_EDGE, *each) for each in product(_STATES, within, _STATES, within)]
+    contacts += [(LEFT_EDGE, face, OPEN, OPEN, OPEN) for face in (CLOSED, RELEASED) if inserts]
     modes = [
         # The symbol in an unused field makes kernels called with it run as Python.
         MODE._replace(
-            face=face, corner=corner, side=side, wall=wall, support_slip=slip, side_slip=side_slip,
+            edge=edge, face=face, corner=corner, side=side, wall=wall, support_slip=slip,
+            side_slip=side_slip, slip_at_corner=corner == CLOSED, slip_at_wall=wall == CLOSED,
             dropped=dropped, in_slot=in_slot, corners_inside=inside,
         )
-        for face, corner, side, wall in product(_STATES, within, _STATES, within)
+        for edge, face, corner, side, wall in contacts
         for slip, side_slip in product(_SLIPS, _SLIPS)
         for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
     ]  # fmt: skip
-    return [mode for mode in modes if python_of(workspace.pair_of)(mode) >= 0]
+    numbers = numbers_of(kinds_of(inserts))
+    return [mode for mode in modes if python_of(kind_in)(numbers, mode) >= 0]
 
 
 _RUBS = P._replace(friction=1.0)
@@ -55,18 +74,18 @@ class Case(NamedTuple):
     forms: tuple[Form, ...]
 
 
-class Watched:
+class WatchedEvent:
     """Event that has a level in some mode of the lanes."""
 
-    def __init__(self, number: int, event: Event, held: list[Mode]) -> None:
+    def __init__(self, number: int, event: Event, inserts: bool) -> None:
         self.number = number
         self.cases: list[Case] = []
         self.modes: list[Mode] = []
         for applies, level in event.level:
-            modes = [mode for mode in held if python_of(applies)(_RUBS, mode)]
+            modes = [mode for mode in _held(inserts) if python_of(applies)(_RUBS, mode)]
             if not modes:
                 continue
-            forms = forms_of(event.source, level)
+            forms = forms_of(event.source, level, inserts)
             if forms is None:
                 raise ValueError(f"{event.name}: lanes hold its modes, but not its quantities")
             self.cases.append(Case(applies, forms))
@@ -74,8 +93,8 @@ class Watched:
 
     @cached_property
     def only_in_flight(self) -> bool:
-        """True if it applies only while no edge is under the face."""
-        return all(mode.face == OPEN for mode in self.modes)
+        """True if it applies only while A1 is not under the face."""
+        return all(mode.face == OPEN or mode.edge == LEFT_EDGE for mode in self.modes)
 
     @cached_property
     def only_beside(self) -> bool:
@@ -83,10 +102,14 @@ class Watched:
         return all(mode.side != OPEN for mode in self.modes)
 
     @cached_property
+    def only_dropped(self) -> bool:
+        """True if it applies only after alignment."""
+        return all(mode.dropped for mode in self.modes)
+
+    @cached_property
     def only_fallen(self) -> bool:
         """True if it applies only after alignment, and neither in flight only nor beside only."""
-        elsewhere = self.only_in_flight or self.only_beside
-        return not elsewhere and all(mode.dropped for mode in self.modes)
+        return self.only_dropped and not (self.only_in_flight or self.only_beside)
 
     @cached_property
     def is_partial(self) -> bool:
@@ -120,11 +143,11 @@ def _bound(form: Form) -> str:
     return " + ".join(terms) if form.is_known and terms else "0.0"
 
 
-def _all_forms(events: list[Watched]) -> tuple[Form, ...]:
+def _all_forms(events: list[WatchedEvent]) -> tuple[Form, ...]:
     return tuple(form for event in events for case in event.cases for form in case.forms)
 
 
-def _selected(event: Watched, texts: list[str], otherwise: str, write: Writer) -> str:
+def _selected(event: WatchedEvent, texts: list[str], otherwise: str, write: Writer) -> str:
     """Expression that selects the case that applies."""
     text = otherwise
     for case, each in zip(reversed(event.cases), reversed(texts), strict=True):
@@ -132,10 +155,19 @@ def _selected(event: Watched, texts: list[str], otherwise: str, write: Writer) -
     return text
 
 
+def _until_and_after_fall(
+    events: list[WatchedEvent],
+) -> Iterator[tuple[str, list[WatchedEvent]]]:
+    """Yield events with the condition under which they may apply, if there are any."""
+    yield "True", [each for each in events if not each.only_dropped]
+    if fallen := [each for each in events if each.only_dropped]:
+        yield "fell", fallen
+
+
 _LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
 
 
-def _sample_lanes(singles: list[Watched], samples: int, count: int, write: Writer) -> Lines:
+def _sample_lanes(singles: list[WatchedEvent], samples: int, count: int, write: Writer) -> Lines:
     """Levels of one quantity at every node, with constant offsets for each node."""
     fallen = [each for each in singles if each.only_fallen]
     others = [each for each in singles if not each.only_fallen]
@@ -153,19 +185,21 @@ def _sample_lanes(singles: list[Watched], samples: int, count: int, write: Write
             yield from (f"        {each}" for each in lines)
 
 
-def _enter_bounds(singles: list[Watched], bounds: int, write: Writer) -> Lines:
+def _enter_bounds(singles: list[WatchedEvent], bounds: int, write: Writer) -> Lines:
     """Curvature bounds of levels of one quantity."""
     row, factor = str(VALUES + NODES * SINES), f"{step._CURVATURE!r} * "
-    yield f"for i in range({WIDTH}):"
-    lines = [*_LANE, *_loads(_all_forms(singles), row, factor)]
-    for event in singles:
-        values = [_bound(case.forms[0]) for case in event.cases]
-        selected = _selected(event, values, "0.0", write)
-        lines.append(f"w[{(bounds + event.number) * WIDTH} + i] = {selected}")
-    yield from (f"    {each}" for each in lines)
+    for condition, events in _until_and_after_fall(singles):
+        yield f"if {condition}:"
+        yield f"    for i in range({WIDTH}):"
+        lines = [*_LANE, *_loads(_all_forms(events), row, factor)]
+        for event in events:
+            values = [_bound(case.forms[0]) for case in event.cases]
+            selected = _selected(event, values, "0.0", write)
+            lines.append(f"w[{(bounds + event.number) * WIDTH} + i] = {selected}")
+        yield from (f"        {each}" for each in lines)
 
 
-def _of_four(combined: list[Watched], row: str, scale: str, text: Any, missing: str) -> Lines:
+def _of_four(combined: list[WatchedEvent], row: str, scale: str, text: Any, missing: str) -> Lines:
     """Choice of the four quantities of an event, or of their bounds."""
     yield "p, mode = constants_of_lane(w, i), mode_of_lane(w, i)"
     for event in combined:
@@ -179,7 +213,7 @@ def _of_four(combined: list[Watched], row: str, scale: str, text: Any, missing: 
         yield f"    return {', '.join(values)}"
 
 
-def _screen(events: list[Watched], combined: int, samples: int) -> Lines:
+def _screen(events: list[WatchedEvent], combined: int, samples: int) -> Lines:
     """Screening of the events that may apply; the levels of others become NEVER."""
     for condition, chosen in (
         ("beside", [each for each in events if each.only_beside and not each.only_in_flight]),
@@ -212,7 +246,7 @@ def _screen(events: list[Watched], combined: int, samples: int) -> Lines:
                 yield f"        w[{(samples + each.number) * WIDTH} + i] = NEVER"
 
 
-def _enter(event: Watched, write: Writer) -> Lines:
+def _enter(event: WatchedEvent, write: Writer) -> Lines:
     """Series of the quantities of one event, in the fraction of the step."""
     yield "p, mode, length = constants_of_lane(w, i), mode_of_lane(w, i), w[LENGTH * WIDTH + i]"
     for case in event.cases:
@@ -230,12 +264,23 @@ def _enter(event: Watched, write: Writer) -> Lines:
         yield "    return"
 
 
-def _note_lowest(events: list[Watched]) -> Lines:
+def _enter_lowest(watched: list[WatchedEvent]) -> Lines:
+    """Lowest samples of the levels up to the end of each subinterval."""
+    for condition, events in _until_and_after_fall(watched):
+        yield f"if {condition}:"
+        yield f"    for i in range({WIDTH}):"
+        yield from (f"        enter_lowest(events, {each.number}, w, i)" for each in events)
+
+
+def _note_lowest(watched: list[WatchedEvent]) -> Lines:
     """Lower the closest approaches of a run to the lowest levels from a row on."""
-    for event in events:
-        yield f"lowest = w[(row + {event.number}) * {WIDTH} + i]"
-        yield f"at = CLOSEST + {event.number}"
-        yield "runs[run, at] = min(runs[run, at], lowest)"
+    yield f"fell = w[DROPPED * {WIDTH} + i] != 0.0"
+    for condition, events in _until_and_after_fall(watched):
+        yield f"if {condition}:"
+        for event in events:
+            yield f"    lowest = w[(row + {event.number}) * {WIDTH} + i]"
+            yield f"    at = CLOSEST + {event.number}"
+            yield "    runs[run, at] = min(runs[run, at], lowest)"
 
 
 @cache
@@ -247,41 +292,46 @@ def vector_kernels_of(table: Table) -> KernelSet:
         samples, bounds, lowest, subintervals: first rows of the levels at the nodes, of their
             curvature bounds, of their lowest samples up to the end of each subinterval, and of the
             masks of subintervals that may contain a down-crossing.
-        sample_lanes(fell, w), enter_bounds(w): write levels of one quantity, and their bounds.
+        sample_lanes(fell, w), enter_bounds(fell, w): write levels of one quantity, their bounds.
         quantities_in(which, row, w, i), bounds_of(which, w, i): quantities of a level of several,
             and their bounds.
         applies(which, p, mode): True if a level of several quantities applies.
         screen(events, flies, beside, fell, w), find(events, candidates, w): write the candidates.
-        enter_all_lowest(events, w), note_lowest(row, w, i, runs, run): closest approaches.
+        enter_all_lowest(events, fell, w), note_lowest(row, w, i, runs, run): closest approaches.
         enter_series(which, sign, series, w, i): write the series of a level's quantities; ``sign``
             is the sign of the argument of its absolute value.
-        mode_of_lane(w, i): the ``Mode`` of a lane; fill_series: see ``series_filler``.
-        takes_size(which, p, mode), is_partial(which): see ``Form`` and ``Watched``.
+        mode_of_lane(w, i): the ``Mode`` of a lane; kind_of(mode): see ``kind_in``.
+        fill_series, fill_errors, sample_series: see series_code.py.
+        takes_size(which, p, mode), is_partial(which): see ``Form`` and ``WatchedEvent``.
     """
     combined, count, base = combined_count(table), len(table), kernels_of(table)
     inserts = base.inserts == 1
-    pairs, held = PAIRS if inserts else PAIRS[:1], _held(inserts)
+    kinds = kinds_of(inserts)
     mode_of_lane = workspace.mode_of_lane_in_slot if inserts else workspace.mode_of_lane
+    quantities = Watched._fields if inserts else Watched._fields[: -len(_CORNERS)]
     samples = EVENT_ROWS
     bounds = samples + NODES * count
     lowest = bounds + count
     subintervals = lowest + (NODES - 1) * count
     numbers = {
         "samples": samples, "bounds": bounds, "lowest": lowest, "subintervals": subintervals,
-        "rows": subintervals + count, "kinds": len(pairs) * len(KINDS) ** 2,
+        "rows": subintervals + count, "kinds": len(kinds),
     }  # fmt: skip
-    watched = [each for k, event in enumerate(table) if (each := Watched(k, event, held)).cases]
+    watched = [
+        each for k, event in enumerate(table) if (each := WatchedEvent(k, event, inserts)).cases
+    ]
     several = [each for each in watched if each.number < combined]
     singles = [each for each in watched if each.number >= combined]
     write = Writer(
         base.name, NEVER=NEVER, NOTHING=NOTHING, WIDTH=WIDTH, CANDIDATES=workspace.CANDIDATES,
-        LENGTH=workspace.LENGTH, CLOSEST=CLOSEST, constants_of_lane=workspace.constants_of_lane,
-        mode_of_lane=mode_of_lane, screen_single=step.screen_single,
-        screen_combined=step.screen_combined, find_single=step.find_single,
-        find_combined=step.find_combined, enter_lowest=step.enter_lowest,
+        LENGTH=workspace.LENGTH, DROPPED=workspace.DROPPED, CLOSEST=CLOSEST,
+        constants_of_lane=workspace.constants_of_lane, mode_of_lane=mode_of_lane,
+        screen_single=step.screen_single, screen_combined=step.screen_combined,
+        find_single=step.find_single, find_combined=step.find_combined,
+        enter_lowest=step.enter_lowest,
     )  # fmt: skip
     write.write(kernel, "sample_lanes(fell, w)", _sample_lanes(singles, samples, count, write))
-    write.write(kernel, "enter_bounds(w)", _enter_bounds(singles, bounds, write))
+    write.write(kernel, "enter_bounds(fell, w)", _enter_bounds(singles, bounds, write))
     write.write(
         inlined_kernel, "quantities_in(which, row, w, i)",
         _of_four(several, "row", "", _value, "NOTHING"),
@@ -302,10 +352,7 @@ def vector_kernels_of(table: Table) -> KernelSet:
         f"find_{'combined' if k.number < combined else 'single'}(events, {k.number}, candidates, w)"
         for k in watched
     ]))  # fmt: skip
-    write.write(kernel, "enter_all_lowest(events, w)", iter([
-        f"for i in range({WIDTH}):",
-        *(f"    enter_lowest(events, {k.number}, w, i)" for k in watched),
-    ]))  # fmt: skip
+    write.write(kernel, "enter_all_lowest(events, fell, w)", _enter_lowest(watched))
     write.write(inlined_kernel, "note_lowest(row, w, i, runs, run)", _note_lowest(watched))
     for each in watched:
         head = f"enter_{each.number}(sign, series, w, i)"
@@ -328,9 +375,15 @@ def vector_kernels_of(table: Table) -> KernelSet:
     write.choose(
         "is_partial(which)", ((k.number, "True") for k in several if k.is_partial), "False"
     )
+    write.known |= {"NUMBERS": numbers_of(kinds), "kind_in": kind_in}
+    write.write(inlined_kernel, "kind_of(mode)", iter(("return kind_in(NUMBERS, mode)",)))
     members = base.members | write.members | numbers
-    members |= {"mode_of_lane": mode_of_lane, "fill_series": series_filler(pairs)}
-    members["fill_errors"] = errors_filler(pairs)
+    members |= {
+        "mode_of_lane": mode_of_lane,
+        "fill_series": series_filler(kinds, inserts),
+        "fill_errors": errors_filler(kinds, inserts),
+        "sample_series": series_sampler(len(quantities)),
+    }
     return KernelSet(f"{base.name}-lanes", members, write.sources)
 
 

@@ -7,14 +7,17 @@ from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, SINES
 from model.engines.batch.step import curvature_bound
 from model.engines.batch.workspace import (
     COEFFICIENTS,
-    CONTACTS_AT,
+    CORNER_LOAD,
+    FACE_LOAD,
     LENGTH,
+    SIDE_LOAD,
     STEP_FORCE,
     STEP_TILT,
     VALUES,
+    WALL_LOAD,
 )
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.motion import is_beside, is_supported
+from model.physics.scenes import CLOSED
 
 _SUBINTERVAL = FRACTIONS[0]
 _PEAK_ITERATIONS = 2
@@ -81,6 +84,32 @@ def _highest(row, sign, until, known, w, lane):
     return highest
 
 
+@inlined_kernel
+def _add(row, to, w, lane):
+    """Add a row, its samples and its bound to another one."""
+    for order in range(ORDER + 1):
+        at = COEFFICIENTS + order * ROWS
+        w[(at + to) * WIDTH + lane] += w[(at + row) * WIDTH + lane]
+    for node in range(NODES + 1):
+        at = VALUES + node * SINES
+        w[(at + to) * WIDTH + lane] += w[(at + row) * WIDTH + lane]
+
+
+@inlined_kernel
+def _highest_force(edge_load, corner_load, states, until, known, w, lane):
+    """``_highest`` of the normal force on one side, from the rows of its edge and its corner.
+
+    ``states`` are their normal states. If both press, the sum of their loads takes the place of the
+    corner's.
+    """
+    edge, corner = states
+    if edge == CLOSED and corner == CLOSED:
+        _add(edge_load, corner_load, w, lane)
+    if corner == CLOSED:
+        return _highest(corner_load, 1.0, until, known, w, lane)
+    return _highest(edge_load, 1.0, until, known, w, lane) if edge == CLOSED else known
+
+
 @kernel
 def largest_until(events, tilt, force, until, w, lane):
     """Largest |tilt| and normal force of a run, up to the fraction ``until`` of the step.
@@ -92,8 +121,7 @@ def largest_until(events, tilt, force, until, w, lane):
         tilt = _highest(TILT, 1.0, until, tilt, w, lane)
         tilt = _highest(TILT, -1.0, until, tilt, w, lane)
     if w[STEP_FORCE * WIDTH + lane] > force:
-        if is_supported(mode):
-            force = _highest(CONTACTS_AT, 1.0, until, force, w, lane)
-        if is_beside(mode):
-            force = _highest(CONTACTS_AT + 2, 1.0, until, force, w, lane)
+        right, left = (mode.face, mode.corner), (mode.side, mode.wall)
+        force = _highest_force(FACE_LOAD, CORNER_LOAD, right, until, force, w, lane)
+        force = _highest_force(SIDE_LOAD, WALL_LOAD, left, until, force, w, lane)
     return tilt, force

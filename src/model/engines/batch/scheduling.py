@@ -16,14 +16,10 @@ from model.engines.batch.carried_error import carry_error, error_of_time, pass_e
 from model.engines.batch.event_kernels import TERMS
 from model.engines.batch.event_search import QUANTITIES, first_event, state_at
 from model.engines.batch.peaks import largest_until
-from model.engines.batch.series import CONSISTENT, FREE, SIDE_SIGN, SLIDES, STICKS, SUPPORT_SIGN
-from model.engines.batch.series_plan import KINDS, NODES, ORDER, WIDTH
+from model.engines.batch.series import CONSISTENT, SIDE_SIGN, SUPPORT_SIGN
+from model.engines.batch.series_plan import NODES, ORDER, WIDTH
 from model.engines.batch.step import step_all
-from model.engines.batch.workspace import (
-    COEFFICIENTS,
-    constants_of_lane,
-    pair_of,
-)
+from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane
 from model.engines.course import (
     History,
     begin,
@@ -72,9 +68,8 @@ from model.events.kernels import SceneKernels
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.motion import is_beside, is_supported
-from model.physics.notation import STATE_SIZE
-from model.physics.scenes import OPEN, STICKING, Mode
+from model.physics.notation import LEFT_EDGE, STATE_SIZE
+from model.physics.scenes import OPEN, Mode
 
 POOL = 128  # largest number of runs that a thread has at once
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
@@ -82,23 +77,12 @@ _NOT_FINITE = int(Reason.NOT_FINITE)
 _FIRST_LONGEST = 1.0  # bound of a run's first step
 
 
-@inlined_kernel
-def _kind(mode):
-    """Number of the kind of ``mode``, which determines the equations of its series."""
-    support = STICKS if mode.support_slip == STICKING else SLIDES
-    side = STICKS if mode.side_slip == STICKING else SLIDES
-    of_pair = (support if is_supported(mode) else FREE) * len(KINDS) + (
-        side if is_beside(mode) else FREE
-    )
-    return pair_of(mode) * len(KINDS) ** 2 + of_pair
-
-
 def _mode(name: str) -> int:
     return MODE + Mode._fields.index(name)
 
 
 # Numbers of a run copied to its lane besides constants and state: (row of lanes, column of runs).
-_FACE, _SIDE, _DROPPED = _mode("face"), _mode("side"), _mode("dropped")
+_EDGE, _FACE, _SIDE, _DROPPED = map(_mode, ("edge", "face", "side", "dropped"))
 _GATHERED = (
     (SUPPORT_SIGN, _mode("support_slip")),
     (SIDE_SIGN, _mode("side_slip")),
@@ -113,9 +97,12 @@ _GATHERED = (
     (workspace.DROPPED, _DROPPED),
 )
 _GATHERED_IN_SLOT = (
+    (workspace.EDGE, _EDGE),
     (workspace.CORNER, _mode("corner")),
+    (workspace.SLIP_AT_CORNER, _mode("slip_at_corner")),
     (workspace.IN_SLOT, _mode("in_slot")),
     (workspace.WALL, _mode("wall")),
+    (workspace.SLIP_AT_WALL, _mode("slip_at_wall")),
     (workspace.CORNERS_INSIDE, _mode("corners_inside")),
 )
 
@@ -160,8 +147,8 @@ def _pass_periods(scene, until, history, control, w, lane, runs, i):
         q = state_at((runs[i, STOP] - start) / length, w, lane)
         keep_state(hold_sticking(q, p, mode), runs, i)
         runs[i, TIME] = runs[i, STOP]
-        end_period(scene, history, control.may_settle != 0.0, runs, i)
-        if control.may_settle != 0.0:
+        end_period(scene, history, control.settling_noise, runs, i)
+        if control.settling_noise > 0.0:
             _note_lowest(scene.events, until, w, lane, runs, i)
 
 
@@ -176,7 +163,7 @@ def _carries_error(scene, control, runs, i):
 def _advance(scene, until, history, control, w, lane, runs, i):
     """Advance by a step, or by its part up to an event; return whether the run continues."""
     length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, TIME]
-    if control.may_settle != 0.0:
+    if control.settling_noise > 0.0:
         _note_lowest(scene.events, until, w, lane, runs, i)
     _pass_periods(scene, until, history, control, w, lane, runs, i)
     continues = runs[i, OUTCOME] == CONTINUES
@@ -300,14 +287,15 @@ def _enqueue(scene, method, control, many, endings, i):
     The reference engine advances it until lanes can hold its mode. Returns True if the run waits.
     """
     runs, waiting = many.runs, many.waiting
-    while runs[i, OUTCOME] == CONTINUES and pair_of(mode_of(runs, i)) < 0:
+    kind = scene.events.kind_of(mode_of(runs, i))
+    while runs[i, OUTCOME] == CONTINUES and kind < 0:
         if _carries_error(scene, control, runs, i):
             runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
         advance(scene, method, control, many.work.nodes[:0], many.history, many.work, runs, i)
+        kind = scene.events.kind_of(mode_of(runs, i))
     if runs[i, OUTCOME] != CONTINUES:
         keep_result(runs, i, endings, int(runs[i, ROW_OF_BATCH]))
         return False
-    kind = _kind(mode_of(runs, i))
     waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
     waiting.counts[kind] += 1
     return True
@@ -351,12 +339,12 @@ def _dequeue(kind, waiting, together):
 def _step_together(events, kind, count, control, many):
     """Make a step of ``count`` runs in the same kind of mode."""
     w, runs = many.w, many.runs
-    beside, flies, fell = False, kind < len(KINDS), False
+    beside, flies, fell = False, False, False
     for lane in range(WIDTH):  # lanes without a run repeat the last one
         i = many.together[min(lane, count - 1)]
         _gather(events, runs, i, w, lane)
         beside = beside or runs[i, _SIDE] != OPEN
-        flies = flies or runs[i, _FACE] == OPEN
+        flies = flies or runs[i, _FACE] == OPEN or runs[i, _EDGE] == LEFT_EDGE
         fell = fell or runs[i, _DROPPED] != 0.0
     step_all(events, kind, flies, beside, fell, control, w)
 

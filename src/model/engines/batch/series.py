@@ -8,8 +8,9 @@ product, a quotient, a sum, or the rate of another row. Recurrences as in Moore,
 generates kernels from them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +28,7 @@ from model.physics.contacts import (
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, START, STICKING
+from model.physics.scenes import CLOSED, OPEN, START, STICKING, Mode
 from model.physics.trigonometry import sine_cosine
 
 # Constant during a step: a number, a given quantity by its place, or an operation on others.
@@ -202,8 +203,9 @@ def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
 class Watched(NamedTuple):
     """Quantities of which levels of events are functions, in modes that lanes hold.
 
-    Places as in ``Outline``; for the support, ``face``, and for the left side the load, and the
-    slip or, while the contact sticks, the friction force; the share of B1 in the support's load.
+    Places as in ``Outline``; the loads of the edge and of the corner on either side; for either
+    side the slip or, while the contact sticks, the friction force. The loads of the corners are
+    those of the insertion scene.
     """
 
     right_along_face: Any
@@ -220,6 +222,7 @@ class Watched(NamedTuple):
     side_load: Any
     side_friction: Any
     corner_load: Any
+    wall_load: Any
 
 
 class Recurrences(NamedTuple):
@@ -229,16 +232,78 @@ class Recurrences(NamedTuple):
     watched: tuple[Sum, ...]
 
 
-FREE, SLIDES, STICKS = range(3)  # states of a contact, each with its own equations of motion
-# Pairs of contacts, of the support and of the left side: A1 on the bottom face and A2 on its side
-# face; in the slot both edges on the side faces; A1 on its side face and B2 on the wall; B1 on the
-# wall and A2 on its side face; A1 and B1, of which B1's slip decides the friction, and A2.
-ON_EDGE, BETWEEN_EDGES, UNDER_EDGE, ON_WALL, FLUSH = range(5)
-PAIRS = ON_EDGE, BETWEEN_EDGES, UNDER_EDGE, ON_WALL, FLUSH
+# Where the support is: A1 or A2 under the bottom face, or A1 and B1 on the right side of the slot.
+ON_RIGHT_EDGE, ON_LEFT_EDGE, BETWEEN_WALLS = range(3)
+FREE, SLIDES, STICKS = range(3)  # states of an edge alone; see ``PRESSING``
 
 
-def recurrences(support: int, side: int, pair: int = ON_EDGE) -> Recurrences:
-    """Return the ``Recurrences`` for states FREE, SLIDES or STICKS of the contacts of a pair.
+class Pressing(NamedTuple):
+    """Contacts that press on one side, where their slip counts, and whether it is zero."""
+
+    edge: bool
+    corner: bool
+    slip_at_corner: bool
+    sticks: bool
+
+
+_WHERE = (True, False, False), (False, True, True), (True, True, False), (True, True, True)
+PRESSING = (
+    Pressing(False, False, False, False),
+    *(Pressing(*where, sticks) for where in _WHERE for sticks in (False, True)),
+)
+"""Every ``Pressing`` that occurs; the number of one is its index, FREE if nothing presses."""
+
+
+class Kind(NamedTuple):
+    """A kind of mode: the place of the support, and the numbers of what presses on either side."""
+
+    place: int
+    support: int
+    side: int
+
+
+_EDGE, _CORNER, _BOTH = (FREE, SLIDES, STICKS), (3, 4), (5, 6, 7, 8)
+
+
+def _kinds(place: int, supports: Iterable[int], sides: Iterable[int]) -> tuple[Kind, ...]:
+    return tuple(Kind(place, *pair) for pair in product(supports, sides))
+
+
+ALIGNMENT_KINDS = _kinds(ON_RIGHT_EDGE, _EDGE, _EDGE)
+INSERTION_KINDS = (
+    *ALIGNMENT_KINDS,
+    *_kinds(ON_RIGHT_EDGE, (FREE,), _CORNER + _BOTH),
+    *_kinds(ON_LEFT_EDGE, _EDGE, (FREE,)),
+    *_kinds(BETWEEN_WALLS, _EDGE + _CORNER + _BOTH, _EDGE),
+    *_kinds(BETWEEN_WALLS, _EDGE, _CORNER),
+    *_kinds(BETWEEN_WALLS, (FREE,), _BOTH),
+)
+"""Kinds of modes that lanes hold, in the order of their numbers."""
+
+
+def _mode_of(kind: Kind) -> Mode:
+    """Return a mode of this kind; its slips are symbols."""
+    support, side = PRESSING[kind.support], PRESSING[kind.side]
+    slips: list[Any] = [
+        STICKING if each.sticks or not (each.edge or each.corner) else _given(sign)
+        for each, sign in ((support, SUPPORT_SIGN), (side, SIDE_SIGN))
+    ]
+    return START._replace(
+        edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
+        in_slot=kind.place == BETWEEN_WALLS,
+        face=CLOSED if support.edge else OPEN, corner=CLOSED if support.corner else OPEN,
+        slip_at_corner=support.slip_at_corner, support_slip=slips[0],
+        side=CLOSED if side.edge else OPEN, wall=CLOSED if side.corner else OPEN,
+        slip_at_wall=side.slip_at_corner, side_slip=slips[1],
+    )  # fmt: skip
+
+
+def _load(contact: Contact, q: State, p: Constants) -> Any:
+    return contact_load(contact.depth, contact.closing_rate, q, p)
+
+
+def recurrences(kind: Kind, inserts: bool = False) -> Recurrences:
+    """Return the ``Recurrences`` of a kind of mode, with the loads of corners if it ``inserts``.
 
     ``motion`` uses the consistent readings; open and released contacts have the same equations.
     """
@@ -247,41 +312,23 @@ def recurrences(support: int, side: int, pair: int = ON_EDGE) -> Recurrences:
     constants: list[Any] = [_given(places[row]) if row in places else 0.0 for row in fields]
     p = Constants(*constants)
     states: list[Any] = [_of(row) for row in STATES]
-    q = State(*states)
-    support_state, side_state = (OPEN if each == FREE else CLOSED for each in (support, side))
-    slips: list[Any] = [
-        _given(sign) if does == SLIDES else STICKING
-        for does, sign in ((support, SUPPORT_SIGN), (side, SIDE_SIGN))
-    ]
-    at_corner, at_wall = pair in (ON_WALL, FLUSH), pair == UNDER_EDGE
-    mode = START._replace(
-        face=OPEN if pair == ON_WALL else support_state, support_slip=slips[0],
-        corner=support_state if at_corner else OPEN, slip_at_corner=at_corner,
-        side=OPEN if at_wall else side_state, side_slip=slips[1],
-        wall=side_state if at_wall else OPEN, slip_at_wall=at_wall, in_slot=pair != ON_EDGE,
-    )  # fmt: skip
+    q, mode = State(*states), _mode_of(kind)
     at = motion(_of(TIME_ROW), q, p, mode)
-    edge = (edge_on_face if pair == ON_EDGE else edge_on_side)(RIGHT_EDGE, q, p)
-    corner = corner_on_wall(RIGHT_EDGE, q, p)
-    corner_load: Any = contact_load(corner.depth, corner.closing_rate, q, p)
-    load: Any = contact_load(edge.depth, edge.closing_rate, q, p)
-    if pair == FLUSH:
-        load = load + corner_load
-    elif pair == ON_WALL:
-        load, corner_load = corner_load, _of(corner_load.as_row())  # a row of its own
-    else:
-        corner_load = 0.0
-    side_face = corner_on_wall(LEFT_EDGE, q, p) if at_wall else edge_on_side(LEFT_EDGE, q, p)
+    edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else edge_on_face(mode.edge, q, p)
+    left_edge = edge_on_side(LEFT_EDGE, q, p)
+    corner, left_corner = corner_on_wall(RIGHT_EDGE, q, p), corner_on_wall(LEFT_EDGE, q, p)
+    support, side = PRESSING[kind.support], PRESSING[kind.side]
+    support_slip = (corner if support.slip_at_corner else edge).slip
+    side_slip = (left_corner if side.slip_at_corner else left_edge).slip
     places = outline(q, p)._asdict()
     watched = Watched(
         **{name: place for name, place in places.items() if name in Watched._fields},
-        face_load=load,
-        support_friction=(
-            at.support_friction if support == STICKS else (corner if at_corner else edge).slip
-        ),
-        side_load=contact_load(side_face.depth, side_face.closing_rate, q, p),
-        side_friction=at.side_friction if side == STICKS else side_face.slip,
-        corner_load=corner_load,
+        face_load=_load(edge, q, p),
+        support_friction=at.support_friction if support.sticks else support_slip,
+        side_load=_load(left_edge, q, p),
+        side_friction=at.side_friction if side.sticks else side_slip,
+        corner_load=_load(corner, q, p) if mode.in_slot else 0.0,
+        wall_load=_load(left_corner, q, p) if inserts else 0.0,
     )
     accelerations = _as_sum(at.x), _as_sum(at.y), _as_sum(at.tilt)
     return Recurrences(accelerations, tuple(map(_as_sum, watched)))

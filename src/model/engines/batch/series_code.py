@@ -5,7 +5,6 @@ The code is written for WIDTH runs, one in each lane of a vector, with the memor
 """
 
 from collections.abc import Callable, Sequence
-from itertools import product
 from typing import Any
 
 from llvmlite import ir
@@ -14,20 +13,17 @@ from numba.core.cgutils import unpack_tuple
 from numba.extending import intrinsic
 
 from model.engines.batch.series import (
-    FLUSH,
-    FREE,
     STATES,
     Constant,
+    Kind,
     Row,
     Sum,
-    Watched,
     recurrences,
 )
 from model.engines.batch.series_plan import (
     ERROR_ORDER,
     FRACTIONS,
     FURTHER_ROWS,
-    KINDS,
     NODES,
     ORDER,
     ORDERS,
@@ -370,9 +366,12 @@ class _ErrorWriter(_SeriesWriter):
 
 
 class _SamplesWriter(_Writer):
-    """Writes the function (coefficients, lengths, values) that sums series at the nodes."""
+    """Writes the function (coefficients, lengths, values) that sums series at the nodes.
 
-    def __init__(self, module: ir.Module, name: str) -> None:
+    ``count`` is the number of watched quantities.
+    """
+
+    def __init__(self, module: ir.Module, name: str, count: int) -> None:
         super().__init__(module, name, 3)
         self.coefficients, lengths, self.values = self.function.args
         self.length = self.load(lengths, _INDEX(0))
@@ -382,7 +381,7 @@ class _SamplesWriter(_Writer):
             for order in range(2, ORDER + 1)
         }
         self.repeat(_INDEX(STATE_ROWS), self._end_of_state)
-        self.repeat(_INDEX(1 + len(Watched._fields)), self._one_row)
+        self.repeat(_INDEX(1 + count), self._one_row)
         self.code.ret_void()
 
     def _coefficient(self, row: ir.Value, order: int) -> ir.Value:
@@ -436,53 +435,56 @@ def _written(name: str, write: Callable[[ir.Module, str], _Writer]) -> Any:
     return call
 
 
-_follow = _written("follow", _SamplesWriter)
-
-
-def _filler(name: str, writer: type[_SeriesWriter], pairs: Sequence[int], places: str) -> Any:
+def _filler(
+    name: str, writer: type[_SeriesWriter], kinds: Sequence[Kind], inserts: bool, places: str
+) -> Any:
     """Make the kernel (kind, block, ``places``) that calls the function written for a kind."""
 
-    def written(pair: int, support: int, side: int) -> Any:
+    def written(kind: Kind) -> Any:
         def write(module: ir.Module, label: str) -> _Writer:
-            return writer(module, label, Plan(recurrences(support, side, pair)))
+            return writer(module, label, Plan(recurrences(kind, inserts)))
 
-        return _written(f"{name}_{support}_{side}_{pair}", write)
+        return _written("_".join(map(str, (name, inserts, *kind))), write)
 
     known, lines = {}, [f"def {name}(kind, block, {places}):"]
-    for kind, (pair, support, side) in enumerate(product(pairs, KINDS, KINDS)):
-        if pair == FLUSH and support == FREE:
-            continue
-        known[f"series_{kind}"] = written(pair, support, side)
-        lines.append(f"    if kind == {kind}: series_{kind}(block, ({places}))")
-    return generated(kernel, name, "\n".join(lines), known, f"{len(pairs)}_pairs")
+    for number, kind in enumerate(kinds):
+        known[f"series_{number}"] = written(kind)
+        lines.append(f"    if kind == {number}: series_{number}(block, ({places}))")
+    return generated(kernel, name, "\n".join(lines), known, f"{len(kinds)}_kinds")
 
 
-def series_filler(pairs: Sequence[int]) -> Any:
+def series_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
     """Make the kernel (kind, block, coefficients, given, last) that fills the coefficients of runs.
 
     ``block`` holds vectors on cache lines. At the place ``coefficients`` in it stand ROWS of them
     for each order, of which the first holds the states and sines; at ``given``, GIVEN of them; at
-    ``last`` the last order of the states. The ``kind`` is 9 times the number of the pair of
-    contacts, plus 3 times what the support does, plus what the side does.
+    ``last`` the last order of the states. ``kind`` is an index of ``kinds``; ``inserts`` as in
+    ``recurrences``.
     """
-    return _filler("fill_series", _SeriesWriter, pairs, "coefficients, given, last")
+    places = "coefficients, given, last"
+    return _filler("fill_series", _SeriesWriter, kinds, inserts, places)
 
 
-def errors_filler(pairs: Sequence[int]) -> Any:
+def errors_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
     """Make the kernel (kind, block, coefficients, given, error) that fills the series of errors.
 
     The coefficients are filled. At ``error`` stand the errors of the states, one order after the
     other up to ERROR_ORDER; the first is given.
     """
-    return _filler("fill_errors", _ErrorWriter, pairs, "coefficients, given, error")
+    return _filler("fill_errors", _ErrorWriter, kinds, inserts, "coefficients, given, error")
 
 
-@kernel
-def follow_series(block, coefficients, lengths, values):
-    """Sum the tilt and the watched quantities at the nodes of steps of the given ``lengths``.
+def series_sampler(count: int) -> Any:
+    """Make the kernel (block, coefficients, lengths, values) that sums series at nodes of steps.
 
-    At ``values`` stand SINES vectors for each node and, behind them, as many bounds of the
-    second derivative with respect to the fraction of the step. The other states are
-    summed at the last node only.
+    It sums the tilt and the first ``count`` watched quantities at the nodes of steps of the given
+    ``lengths``. At ``values`` stand SINES vectors for each node and, behind them, as many bounds of
+    the second derivative with respect to the fraction of the step. The other states are summed at
+    the last node only.
     """
-    _follow(block, (coefficients, lengths, values))
+    sample = _written(f"sample_{count}", lambda module, name: _SamplesWriter(module, name, count))
+    code = (
+        "def sample_series(block, coefficients, lengths, values):\n"
+        "    sample(block, (coefficients, lengths, values))"
+    )
+    return generated(kernel, "sample_series", code, {"sample": sample}, f"{count}_quantities")

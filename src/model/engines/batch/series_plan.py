@@ -6,20 +6,12 @@ sine and cosine rows, and factors of products and quotients. All other rows stay
 
 from collections.abc import Iterator
 
-from model.engines.batch.series import (
-    FREE,
-    SLIDES,
-    STATES,
-    STICKS,
-    Recurrences,
-    Row,
-    Watched,
-)
+from model.engines.batch.series import STATES, Recurrences, Row, Watched
 
 WIDTH = 8  # runs in a vector
 ORDER = 16  # of the series
 ERROR_ORDER = 5  # of the series of the linearised motion
-REMAINDER = 2  # further orders, which estimate what the series omits
+REMAINDER = 1  # further orders, which estimate what the series omits
 ORDERS = ORDER + REMAINDER + 1  # in memory
 STATE_ROWS = len(STATES)
 TILT = 2  # row of the tilt
@@ -31,7 +23,6 @@ FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
 # Order of the last term summed at each fraction; omitted ones are below 1e-4 of those at the end.
 ORDERS_THERE = (10, 13, ORDER, ORDER)
-KINDS = (FREE, SLIDES, STICKS)
 
 
 def _made_of(row: Row) -> tuple[Row, ...]:
@@ -53,7 +44,8 @@ class Plan:
         self.series = series
         self.watched = [each.as_row() for each in series.watched]
         self.sines = self._pairs()
-        self.place = {row: n for n, row in enumerate((*STATES, *self.watched, *self.sines))}
+        self.place = {row: n for n, row in enumerate((*STATES, *self.watched))}
+        self.place |= {row: SINES + n for n, row in enumerate(self.sines)}
         self.stage: dict[Row, int] = {}
         for total in self.series.accelerations:
             for row in total.terms:
@@ -63,16 +55,19 @@ class Plan:
         for row in self.stage:
             if row.kind in ("product", "quotient"):
                 for each in (*row.of, *((row,) if row.kind == "quotient" else ())):
-                    self.place.setdefault(each, len(self.place))
+                    self.place.setdefault(each, self._next_place())
             if not self.is_ahead(row):
                 for each in filter(self.is_ahead, _made_of(row)):
-                    self.place.setdefault(each, len(self.place))
-        if len(self.place) > ROWS + FURTHER_ROWS:
+                    self.place.setdefault(each, self._next_place())
+        if self._next_place() > ROWS + FURTHER_ROWS:
             raise AssertionError(
                 f"ROWS = {ROWS} and FURTHER_ROWS = {FURTHER_ROWS}: must be at least "
-                f"{len(self.place)} together"
+                f"{self._next_place()} together"
             )
         self.factors = self._oriented()
+
+    def _next_place(self) -> int:
+        return max(self.place.values()) + 1
 
     def _pairs(self) -> list[Row]:
         tilt = (0.0, ((STATES[2], 1.0),))

@@ -10,7 +10,6 @@ from math import floor
 
 import numpy as np
 
-from model.engines.batch.series_code import follow_series
 from model.engines.batch.series_plan import (
     FRACTIONS,
     NODES,
@@ -25,24 +24,28 @@ from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
+    CORNER_LOAD,
     DEADLINE,
     END,
     ERROR,
+    FACE_LOAD,
     LAST_ORDER,
     LENGTH,
     LONGEST,
+    SIDE_LOAD,
     STEP_FORCE,
     STEP_TILT,
     TIME,
     TOLERANCE,
     VALUES,
+    WALL_LOAD,
     constants_of_lane,
     state_in_lane,
 )
 from model.events.friction import REST_SLIP, hold_sticking
 from model.events.levels import FLAT, NEVER, ON_AN_EVENT, largest
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.motion import is_beside, is_supported
+from model.physics.scenes import CLOSED
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15
@@ -276,9 +279,12 @@ def _enter_largest(events, w):
     for i in range(WIDTH):
         mode = events.mode_of_lane(w, i)
         w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
-        face = _at_most(CONTACTS_AT, w, i) if is_supported(mode) else 0.0
-        side = _at_most(CONTACTS_AT + 2, w, i) if is_beside(mode) else 0.0
-        w[STEP_FORCE * WIDTH + i] = max(face, side)
+        support = _at_most(FACE_LOAD, w, i) if mode.face == CLOSED else 0.0
+        side = _at_most(SIDE_LOAD, w, i) if mode.side == CLOSED else 0.0
+        if events.inserts == 1:
+            support += _at_most(CORNER_LOAD, w, i) if mode.corner == CLOSED else 0.0
+            side += _at_most(WALL_LOAD, w, i) if mode.wall == CLOSED else 0.0
+        w[STEP_FORCE * WIDTH + i] = max(support, side)
 
 
 @kernel
@@ -297,7 +303,7 @@ def _end_steps(events, w):
 def step_all(events, kind, flies, beside, fell, control, w):
     """Make one step in every lane, and enter the candidates for events in it.
 
-    ``flies``: True if the edge is not under the face in any lane; ``beside``: True if A2 is behind
+    ``flies``: True if A1 is not under the face in any lane; ``beside``: True if A2 is behind
     the side face in any lane; ``fell``: True if the part has fallen in in any lane. Lowest levels,
     and upper bounds of tilt and forces, are entered if ``control`` requires them.
     """
@@ -309,9 +315,9 @@ def step_all(events, kind, flies, beside, fell, control, w):
     if carries_error:
         events.fill_errors(kind, w, COEFFICIENTS, 0, ERROR)
     _set_lengths(w)
-    follow_series(w, COEFFICIENTS, LENGTH, VALUES)
+    events.sample_series(w, COEFFICIENTS, LENGTH, VALUES)
     events.sample_lanes(fell, w)
-    events.enter_bounds(w)
+    events.enter_bounds(fell, w)
     for i in range(WIDTH):
         w[CANDIDATES * WIDTH + i] = 0.0
     events.screen(events, flies, beside, fell, w)
@@ -321,8 +327,8 @@ def step_all(events, kind, flies, beside, fell, control, w):
     for i in range(WIDTH):
         w[CANDIDATES * WIDTH + i] = 0.0
     events.find(events, candidates, w)
-    if control.may_settle != 0.0:
-        events.enter_all_lowest(events, w)
+    if control.settling_noise > 0.0:
+        events.enter_all_lowest(events, fell, w)
     if control.alignment_only == 0.0:
         _enter_largest(events, w)
     _end_steps(events, w)

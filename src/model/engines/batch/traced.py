@@ -7,6 +7,7 @@ an absolute value, and the quantities that no row holds.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import mul
 from typing import Any
 
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
@@ -15,9 +16,9 @@ from model.events.levels import NOTHING, Outline, Touch
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
 from model.physics.compiled import Symbol
 from model.physics.motion import Motion
-from model.physics.notation import RIGHT_EDGE
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Constants
-from model.physics.scenes import Mode
+from model.physics.scenes import CLOSED, Mode
 
 Number = float | str  # or an expression of the constants of a run
 
@@ -134,33 +135,46 @@ P: Any = Constants(
         for name in Constants._fields
     )
 )  # fmt: skip
-_MODE: list[Any] = [
-    RIGHT_EDGE if name == "edge" else _constant(f"mode.{name}") for name in Mode._fields
-]
-MODE: Any = Mode(*_MODE)
+MODE: Any = Mode(*(_constant(f"mode.{name}") for name in Mode._fields))
 
 
-def _quantities() -> dict[Source, Any]:
+def _if(condition: str) -> Any:
+    return _constant(f"(1.0 if {condition} else 0.0)")
+
+
+def _quantities(inserts: bool) -> dict[Source, Any]:
     """Quantities of the sources that the workspace holds, as forms of its rows.
 
-    These are the contact of the support, the contact of the left side, and places of all edges and
-    corners.
+    These are the contacts of the edges and, if the scene ``inserts``, of the corners with the
+    walls, and places of all edges and corners. Without insertion the support is A1.
     """
     places = {name: _row(name) for name in Outline._fields if not name.endswith("_rise")}
     unknown = dict.fromkeys(Outline._fields, UNKNOWN)
     forces: dict[str, Any] = dict.fromkeys(Motion._fields, UNKNOWN)
-    for place, load in (("support", "face_load"), ("side", "side_load")):
+    sides = ("support", "face", "corner"), ("side", "side", "wall")
+    for place, edge, corner in sides:
         friction = _row(f"{place}_friction")  # or the slip of a sliding contact
         forces |= {f"{place}_slip": friction, f"{place}_friction": friction}
-        forces[f"{place}_load"] = _row(load)
-    face_depth = P.half_height + places["right_along_axis"]
-    return {
+        forces[f"{place}_load"] = _row(f"{edge}_load")
+        if inserts:
+            presses = (_if(f"mode.{each} == {CLOSED}") for each in (edge, corner))
+            loads = (_row(f"{each}_load") for each in (edge, corner))
+            edge_load, corner_load = map(mul, presses, loads)
+            forces[f"{place}_load"] = edge_load + corner_load
+    along_face, along_axis = places["right_along_face"], places["right_along_axis"]
+    if inserts:
+        right, left = _if(f"mode.edge == {RIGHT_EDGE}"), _if(f"mode.edge == {LEFT_EDGE}")
+        along_face = right * along_face + left * places["left_along_face"]
+        along_axis = right * along_axis + left * places["left_along_axis"]
+    found = {
         PLACES: Outline(**(unknown | places)),
-        FACE: Touch(face_depth, _row("face_load"), places["right_along_face"]),
+        FACE: Touch(P.half_height + along_axis, _row("face_load"), along_face),
         SIDE: Touch(places["left_behind_side"], _row("side_load"), places["left_along_axis"]),
         FORCES: Motion(**forces),
+    }
+    return found if not inserts else found | {
         RIGHT_SIDE: Touch(
-            P.half_width - places["right_along_face"], _row("face_load") - _row("corner_load"),
+            P.half_width - places["right_along_face"], _row("face_load"),
             places["right_along_axis"],
         ),
         RIGHT_WALL: Touch(
@@ -168,23 +182,24 @@ def _quantities() -> dict[Source, Any]:
             places["right_corner_y"],
         ),
         LEFT_WALL: Touch(
-            -places["left_corner_x"] - P.slot_half_width, _row("side_load"),
+            -places["left_corner_x"] - P.slot_half_width, _row("wall_load"),
             places["left_corner_y"],
         ),
     }  # fmt: skip
 
 
-QUANTITIES = _quantities()
+QUANTITIES = {inserts: _quantities(inserts) for inserts in (False, True)}
 
 
-def forms_of(source: Source, level: Callable[..., Any]) -> tuple[Form, ...] | None:
+def forms_of(source: Source, level: Callable[..., Any], inserts: bool) -> tuple[Form, ...] | None:
     """Return the quantities of a level as forms; None if the workspace does not hold its source.
 
     A missing quantity of a level of several is NOTHING, and so is one that is not known.
     """
-    if source not in QUANTITIES:
+    if source not in QUANTITIES[inserts]:
         return None
-    found = python_of(level)(QUANTITIES[source], P, MODE)
+    mode = MODE if inserts else MODE._replace(edge=RIGHT_EDGE)
+    found = python_of(level)(QUANTITIES[inserts][source], P, mode)
     return tuple(map(_as_form, found if isinstance(found, tuple) else (found,)))
 
 

@@ -5,20 +5,24 @@ Loops over lanes are plain arithmetic, so that the compiler vectorizes them; the
 for vectors (series_code.py).
 
 Lanes hold the modes in which the part rests on A1 or flies, alone or with A2 on its left side face;
-in the slot also those with an edge on one side, or with A1 and B1 on the right and A2 on the left
-(``PAIRS``). Other modes, and readings of the printed equations, are left to the reference engine.
+in the insertion scene also those on A2, and those in the slot (series.py lists their kinds). Other
+modes, and readings of the printed equations, are left to the reference engine.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from model.engines.batch.series import (
-    BETWEEN_EDGES,
+    BETWEEN_WALLS,
     CONSISTENT,
-    FLUSH,
+    FREE,
     GIVEN,
-    ON_EDGE,
-    ON_WALL,
-    UNDER_EDGE,
+    ON_LEFT_EDGE,
+    ON_RIGHT_EDGE,
+    PRESSING,
+    Kind,
     Watched,
 )
 from model.engines.batch.series_plan import (
@@ -33,9 +37,9 @@ from model.engines.batch.series_plan import (
 )
 from model.engines.scalar.tableaux import Array
 from model.physics.compiled import inlined_kernel
-from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, Mode
+from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
 from model.physics.views import reader
 
 # Rows: the constants and signs of the slips, then numbers of the lanes, and of their step.
@@ -49,16 +53,19 @@ from model.physics.views import reader
     SIDE,
     SIDE_SLIP_STATE,
     DROPPED,
+    EDGE,
     CORNER,
+    SLIP_AT_CORNER,
     IN_SLOT,
     WALL,
+    SLIP_AT_WALL,
     CORNERS_INSIDE,
     LENGTH,
     CANDIDATES,  # mask of the events that may happen in the step
     STEP_TILT,  # upper bound of |tilt| in the step
     STEP_FORCE,  # upper bound of the normal forces in the step
     LAST_ORDER,  # of the states' series
-) = range(GIVEN, GIVEN + 18)
+) = range(GIVEN, GIVEN + 21)
 END = LAST_ORDER + 1
 ERROR = END + STATE_SIZE  # series of the error that a run carries
 # The tilt and the watched rows at each node, and their curvature bounds.
@@ -66,8 +73,11 @@ VALUES = ERROR + (ERROR_ORDER + 1) * STATE_SIZE
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
 EVENT_ROWS = COEFFICIENTS + ORDERS * (ROWS + FURTHER_ROWS)  # rows of the events follow
 
-CONTACTS_AT = STATE_SIZE + Watched._fields.index("face_load")
 ROW = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(Watched._fields)}
+FACE_LOAD, SIDE_LOAD, CORNER_LOAD, WALL_LOAD = (
+    ROW[f"{contact}_load"] for contact in ("face", "side", "corner", "wall")
+)
+CONTACTS_AT = FACE_LOAD  # the first row that is neither a state nor a place
 _CACHE_LINE = 64  # bytes
 
 
@@ -114,40 +124,51 @@ def mode_of_lane(w, i):
 @inlined_kernel
 def mode_of_lane_in_slot(w, i):
     """Return the ``Mode`` of lane ``i`` in the insertion scene."""
-    corner, wall = int(w[CORNER * WIDTH + i]), int(w[WALL * WIDTH + i])
     return Mode(
-        RIGHT_EDGE,
+        w[EDGE * WIDTH + i],
         int(w[FACE * WIDTH + i]),
-        corner,
+        int(w[CORNER * WIDTH + i]),
         0.0,
-        corner == CLOSED,
+        w[SLIP_AT_CORNER * WIDTH + i] != 0.0,
         int(w[SUPPORT_SLIP_STATE * WIDTH + i]),
         int(w[SIDE * WIDTH + i]),
         int(w[SIDE_SLIP_STATE * WIDTH + i]),
         w[DROPPED * WIDTH + i] != 0.0,
         w[IN_SLOT * WIDTH + i] != 0.0,
-        wall,
-        wall == CLOSED,
+        int(w[WALL * WIDTH + i]),
+        w[SLIP_AT_WALL * WIDTH + i] != 0.0,
         w[CORNERS_INSIDE * WIDTH + i] != 0.0,
     )
 
 
+def numbers_of(kinds: Sequence[Kind]) -> NDArray[np.int64]:
+    """Return the index of each kind of mode in ``kinds``, -1 for others; shape of all kinds."""
+    numbers = np.full((3, len(PRESSING), len(PRESSING)), -1)
+    for number, kind in enumerate(kinds):
+        numbers[kind] = number
+    return numbers
+
+
 @inlined_kernel
-def pair_of(mode):
-    """Return the pair of contacts in which lanes hold this mode; -1 if they cannot."""
-    face, corner, side = mode.face != OPEN, mode.corner != OPEN, mode.side != OPEN
-    wall = mode.wall != OPEN
-    if mode.edge != RIGHT_EDGE:
+def _pressing(edge, corner, slip_at_corner, slip):
+    """Return the number of what presses on one side; see ``PRESSING``."""
+    where = 0
+    if corner == CLOSED:
+        where = 2 + int(slip_at_corner) if edge == CLOSED else 1
+    presses = edge == CLOSED or corner == CLOSED
+    return 1 + 2 * where + int(slip == STICKING) if presses else FREE
+
+
+@inlined_kernel
+def kind_in(numbers, mode):
+    """Return the number of the kind of a mode, -1 if lanes cannot hold it; see ``numbers_of``."""
+    if mode.corner != OPEN and not mode.in_slot:
         return -1
-    if (corner and not mode.in_slot) or (wall and (side or corner)):
-        return -1
-    if face and not mode.in_slot:
-        return -1 if wall else ON_EDGE
-    if wall:
-        return UNDER_EDGE
-    if corner and face:
-        presses = mode.corner == CLOSED and mode.face == CLOSED and mode.slip_at_corner
-        return FLUSH if presses else -1
-    if corner:
-        return ON_WALL
-    return BETWEEN_EDGES if face else ON_EDGE
+    place = ON_RIGHT_EDGE
+    if mode.in_slot:
+        place = BETWEEN_WALLS
+    elif mode.edge == LEFT_EDGE and mode.face != OPEN:
+        place = ON_LEFT_EDGE
+    support = _pressing(mode.face, mode.corner, mode.slip_at_corner, mode.support_slip)
+    side = _pressing(mode.side, mode.wall, mode.slip_at_wall, mode.side_slip)
+    return numbers[place, support, side]
