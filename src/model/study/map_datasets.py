@@ -60,8 +60,8 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
     },
     "reliable": {
         "long_name": "aligns from every start of the ensemble",
-        "comment": "starts are tried where the paper's aligns: many beside nodes that fail, and "
-        "those from which nodes near fail; few elsewhere",
+        "comment": "starts are tried where the paper's aligns: all beside nodes that fail, those "
+        "from which nodes near fail, and few inside",
         **_NO_YES,
     },
     "tau_worst": {

@@ -7,6 +7,7 @@ depends on the map only, so it may be cut into any number of parts.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -146,7 +147,7 @@ def refine_map(
     for layer in layers:
         nodes = known[layer.name]
         found[layer.name] = _refine_layer(layer, nodes, within(layer.lattice), tell)
-        layer.complete(found, nodes, lambda left, layer=layer: tell(layer, left))
+        layer.complete(found, nodes, partial(tell, layer))
     return found
 
 

@@ -1,12 +1,14 @@
 """The ensemble of a map: the nodes at which a part aligns from every start.
 
-A node is *reliable* if it aligns from every start of the ensemble. Few starts tell whether it is.
-The map already knows where the paper's start fails: nothing is tried there. Most of the border of
-the reliable area is the border of that area: many starts are tried beside it, and few at nodes
-inside that are far apart. Wherever another start fails, nodes near try that start, then the next
-ones in phase, of every tilt, and nodes beside try many, until no such node is left: a third,
-periodic dimension in which the border is followed. One failure settles a node, so that the starts
-likely to fail come first.
+A node is *reliable* if it aligns from every start of the ensemble. The map already knows where the
+paper's start fails: nothing is tried there. Most of the border of the reliable area is the border
+of that area, so that every start is tried beside it, and few at nodes inside that are far apart.
+Wherever another start fails, nodes near try that start, then the next ones in phase, of every tilt,
+and nodes beside try all, until no such node is left: a third, periodic dimension in which the
+border is followed. One failure settles a node, so that the starts likely to fail come first.
+
+Hence no node beside one that is known to fail is called reliable and is not. What can be missed is
+an island of nodes that fail, without a computed one among them that does.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,8 +26,7 @@ if TYPE_CHECKING:
     from model.study.maps import MapPlan
 
 COARSE = 32  # distances along a side between the nodes inside that try starts
-INSIDE = 8  # phases of which these nodes try one
-BESIDE = 2  # phases of which nodes beside a failure try one
+INSIDE = 4  # phases of which these nodes try one with each tilt
 NEAR = 2  # nodes; distance to which a start that fails is tried
 NOT_TRIED, FAILS, ALIGNS = -1, 0, 1
 
@@ -84,21 +85,19 @@ def _try_starts(
     plan: "MapPlan", known: Known, paper_fails: Bools, cores: int, tell: Callable[[int], None]
 ) -> Bools:
     """Try starts until none is left to try; return those of the rule, as ``known``'s columns."""
-    from scipy.ndimage import maximum_filter  # noqa: PLC0415  (slow)
+    from scipy.ndimage import binary_dilation, maximum_filter  # noqa: PLC0415  (slow)
 
     assert plan.ensemble is not None  # noqa: S101  (called for maps with an ensemble)
     end, phases = known.columns["end"], plan.ensemble.phases
     own = {"phase": plan.baseline.phase, "initial_tilt": plan.baseline.initial_tilt}
     papers = np.array([start == own for start in plan.starts()])
     apart = max(plan.ensemble_lattice.cells // COARSE, 1)
-    few, many = (_one_in(each, end.shape, phases, apart) for each in (INSIDE, BESIDE))
-    inside = np.zeros(few.shape, dtype=np.bool_)
-    inside[::apart, ::apart] = few[::apart, ::apart]
-    asked = np.zeros_like(inside)
+    inside, asked = np.zeros((2, *end.shape), dtype=np.bool_)
+    inside[::apart, ::apart] = _few(inside[::apart, ::apart].shape, phases)
     while True:
         fails = asked & (end == FAILS)
         settled = paper_fails | fails.any(axis=2)
-        beside = many & maximum_filter(settled, 3)[:, :, None]
+        beside = binary_dilation(settled)[:, :, None]  # along rows and columns
         open_ = (known.computed & ~settled)[:, :, None] & ~papers & ~asked
         near = maximum_filter(fails, size=(2 * NEAR + 1, 2 * NEAR + 1, 1))
         for wanted in (inside | near, _next(near, phases), beside):
@@ -128,17 +127,16 @@ def _run(plan: "MapPlan", known: Known, which: Bools, cores: int) -> None:
     known.columns["rhs_evaluations"][place] = ran["rhs_evaluations"]
 
 
-def _one_in(every: int, shape: tuple[int, ...], phases: int, apart: int) -> Bools:
-    """Return one in ``every`` starts of each node, shape (rows, columns, starts).
+def _few(shape: tuple[int, ...], phases: int) -> Bools:
+    """Return the starts that nodes inside try, shape (rows, columns, starts).
 
-    Those of one tilt have the phases between those of the next. Nodes beside each other try other
-    starts, and so do nodes that are ``apart``.
+    Those of one tilt have the phases between those of the next; neighbours try others.
     """
-    every = min(every, phases)
+    every = min(INSIDE, phases)
     row, column, start = np.ogrid[tuple(map(slice, shape))]
     between = max(every // 2, 1)
-    first = row + row // apart + between * (column + column // apart)
-    found: Bools = (start % phases + between * (start // phases) - first) % every == 0
+    phase = start % phases + between * (start // phases)
+    found: Bools = (phase - row - between * column) % every == 0
     return found
 
 
