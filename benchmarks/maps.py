@@ -19,10 +19,10 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.runs.align import run_once
 from model.study.config import LARGEST_MISALIGNMENT, MAPS, Map, Study, load_study, study_path
-from model.study.map_parts import Known, refine_layer
+from model.study.map_parts import Known
 from model.study.maps import MapPlan, areas, end_of, graded, plan_of
 from model.study.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
-from model.study.reliability import ensemble_layer
+from model.study.reliability import COARSE, ensemble_layer, of_starts
 from model.study.starts import every_start
 
 SEED = 4105  # of the planes and devices that are drawn
@@ -186,6 +186,7 @@ class Reliability:
         figure, cells: which map, and the cells along a side of the ensemble's lattice.
         tried: share of the starts that the map tries.
         nodes: nodes of which all starts would be as many runs.
+        refined: nodes of a lattice refined where all starts align, some or none; all are tried.
         reliable: share of the nodes that align from every start.
         wrong, too_good: nodes at which the map is wrong, and of these those that it calls reliable.
     """
@@ -194,6 +195,7 @@ class Reliability:
     cells: int
     tried: float
     nodes: int
+    refined: int
     reliable: float
     wrong: int
     too_good: int
@@ -202,16 +204,21 @@ class Reliability:
         """One line of the table."""
         return (
             f"{self.figure} ensemble {self.cells}x{self.cells}: {100.0 * self.tried:.2f} % of the "
-            f"starts, as many as of {self.nodes:,} nodes; {100.0 * self.reliable:.1f} % reliable; "
-            f"{self.wrong} wrong, {self.too_good} of them called reliable"
+            f"starts, as many as of {self.nodes:,} nodes ({self.refined:,} if all were tried on a "
+            f"refined lattice); {100.0 * self.reliable:.1f} % reliable; {self.wrong} wrong, "
+            f"{self.too_good} of them called reliable"
         )
 
 
 def compare_reliability(plan: MapPlan) -> Reliability:
-    """Refine the map of the ensemble, then run every start at every node."""
+    """Refine the map and try the starts that it asks for, then run every start at every node."""
     layer, starts = ensemble_layer(plan, 1), plan.starts()
     known = Known.nothing(layer.lattice, layer.unknown)
-    refined = refine_layer(layer, known)
+    known.computed[:] = True
+    paper = refine(_Nodes(plan).evaluate(), plan.lattice)
+    layer.complete({"paper": paper}, known, lambda _: None)
+    aligns: Bools = paper.kind[:: plan.every, :: plan.every] == plan.settings.settings.success
+    share, _, _ = of_starts(known.columns, aligns, paper.value[:: plan.every, :: plan.every])
     settings = replace(plan.settings.settings, alignment_only=True)
     rows, columns = (plan.every * each.ravel() for each in np.indices(layer.lattice.shape))
     every = [
@@ -220,14 +227,19 @@ def compare_reliability(plan: MapPlan) -> Reliability:
             *(np.array_split(each, 1 + each.size // 256) for each in (rows, columns)), strict=True
         )
     ]
-    reliable = np.concatenate(every).all(axis=1).reshape(layer.lattice.shape)
-    wrong: Bools = (refined.kind == 1) != reliable
+    aligned = np.concatenate(every).sum(axis=1).reshape(layer.lattice.shape)
+    reliable = aligned == len(starts)
+    kind = np.where(reliable, 2, np.minimum(aligned, 1))
+    lattice = replace(layer.lattice, coarse=max(layer.lattice.cells // COARSE, 1))
+    on_lattice = refine(lambda *node: (kind[node], np.full(node[0].shape, np.nan)), lattice)
+    wrong: Bools = (share == 1.0) != reliable
     runs = layer.starts(known)
     return Reliability(
         figure=plan.name,
         cells=layer.lattice.cells,
         tried=runs / (reliable.size * len(starts)),
         nodes=round(runs / len(starts)),
+        refined=int(on_lattice.computed.sum()),
         reliable=float(reliable.mean()),
         wrong=int(wrong.sum()),
         too_good=int((wrong & ~reliable).sum()),

@@ -69,15 +69,16 @@ def test_the_slope_is_the_power_of_the_cost():
 
 
 def test_small_maps_are_compared_and_costed():
-    """Of the study, and of a device that is drawn."""
+    """Of the study, and of devices that are drawn: one that aligns at no corner, and one at two."""
     study = load_study(study_path())
-    for plan in drawn(study, 4, count=1):
+    for plan, aligns in zip(drawn(study, 4, count=2), (0.0, 0.5), strict=True):
         found = compare(plan)
         assert (found.wrong, found.computed) == (0, 1.0)
         assert found.seconds_full > 0.0
-        assert plan.baseline.friction != map_plan(study, "fig13").baseline.friction
+        assert plan.baseline.friction != map_plan(study, plan.name).baseline.friction
         reliability = compare_reliability(plan)
         assert reliability.cells == 1
         assert (reliability.wrong, reliability.too_good) == (0, 0)
-        assert 0.1 < reliability.tried < 1.0
+        assert (reliability.reliable, reliability.refined) == (aligns, 4)
+        assert aligns / 2.0 <= reliability.tried <= aligns * 31.0 / 32.0  # every phase, once
     assert costs("fig14", 4, 2) == {2: 9, 4: 25}

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import distance_transform_edt, maximum_filter
 
 from model import Batch, align
 from model.events.outcomes import Outcome
@@ -85,8 +85,11 @@ def test_counts_and_levels_match_the_computed_nodes(found, plan):
     ensemble[::4, ::4] = True
     assert set(found.trajectories[~ensemble].tolist()) <= {0, 1}
     tried = found.trajectories[ensemble] - found.computed[ensemble]
-    assert set(tried.tolist()) <= {0, 2, 3, 4, 5, starts}  # each tilt from one phase at least
-    assert tried.max() == starts
+    assert tried.max() == starts - 1  # the paper's is known
+    fails = found.outcome[::4, ::4] != Outcome.ALIGNED
+    assert fails.any()
+    assert not tried.reshape(fails.shape)[fails].any()
+    assert not found.reliable_share[::4, ::4][fails].any()
     assert found.level.min() >= 0
     assert found.level.max() == 2
     assert np.isnan(found.tau_error[~found.computed]).all()
@@ -121,20 +124,90 @@ def test_reliable_nodes_align_and_their_worst_duration_is_the_longest(found):
 
 
 def test_neighbours_try_all_starts_between_them():
-    rows, columns = (4 * each.ravel() for each in np.indices((8, 8)))
-    first = reliability._first(rows, columns, 4, phases=16, starts=32).reshape(8, 8, 32)
-    assert (first.sum(axis=2) == 8).all()
+    few = reliability._few((9, 9, 32), phases=16)
+    assert (few.sum(axis=2) == 8).all()
+    assert (few.reshape(9, 9, 2, 16).sum(axis=2) <= 1).all()  # no phase with both tilts
     for row, column in ((0, 0), (3, 5)):
-        assert first[row : row + 4, column : column + 2].any(axis=(0, 1)).all()
-        assert (first[row : row + 2, column] != first[row : row + 2, column + 1]).any()
+        assert few[row : row + 4, column].any(axis=0).all()
+        assert few[row : row + 2, column : column + 2].any(axis=(0, 1)).all()
 
 
-def test_a_start_that_fails_is_tried_near_it_and_beside_it_in_phase():
-    fails = np.zeros((11, 11, 12), dtype=np.bool_)
-    fails[5, 5, 6] = True  # of the second tilt, the first of 6 phases
-    rows, columns, starts = np.nonzero(reliability._near(fails, 6))
-    assert set(starts.tolist()) == {6, 7, 11}
-    assert (rows.min(), rows.max(), columns.min(), columns.max()) == (1, 9, 1, 9)
+def test_beside_a_start_in_phase_are_two_with_every_tilt():
+    fails = np.zeros((1, 2, 12), dtype=np.bool_)
+    fails[0, 1, 6] = True  # of the second tilt, the first of 6 phases
+    _, columns, starts = np.nonzero(reliability._next(fails, 6))
+    assert set(columns.tolist()) == {1}
+    assert starts.tolist() == [0, 1, 5, 6, 7, 11]
+
+
+@pytest.fixture
+def tried(device, monkeypatch):
+    """Try the starts of a map on the given ends, (rows, columns, starts); (known, runs)."""
+
+    def tried(aligns, tilts):
+        ensemble = Ensemble(phases=16, tilts=tilts, every=1)
+        plan = plan_of("trial", device, SETTINGS, (X, Y), len(aligns) - 1, ensemble)
+        layer, runs = reliability.ensemble_layer(plan, 1), []
+
+        def run(_plan, known, which, _cores):
+            assert not which[known.columns["end"] != reliability.NOT_TRIED].any()
+            runs.append(which)
+            known.columns["end"][which] = np.where(
+                aligns[which], reliability.ALIGNS, reliability.FAILS
+            )
+
+        monkeypatch.setattr(reliability, "_run", run)
+        known = nothing_known(plan)["ensemble"]
+        known.computed[:] = True
+        paper = SimpleNamespace(kind=np.where(aligns[:, :, 0], Outcome.ALIGNED, Outcome.LEFT_SCENE))
+        layer.complete({"paper": paper}, known, lambda _: None)
+        assert layer.starts(known) == sum(each.sum() for each in runs)
+        return known.columns, np.any(runs, axis=0)
+
+    return tried
+
+
+def test_few_starts_find_the_nodes_at_which_any_fails(tried, monkeypatch):
+    """Every start has a straight border of its own, moving with its phase; islands fail as well."""
+    monkeypatch.setattr(reliability, "COARSE", 32)
+    row, column, phase = np.ogrid[:129, :129, :16]
+    border = 40.0 + 0.2 * row + 6.0 * np.cos(2.0 * np.pi * (phase - 5) / 16)
+    island = np.hypot(row - 80, column - 100) < 6.0 + 6.0 * np.cos(np.pi * (phase - 9) / 8)
+    one = (column > border) & ~island
+    aligns = np.concatenate([one, one], axis=2)
+    columns, runs = tried(aligns, [1.0, 3.0])
+    fails = (columns["end"] == reliability.FAILS).any(axis=2) | ~aligns[:, :, 0]
+    assert np.array_equal(fails, ~aligns.all(axis=2))
+    assert not runs[~aligns[:, :, 0]].any()
+    assert not runs[:, :, 0].any()  # the paper's
+    beside = maximum_filter(fails, 3) & aligns[:, :, 0]  # what the paper's start does not tell
+    assert runs.sum() < beside.sum() * aligns.shape[2]
+
+
+def test_nothing_is_tried_where_the_paper_fails_even_if_the_ensemble_lacks_its_start(tried):
+    aligns = np.zeros((17, 17, 16), dtype=np.bool_)
+    _, runs = tried(aligns, [2.0])
+    assert not runs.any()
+    aligns[:, :, 0] = True  # stands for the paper's as well
+    columns, runs = tried(aligns, [2.0])
+    assert runs[:, :, 0].any()
+    assert (columns["end"] == reliability.FAILS).any(axis=2).all()
+
+
+def test_the_excess_is_that_of_the_nearest_node_whose_starts_all_align():
+    end = np.full((1, 5, 2), reliability.NOT_TRIED)
+    end[0, 0] = reliability.ALIGNS
+    end[0, 3], end[0, 4, 0] = (reliability.ALIGNS, reliability.FAILS), reliability.ALIGNS
+    tau = np.where(end == reliability.ALIGNS, [[[7.0, 6.0]]], np.nan)
+    paper = np.array([[5.0, 9.0, 9.0, 9.0, 8.0]])
+    found = reliability.of_starts({"end": end, "tau": tau}, np.isfinite(paper), paper)
+    share, excess, runs = (each[0].tolist() for each in found)
+    assert runs == [2, 0, 0, 2, 1]
+    assert share == [1.0, 1.0, 1.0, 2.0 / 3.0, 1.0]
+    assert excess == [2.0, 2.0, *excess[2:3], 0.0, 0.0]  # the third is as far from both
+    assert excess[2] in {0.0, 2.0}
+    untried = {"end": np.full_like(end, reliability.NOT_TRIED), "tau": np.full_like(tau, np.nan)}
+    assert not reliability.of_starts(untried, np.isfinite(paper), paper)[1].any()
 
 
 def test_the_margin_is_the_distance_to_the_nearest_unreliable_node(found):

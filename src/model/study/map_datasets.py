@@ -54,16 +54,21 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
     },
     "level": LEVEL,
     "trajectories": {"long_name": "starts computed at this node, 0 where it was filled"},
-    "reliable_share": {"long_name": "share of the ensemble's starts tried here that align"},
+    "reliable_share": {
+        "long_name": "share of the ensemble's starts tried here that align",
+        "comment": "the paper's start included; no other is tried where it fails",
+    },
     "reliable": {
         "long_name": "aligns from every start of the ensemble",
-        "comment": "some of the starts are tried at every node, others at its neighbours, and all "
-        "from which nodes near it fail",
+        "comment": "starts are tried where the paper's aligns: all beside nodes that fail, those "
+        "from which nodes near fail, and few inside",
         **_NO_YES,
     },
     "tau_worst": {
-        "long_name": "longest alignment duration of the starts tried here",
+        "long_name": "longest alignment duration of the starts tried",
         "symbol": "τ",
+        "comment": "where none but the paper's was tried, as much longer than from this one as at "
+        "the nearest node where others were",
     },
     "margin": {
         "long_name": "distance to the nearest node that is not reliable",

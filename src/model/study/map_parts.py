@@ -7,6 +7,7 @@ depends on the map only, so it may be cut into any number of parts.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -62,6 +63,9 @@ class Known:
         return {name: column[rows, columns] for name, column in self.columns.items()}
 
 
+Complete = Callable[[Mapping[str, Refined], Known, Callable[[int], None]], None]
+
+
 @dataclass(frozen=True)
 class Layer:
     """A quantity over a map, refined on its own lattice.
@@ -72,8 +76,8 @@ class Layer:
         unknown: as for ``Known.nothing``.
         compute: (rows, columns, known so far) -> columns of these nodes.
         compare: (rows, columns, their columns) -> kinds and values, which refine the lattice.
-        further: (refined map, known) -> True if it computed more at nodes of the map, by which
-            their kinds may change, so that it must be refined anew.
+        complete: (refined maps of this layer and those before it, known, progress) -> None;
+            computes what depends on other layers, and tells the nodes of each wave.
         starts: known -> number of runs.
     """
 
@@ -82,7 +86,7 @@ class Layer:
     unknown: Columns
     compute: Callable[[Ints, Ints, Known], Columns]
     compare: Callable[[Ints, Ints, Columns], tuple[Ints, Floats]]
-    further: Callable[[Refined, Known], bool] = lambda *_: False
+    complete: Complete = lambda *_: None
     starts: Callable[[Known], int] = lambda known: int(known.computed.sum())
 
 
@@ -139,17 +143,16 @@ def refine_map(
     def tell(layer: Layer, left: int) -> None:
         progress(layer.name, sum(each.starts(known[each.name]) for each in layers), left)
 
-    return {
-        layer.name: refine_layer(layer, known[layer.name], within(layer.lattice), tell)
-        for layer in layers
-    }
+    found: dict[str, Refined] = {}
+    for layer in layers:
+        nodes = known[layer.name]
+        found[layer.name] = _refine_layer(layer, nodes, within(layer.lattice), tell)
+        layer.complete(found, nodes, partial(tell, layer))
+    return found
 
 
-def refine_layer(
-    layer: Layer,
-    nodes: Known,
-    within: Bools | None = None,
-    tell: Callable[[Layer, int], None] = lambda *_: None,
+def _refine_layer(
+    layer: Layer, nodes: Known, within: Bools | None, tell: Callable[[Layer, int], None]
 ) -> Refined:
     """Refine one layer as ``refine_map``; ``tell`` is called with the nodes still to come."""
 
@@ -163,8 +166,6 @@ def refine_layer(
         return layer.compare(rows, columns, nodes.of(rows, columns))
 
     found = refine(evaluate, layer.lattice, within)
-    while layer.further(found, nodes):
-        found = refine(evaluate, layer.lattice, within)
     nodes.keep(found.computed, layer.unknown)
     return found
 

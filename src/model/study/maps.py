@@ -3,8 +3,8 @@
 A map gives the outcome and the alignment time from the paper's start at every node of a fine
 lattice over two parameters; refinement.py chooses the nodes that are computed. The outcome near the
 border depends on the phase of the excitation at touch-down and on the tilt there, which cannot be
-controlled: a *reliable* device aligns within the horizon from every start of an ensemble. That
-ensemble is tried on a coarser lattice, refined as well; see reliability.py.
+controlled: a *reliable* device aligns within the horizon from every start of an ensemble. Which of
+these are tried, on a coarser lattice, reliability.py chooses.
 """
 
 import math
@@ -34,7 +34,7 @@ from model.study.config import (
 from model.study.map_parts import AllKnown, Columns, Known, Layer, Progress, refine_map
 from model.study.plan import Plan
 from model.study.refinement import Bools, Floats, Ints, Lattice
-from model.study.reliability import ensemble_layer, lattice_of, of_starts
+from model.study.reliability import ensemble_layer, of_starts
 from model.study.starts import GOES_IN, starts_of
 
 COARSE = 64  # coarse cells along a side of a map, at least
@@ -108,14 +108,14 @@ class MapPlan(Plan):
 
     @property
     def every(self) -> int:
-        """Finest cells along a side of the finest cell of the ensemble."""
+        """Finest cells along a side of a cell of the ensemble."""
         assert self.ensemble is not None  # noqa: S101  (called for maps with an ensemble)
         return self.cells // max(self.cells // self.ensemble.every, 1)
 
     @property
     def ensemble_lattice(self) -> Lattice:
-        """The lattice of the ensemble."""
-        return lattice_of(self.cells // self.every)
+        """The lattice of the ensemble, all of whose nodes are known from the paper's start."""
+        return Lattice(cells=self.cells // self.every, coarse=1)
 
     def starts(self) -> list[dict[str, float]]:
         """Return every start of the ensemble; the first is the paper's."""
@@ -267,22 +267,23 @@ def assemble(
     paper, columns = refined["paper"], known["paper"].columns
     outcome = paper.spread(columns["outcome"])
     aligns = outcome == plan.settings.settings.success
+    duration = np.where(aligns, paper.filled(columns["tau_align"]), np.nan)
     sensitive = columns["sensitive"] == 1
     twin, unvibrated = refined["twin"], known["twin"].columns
     rests = {name: twin.filled(unvibrated[name]) for name in ("unvibrated_tilt", "slow_tilt")}
     reliable, share, worst = aligns, *np.full((2, *aligns.shape), np.nan)
     trajectories = paper.computed.astype(np.int32)
     if plan.ensemble is not None:
-        tried, ensemble, every = known["ensemble"].columns, refined["ensemble"], plan.every
-        shares, longest, runs = of_starts(tried)
-        share = _between(np.minimum, ensemble.filled(shares), every)
-        worst = _between(np.maximum, ensemble.filled(longest), every)
+        nodes = (slice(None, None, plan.every),) * 2
+        shares, excess, runs = of_starts(known["ensemble"].columns, aligns[nodes], duration[nodes])
+        share = _between(np.minimum, shares, plan.every)
+        worst = duration + _between(np.maximum, excess, plan.every)
         reliable = aligns & (share == 1.0)
-        trajectories[::every, ::every] += runs
+        trajectories[nodes] += runs
     return {
         "outcome": outcome,
         "reason": paper.spread(columns["reason"]),
-        "tau_align": np.where(aligns, paper.filled(columns["tau_align"]), np.nan),
+        "tau_align": duration,
         "tau_error": columns["tau_error"],
         "sensitive": sensitive.astype(np.int8),
         "unvibrated": twin.spread(unvibrated["unvibrated"]),

@@ -1,122 +1,148 @@
 """The ensemble of a map: the nodes at which a part aligns from every start.
 
-A node is *reliable* if it aligns from every start of the ensemble. Few starts tell whether it is.
-Every node tries some of them, neighbours others. A node that fails from none of these also tries
-the starts, and those next to them in phase, from which nodes near it fail. This goes on until no
-node has such a start left: a third, periodic dimension in which the border is followed as well.
+A node is *reliable* if it aligns from every start of the ensemble. The map already knows where the
+paper's start fails: nothing is tried there. Most of the border of the reliable area is the border
+of that area, so that every start is tried beside it, and few at nodes inside that are far apart.
+Wherever another start fails, nodes near try that start, then the next ones in phase, of every tilt,
+and nodes beside try all, until no such node is left: a third, periodic dimension in which the
+border is followed. One failure settles a node, so that the starts likely to fail come first.
+
+Hence no node beside one that is known to fail is called reliable and is not. What can be missed is
+an island of nodes that fail, without a computed one among them that does.
 """
 
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from model.physics.parameters import Batch
 from model.runs.align import run_once
 from model.study.map_parts import Columns, Known, Layer
-from model.study.refinement import Bools, Floats, Ints, Lattice, Refined
+from model.study.refinement import Bools, Floats, Ints, Refined
 from model.study.starts import GOES_IN
 
 if TYPE_CHECKING:
     from model.study.maps import MapPlan
 
-COARSE = 32  # coarse cells along a side
-APART = 4  # steps of the phase between the starts that every node tries
-NEAR = 4  # nodes; distance to which a start that fails is tried
+COARSE = 32  # distances along a side between the nodes inside that try starts
+INSIDE = 4  # phases of which these nodes try one with each tilt
+NEAR = 2  # nodes; distance to which a start that fails is tried
 NOT_TRIED, FAILS, ALIGNS = -1, 0, 1
 
 
-def lattice_of(cells: int) -> Lattice:
-    """Return the lattice of an ensemble with ``cells`` finest cells along a side."""
-    return Lattice(cells=cells, coarse=max(cells // COARSE, 1))
-
-
 def ensemble_layer(plan: "MapPlan", cores: int) -> Layer:
-    """Return the layer "ensemble": the end and the duration of every start that is tried."""
-    assert plan.ensemble is not None  # noqa: S101  (called for maps with an ensemble)
-    starts, lattice = plan.starts(), plan.ensemble_lattice
-    phases, settings = plan.ensemble.phases, plan.settings.settings.quickest
-    values = {name: np.array([start[name] for start in starts]) for name in starts[0]}
-    unknown: Columns = {
-        "end": np.full(len(starts), NOT_TRIED, dtype=np.int8),
-        "tau": np.full(len(starts), np.nan),
-        "rhs_evaluations": np.zeros(len(starts), dtype=np.int64),
-    }
-    asked = np.zeros((*lattice.shape, len(starts)), dtype=np.bool_)  # by the map, of what is known
+    """Return the layer "ensemble": the end and the duration of every start that is tried.
 
-    def tries(rows: Ints, columns: Ints, which: Bools, found: Columns) -> None:
-        """Run the starts ``which``, shape (m, starts), that are not in ``found``; enter them."""
-        node, start = np.nonzero(which & (found["end"] == NOT_TRIED))
-        if node.size:
-            swept = plan.swept(plan.every * rows[node], plan.every * columns[node])
-            varied = {name: value[start] for name, value in values.items()}
-            ran = run_once(Batch.of(plan.baseline, **swept, **varied), settings, cores=cores)
-            inside = np.isin(ran["outcome"], GOES_IN)
-            found["end"][node, start] = np.where(inside, ALIGNS, FAILS)
-            found["tau"][node, start] = np.where(inside, ran["tau_align"], np.nan)
-            found["rhs_evaluations"][node, start] = ran["rhs_evaluations"]
+    All of its nodes are known, from the paper's start at least.
+    """
+    count = len(plan.starts())
+    unknown: Columns = {
+        "end": np.full(count, NOT_TRIED, dtype=np.int8),
+        "tau": np.full(count, np.nan),
+        "rhs_evaluations": np.zeros(count, dtype=np.int64),
+    }
 
     def compute(rows: Ints, columns: Ints, known: Known) -> Columns:
-        found = known.of(rows, columns)
-        tries(rows, columns, _first(rows, columns, lattice.coarse, phases, len(starts)), found)
-        return found
+        return known.of(rows, columns)  # starts are tried when the nodes around are known
 
-    def compare(rows: Ints, columns: Ints, found: Columns) -> tuple[Ints, Floats]:
-        asked[rows, columns] |= _first(rows, columns, lattice.coarse, phases, len(starts))
-        fails = asked[rows, columns] & (found["end"] == FAILS)
-        return (~fails.any(axis=1)).astype(np.int64), np.full(rows.shape, np.nan)
+    def compare(rows: Ints, _: Ints, __: Columns) -> tuple[Ints, Floats]:
+        return np.zeros(rows.size, dtype=np.int64), np.full(rows.size, np.nan)
 
-    def further(refined: Refined, known: Known) -> bool:
-        fails = asked & (known.columns["end"] == FAILS)
-        more = _near(fails, phases) & ~asked
-        more &= (refined.computed & (refined.kind == 1))[:, :, None]
-        rows, columns = np.nonzero(more.any(axis=2))
-        if not rows.size:
-            known.columns["end"][~asked] = NOT_TRIED
-            known.columns["tau"][~asked] = np.nan
-            known.columns["rhs_evaluations"][~asked] = 0
-            return False
-        asked[rows, columns] |= more[rows, columns]
-        found = known.of(rows, columns)
-        tries(rows, columns, more[rows, columns], found)
-        known.enter(rows, columns, found)
-        return True
+    def complete(maps: Mapping[str, Refined], known: Known, tell: Callable[[int], None]) -> None:
+        paper = maps["paper"].kind[:: plan.every, :: plan.every]
+        fails = known.computed & (paper != plan.settings.settings.success)
+        asked = _try_starts(plan, known, fails, cores, tell)
+        for name, value in unknown.items():  # of parts that know less than the whole map
+            known.columns[name] = np.where(asked, known.columns[name], value)
 
-    def count(known: Known) -> int:
+    def runs(known: Known) -> int:
         return int((known.columns["end"] != NOT_TRIED).sum())
 
-    return Layer("ensemble", lattice, unknown, compute, compare, further, count)
+    return Layer("ensemble", plan.ensemble_lattice, unknown, compute, compare, complete, runs)
 
 
-def of_starts(tried: Columns) -> tuple[Floats, Floats, Ints]:
-    """Return the share of the starts tried that align, the longest duration, and the runs.
+def of_starts(tried: Columns, aligns: Bools, tau: Floats) -> tuple[Floats, Floats, Ints]:
+    """Return the share of the starts tried that align, the excess of their durations, and the runs.
 
-    Each has the shape of the lattice. NaN where nothing was tried; the duration also where a start
-    fails.
+    The share includes the paper's start, which ``aligns`` in ``tau`` or not. The excess is that of
+    the longest duration over ``tau``, at the nearest node at which starts were tried and all align.
+    Each has the shape of the lattice.
     """
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
+
     runs = (tried["end"] != NOT_TRIED).sum(axis=2)
-    with np.errstate(invalid="ignore"):
-        share = (tried["end"] == ALIGNS).sum(axis=2) / runs
-    longest = np.where(np.isnan(tried["tau"]), -np.inf, tried["tau"]).max(axis=2)
-    return share, np.where(share == 1.0, longest, np.nan), runs
+    share = (aligns + (tried["end"] == ALIGNS).sum(axis=2)) / (1 + runs)
+    excess = np.fmax.reduce(tried["tau"], axis=2, initial=0.0) - tau
+    unknown = (share < 1.0) | (runs == 0)
+    if unknown.all():
+        return share, np.zeros(share.shape), runs
+    nearest = distance_transform_edt(unknown, return_distances=False, return_indices=True)
+    return share, np.maximum(excess[tuple(nearest)], 0.0), runs
 
 
-def _first(rows: Ints, columns: Ints, coarse: int, phases: int, starts: int) -> Bools:
-    """The starts that every node tries, shape (m, starts): phases ``APART`` steps apart.
+def _try_starts(
+    plan: "MapPlan", known: Known, paper_fails: Bools, cores: int, tell: Callable[[int], None]
+) -> Bools:
+    """Try starts until none is left to try; return those of the rule, as ``known``'s columns."""
+    from scipy.ndimage import binary_dilation, maximum_filter  # noqa: PLC0415  (slow)
 
-    They begin at another phase at each node, so that neighbours together try all of them.
+    assert plan.ensemble is not None  # noqa: S101  (called for maps with an ensemble)
+    end, phases = known.columns["end"], plan.ensemble.phases
+    own = {"phase": plan.baseline.phase, "initial_tilt": plan.baseline.initial_tilt}
+    papers = np.array([start == own for start in plan.starts()])
+    apart = max(plan.ensemble_lattice.cells // COARSE, 1)
+    inside, asked = np.zeros((2, *end.shape), dtype=np.bool_)
+    inside[::apart, ::apart] = _few(inside[::apart, ::apart].shape, phases)
+    while True:
+        fails = asked & (end == FAILS)
+        settled = paper_fails | fails.any(axis=2)
+        beside = binary_dilation(settled)[:, :, None]  # along rows and columns
+        open_ = (known.computed & ~settled)[:, :, None] & ~papers & ~asked
+        near = maximum_filter(fails, size=(2 * NEAR + 1, 2 * NEAR + 1, 1))
+        for wanted in (inside | near, _next(near, phases), beside):
+            more = wanted & open_
+            if more.any():
+                break
+        else:
+            return asked
+        tell(int(more.any(axis=2).sum()))
+        asked |= more
+        _run(plan, known, asked & (end == NOT_TRIED), cores)
+
+
+def _run(plan: "MapPlan", known: Known, which: Bools, cores: int) -> None:
+    """Run the starts ``which`` at nodes, and enter them into ``known``."""
+    row, column, start = place = np.nonzero(which)
+    if not start.size:
+        return
+    starts = plan.starts()
+    values = {name: np.array([each[name] for each in starts])[start] for name in starts[0]}
+    swept = plan.swept(plan.every * row, plan.every * column)
+    settings = plan.settings.settings.quickest
+    ran = run_once(Batch.of(plan.baseline, **swept, **values), settings, cores=cores)
+    goes_in = np.isin(ran["outcome"], GOES_IN)
+    known.columns["end"][place] = np.where(goes_in, ALIGNS, FAILS)
+    known.columns["tau"][place] = np.where(goes_in, ran["tau_align"], np.nan)
+    known.columns["rhs_evaluations"][place] = ran["rhs_evaluations"]
+
+
+def _few(shape: tuple[int, ...], phases: int) -> Bools:
+    """Return the starts that nodes inside try, shape (rows, columns, starts).
+
+    Those of one tilt have the phases between those of the next; neighbours try others.
     """
-    apart = min(APART, phases)
-    first = rows + rows // coarse + (apart // 2) * (columns + columns // coarse)
-    found: Bools = np.arange(starts) % phases % apart == (first % apart)[:, None]
+    every = min(INSIDE, phases)
+    row, column, start = np.ogrid[tuple(map(slice, shape))]
+    between = max(every // 2, 1)
+    phase = start % phases + between * (start // phases)
+    found: Bools = (phase - row - between * column) % every == 0
     return found
 
 
-def _near(fails: Bools, phases: int) -> Bools:
-    """Starts from which a node near fails, or that are next to one in phase; as ``fails``."""
-    from scipy.ndimage import maximum_filter  # noqa: PLC0415  (slow)
-
+def _next(fails: Bools, phases: int) -> Bools:
+    """Return the starts of every tilt at the phases that fail and those next to them."""
     by_phase = fails.reshape(*fails.shape[:2], -1, phases)
-    near: NDArray[np.bool_] = maximum_filter(by_phase, size=(2 * NEAR + 1, 2 * NEAR + 1, 1, 1))
-    near = near | np.roll(near, 1, axis=3) | np.roll(near, -1, axis=3)
-    return near.reshape(fails.shape)
+    phase = by_phase.any(axis=2)
+    found: Bools = np.tile(phase | np.roll(phase, 1, 2) | np.roll(phase, -1, 2), by_phase.shape[2])
+    return found
