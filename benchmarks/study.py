@@ -14,6 +14,8 @@ import tempfile
 from pathlib import Path
 from time import perf_counter
 
+from verification.methods import cpu_seconds
+
 _ROOT = Path(__file__).resolve().parents[1]
 _JOB = """#!{python}
 import importlib, json, pathlib, sys
@@ -35,8 +37,8 @@ _RUNS = {
 }
 
 
-def seconds(folder: Path, snakemake: list[str], job: str) -> float:
-    """Return the time of a run of the study in a clone in ``folder``, with ``job`` as its Python.
+def seconds(folder: Path, snakemake: list[str], job: str) -> tuple[float, float]:
+    """Return the time and the CPU time of a run in a clone in ``folder``, with ``job`` as Python.
 
     Raises:
         RuntimeError: the run failed, with the end of what it printed.
@@ -54,12 +56,12 @@ def seconds(folder: Path, snakemake: list[str], job: str) -> float:
         "PYTHONPATH": f"{clone / 'src'}:{clone}",
         "VIBRALIGN_CACHE": str(folder / "cache"),
     }
-    started = perf_counter()
+    started, cpu_before = perf_counter(), cpu_seconds()
     command = [sys.executable, "-m", "snakemake", *snakemake]
     run = subprocess.run(
         command, cwd=clone, env=surroundings, capture_output=True, text=True, check=False
     )
-    spent = perf_counter() - started
+    spent = perf_counter() - started, cpu_seconds() - cpu_before
     if run.returncode:
         raise RuntimeError(f"{' '.join(command)} failed\n{run.stderr[-3000:]}")
     return spent
@@ -91,8 +93,9 @@ def main() -> None:
             if not job:
                 results = Path(folder, "clone", "results-smoke" if arguments.smoke else "results")
                 print("\n".join(by_rule(results)))
-        print(f"{name}: {times[name]:.0f} s", flush=True)
-    print(f"ratio: {times['study'] / times['empty jobs']:.2f}")
+        print("{}: {:.0f} s, {:.0f} core-seconds".format(name, *times[name]), flush=True)
+    ratios = [a / b for a, b in zip(times["study"], times["empty jobs"], strict=True)]
+    print("ratio: {:.2f}, of core-seconds {:.2f}".format(*ratios))
 
 
 if __name__ == "__main__":
