@@ -18,6 +18,7 @@ job(
     dict(data=root / "data/kernels.json"),
     params=dict(code=code("kernels")),
     message="compiling the kernels",
+    mem_mb=4000,
     priority=3,
 )
 after_kernels = dict(after=root / "data/kernels.json")
