@@ -1,7 +1,8 @@
 """Time of the whole study against its graph of jobs alone: ``python -m benchmarks.study``.
 
-Both run in fresh clones of the last commit with an empty cache of kernels: once as it is, and once
-with jobs that only make their files, so that what is left is Snakemake and the start of processes.
+All run in fresh clones of the last commit with an empty cache of kernels: the study as it is, and
+with empty jobs, which import what the job imports and make its files, so that what is left is
+Snakemake and the start of processes. Stub jobs do not even import: Snakemake alone.
 """
 
 import argparse
@@ -13,42 +14,54 @@ import tempfile
 from pathlib import Path
 from time import perf_counter
 
+from verification.methods import cpu_seconds
+
 _ROOT = Path(__file__).resolve().parents[1]
-_EMPTY_JOB = """#!{python} -IS
-import json, pathlib, sys
+_JOB = """#!{python}
+import importlib, json, pathlib, sys
 request, files = map(json.loads, sys.argv[2:])
+{imports}
 for made in (request["record"], *files["outputs"].values()):
     for each in [made] if isinstance(made, str) else made:
         if each:
             pathlib.Path(each).touch()
 """
+_IMPORTS = """sys.path[0] = "workflow"
+importlib.import_module("run")
+importlib.import_module("jobs." + request["job"])"""
+# The Python that every job starts in a run, by the run's name.
+_RUNS = {
+    "stub jobs": _JOB.format(python=f"{sys.executable} -IS", imports=""),
+    "empty jobs": _JOB.format(python=sys.executable, imports=_IMPORTS),
+    "study": "",
+}
 
 
-def seconds(folder: Path, snakemake: list[str], empty: bool) -> float:
-    """Return the time of a run of the study in a clone in ``folder``.
+def seconds(folder: Path, snakemake: list[str], job: str) -> tuple[float, float]:
+    """Return the time and the CPU time of a run in a clone in ``folder``, with ``job`` as Python.
 
     Raises:
         RuntimeError: the run failed, with the end of what it printed.
     """
     clone, tools = folder / "clone", Path(sys.executable).parent
     subprocess.run(["git", "clone", "--quiet", _ROOT, clone], check=True)
-    if empty:
+    if job:
         tools = folder / "tools"
         tools.mkdir()
-        (tools / "python").write_text(_EMPTY_JOB.format(python=sys.executable), encoding="utf-8")
+        (tools / "python").write_text(job, encoding="utf-8")
         (tools / "python").chmod(0o755)
     surroundings = {
         **os.environ,
         "PATH": f"{tools}:{os.environ['PATH']}",
-        "PYTHONPATH": str(clone / "src"),
+        "PYTHONPATH": f"{clone / 'src'}:{clone}",
         "VIBRALIGN_CACHE": str(folder / "cache"),
     }
-    started = perf_counter()
+    started, cpu_before = perf_counter(), cpu_seconds()
     command = [sys.executable, "-m", "snakemake", *snakemake]
     run = subprocess.run(
         command, cwd=clone, env=surroundings, capture_output=True, text=True, check=False
     )
-    spent = perf_counter() - started
+    spent = perf_counter() - started, cpu_seconds() - cpu_before
     if run.returncode:
         raise RuntimeError(f"{' '.join(command)} failed\n{run.stderr[-3000:]}")
     return spent
@@ -65,7 +78,7 @@ def by_rule(results: Path) -> list[str]:
 
 
 def main() -> None:
-    """Print both times and their ratio."""
+    """Print the times, and the ratio of the study to empty jobs."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.study", description=__doc__)
     parser.add_argument("--cores", default="2")
     parser.add_argument("--smoke", action="store_true", help="the small study")
@@ -74,14 +87,15 @@ def main() -> None:
     if arguments.smoke:
         snakemake += ["--configfile", "config/smoke.yaml"]
     times = {}
-    for name, empty in (("empty jobs", True), ("study", False)):
+    for name, job in _RUNS.items():
         with tempfile.TemporaryDirectory() as folder:
-            times[name] = seconds(Path(folder), snakemake, empty)
-            if not empty:
+            times[name] = seconds(Path(folder), snakemake, job)
+            if not job:
                 results = Path(folder, "clone", "results-smoke" if arguments.smoke else "results")
                 print("\n".join(by_rule(results)))
-        print(f"{name}: {times[name]:.0f} s", flush=True)
-    print(f"ratio: {times['study'] / times['empty jobs']:.2f}")
+        print("{}: {:.0f} s, {:.0f} core-seconds".format(name, *times[name]), flush=True)
+    ratios = [a / b for a, b in zip(times["study"], times["empty jobs"], strict=True)]
+    print("ratio: {:.2f}, of core-seconds {:.2f}".format(*ratios))
 
 
 if __name__ == "__main__":

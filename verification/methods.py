@@ -164,6 +164,7 @@ class WithoutLocation(Method):
     def __init__(self, name: str, scheme: without_location.Scheme) -> None:
         self.name, self.scheme = name, scheme
         self.fixed = scheme != "dormand_prince"
+        self.batch = without_location.LANES if self.fixed else 1
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /

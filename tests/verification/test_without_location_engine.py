@@ -15,9 +15,16 @@ from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, START
 from verification.without_location.engine import (
+    FIRST_STAGE,
+    LANES,
+    LENGTH,
+    ROWS,
+    STATE,
+    TIME,
+    TRIAL,
     outside,
-    runge_kutta_step,
-    semi_implicit_euler_step,
+    runge_kutta_steps,
+    semi_implicit_euler_steps,
     write_rates,
 )
 
@@ -193,18 +200,24 @@ HALVINGS = 6
 def integrated(scheme, p, count):
     """The state at τ = 0.2 after ``count`` equal steps, sliding on A1 and pressed all the way."""
     y = np.array([*standing(RIGHT_EDGE, 0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0])
-    h, k, end = 0.2 / count, np.empty((5, 6)), np.empty(6)
+    w = np.zeros((ROWS, LANES))
+    state, trial = w[STATE : STATE + y.size], w[TRIAL : TRIAL + y.size]
+    w[: len(p)], state[:] = np.array(p)[:, np.newaxis], y[:, np.newaxis]
+    w[FIRST_STAGE : FIRST_STAGE + y.size] = rates(0.0, y, p)[:, np.newaxis]
+    w[LENGTH] = 0.2 / count
     for i in range(count):
+        w[TIME] = i * w[LENGTH]
         if scheme == "rk4":
-            write_rates(i * h, y, p, k[0])
-            runge_kutta_step(i * h, h, y, p, RK4.method, k, end)
+            runge_kutta_steps(RK4.method, w.ravel())
         else:
-            semi_implicit_euler_step(i * h, h, y, p, k[0], end)
-        y = end.copy()
+            semi_implicit_euler_steps(w.ravel())
+        state[:] = trial
+        y = state[:, -1].copy()
         assert overlaps(y, p) == {"right_face"}, "the stretch is smooth"
         contact = edge_on_face(RIGHT_EDGE, state_of(y), p)
         assert contact.slip < -0.1
         assert contact_load(contact.depth, contact.closing_rate, state_of(y), p) > 0.1
+    assert (state == y[:, np.newaxis]).all(), "a run is the same in every lane"
     return y
 
 

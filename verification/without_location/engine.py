@@ -8,14 +8,18 @@ friction force changes its sign from step to step.
 Contacts and forces are those of ``model.physics``. A mode holds how a contact began; this engine
 infers it from the state: A1 inside the part presses on the bottom face, A2 on the nearer of bottom
 and left side, and a corner on the flat only by the depth beyond that of its edge.
+
+Runs with equal steps go side by side, in loops over LANES that the compiler vectorizes: row r of
+the workspace ``w`` holds one number a run, that of lane i at ``w[r * LANES + i]``.
 """
 
 from math import isfinite, nan
 from typing import NamedTuple
 
 from model.engines.course import start
-from model.engines.record import constants_in
+from model.engines.record import CONSTANTS, constants_in
 from model.engines.scalar.step import error_estimate, keep_in, state_of
+from model.engines.scalar.tableaux import RK4
 from model.events.levels import (
     FLAT,
     LARGEST_TILT,
@@ -36,15 +40,29 @@ from model.physics.forces import (
 )
 from model.physics.geometry import bottom_corner
 from model.physics.motion import never_sticks
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
+from model.physics.parameters import Constants
 from model.physics.scenes import ALIGNMENT, START
-
-# How to step.
-RK4_STEPS, SEMI_IMPLICIT_EULER_STEPS, ADAPTIVE_STEPS = 0, 1, 2
+from model.physics.views import reader, writer
 
 _EVERY_CONTACT = ALIGNMENT.declared
 _FIRST_STEP = 1e-2
 _BISECTIONS = 60
+
+LANES = 8
+_STAGES = RK4.method.stages + 1
+# Rows of the workspace: the constants; the run, its steps and its end; the step; states and rates.
+_RUN, _STEPS, _END, TIME, LENGTH, STATE = range(CONSTANTS, CONSTANTS + 6)
+TRIAL, RATES, FIRST_STAGE = (STATE + n * STATE_SIZE for n in (1, 2, 3))
+ROWS = FIRST_STAGE + _STAGES * STATE_SIZE
+
+_NONE = -1.0  # _RUN
+_GOES_ON, _FELL_IN, _HAS_LEFT, _SPENT = 0.0, 1.0, 2.0, 3.0  # _END
+
+_constants_of_lane = reader(Constants, "w, i", "w[{} * LANES + i]".format, LANES=LANES)
+_state_of_lane = reader(State, "w, row, i", "w[(row + {}) * LANES + i]".format, LANES=LANES)
+_keep_constants = writer(Constants, "w, i", "w[{} * LANES + i]".format, LANES=LANES)
+_keep_in_lane = writer(State, "w, row, i", "w[(row + {}) * LANES + i]".format, LANES=LANES)
 
 
 class Passage(NamedTuple):
@@ -58,6 +76,10 @@ class Passage(NamedTuple):
     time: float
     evaluations: float
     finished: float
+
+
+PASSAGE_SIZE = len(Passage._fields)
+_keep_passage = writer(Passage, "out, row", "out[row, {}]".format)
 
 
 # --- The right-hand side ------------------------------------------------------------------------
@@ -123,31 +145,40 @@ def _left_force(q, p):
 
 
 @inlined_kernel
+def _rates(time, q, p):
+    """Return dy/dτ in the state ``q``, in any mode, as a ``State``."""
+    right, left = _right_force(q, p), _left_force(q, p)
+    x = lateral_suspension(q, p) + right[0] + left[0]
+    y = axial_suspension(q, p) + press(p) + excitation(time, p) + right[1] + left[1]
+    moment = tilt_suspension(q, p) + right[2] + left[2]
+    return State(q.x_rate, q.y_rate, q.tilt_rate, x, y, moment / p.inertia)
+
+
+@inlined_kernel
 def write_rates(time, y, p, out):
     """Write dy/dτ into ``out``, shape (6,), for the state ``y``, shape (6,), in any mode."""
-    q = state_of(y)
-    right, left = _right_force(q, p), _left_force(q, p)
-    out[0], out[1], out[2] = y[3], y[4], y[5]
-    out[3] = lateral_suspension(q, p) + right[0] + left[0]
-    out[4] = axial_suspension(q, p) + press(p) + excitation(time, p) + right[1] + left[1]
-    out[5] = (tilt_suspension(q, p) + right[2] + left[2]) / p.inertia
+    keep_in(_rates(time, state_of(y), p), out)
 
 
-@kernel
-def outside(y, p):
+@inlined_kernel
+def _outside(q, p):
     """Positive until the part has fallen in, by the selected alignment criterion (R8)."""
-    q = state_of(y)
     if p.printed_alignment_criterion != 0.0:
         return largest(corners_outside(outline(q, p), p, START))[0]
     return largest(not_fallen_in(outline(q, p), p, START))[0]
 
 
 @kernel
-def _has_left(y, p):
+def outside(y, p):
+    """Positive until the part in the state ``y``, shape (6,), has fallen in."""
+    return _outside(state_of(y), p)
+
+
+@inlined_kernel
+def _has_left(q, p):
     """Return whether the part is off the edge A1, away from the slot, or overturned."""
-    q = state_of(y)
     _, left, _, _ = edge_inside(RIGHT_EDGE, outline(q, p), p)
-    return left < 0.0 or abs(q.tilt) > LARGEST_TILT or not isfinite(q.x + q.y + q.tilt)
+    return (left < 0.0) | (abs(q.tilt) > LARGEST_TILT) | (not isfinite(q.x + q.y + q.tilt))
 
 
 # --- Steps --------------------------------------------------------------------------------------
@@ -163,15 +194,6 @@ def runge_kutta_step(time, h, y, p, method, k, y_end):
                 slope += method.a[i, j] * k[j, n]
             y_end[n] = y[n] + h * slope
         write_rates(time + method.c[i] * h, y_end, p, k[i])
-
-
-@kernel
-def semi_implicit_euler_step(time, h, y, p, rates, y_end):
-    """Velocities first, then positions with the new velocities (symplectic Euler)."""
-    write_rates(time, y, p, rates)
-    for n in range(3):
-        y_end[n + 3] = y[n + 3] + h * rates[n + 3]
-        y_end[n] = y[n] + h * y_end[n + 3]
 
 
 @kernel
@@ -198,6 +220,108 @@ def _fall_within(h, y, p, method, k, trial):
     return high * h
 
 
+# --- Equal steps, in lanes ----------------------------------------------------------------------
+
+
+@kernel
+def _evaluate(fraction, w):
+    """Enter the rates of the trial states at a fraction of the step."""
+    for i in range(LANES):
+        time = w[TIME * LANES + i] + fraction * w[LENGTH * LANES + i]
+        rates = _rates(time, _state_of_lane(w, TRIAL, i), _constants_of_lane(w, i))
+        _keep_in_lane(rates, w, RATES, i)
+
+
+@inlined_kernel
+def _copy_rows(source, target, w):
+    """Copy a state, or its rates, of every lane from row ``source`` on to row ``target`` on."""
+    for n in range(STATE_SIZE * LANES):
+        w[target * LANES + n] = w[source * LANES + n]
+
+
+@kernel
+def runge_kutta_steps(method, w):
+    """Enter the trial states at the ends of the steps; the last stage is the next step's first."""
+    size = STATE_SIZE * LANES
+    for i in range(1, method.stages + 1):
+        for n in range(size):
+            w[TRIAL * LANES + n] = 0.0
+        for j in range(i):
+            weight = method.a[i, j]
+            if weight != 0.0:
+                for n in range(size):
+                    w[TRIAL * LANES + n] += weight * w[FIRST_STAGE * LANES + j * size + n]
+        for row in range(STATE_SIZE):
+            for lane in range(LANES):
+                n = row * LANES + lane
+                move = w[LENGTH * LANES + lane] * w[TRIAL * LANES + n]
+                w[TRIAL * LANES + n] = w[STATE * LANES + n] + move
+        _evaluate(method.c[i], w)
+        _copy_rows(RATES, FIRST_STAGE + i * STATE_SIZE, w)
+    _copy_rows(RATES, FIRST_STAGE, w)
+
+
+@kernel
+def semi_implicit_euler_steps(w):
+    """Velocities first, then positions with the new velocities (symplectic Euler)."""
+    _copy_rows(STATE, TRIAL, w)
+    _evaluate(0.0, w)
+    for row in range(3):
+        for lane in range(LANES):
+            h, n, rate_n = w[LENGTH * LANES + lane], row * LANES + lane, (row + 3) * LANES + lane
+            rate = w[STATE * LANES + rate_n] + h * w[RATES * LANES + rate_n]
+            w[TRIAL * LANES + rate_n] = rate
+            w[TRIAL * LANES + n] = w[STATE * LANES + n] + h * rate
+
+
+@kernel
+def _accept_steps(h, horizon, most_steps, w):
+    """Go on to the trial states, enter which runs end there, and return whether one does.
+
+    The fall into the slot is noticed at the end of a step.
+    """
+    _copy_rows(TRIAL, STATE, w)
+    for i in range(LANES):
+        q, p = _state_of_lane(w, TRIAL, i), _constants_of_lane(w, i)
+        steps = w[_STEPS * LANES + i] + 1.0
+        time = min(steps * h, horizon)
+        end = _SPENT if steps >= most_steps else _GOES_ON
+        end = _HAS_LEFT if _has_left(q, p) | (horizon - time <= 1e-9 * h) else end
+        end = _FELL_IN if _outside(q, p) < 0.0 else end
+        w[_STEPS * LANES + i], w[TIME * LANES + i] = steps, time
+        w[LENGTH * LANES + i] = min(h, horizon - time)
+        w[_END * LANES + i] = end if w[_RUN * LANES + i] != _NONE else _GOES_ON
+    some = False
+    for i in range(LANES):
+        some |= w[_END * LANES + i] != _GOES_ON
+    return some
+
+
+@kernel
+def _begin(run, rows, h, horizon, most_steps, w, lane):
+    """Begin a run in a lane, which stays empty if there are no more."""
+    w[_RUN * LANES + lane], w[_END * LANES + lane] = _NONE, _GOES_ON
+    if run == rows.shape[0]:
+        return
+    p = constants_in(rows[run])
+    q, _ = start(p, _EVERY_CONTACT)
+    _keep_constants(p, w, lane)
+    _keep_in_lane(q, w, STATE, lane)
+    _keep_in_lane(_rates(0.0, q, p), w, FIRST_STAGE, lane)
+    w[_RUN * LANES + lane], w[_STEPS * LANES + lane], w[TIME * LANES + lane] = run, 0.0, 0.0
+    w[LENGTH * LANES + lane] = min(h, horizon)
+    w[_END * LANES + lane] = _GOES_ON if most_steps > 0 else _SPENT
+
+
+@kernel
+def _finish(cost, w, lane, out):
+    """Write the result of the run in a lane."""
+    end, time, run = w[_END * LANES + lane], w[TIME * LANES + lane], int(w[_RUN * LANES + lane])
+    tau_align, finished = time if end == _FELL_IN else nan, 0.0 if end == _SPENT else 1.0
+    _keep_passage(Passage(tau_align, time, cost * w[_STEPS * LANES + lane], finished), out, run)
+    keep_in(_state_of_lane(w, STATE, lane), out[run, PASSAGE_SIZE:])
+
+
 # --- Runs ---------------------------------------------------------------------------------------
 
 
@@ -205,30 +329,6 @@ def _fall_within(h, y, p, method, k, trial):
 def _copy(state, into):
     for n in range(STATE_SIZE):
         into[n] = state[n]
-
-
-@kernel
-def _fixed_steps(scheme, h, p, method, horizon, max_evaluations, y, k, y_end):
-    """Take equal steps; the fall into the slot is noticed at the end of a step."""
-    cost = method.stages if scheme == RK4_STEPS else 1
-    time, steps = 0.0, 0
-    while horizon - time > 1e-9 * h:
-        if (steps + 1) * cost > max_evaluations:
-            return Passage(nan, time, float(steps * cost), 0.0)
-        length = min(h, horizon - time)
-        if scheme == RK4_STEPS:
-            runge_kutta_step(time, length, y, p, method, k, y_end)
-            _copy(k[method.stages], k[0])
-        else:
-            semi_implicit_euler_step(time, length, y, p, k[0], y_end)
-        steps += 1
-        time = min(steps * h, horizon)
-        _copy(y_end, y)
-        if outside(y, p) < 0.0:
-            return Passage(time, time, float(steps * cost), 1.0)
-        if _has_left(y, p):
-            break
-    return Passage(nan, time, float(steps * cost), 1.0)
 
 
 @kernel
@@ -257,44 +357,68 @@ def _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y, k, y_end)
         time = horizon if last else time + length
         _copy(y_end, y)
         _copy(k[method.stages], k[0])
-        if _has_left(y, p):
+        if _has_left(state_of(y), p):
             break
     return Passage(nan, time, float(evaluations), 1.0)
 
 
 @kernel
-def run_without_location(scheme, resolution, p, method, horizon, max_evaluations, y, y_end, k):
-    """Run one parameter set from its start to the fall or ``horizon``: ``Passage``.
+def run_with_fixed_steps(rows, symplectic, h, method, horizon, max_evaluations, out, w):
+    """Run every row of ``rows``, shape (n, constants), with equal steps.
 
     Args:
-        scheme: RK4_STEPS, SEMI_IMPLICIT_EULER_STEPS or ADAPTIVE_STEPS.
-        resolution: length of a step, or tolerance of ADAPTIVE_STEPS relative to 1 + |state|.
-        p: ``Constants``.
-        method: ``Method`` of a scheme by Runge-Kutta steps; its last stage is the step's end.
+        rows: constants of the runs.
+        symplectic: steps of the semi-implicit Euler method instead of ``method``.
+        h: length of a step.
+        method: ``Method`` whose last stage is the step's end, of as many stages as RK4.
         horizon: latest time.
-        max_evaluations: largest number of right-hand-side evaluations.
-        y: shape (6,), filled with the state at the end.
-        y_end: shape (6,), overwritten.
-        k: shape (stages + 1, 6), overwritten.
+        max_evaluations: largest number of right-hand-side evaluations of a run.
+        out: shape (n, 4 + 6), filled with each ``Passage`` and state at the end.
+        w: workspace, shape (ROWS * LANES,), overwritten.
     """
-    q, _ = start(p, _EVERY_CONTACT)
-    keep_in(q, y)
-    write_rates(0.0, y, p, k[0])
-    if scheme == ADAPTIVE_STEPS:
-        return _adaptive_steps(resolution, p, method, horizon, max_evaluations, y, k, y_end)
-    return _fixed_steps(scheme, resolution, p, method, horizon, max_evaluations, y, k, y_end)
+    count, cost = rows.shape[0], 1 if symplectic else method.stages
+    most_steps, begun, ended = max_evaluations // cost, 0, 0
+    for lane in range(LANES):
+        _begin(begun, rows, h, horizon, most_steps, w, lane)
+        begun = min(begun + 1, count)
+    some_end = most_steps == 0
+    while ended < count:
+        while some_end:
+            some_end = False
+            for lane in range(LANES):
+                if w[_END * LANES + lane] != _GOES_ON:
+                    _finish(cost, w, lane, out)
+                    _begin(begun, rows, h, horizon, most_steps, w, lane)
+                    begun, ended = min(begun + 1, count), ended + 1
+                    some_end |= w[_END * LANES + lane] != _GOES_ON
+        if symplectic:
+            semi_implicit_euler_steps(w)
+        else:
+            runge_kutta_steps(method, w)
+        some_end = _accept_steps(h, horizon, most_steps, w)
 
 
 @kernel
-def run_rows(rows, scheme, resolution, method, horizon, max_evaluations, out, y_end, k):
-    """Run every row of ``rows``, shape (n, constants), into ``out``, shape (n, 4 + 6)."""
+def run_with_adaptive_steps(rows, tolerance, method, horizon, max_evaluations, out, y_end, k):
+    """Run every row of ``rows``, shape (n, constants), with steps to a tolerance.
+
+    Args:
+        rows: constants of the runs.
+        tolerance: tolerance of a step, relative to 1 + |state|.
+        method: ``Method`` whose last stage is the step's end.
+        horizon: latest time.
+        max_evaluations: largest number of right-hand-side evaluations of a run.
+        out: shape (n, 4 + 6), filled with each ``Passage`` and state at the end.
+        y_end: shape (6,), overwritten.
+        k: shape (stages + 1, 6), overwritten.
+    """
     for i in range(rows.shape[0]):
-        p = constants_in(rows[i])
-        passage = run_without_location(
-            scheme, resolution, p, method, horizon, max_evaluations, out[i, 4:], y_end, k
-        )
-        out[i, 0], out[i, 1] = passage.tau_align, passage.time
-        out[i, 2], out[i, 3] = passage.evaluations, passage.finished
+        p, y = constants_in(rows[i]), out[i, PASSAGE_SIZE:]
+        q, _ = start(p, _EVERY_CONTACT)
+        keep_in(q, y)
+        write_rates(0.0, y, p, k[0])
+        passage = _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y, k, y_end)
+        _keep_passage(passage, out, i)
 
 
 @kernel

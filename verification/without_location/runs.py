@@ -13,24 +13,17 @@ from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from verification.without_location.engine import (
-    ADAPTIVE_STEPS,
-    RK4_STEPS,
-    SEMI_IMPLICIT_EULER_STEPS,
-    Passage,
+    LANES,
+    PASSAGE_SIZE,
+    ROWS,
     outside_of,
-    run_rows,
+    run_with_adaptive_steps,
+    run_with_fixed_steps,
     write_rates_of,
 )
 
 Floats = NDArray[np.float64]
 Scheme = Literal["rk4", "semi_implicit_euler", "dormand_prince"]
-
-_KERNEL_SCHEMES: dict[Scheme, int] = {
-    "rk4": RK4_STEPS,
-    "semi_implicit_euler": SEMI_IMPLICIT_EULER_STEPS,
-    "dormand_prince": ADAPTIVE_STEPS,
-}
-_PASSAGE = len(Passage._fields)
 
 
 @dataclass(frozen=True)
@@ -72,7 +65,7 @@ def align(
     Raises:
         ValueError: an unknown scheme, or a resolution or a horizon that is not finite and > 0.
     """
-    if scheme not in _KERNEL_SCHEMES:
+    if scheme not in get_args(Scheme):
         valid = ", ".join(get_args(Scheme))
         raise ValueError(f"scheme = {scheme!r}: must be one of {valid}")
     for name, value in {"resolution": resolution, "horizon": horizon}.items():
@@ -80,18 +73,24 @@ def align(
             raise ValueError(f"{name} = {value!r}: must be a finite number > 0")
     rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)
     rows = rows_of.constants(readings or Readings())
-    out = np.empty((len(rows), _PASSAGE + STATE_SIZE))
-    method = (DORMAND_PRINCE if scheme == "dormand_prince" else RK4).method
-    run_rows(
-        rows, _KERNEL_SCHEMES[scheme], float(resolution), method, float(horizon),
-        int(max_evaluations), out, np.empty(STATE_SIZE), np.empty((method.stages + 1, STATE_SIZE)),
-    )  # fmt: skip
+    out = np.empty((len(rows), PASSAGE_SIZE + STATE_SIZE))
+    if scheme == "dormand_prince":
+        method = DORMAND_PRINCE.method
+        run_with_adaptive_steps(
+            rows, float(resolution), method, float(horizon), int(max_evaluations), out,
+            np.empty(STATE_SIZE), np.empty((method.stages + 1, STATE_SIZE)),
+        )  # fmt: skip
+    else:
+        run_with_fixed_steps(
+            rows, scheme == "semi_implicit_euler", float(resolution), RK4.method, float(horizon),
+            int(max_evaluations), out, np.zeros(ROWS * LANES),
+        )  # fmt: skip
     return Runs(
         tau_align=out[:, 0].copy(),
         time=out[:, 1].copy(),
         rhs_evaluations=out[:, 2].astype(np.int64),
         finished=out[:, 3] == 1.0,
-        state=out[:, _PASSAGE:].copy(),
+        state=out[:, PASSAGE_SIZE:].copy(),
     )
 
 

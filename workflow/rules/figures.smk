@@ -18,6 +18,8 @@ job(
     dict(data=root / "data/kernels.json"),
     params=dict(code=code("kernels")),
     message="compiling the kernels",
+    mem_mb=4000,
+    priority=3,
 )
 after_kernels = dict(after=root / "data/kernels.json")
 
@@ -56,7 +58,6 @@ job(
     {**sweep, **wording},
     wildcards=dict(figure="|".join(HISTORIES)),
     message="{wildcards.figure}: computing the trajectory",
-    priority=3,  # it compiles what the comparisons of methods would else compile side by side
 )
 
 # What depends on the start: the same figures, the part at rest under the press before it is vibrated.

@@ -24,10 +24,9 @@ page_files = [*page_data, *(pictures(place) for place in page_pictures)]
 job(
     "page_engines",
     dict(stated=root / "data/page_engines.json"),
-    after_kernels,
     message="compiling the engines for the explorer",
     minutes=10,
-    priority=2,
+    priority=3,  # beside the other kernels
 )
 job(
     "explorer",
