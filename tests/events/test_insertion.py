@@ -1,17 +1,10 @@
 """The insertion scene: the same alignment, and both engines agree on what follows."""
 
-from math import cos, sin
-
 import numpy as np
 import pytest
 
 from model import INSERTION, Batch, Outcome, Settings, align, simulate
-from model.events.kernels import kernels_of
 from model.events.outcomes import InSlot, Reason
-from model.events.table import number_of
-from model.physics.notation import State
-from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, RELEASED, START
 from model.runs.align import run_once
 from model.runs.shown import shown_run
 from model.runs.slot import ends_in_slot
@@ -133,24 +126,3 @@ def test_an_insertion_depth_that_is_not_positive_is_refused(depth):
 def test_runs_cannot_end_at_alignment():
     with pytest.raises(ValueError, match="alignment_only"):
         Settings(scene=INSERTION, alignment_only=True)
-
-
-@pytest.mark.parametrize(("rate", "state"), [(0.0, CLOSED), (1.0, CLOSED), (-1.0, RELEASED)])
-def test_the_corner_that_an_edge_passes_under_load_is_on_the_wall_at_once(device, rate, state):
-    # A1 at B1, d above the bottom line: B1 = A1 + d (sin φ, -cos φ). Its load is k d sin φ + h ẋ.
-    depth, tilt = 0.01, 0.2
-    corner_x, corner_y = device.slot_half_width + depth * sin(tilt), -depth * cos(tilt)
-    a, b = device.half_width, device.half_height
-    x = corner_x - a * cos(tilt) - b * sin(tilt)
-    y = corner_y - a * sin(tilt) + b * cos(tilt)
-    speed = rate * 2.0 * device.contact_stiffness * depth * sin(tilt) / device.contact_damping
-    q, rows = State(x, y, tilt, speed, 0.0, 0.0), Settings(scene=INSERTION).rows
-    p, events = Constants(*rows(Batch.stack([device]))[0].tolist()), kernels_of(INSERTION.events)
-    which = number_of("face_end", INSERTION.events)
-    mode, outcome, _ = events.follow(which, 0.0, q, p, START, INSERTION.declared)
-    assert outcome == Outcome.ALIGNED
-    assert (mode.face, mode.corner, mode.in_slot, mode.dropped) == (OPEN, state, True, True)
-    # A part whose corner presses on the flat beside the slot is not on the wall.
-    stands = START._replace(corner=CLOSED)
-    mode, _, _ = events.follow(which, 0.0, q, p, stands, INSERTION.declared)
-    assert (mode.corner, mode.in_slot) == (CLOSED, False)

@@ -18,7 +18,7 @@ from model.events.modes import (
 )
 from model.events.outcomes import Outcome, Reason
 from model.events.table import EVENTS, Event, Source, changed, of_contact, state_is
-from model.events.transitions import CONTINUES, decided, edge_enters, touching
+from model.events.transitions import decided, edge_enters, touching
 from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import corner_on_wall, dot, edge_on_side
 from model.physics.geometry import bottom_corner
@@ -146,7 +146,10 @@ def _right_edge_enters(time, q, p, mode, declared):
 
 @kernel
 def _corner_touches(side, time, q, p, mode):
-    """Begin the contact of a bottom corner with the wall on its side."""
+    """Begin the contact of a bottom corner with the wall on its side.
+
+    An edge that passes its corner at a depth d leaves the corner d sin φ behind the wall.
+    """
     corner = corner_on_wall(side, q, p)
     state = touching(max(corner.depth, 0.0), corner, q, p)
     met = with_wall(mode, state)
@@ -167,25 +170,6 @@ def _right_corner_touches(time, q, p, mode, _declared):
 def _left_corner_touches(time, q, p, mode, _declared):
     """``_corner_touches`` of B2."""
     return _corner_touches(LEFT_EDGE, time, q, p, mode)
-
-
-@kernel
-def _face_ends(time, q, p, mode, declared):
-    """``face_ends``; begin the contact of the corner that the edge has passed with its wall.
-
-    At a depth d of the edge in the face, the tilt φ has put the corner d sin φ behind the wall. No
-    other event leaves a corner there: its level would be below zero as the search for it begins.
-    """
-    opened, outcome, reason = transitions.face_ends(time, q, p, mode, declared)
-    corner = corner_on_wall(mode.edge, q, p)
-    gap, _ = levels.largest(levels.off_wall(corner.depth, mode.edge * corner.along))
-    is_free = _left_corner_meets_side(p, opened)
-    if mode.edge == RIGHT_EDGE:
-        is_free = _right_corner_meets_side(p, opened)
-    if is_free and gap < -levels.ON_AN_EVENT:
-        met, goes_on, failure = _corner_touches(mode.edge, time, q, p, opened)
-        return (met, outcome, reason) if goes_on == CONTINUES else (met, goes_on, failure)
-    return opened, outcome, reason
 
 
 @kernel
@@ -278,7 +262,6 @@ TABLE = changed(
     TABLE, "corners_inside", level=((_has_fallen_in, levels.corners_outside),), follow=_inside
 )
 TABLE = changed(TABLE, "right_edge_enters", follow=_right_edge_enters)
-TABLE = changed(TABLE, "face_end", follow=_face_ends)
 TABLE = changed(
     TABLE, "right_corner_lands", level=((_right_corner_lands, levels.right_corner_above),)
 )

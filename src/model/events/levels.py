@@ -225,21 +225,20 @@ def not_inserted(at, p, _mode):
 
 
 @inlined_kernel
-def off_wall(beside, corner_y):
-    """Negative once a corner is behind its wall, and less deep there than below the plane."""
+def _off_wall(beside, corner_y):
     return -beside, beside + corner_y, NOTHING, NOTHING
 
 
 @inlined_kernel
 def right_corner_in_slot(at, p, _mode):
     """Negative once B1 is behind the right wall, and less deep there than below the plane."""
-    return off_wall(at.right_corner_x - p.slot_half_width, at.right_corner_y)
+    return _off_wall(at.right_corner_x - p.slot_half_width, at.right_corner_y)
 
 
 @inlined_kernel
 def left_corner_in_slot(at, p, _mode):
     """``right_corner_in_slot`` for B2."""
-    return off_wall(-at.left_corner_x - p.slot_half_width, at.left_corner_y)
+    return _off_wall(-at.left_corner_x - p.slot_half_width, at.left_corner_y)
 
 
 @inlined_kernel
