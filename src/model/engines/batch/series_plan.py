@@ -18,7 +18,7 @@ from model.engines.batch.series import (
 
 WIDTH = 8  # runs in a vector
 ORDER = 16  # of the series
-ERROR_ORDER = 5  # of the series of the linearised motion
+ERROR_ORDER = 10  # of the series of the linearised motion; a step may be 4 radians of a contact
 REMAINDER = 2  # further orders, which estimate what the series omits
 ORDERS = ORDER + REMAINDER + 1  # in memory
 STATE_ROWS = len(STATES)
