@@ -24,6 +24,7 @@ SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=2_500)
 IN_SLOT = Settings(scene=INSERTION, horizon=20.0, tolerance=1e-9, max_evaluations=20_000)
 _PATIENCE = 4  # limits of evaluations that the reference engine may take: its steps are shorter
 _MOST_RUNS = 7  # of a set: two, and three more where they part; each time one of what is flat
+_UNBOUNDED = 500_000_000  # evaluations of a run that its horizon stops
 _LAST_STEP = 600  # evaluations that a step and its event may take beyond the limit
 
 _LEAVING = (
@@ -236,22 +237,28 @@ def try_sets(
     rows = np.flatnonzero(_is_certain(runs))
     certain = _taken(runs, rows)
 
-    def compare(what: str, others: Alignments) -> int:
-        differ = np.zeros(count, dtype=np.bool_)
-        differ[rows] = _differ(certain, others)
-        broken[f"agrees with {what} unless either is sensitive"] = differ
+    def compare(what: str, other: Callable[[NDArray[np.int64], Settings], Alignments]) -> int:
+        others = other(rows, settings)
+        differ = _differ(certain, others)
+        early = differ & _one_settles(certain, others)
+        if early.any():
+            on = replace(settings, may_settle=False, max_evaluations=_UNBOUNDED)
+            mine = align(_sets(batch, rows[early]), on, cores=1)
+            differ[early] = ~_move_alike(mine, other(rows[early], on))
+        broken[f"agrees with {what} unless either is sensitive"] = _spread(differ, rows, count)
         return int(_is_certain(others).sum())
 
-    if rows.size:
-        # A neighbour: a set without the flag `sensitive` must end alike a tolerance away.
-        near = align(_sets(batch, rows, 0.5 * settings.tolerance), settings, cores=1)
-        against_neighbour = compare("its neighbour", near)
-        # The reference engine, one run at a time.
-        patient = replace(settings, max_evaluations=_PATIENCE * settings.max_evaluations)
-        alone = align(_sets(batch, rows), patient, cores=1, engine="scalar")
-        against_reference = compare("the reference engine", alone)
-    else:
-        against_neighbour = against_reference = 0
+    def near(which: NDArray[np.int64], limits: Settings) -> Alignments:
+        return align(_sets(batch, which, 0.5 * limits.tolerance), limits, cores=1)
+
+    def alone(which: NDArray[np.int64], limits: Settings) -> Alignments:
+        patient = replace(limits, max_evaluations=_PATIENCE * limits.max_evaluations)
+        return align(_sets(batch, which), patient, cores=1, engine="scalar")
+
+    # A neighbour: a set without the flag `sensitive` must end alike a tolerance away. The reference
+    # engine: one run at a time.
+    against_neighbour = compare("its neighbour", near) if rows.size else 0
+    against_reference = compare("the reference engine", alone) if rows.size else 0
 
     describe = _describer(runs)
     findings = [
@@ -292,6 +299,34 @@ def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
     certain = _is_certain(runs) & _is_certain(others)
     alike = runs.separations == others.separations
     return certain & (outcomes_differ(runs.outcome, others.outcome, alike) | apart)
+
+
+def _one_settles(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
+    """Return a mask of the sets of which one run has settled and the other reaches the horizon.
+
+    Closest approaches are sampled at each engine's own steps, so that one run may pass the test of
+    periodic steady state before the other (decision 6). That is no other motion if both, run on
+    without the test, ``_move_alike``.
+    """
+    mine, theirs = (
+        runs.outcome == Outcome.HORIZON_REACHED,
+        others.outcome == Outcome.HORIZON_REACHED,
+    )
+    return theirs & (runs.period > 0) | mine & (others.period > 0)
+
+
+def _move_alike(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
+    """Return a mask of the sets that end alike after as many lift-offs and as much sticking."""
+    alike = _is_certain(runs) & _is_certain(others) & ~_differ(runs, others)
+    alike &= (runs.outcome == others.outcome) & (runs.separations == others.separations)
+    return alike & (np.abs(runs.sticking_share - others.sticking_share) <= SENSITIVE)
+
+
+def _spread(mask: NDArray[np.bool_], rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """Return the mask of ``count`` sets from that of some ``rows``."""
+    spread = np.zeros(count, dtype=np.bool_)
+    spread[rows] = mask
+    return spread
 
 
 def _describer(runs: Alignments) -> Callable[[int], str]:

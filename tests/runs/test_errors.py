@@ -120,18 +120,23 @@ def of_neighbours(first, second, ran=None):
 def test_a_part_that_hops_its_own_way_until_the_horizon_is_chaotic():
     reached, settled = Outcome.HORIZON_REACHED, Outcome.SETTLED
     first = {
-        "outcome": np.array([reached, reached, reached, settled]),
-        "separations": np.array([9.0, 9.0, 0.0, 9.0]),
-        "sticking_share": np.full(4, 0.5),
+        "outcome": np.array([reached, reached, reached, settled, reached, reached]),
+        "separations": np.array([9.0, 9.0, 0.0, 9.0, 9.0, 9.0]),
+        "sticking_share": np.full(6, 0.5),
+        "events": np.full(6, 40.0),
+        "tilt_max": np.full(6, 0.1),
     }
     second = {
-        "outcome": np.array([reached, reached, reached, settled]),
-        "separations": np.array([9.0, 8.0, 0.0, 8.0]),
-        "sticking_share": np.array([0.5 + 1e-5, 0.5, 0.5 + 2e-4, 0.5]),
+        "outcome": np.array([reached, reached, reached, settled, reached, reached]),
+        "separations": np.array([9.0, 8.0, 0.0, 8.0, 9.0, 9.0]),
+        "sticking_share": np.array([0.5 + 1e-5, 0.5, 0.5 + 2e-4, 0.5, 0.5, 0.5]),
+        "events": np.array([40.0, 40.0, 40.0, 40.0, 42.0, 42.0]),
+        "tilt_max": np.array([0.1, 0.1, 0.1, 0.1, 0.1 + 2e-4, 0.1 + 1e-5]),
     }
-    found = estimate(of_neighbours(first, second), numbered(4), 1e-10)
+    found = estimate(of_neighbours(first, second), numbered(6), 1e-10)
     none, chaotic = Reason.NONE, Reason.CHAOTIC
-    assert found.columns()["reason"].tolist() == [none, chaotic, chaotic, none]
+    expected = [none, chaotic, chaotic, none, chaotic, none]
+    assert found.columns()["reason"].tolist() == expected
     assert not found.sensitive.any()
 
 

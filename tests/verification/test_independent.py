@@ -3,12 +3,15 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from benchmarks.slot import SETTINGS, ends_as
 from model import Outcome, Parameters, simulate
 from verification.fuzz import LAWS_IN_SLOT, draw
 from verification.independent import insert, solve
+from verification.independent.motion import Device, Mode
+from verification.independent.solution import MOMENT, Run
 
 # Parameters that differ from the device, and events that the run must meet.
 RUNS = {
@@ -87,6 +90,8 @@ def test_the_first_drop_is_the_alignment():
 IN_SLOT_RUNS = {
     "all four contacts": (33, "inserted", {"right_side load", "right_wall load", "left_wall load"}),
     "a corner behind the wall as it falls in": (49, "inserted", {"right_wall load"}),
+    "a corner behind the wall for a moment": (3654, "inserted", set()),
+    "a corner that stands on the flat as it falls in": (1368, "inserted", {"corner end"}),
     "held at two points": (3451, "wedged", {"right_wall touches"}),
     "an edge meets the top": (853, "other face", set()),
     "out again on an edge": (3216, "climbed out", set()),
@@ -109,6 +114,18 @@ def test_it_agrees_in_the_slot(number, ending, kinds):
     if ending == "inserted":
         inserted = run.tau_align + run.tau_inserted
         assert solution.time == pytest.approx(inserted, abs=1e-11 + run.insertion_error)
+
+
+def test_an_unloaded_contact_slides_as_it_is_driven_though_friction_soon_stops_it(device):
+    # Flat and at rest, only the tilt's spring drives it, and the load grows as n = h f0 τ. Friction
+    # T = -drive / (1 + b²/I) would hold it, which μ n is after half a moment.
+    inertia, b = device.inertia, device.half_height
+    force = 0.5 * device.friction * device.contact_damping * device.press_force * MOMENT
+    moment = -force * (inertia + b**2) / b
+    p = device.replace(initial_tilt=0.0, rest_tilt=moment / device.tilt_stiffness)
+    z = np.array([p.misalignment, b, 0.0, 0.0, 0.0, 0.0])
+    assert Run(Device(p), 1e-12).decided(0.0, z, Mode(), True, False).slides == -1
+    assert solve(p, 0.1).events[0] == "slip"
 
 
 def test_a_part_that_starts_on_its_corner_is_refused(device):

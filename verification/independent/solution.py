@@ -37,7 +37,7 @@ ON_ZERO = 1e-9  # a event function below this, as a mode begins, begins on its z
 _AT_REST = 1e-11
 _NO_LOAD = 1e-11
 FLAT = 1e-8  # a part tilted by less rests on its edge
-_MOMENT = 1e-5
+MOMENT = 1e-5
 _FIRST_STEP = 1e-3
 _MOST_EVENTS = 100_000
 _CONTACTS = "face", "side", "corner", "right_side", "right_wall", "left_wall"
@@ -278,17 +278,22 @@ class Run:
         for slides, side_slides in itertools.product(*choices):
             trial = replace(mode, slides=slides, side_slides=side_slides)
             at, now = z, time
-            holds = True
+            holds, begins = True, {}
             if unloaded:  # decide by the state a moment ahead
-                at, now = z.copy(), time + _MOMENT
+                at, now = z.copy(), time + MOMENT
                 rate = self.device.derivative(time, z, trial)
-                at[:3] += _MOMENT * (z[3:] + 0.5 * _MOMENT * rate[3:])
-                at[3:] += _MOMENT * rate[3:]
-                frictions = self.device.rates(time, z, trial)[3]
+                at[:3] += MOMENT * (z[3:] + 0.5 * MOMENT * rate[3:])
+                at[3:] += MOMENT * rate[3:]
+                *_, frictions, drives = self.device.rates(time, z, trial)
                 for i, slide in enumerate((slides, side_slides)):
-                    if rests[i] and not slide and groups[i][3] <= _NO_LOAD:
-                        holds &= abs(frictions[i]) <= _NO_LOAD  # an unloaded contact
+                    if not rests[i] or groups[i][3] > _NO_LOAD:
+                        continue
+                    if not slide:
+                        holds &= abs(frictions[i]) <= _NO_LOAD
+                    elif abs(drives[i]) > _NO_LOAD:
+                        begins[i] = drives[i]  # friction may grow to stop it within the moment
             _, _, ahead, frictions, drives = self.device.rates(now, at, trial)
+            drives |= begins
             for i, slide in enumerate((slides, side_slides)):
                 if rests[i] and slide:
                     holds &= drives[i] * slide >= 0.0

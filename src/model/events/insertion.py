@@ -140,14 +140,18 @@ def _right_edge_enters(time, q, p, mode, declared):
         return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
     if _stands_on(mode, LEFT_EDGE):
         return mode, _LEFT_SCENE, _BOTH_SIDES
-    state = touching(edge_on_side(RIGHT_EDGE, q, p), q, p)
+    state = touching(0.0, edge_on_side(RIGHT_EDGE, q, p), q, p)
     return decided(time, q, p, _right_side(_against_right(mode), state), False, False)
 
 
 @kernel
 def _corner_touches(side, time, q, p, mode):
-    """Begin the contact of a bottom corner with the wall on its side."""
-    state = touching(corner_on_wall(side, q, p), q, p)
+    """Begin the contact of a bottom corner with the wall on its side.
+
+    An edge that passes its corner at a depth d leaves the corner d sin φ behind the wall.
+    """
+    corner = corner_on_wall(side, q, p)
+    state = touching(max(corner.depth, 0.0), corner, q, p)
     met = with_wall(mode, state)
     if side == RIGHT_EDGE:
         met = _right_wall(_against_right(mode), state)

@@ -109,12 +109,13 @@ def overturned(_time, _q, _p, mode, _declared):
 
 
 @kernel
-def touching(contact, q, p):
-    """State of a contact that begins: released if its load starts below zero, else closed.
+def touching(depth, contact, q, p):
+    """State of a contact that begins at a depth: released if its load is below zero, else closed.
 
-    The load starts below zero under the printed damping law (R3).
+    The load starts below zero at depth zero under the printed damping law (R3), and where bodies
+    that already overlap separate.
     """
-    pulls = contact_load(0.0, contact.closing_rate, q, p) <= 0.0 and p.contact_damping > 0.0
+    pulls = contact_load(depth, contact.closing_rate, q, p) <= 0.0 and p.contact_damping > 0.0
     return RELEASED if pulls else CLOSED
 
 
@@ -133,12 +134,12 @@ def edge_enters(edge, time, q, p, mode, declared):
             return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
         if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
             return mode, _LEFT_SCENE, _BOTH_SIDES
-        state = touching(edge_on_face(edge, q, p), q, p)
+        state = touching(0.0, edge_on_face(edge, q, p), q, p)
         return decided(time, q, p, with_face(_on_edges(mode), edge, state), False, False)
     if edge == LEFT_EDGE and left <= min(right, top):
         if not declared.edge_on_side:
             return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
-        state = touching(edge_on_side(LEFT_EDGE, q, p), q, p)
+        state = touching(0.0, edge_on_side(LEFT_EDGE, q, p), q, p)
         return decided(time, q, p, with_side(mode, state), False, False)
     return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
 
@@ -163,7 +164,7 @@ def corner_lands(edge, time, q, p, mode, declared):
     if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
         return mode, _LEFT_SCENE, _BOTH_SIDES
     corner = corner_on_flat(edge, q, p)
-    landed = with_corner(_on_edges(mode), edge, touching(corner, q, p), corner.depth)
+    landed = with_corner(_on_edges(mode), edge, touching(0.0, corner, q, p), corner.depth)
     return decided(time, q, p, landed, False, False)
 
 

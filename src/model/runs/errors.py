@@ -18,9 +18,9 @@ with a nearly flat start is also sensitive if an initial tilt larger by ``TILTED
 no device has so exact a tilt, but the tilt decides whether such a part rests on its edge or on its
 corner, or touches the base at all.
 
-If a run and its neighbour differ in lift-offs or sticking and both reach the horizon, a run at
-another tolerance may align by chance. The reason of such a set is ``CHAOTIC``: a sensitive
-dependence; chaos is not tested for.
+If a run and its neighbour differ in lift-offs, sticking, or other events and the largest tilt, and
+both reach the horizon, a run at another tolerance may align by chance. The reason of such a set is
+``CHAOTIC``: a sensitive dependence; chaos is not tested for.
 """
 
 from typing import Any, NamedTuple
@@ -202,7 +202,10 @@ def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
         other.outcome == Outcome.HORIZON_REACHED
     )
     differ = np.abs(run.sticking_share - other.sticking_share) > SENSITIVE
-    found: NDArray[np.bool_] = at_horizon & ((run.separations != other.separations) | differ)
+    # The same motion may have more events where several happen at once, but no larger tilt.
+    tilts_more = np.abs(run.tilt_max - other.tilt_max) > SENSITIVE
+    differ |= (run.separations != other.separations) | ((run.events != other.events) & tilts_more)
+    found: NDArray[np.bool_] = at_horizon & differ
     return found
 
 

@@ -1,11 +1,11 @@
 """Switches located inside one step whose dense output is written by hand.
 
-The part hangs high above the base and only the switch OVERTURNED, a limit near π/2 less |φ|, can
-come near zero; φ is chosen so that this function is any polynomial g < 1.5 we like, with roots
-known beforehand.
+The part hangs high above the base, in all tests but one, and only the switch OVERTURNED, a limit
+near π/2 less |φ|, can come near zero; φ is chosen so that this function is any polynomial g < 1.5
+we like, with roots known beforehand.
 """
 
-from math import pi
+from math import cos, pi, sin
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from model.engines.scalar.location import NO_EVENT, NODE_PLACES, first_event, sample_step
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
-from model.events.table import OVERTURNED
+from model.events.table import OVERTURNED, RIGHT_EDGE_ENTERS
 from model.physics.notation import State
 from model.physics.scenes import OPEN, START
 
@@ -114,6 +114,26 @@ def test_a_function_that_starts_on_its_zero_and_rises_does_not_switch_there(loca
 def test_a_function_that_starts_on_its_zero_and_falls_events_at_once(locate):
     which, theta = locate(with_roots(0.0, 2.0))
     assert (which, theta) == (OVERTURNED, 0.0)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.3, 5.0, -0.2])
+def test_parts_that_overlap_as_they_begin_to_be_watched_meet_at_once(device, constants, rate):
+    # A1 is 0.01 behind the bottom face; at the largest rate it is out after 1/500 of the step.
+    p, tilt, depth = constants(device), 0.05, 0.01
+    place = (device.half_height - (device.slot_half_width - 0.3) * sin(tilt)) / cos(tilt)
+
+    def first_where(depth):
+        y = np.array([0.3, place - depth / cos(tilt), tilt, 0.0, rate, 0.0])
+        dense = np.zeros((6, DEGREE))
+        dense[1, 0] = rate
+        nodes, samples = np.empty((len(NODE_PLACES), 6)), np.empty((len(NODE_PLACES), MOST_SAMPLES))
+        sample_step(ALIGNMENT_EVENTS, 0.0, 1.0, 1.0, y, dense, p, FREE, nodes, samples)
+        assert samples[0, RIGHT_EDGE_ENTERS] == pytest.approx(-depth, abs=1e-14)
+        return first_event(ALIGNMENT_EVENTS, 0.0, 1.0, y, dense, p, FREE, samples)
+
+    assert first_where(depth) == (RIGHT_EDGE_ENTERS, 0.0)
+    if rate > 0.0:
+        assert first_where(1e-9) == (-1, NO_EVENT)  # it leaves its zero, to rounding
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

@@ -179,6 +179,25 @@ def _bounds(count, left, right, series):
 
 
 @inlined_kernel
+def _leaves(before, after, on_event):
+    return before < -on_event or after < -REST_SLIP
+
+
+@inlined_kernel
+def _all_leave(before, after, on_event):
+    """Return whether all quantities that are zero at the left place are below zero at the right.
+
+    Others may be above zero there: the largest of all is negative only for a time in between.
+    """
+    return (
+        _leaves(before[0], after[0], on_event)
+        and _leaves(before[1], after[1], on_event)
+        and _leaves(before[2], after[2], on_event)
+        and _leaves(before[3], after[3], on_event)
+    )
+
+
+@inlined_kernel
 def _crossing_between(is_partial, count, left, end, series):
     """First down-crossing of the largest of ``series`` between two places, or NO_EVENT.
 
@@ -198,6 +217,7 @@ def _crossing_between(is_partial, count, left, end, series):
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
             # A negative level that rises has no down-crossing, nor one that stays at zero.
             may_fall = (f > 0.0 or g < 0.0) and not (left == 0.0 and begins)
+            may_fall = may_fall or (begins and count > 1 and _all_leave(before, after, on_event))
             decided = may_fall and _all_are_monotonic(before, after, most)
             if decided or (may_fall and g < 0.0 and width <= finest):
                 theta = _crossing_of_all(count, left, before, right, after, series)

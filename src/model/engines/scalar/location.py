@@ -193,6 +193,8 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
     f_low, f_high = samples[i - 1, which], samples[i, which]
     if f_low < -ON_AN_EVENT and (i > 1 or (events.is_conditional(which) and f_high > f_low)):
         return NO_EVENT  # negative since the start of the mode, or a zero passed over
+    if f_low < -ON_AN_EVENT and which < events.combined:
+        return low  # met as it begins to apply, however soon it ends: parts that already overlap
     if f_high < 0.0:
         if f_low <= 0.0:
             low, f_low, high, f_high = _after_start(
