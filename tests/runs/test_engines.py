@@ -93,7 +93,10 @@ def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(
         lanes = align(batch, SETTINGS, engine="batch")
         aligned = ~(exact.sensitive | lanes.sensitive) & (exact.outcome == Outcome.ALIGNED)
         assert aligned.sum() > COUNT
-        ratio = (np.abs(exact.tau_align - lanes.tau_align) / lanes.tau_error)[aligned]
+        # The truth has an error of its own: a set that amplifies errors is run at 1e-14 by either
+        # engine, and the reference errs more there.
+        allowed = lanes.tau_error + exact.tau_error
+        ratio = (np.abs(exact.tau_align - lanes.tau_align) / allowed)[aligned]
         assert (ratio <= 1.0).mean() >= 0.95
         assert ratio.max() <= 10.0
         ratios.append(ratio)

@@ -335,8 +335,9 @@ class _ErrorWriter(_SeriesWriter):
         if row.kind == "rate":
             return self.code.fmul(self.vector(order + 1.0), self._error(row.of[0], order + 1))
         if row.kind == "product":
-            one, other = row.of
-            return self._folded(one, other, order, self._folded(other, one, order))
+            one, other = row.of  # two sums, of which neither waits for the other
+            sums = self._folded(one, other, order), self._folded(other, one, order)
+            return self.code.fadd(*sums)
         if row.kind == "quotient":
             top, bottom = row.of
             known = self._folded(row, bottom, order, self._folded(bottom, row, order), order)
@@ -347,7 +348,8 @@ class _ErrorWriter(_SeriesWriter):
     def _error_of_sum(self, terms: tuple[tuple[Row, Constant], ...], order: int) -> ir.Value:
         total = self.vector(0.0)
         for row, factor in terms:
-            total = self.fma(self.constant(factor), self._error(row, order), total)
+            if row not in self.plan.sines[2:]:  # the excitation has no error
+                total = self.fma(self.constant(factor), self._error(row, order), total)
         return total
 
     def _folded(
