@@ -6,6 +6,7 @@ import pytest
 from model import INSERTION, Batch, Outcome, Settings, align, simulate
 from model.events.outcomes import InSlot, Reason
 from model.runs.align import run_once
+from model.runs.errors import outcomes_differ
 from model.runs.shown import shown_run
 from model.runs.slot import ends_in_slot
 
@@ -50,7 +51,9 @@ def test_both_engines_agree(by_engine):
     scalar, batch = by_engine
     same = ~(scalar.sensitive | batch.sensitive)
     assert same.mean() > 0.9
-    assert (scalar.outcome == batch.outcome)[same].all()
+    # The batch engine runs at a smaller tolerance, where a periodic motion may settle later.
+    alike = scalar.separations == batch.separations
+    assert not outcomes_differ(scalar.outcome, batch.outcome, alike)[same].any()
     error = scalar.insertion_error + batch.insertion_error + scalar.tau_error + batch.tau_error
     both = same & (scalar.outcome == Outcome.INSERTED)
     apart = np.abs(scalar.tau_inserted - batch.tau_inserted)[both]
