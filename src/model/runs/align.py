@@ -40,8 +40,8 @@ Alignments.__doc__ = described(Alignments.__doc__, RESULTS)
 def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, Array]:
     """Run every parameter set once, without an estimate of its error.
 
-    Costs half as much as ``align``; meant for statistics over many sets. Returns the fields of
-    ``RunResult``, each of shape (n,).
+    Costs two thirds as much as ``align``; meant for statistics over many sets. Returns the fields
+    of ``RunResult``, each of shape (n,).
     """
     rows = settings.rows(batch)
     run = engine_for(settings, cores=cores)
