@@ -19,7 +19,7 @@ def first_settled(device, constants):
 
     def make(states, closest=FAR, which=ALIGNED):
         history = np.full((HISTORY, 6), np.nan)
-        lowest = np.full((HISTORY, MOST_EVENTS), NEVER)
+        lowest = np.full((LONGEST_PERIOD, MOST_EVENTS), NEVER)
         functions = np.full(MOST_EVENTS, NEVER)
         functions[which] = closest
         for count, state in enumerate(states, start=1):

@@ -6,7 +6,7 @@ import pytest
 from model import Outcome, Parameters, simulate
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_EVENTS
 from model.events.levels import NEVER
-from model.events.steady_state import LONGEST_PERIOD, record_period, settled_period
+from model.events.steady_state import HISTORY, LONGEST_PERIOD, record_period, settled_period
 from model.events.table import ALIGNED
 from model.physics.parameters import Batch, Constants
 from model.physics.readings import Readings
@@ -31,8 +31,10 @@ def settled(device):
     p = Constants(*Batch.stack([device]).constants(Readings())[0].tolist())
 
     def make(sequence, distance):
-        size = 3 * LONGEST_PERIOD + 1
-        states, lowest = np.full((size, 6), np.nan), np.full((size, MOST_EVENTS), NEVER)
+        states, lowest = (
+            np.full((HISTORY, 6), np.nan),
+            np.full((LONGEST_PERIOD, MOST_EVENTS), NEVER),
+        )
         closest = np.full(MOST_EVENTS, NEVER)
         closest[ALIGNED] = distance
         for count, state in enumerate(sequence, start=1):

@@ -38,7 +38,9 @@ from model.engines.record import (
     TIME,
     TIME_ERROR,
     TOLERANCE,
+    WATCHED_UNTIL,
     constants_of,
+    is_watched,
     keep_mode,
     keep_state,
     mode_of,
@@ -51,7 +53,13 @@ from model.events.kernels import MOST_EVENTS
 from model.events.levels import FLAT, NEVER
 from model.events.modes import with_corner, with_face
 from model.events.outcomes import Outcome, Reason
-from model.events.steady_state import HISTORY, record_period, settled_period
+from model.events.steady_state import (
+    HISTORY,
+    LONGEST_PERIOD,
+    record_period,
+    settled_period,
+    watched_until,
+)
 from model.events.transitions import CONTINUES
 from model.physics.compiled import kernel
 from model.physics.geometry import bottom_corner, edge_place, resting_height
@@ -105,7 +113,7 @@ class Control(NamedTuple):
 class History(NamedTuple):
     """States and lowest levels in the last periods of runs, as ring buffers; see steady_state.py.
 
-    Shapes: states (runs, HISTORY, 6), lowest (runs, HISTORY, events).
+    Shapes: states (runs, HISTORY, 6), lowest (runs, LONGEST_PERIOD, events).
     """
 
     states: np.ndarray
@@ -114,7 +122,8 @@ class History(NamedTuple):
 
 def new_history(count: int, events: int = MOST_EVENTS) -> History:
     """Return an empty ``History`` of ``count`` runs, for a table of at most ``events``."""
-    return History(np.zeros((count, HISTORY, STATE_SIZE)), np.zeros((count, HISTORY, events)))
+    states = np.zeros((count, HISTORY, STATE_SIZE))
+    return History(states, np.zeros((count, LONGEST_PERIOD, events)))
 
 
 @kernel
@@ -335,11 +344,12 @@ def make_event(which, length, step, scene, control, runs, i):
 @kernel
 def _compare_periods(scene, periods, history, settling_noise, runs, i):
     """Record the state and the closest approaches of a period; end a run that has settled."""
+    if mode_of(runs, i).dropped and scene.events.inserts == 0:
+        return
     states, lowest = history.states[i], history.lowest[i]
     for which in range(scene.events.count):  # events that happened need no distance
         if runs[i, MADE + which] != 0.0:
             runs[i, CLOSEST + which] = NEVER
-            runs[i, MADE + which] = 0.0
     record_period(
         periods,
         runs[i, STATE : STATE + STATE_SIZE],
@@ -347,10 +357,6 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
         states,
         lowest,
     )
-    for which in range(scene.events.count):
-        runs[i, CLOSEST + which] = NEVER
-    if mode_of(runs, i).dropped and scene.events.inserts == 0:
-        return
     noise = max(settling_noise, NOISE * runs[i, TOLERANCE])
     p = constants_of(runs, i)
     length = period_length(p)
@@ -358,6 +364,10 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
     if period > 0:
         runs[i, SETTLED_PERIOD] = period
         _end(scene, runs, i, _SETTLED, _NONE)
+    runs[i, WATCHED_UNTIL] = max(runs[i, WATCHED_UNTIL], watched_until(periods, states))
+    if is_watched(runs, i):
+        for which in range(scene.events.count):
+            runs[i, CLOSEST + which], runs[i, MADE + which] = NEVER, 0.0
 
 
 @kernel

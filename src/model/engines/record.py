@@ -21,6 +21,7 @@ _WORKING = (
     "deadline",  # latest time at which the run ends
     "stop",  # end of the present excitation period, or the deadline
     "periods",  # excitation periods completed
+    "watched_until",  # last period whose closest approaches are noted
     "sticking_time",
     "events_at_once",  # number of events without time passing between them
     "row_of_batch",
@@ -61,6 +62,7 @@ TOLERANCE = column("tolerance")
 DEADLINE = column("deadline")
 STOP = column("stop")
 PERIODS = column("periods")
+WATCHED_UNTIL = column("watched_until")
 STICKING_TIME = column("sticking_time")
 EVENTS_AT_ONCE = column("events_at_once")
 ROW_OF_BATCH = column("row_of_batch")
@@ -84,6 +86,12 @@ keep_state_in = writer(State, "runs, row, i", "runs[i, row + {}]".format)
 # (runs, i): the ``Mode`` of run ``i``; (mode, runs, i) writes it.
 mode_of = reader(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
 keep_mode = writer(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
+
+
+@inlined_kernel
+def is_watched(runs, i):
+    """Return whether closest approaches in the present period may decide if the run settles."""
+    return runs[i, PERIODS] < runs[i, WATCHED_UNTIL]
 
 
 @inlined_kernel

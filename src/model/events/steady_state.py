@@ -14,7 +14,7 @@ from model.physics.compiled import kernel
 from model.physics.notation import STATE_SIZE, State
 
 LONGEST_PERIOD = 8
-HISTORY = 3 * LONGEST_PERIOD + 1  # periods kept
+HISTORY = 3 * LONGEST_PERIOD + 1  # periods whose states are kept
 _LINEAR = 1e-3  # largest difference at which contraction counts as a property of the cycle
 _NEARLY_LINEAR = 1e-2  # and largest of the two differences before it
 _CONTRACTION = 0.98
@@ -23,16 +23,28 @@ _LASTING = 3000.0  # assumed duration of a creep: ten times the usual horizon
 
 
 @kernel
+def watched_until(count, states):
+    """Return the last period whose events decide whether a run has settled, as known so far.
+
+    Before the last n periods of a run that settles, its motion over n periods nearly repeats too.
+    """
+    last = 0
+    for n in range(1, LONGEST_PERIOD + 1):
+        if count > 2 * n and _largest(_difference(count, n, states)) <= _NEARLY_LINEAR:
+            last = count + n
+    return last
+
+
+@kernel
 def record_period(count, y, closest, states, lowest):
     """Store the state at the end of period ``count`` and the lowest levels of the events in it.
 
-    ``states``, shape (HISTORY, 6), and ``lowest``, shape (HISTORY, events), are rings.
+    ``states``, shape (HISTORY, 6), and ``lowest``, shape (LONGEST_PERIOD, events), are rings.
     """
-    row = count % HISTORY
     for i in range(STATE_SIZE):
-        states[row, i] = y[i]
+        states[count % HISTORY, i] = y[i]
     for which in range(closest.size):
-        lowest[row, which] = closest[which]
+        lowest[count % LONGEST_PERIOD, which] = closest[which]
 
 
 @kernel
@@ -123,7 +135,7 @@ def _no_event_follows(events, count, n, reach, lowest, p):
     """Return whether all levels of the last ``n`` periods are farther from zero than they reach."""
     for i in range(n):
         for which in range(events.count):
-            distance = lowest[(count - i) % HISTORY, which]
+            distance = lowest[(count - i) % LONGEST_PERIOD, which]
             if distance != NEVER and _SAFETY * _change(events.kind(which), reach, p) > distance:
                 return False
     return True

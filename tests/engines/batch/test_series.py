@@ -98,9 +98,9 @@ class Step:
         self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH)) + displacement
         self.w[workspace.ERROR : workspace.ERROR + 6] = displacement
         control = Settings().control._replace(carries_error=1.0)
-        step_all(
-            EVENTS, kind_of(support, side), support == FREE, side != FREE, False, control, flat
-        )
+        kind = kind_of(support, side)
+        self.applicable = EVENTS.applicable(kind, self.mode(0))
+        step_all(EVENTS, kind, self.applicable, control, flat)
         coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * ROWS]
         self.further = coefficients.reshape(ORDERS, ROWS, WIDTH)
         self.series = self.further[: ORDER + 1]
@@ -119,6 +119,11 @@ class Step:
             )
         )  # fmt: skip
         return Mode(RIGHT_EDGE, face, OPEN, 0.0, False, slip, side, side_slip, False)
+
+    def watches(self, which: int, lane: int) -> bool:
+        """Whether an event applies in the mode of a lane."""
+        applies = self.w[EVENTS.samples + which, lane] != NEVER
+        return bool(applies and self.applicable & 1 << which)
 
     def at(self, time: float, lane: int) -> np.ndarray:
         """States and what is watched, a time after the start of the step."""
@@ -336,7 +341,7 @@ def test_series_of_levels_are_those_of_the_levels(support: int, side: int) -> No
     for lane in range(WIDTH):
         for which in WATCHED:
             expected = step.w[rows + which, lane]
-            if expected[0] != NEVER:
+            if step.watches(which, lane):
                 flat = step.w.reshape(-1)
                 found = np.concatenate([
                     sampled(which, np.array([node]), series, flat, lane, last)
@@ -374,7 +379,7 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
             flat = step.w.reshape(-1)
             for lane in range(WIDTH):
                 for which in WATCHED:
-                    if step.w[EVENTS.samples + which, lane] == NEVER or EVENTS.is_partial(which):
+                    if not step.watches(which, lane) or EVENTS.is_partial(which):
                         continue
                     values = sampled(which, places, series, flat, lane)
                     if values[0] <= 1e-6:

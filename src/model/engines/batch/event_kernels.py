@@ -10,6 +10,9 @@ from functools import cache, cached_property
 from itertools import product
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from model.engines.batch import step, workspace
 from model.engines.batch.series import ALIGNMENT_KINDS, INSERTION_KINDS, Kind, Watched
 from model.engines.batch.series_code import errors_filler, series_filler, series_sampler
@@ -20,10 +23,11 @@ from model.engines.batch.workspace import (
     EVENT_ROWS,
     ROW,
     VALUES,
+    VARIANTS,
     kind_in,
     numbers_of,
+    variant_in,
 )
-from model.engines.record import CLOSEST
 from model.events.kernel_set import KernelSet
 from model.events.kernels import Lines, SceneKernels, Writer, combined_count, kernels_of, python_of
 from model.events.levels import NEVER, NOTHING
@@ -33,6 +37,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING, Mode, Scene
 
 TERMS = ORDER + 1  # of the series of each quantity
+_AT_ONCE = 8  # events in a loop over lanes: the compiler does not vectorize shorter ones
 _CORNERS = "corner_load", "wall_load"  # the last quantities, of the insertion scene
 _STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
 _FALLS = (False, False, False), (True, False, False), (True, True, False), (True, True, True)
@@ -43,25 +48,35 @@ def kinds_of(inserts: bool) -> tuple[Kind, ...]:
     return INSERTION_KINDS if inserts else ALIGNMENT_KINDS
 
 
+class HeldMode(NamedTuple):
+    """A mode that lanes hold, and its place among them: the numbers of its kind and variant."""
+
+    mode: Mode
+    place: tuple[int, int]
+
+
 @cache
-def _held(inserts: bool) -> list[Mode]:
+def _held(inserts: bool) -> list[HeldMode]:
     """Modes that lanes hold, of friction coefficients and slips that suffice for all events."""
     within = _STATES if inserts else (OPEN,)
-    contacts = [(RIGHT_EDGE, *each) for each in product(_STATES, within, _STATES, within)]
-    contacts += [(LEFT_EDGE, face, OPEN, OPEN, OPEN) for face in (CLOSED, RELEASED) if inserts]
+    edges = (RIGHT_EDGE, LEFT_EDGE) if inserts else (RIGHT_EDGE,)
     modes = [
         # The symbol in an unused field makes kernels called with it run as Python.
         MODE._replace(
             edge=edge, face=face, corner=corner, side=side, wall=wall, support_slip=slip,
-            side_slip=side_slip, slip_at_corner=corner == CLOSED, slip_at_wall=wall == CLOSED,
+            side_slip=side_slip, slip_at_corner=at_corner, slip_at_wall=at_wall,
             dropped=dropped, in_slot=in_slot, corners_inside=inside,
         )
-        for edge, face, corner, side, wall in contacts
+        for edge, face, corner, side, wall in product(edges, _STATES, within, _STATES, within)
+        for at_corner in {corner == CLOSED, CLOSED == corner != face}
+        for at_wall in {wall == CLOSED, CLOSED == wall != side}
         for slip, side_slip in product(_SLIPS, _SLIPS)
         for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
     ]  # fmt: skip
     numbers = numbers_of(kinds_of(inserts))
-    return [mode for mode in modes if python_of(kind_in)(numbers, mode) >= 0]
+    kind_of, variant_of = python_of(kind_in), python_of(variant_in)
+    places = ((kind_of(numbers, mode), variant_of(mode)) for mode in modes)
+    return [HeldMode(*each) for each in zip(modes, places, strict=True) if each[1][0] >= 0]
 
 
 _RUBS = P._replace(friction=1.0)
@@ -80,36 +95,17 @@ class WatchedEvent:
     def __init__(self, number: int, event: Event, inserts: bool) -> None:
         self.number = number
         self.cases: list[Case] = []
-        self.modes: list[Mode] = []
+        self.places: set[tuple[int, int]] = set()
         for applies, level in event.level:
-            modes = [mode for mode in _held(inserts) if python_of(applies)(_RUBS, mode)]
-            if not modes:
+            here = python_of(applies)
+            places = {place for mode, place in _held(inserts) if here(_RUBS, mode)}
+            if not places:
                 continue
             forms = forms_of(event.source, level, inserts)
             if forms is None:
                 raise ValueError(f"{event.name}: lanes hold its modes, but not its quantities")
             self.cases.append(Case(applies, forms))
-            self.modes += modes
-
-    @cached_property
-    def only_in_flight(self) -> bool:
-        """True if it applies only while A1 is not under the face."""
-        return all(mode.face == OPEN or mode.edge == LEFT_EDGE for mode in self.modes)
-
-    @cached_property
-    def only_beside(self) -> bool:
-        """True if it applies only while A2 is behind the side face."""
-        return all(mode.side != OPEN for mode in self.modes)
-
-    @cached_property
-    def only_dropped(self) -> bool:
-        """True if it applies only after alignment."""
-        return all(mode.dropped for mode in self.modes)
-
-    @cached_property
-    def only_fallen(self) -> bool:
-        """True if it applies only after alignment, and neither in flight only nor beside only."""
-        return self.only_dropped and not (self.only_in_flight or self.only_beside)
+            self.places |= places
 
     @cached_property
     def is_partial(self) -> bool:
@@ -155,13 +151,11 @@ def _selected(event: WatchedEvent, texts: list[str], otherwise: str, write: Writ
     return text
 
 
-def _until_and_after_fall(
-    events: list[WatchedEvent],
-) -> Iterator[tuple[str, list[WatchedEvent]]]:
-    """Yield events with the condition under which they may apply, if there are any."""
-    yield "True", [each for each in events if not each.only_dropped]
-    if fallen := [each for each in events if each.only_dropped]:
-        yield "fell", fallen
+def _in_loops(events: list[WatchedEvent]) -> Iterator[tuple[str, list[WatchedEvent]]]:
+    """Yield events for one loop over lanes, with the condition that one of them may apply."""
+    for first in range(0, len(events), _AT_ONCE):
+        group = events[first : first + _AT_ONCE]
+        yield f"applicable & {sum(1 << each.number for each in group)}", group
 
 
 _LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
@@ -169,11 +163,7 @@ _LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
 
 def _sample_lanes(singles: list[WatchedEvent], samples: int, count: int, write: Writer) -> Lines:
     """Levels of one quantity at every node, with constant offsets for each node."""
-    fallen = [each for each in singles if each.only_fallen]
-    others = [each for each in singles if not each.only_fallen]
-    for condition, events in (("True", others), ("fell", fallen)):
-        if not events:
-            continue
+    for condition, events in _in_loops(singles):
         yield f"if {condition}:"
         for node in range(NODES):
             yield f"    for i in range({WIDTH}):"
@@ -188,7 +178,7 @@ def _sample_lanes(singles: list[WatchedEvent], samples: int, count: int, write: 
 def _enter_bounds(singles: list[WatchedEvent], bounds: int, write: Writer) -> Lines:
     """Curvature bounds of levels of one quantity."""
     row, factor = str(VALUES + NODES * SINES), f"{step._CURVATURE!r} * "
-    for condition, events in _until_and_after_fall(singles):
+    for condition, events in _in_loops(singles):
         yield f"if {condition}:"
         yield f"    for i in range({WIDTH}):"
         lines = [*_LANE, *_loads(_all_forms(events), row, factor)]
@@ -213,37 +203,15 @@ def _of_four(combined: list[WatchedEvent], row: str, scale: str, text: Any, miss
         yield f"    return {', '.join(values)}"
 
 
-def _screen(events: list[WatchedEvent], combined: int, samples: int) -> Lines:
-    """Screening of the events that may apply; the levels of others become NEVER."""
-    for condition, chosen in (
-        ("beside", [each for each in events if each.only_beside and not each.only_in_flight]),
-        ("flies", [each for each in events if each.only_in_flight]),
-        ("fell", [each for each in events if each.only_fallen]),
-        (
-            "",
-            [
-                each
-                for each in events
-                if not (each.only_beside or each.only_in_flight or each.only_fallen)
-            ],
-        ),
-    ):
-        if not chosen:
-            continue
-        yield f"if {condition or 'True'}:"
-        singles = [each.number for each in chosen if each.number >= combined]
-        if singles:  # one loop: the compiler unrolls short loops and does not vectorize them
-            yield f"    for i in range({WIDTH}):"
-            bits = " + ".join(f"screen_single(events, {k}, w, i)" for k in singles)
-            yield f"        w[CANDIDATES * {WIDTH} + i] += {bits}"
-        for each in chosen:
-            if each.number < combined:
-                yield f"    screen_combined(events, {each.number}, w)"
-        if condition:
-            yield "else:"
-            yield f"    for i in range({WIDTH}):"
-            for each in chosen:
-                yield f"        w[{(samples + each.number) * WIDTH} + i] = NEVER"
+def _screen(several: list[WatchedEvent], singles: list[WatchedEvent]) -> Lines:
+    """Screening of the events that may apply."""
+    for condition, events in _in_loops(singles):
+        yield f"if {condition}:"
+        yield f"    for i in range({WIDTH}):"
+        bits = " + ".join(f"screen_single(events, {each.number}, w, i)" for each in events)
+        yield f"        w[CANDIDATES * {WIDTH} + i] += {bits}"
+    for each in several:
+        yield f"if applicable & {1 << each.number}: screen_combined(events, {each.number}, w)"
 
 
 def _enter(event: WatchedEvent, write: Writer) -> Lines:
@@ -264,23 +232,13 @@ def _enter(event: WatchedEvent, write: Writer) -> Lines:
         yield "    return"
 
 
-def _enter_lowest(watched: list[WatchedEvent]) -> Lines:
-    """Lowest samples of the levels up to the end of each subinterval."""
-    for condition, events in _until_and_after_fall(watched):
-        yield f"if {condition}:"
-        yield f"    for i in range({WIDTH}):"
-        yield from (f"        enter_lowest(events, {each.number}, w, i)" for each in events)
-
-
-def _note_lowest(watched: list[WatchedEvent]) -> Lines:
-    """Lower the closest approaches of a run to the lowest levels from a row on."""
-    yield f"fell = w[DROPPED * {WIDTH} + i] != 0.0"
-    for condition, events in _until_and_after_fall(watched):
-        yield f"if {condition}:"
-        for event in events:
-            yield f"    lowest = w[(row + {event.number}) * {WIDTH} + i]"
-            yield f"    at = CLOSEST + {event.number}"
-            yield "    runs[run, at] = min(runs[run, at], lowest)"
+def _masks(watched: list[WatchedEvent], kinds: int) -> NDArray[np.int64]:
+    """Return the masks of the events that may apply in each variant of each kind of mode."""
+    masks = np.zeros((kinds, VARIANTS), np.int64)
+    for event in watched:
+        for place in event.places:
+            masks[place] |= 1 << event.number
+    return masks
 
 
 @cache
@@ -289,15 +247,15 @@ def vector_kernels_of(table: Table) -> KernelSet:
 
     Members:
         rows, kinds: number of rows of the workspace, and of kinds of modes.
-        samples, bounds, lowest, subintervals: first rows of the levels at the nodes, of their
-            curvature bounds, of their lowest samples up to the end of each subinterval, and of the
-            masks of subintervals that may contain a down-crossing.
-        sample_lanes(fell, w), enter_bounds(fell, w): write levels of one quantity, their bounds.
+        samples, bounds, subintervals: first rows of the levels at the nodes, of their curvature
+            bounds, and of the masks of subintervals that may contain a down-crossing.
+        applicable(kind, mode): mask of the events that may apply in a mode of this kind.
+        sample_lanes(applicable, w), enter_bounds(applicable, w): write levels of one quantity, and
+            their bounds; only events of such a mask are sampled, screened and noted.
         quantities_in(which, row, w, i), bounds_of(which, w, i): quantities of a level of several,
             and their bounds.
         applies(which, p, mode): True if a level of several quantities applies.
-        screen(events, flies, beside, fell, w), find(events, candidates, w): write the candidates.
-        enter_all_lowest(events, fell, w), note_lowest(row, w, i, runs, run): closest approaches.
+        screen(events, applicable, w), find(events, candidates, w): write the candidates.
         enter_series(which, sign, series, w, i): write the series of a level's quantities; ``sign``
             is the sign of the argument of its absolute value.
         mode_of_lane(w, i): the ``Mode`` of a lane; kind_of(mode): see ``kind_in``.
@@ -311,10 +269,9 @@ def vector_kernels_of(table: Table) -> KernelSet:
     quantities = Watched._fields if inserts else Watched._fields[: -len(_CORNERS)]
     samples = EVENT_ROWS
     bounds = samples + NODES * count
-    lowest = bounds + count
-    subintervals = lowest + (NODES - 1) * count
+    subintervals = bounds + count
     numbers = {
-        "samples": samples, "bounds": bounds, "lowest": lowest, "subintervals": subintervals,
+        "samples": samples, "bounds": bounds, "subintervals": subintervals,
         "rows": subintervals + count, "kinds": len(kinds),
     }  # fmt: skip
     watched = [
@@ -324,14 +281,15 @@ def vector_kernels_of(table: Table) -> KernelSet:
     singles = [each for each in watched if each.number >= combined]
     write = Writer(
         base.name, NEVER=NEVER, NOTHING=NOTHING, WIDTH=WIDTH, CANDIDATES=workspace.CANDIDATES,
-        LENGTH=workspace.LENGTH, DROPPED=workspace.DROPPED, CLOSEST=CLOSEST,
-        constants_of_lane=workspace.constants_of_lane, mode_of_lane=mode_of_lane,
+        LENGTH=workspace.LENGTH, constants_of_lane=workspace.constants_of_lane,
+        mode_of_lane=mode_of_lane,
         screen_single=step.screen_single, screen_combined=step.screen_combined,
         find_single=step.find_single, find_combined=step.find_combined,
-        enter_lowest=step.enter_lowest,
     )  # fmt: skip
-    write.write(kernel, "sample_lanes(fell, w)", _sample_lanes(singles, samples, count, write))
-    write.write(kernel, "enter_bounds(fell, w)", _enter_bounds(singles, bounds, write))
+    write.write(
+        kernel, "sample_lanes(applicable, w)", _sample_lanes(singles, samples, count, write)
+    )
+    write.write(kernel, "enter_bounds(applicable, w)", _enter_bounds(singles, bounds, write))
     write.write(
         inlined_kernel, "quantities_in(which, row, w, i)",
         _of_four(several, "row", "", _value, "NOTHING"),
@@ -345,15 +303,11 @@ def vector_kernels_of(table: Table) -> KernelSet:
         ((k.number, f"{write.name(k.cases[0].applies)}(p, mode)") for k in several),
         "False",
     )
-    write.write(
-        kernel, "screen(events, flies, beside, fell, w)", _screen(watched, combined, samples)
-    )
+    write.write(kernel, "screen(events, applicable, w)", _screen(several, singles))
     write.write(kernel, "find(events, candidates, w)", iter([
         f"find_{'combined' if k.number < combined else 'single'}(events, {k.number}, candidates, w)"
         for k in watched
     ]))  # fmt: skip
-    write.write(kernel, "enter_all_lowest(events, fell, w)", _enter_lowest(watched))
-    write.write(inlined_kernel, "note_lowest(row, w, i, runs, run)", _note_lowest(watched))
     for each in watched:
         head = f"enter_{each.number}(sign, series, w, i)"
         write.write(inlined_kernel, head, _enter(each, write))
@@ -377,6 +331,10 @@ def vector_kernels_of(table: Table) -> KernelSet:
     )
     write.known |= {"NUMBERS": numbers_of(kinds), "kind_in": kind_in}
     write.write(inlined_kernel, "kind_of(mode)", iter(("return kind_in(NUMBERS, mode)",)))
+    write.known |= {"MASKS": _masks(watched, len(kinds)), "variant_in": variant_in}
+    write.write(
+        inlined_kernel, "applicable(kind, mode)", iter(("return MASKS[kind, variant_in(mode)]",))
+    )
     members = base.members | write.members | numbers
     members |= {
         "mode_of_lane": mode_of_lane,

@@ -8,8 +8,6 @@ its argument.
 
 from math import inf
 
-import numpy as np
-
 from model.engines.batch.event_kernels import TERMS
 from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, WIDTH
 from model.engines.batch.step import (
@@ -22,6 +20,7 @@ from model.engines.batch.workspace import (
     COEFFICIENTS,
     LENGTH,
     constants_of_lane,
+    lowest_bit,
 )
 from model.engines.record import STATE, TIME, constants_of, mode_of
 from model.engines.scalar import location
@@ -312,19 +311,13 @@ def _is_met(events, which, theta, w, lane):
     return other < 0.0
 
 
-@inlined_kernel
-def _lowest_bit(bits):
-    """Index of the lowest set bit: the exponent of its value as a float."""
-    return (np.float64(bits & -bits).view(np.int64) >> 52) - 1023
-
-
 @kernel
 def first_event(events, w, lane, runs, work, series, i):
     """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none."""
     first, which_first, search = NO_EVENT, -1, False
     candidates = int(w[CANDIDATES * WIDTH + lane])
     while candidates != 0:
-        which = _lowest_bit(candidates)
+        which = lowest_bit(candidates)
         candidates &= candidates - 1
         theta = crossing(events, which, first, series, w, lane)
         if events.is_partial(which) and (

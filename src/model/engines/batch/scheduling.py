@@ -19,7 +19,7 @@ from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import CONSISTENT, SIDE_SIGN, SUPPORT_SIGN
 from model.engines.batch.series_plan import NODES, ORDER, WIDTH
 from model.engines.batch.step import step_all
-from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane
+from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane, lowest_bit
 from model.engines.course import (
     History,
     begin,
@@ -33,6 +33,7 @@ from model.engines.course import (
 )
 from model.engines.queue import fair_share, next_in
 from model.engines.record import (
+    CLOSEST,
     DEADLINE,
     END_ERROR,
     ERROR,
@@ -54,6 +55,7 @@ from model.engines.record import (
     TIME_ERROR,
     TOLERANCE,
     constants_of,
+    is_watched,
     keep_result,
     keep_state,
     mode_of,
@@ -65,11 +67,12 @@ from model.engines.scalar.step import MOST_GROWTH, are_finite, is_too_short, rat
 from model.engines.scalar.tableaux import DOP853
 from model.events.friction import hold_sticking
 from model.events.kernels import SceneKernels
+from model.events.levels import NEVER, ON_AN_EVENT
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
 from model.physics.compiled import inlined_kernel, kernel
-from model.physics.notation import LEFT_EDGE, STATE_SIZE
-from model.physics.scenes import OPEN, Mode
+from model.physics.notation import STATE_SIZE
+from model.physics.scenes import Mode
 
 POOL = 128  # largest number of runs that a thread has at once
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
@@ -82,7 +85,6 @@ def _mode(name: str) -> int:
 
 
 # Numbers of a run copied to its lane besides constants and state: (row of lanes, column of runs).
-_EDGE, _FACE, _SIDE, _DROPPED = map(_mode, ("edge", "face", "side", "dropped"))
 _GATHERED = (
     (SUPPORT_SIGN, _mode("support_slip")),
     (SIDE_SIGN, _mode("side_slip")),
@@ -90,14 +92,14 @@ _GATHERED = (
     (workspace.DEADLINE, DEADLINE),
     (workspace.TOLERANCE, TOLERANCE),
     (workspace.LONGEST, NEXT_STEP),
-    (workspace.FACE, _FACE),
+    (workspace.FACE, _mode("face")),
     (workspace.SUPPORT_SLIP_STATE, _mode("support_slip")),
-    (workspace.SIDE, _SIDE),
+    (workspace.SIDE, _mode("side")),
     (workspace.SIDE_SLIP_STATE, _mode("side_slip")),
-    (workspace.DROPPED, _DROPPED),
+    (workspace.DROPPED, _mode("dropped")),
 )
 _GATHERED_IN_SLOT = (
-    (workspace.EDGE, _EDGE),
+    (workspace.EDGE, _mode("edge")),
     (workspace.CORNER, _mode("corner")),
     (workspace.SLIP_AT_CORNER, _mode("slip_at_corner")),
     (workspace.IN_SLOT, _mode("in_slot")),
@@ -122,13 +124,22 @@ def _gather(events, runs, i, w, lane):
         w[(workspace.ERROR + n) * WIDTH + lane] = runs[i, ERROR + n]
 
 
-@inlined_kernel
-def _note_lowest(events, until, w, lane, runs, i):
-    """Lower the closest approaches to those of a step, or of its subintervals before an event."""
-    subintervals = int(until * (NODES - 1))
-    watched = events.inserts == 1 or w[workspace.DROPPED * WIDTH + lane] == 0.0
-    if subintervals > 0 and watched:
-        events.note_lowest(events.lowest + (subintervals - 1) * events.count, w, lane, runs, i)
+@kernel
+def _note_closest(events, until, w, lane, runs, i):
+    """Lower closest approaches to those of a step, or of its subintervals before an event.
+
+    A mode starts on zeros of its own levels: leaving such a zero is not an approach to an event.
+    """
+    last, applicable = int(until * (NODES - 1)), int(w[workspace.APPLICABLE * WIDTH + lane])
+    while applicable != 0:
+        which = lowest_bit(applicable)
+        applicable &= applicable - 1
+        at, node = (events.samples + which) * WIDTH + lane, events.count * WIDTH
+        if w[at] > ON_AN_EVENT and w[at] != NEVER:
+            lowest = runs[i, CLOSEST + which]
+            for each in range(1, last + 1):
+                lowest = min(lowest, w[at + each * node])
+            runs[i, CLOSEST + which] = lowest
 
 
 @inlined_kernel
@@ -148,8 +159,8 @@ def _pass_periods(scene, until, history, control, w, lane, runs, i):
         keep_state(hold_sticking(q, p, mode), runs, i)
         runs[i, TIME] = runs[i, STOP]
         end_period(scene, history, control.settling_noise, runs, i)
-        if control.settling_noise > 0.0:
-            _note_lowest(scene.events, until, w, lane, runs, i)
+        if is_watched(runs, i):
+            _note_closest(scene.events, until, w, lane, runs, i)
 
 
 @inlined_kernel
@@ -163,8 +174,8 @@ def _carries_error(scene, control, runs, i):
 def _advance(scene, until, history, control, w, lane, runs, i):
     """Advance by a step, or by its part up to an event; return whether the run continues."""
     length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, TIME]
-    if control.settling_noise > 0.0:
-        _note_lowest(scene.events, until, w, lane, runs, i)
+    if is_watched(runs, i):
+        _note_closest(scene.events, until, w, lane, runs, i)
     _pass_periods(scene, until, history, control, w, lane, runs, i)
     continues = runs[i, OUTCOME] == CONTINUES
     if not continues:
@@ -339,14 +350,14 @@ def _dequeue(kind, waiting, together):
 def _step_together(events, kind, count, control, many):
     """Make a step of ``count`` runs in the same kind of mode."""
     w, runs = many.w, many.runs
-    beside, flies, fell = False, False, False
+    applicable = 0
     for lane in range(WIDTH):  # lanes without a run repeat the last one
         i = many.together[min(lane, count - 1)]
         _gather(events, runs, i, w, lane)
-        beside = beside or runs[i, _SIDE] != OPEN
-        flies = flies or runs[i, _FACE] == OPEN or runs[i, _EDGE] == LEFT_EDGE
-        fell = fell or runs[i, _DROPPED] != 0.0
-    step_all(events, kind, flies, beside, fell, control, w)
+        may_apply = events.applicable(kind, mode_of(runs, i))
+        w[workspace.APPLICABLE * WIDTH + lane] = float(may_apply)
+        applicable |= may_apply
+    step_all(events, kind, applicable, control, w)
 
 
 @kernel

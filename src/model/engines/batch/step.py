@@ -251,20 +251,6 @@ def find_combined(events, which, candidates, w):
 
 
 @inlined_kernel
-def enter_lowest(events, which, w, i):
-    """Enter the lowest samples up to each subinterval's end; NEVER if the level starts at zero."""
-    at, node = (events.lowest + which) * WIDTH + i, events.count * WIDTH
-    g = _samples_of(events, which, w, i)
-    second = min(g[1], g[2])
-    third = min(second, g[3])
-    counts = (g[0] > ON_AN_EVENT) & (g[0] != NEVER)
-    w[at] = g[1] if counts else NEVER
-    w[at + node] = second if counts else NEVER
-    w[at + 2 * node] = third if counts else NEVER
-    w[at + 3 * node] = min(third, g[4]) if counts else NEVER
-
-
-@inlined_kernel
 def _at_most(row, w, i):
     """Upper bound of |row| in the step, from its samples and its curvature bound."""
     first, node = (VALUES + row) * WIDTH + i, SINES * WIDTH
@@ -300,12 +286,11 @@ def _end_steps(events, w):
 
 
 @kernel
-def step_all(events, kind, flies, beside, fell, control, w):
+def step_all(events, kind, applicable, control, w):
     """Make one step in every lane, and enter the candidates for events in it.
 
-    ``flies``: True if A1 is not under the face in any lane; ``beside``: True if A2 is behind
-    the side face in any lane; ``fell``: True if the part has fallen in in any lane. Lowest levels,
-    and upper bounds of tilt and forces, are entered if ``control`` requires them.
+    ``applicable`` is the mask of the events that may apply in any lane. Upper bounds of tilt and
+    forces are entered if ``control`` requires them.
     """
     _turn(w)
     carries_error = control.carries_error != 0.0
@@ -316,19 +301,17 @@ def step_all(events, kind, flies, beside, fell, control, w):
         events.fill_errors(kind, w, COEFFICIENTS, 0, ERROR)
     _set_lengths(w)
     events.sample_series(w, COEFFICIENTS, LENGTH, VALUES)
-    events.sample_lanes(fell, w)
-    events.enter_bounds(fell, w)
+    events.sample_lanes(applicable, w)
+    events.enter_bounds(applicable, w)
     for i in range(WIDTH):
         w[CANDIDATES * WIDTH + i] = 0.0
-    events.screen(events, flies, beside, fell, w)
+    events.screen(events, applicable, w)
     candidates = 0
     for i in range(WIDTH):
         candidates |= int(w[CANDIDATES * WIDTH + i])
     for i in range(WIDTH):
         w[CANDIDATES * WIDTH + i] = 0.0
     events.find(events, candidates, w)
-    if control.settling_noise > 0.0:
-        events.enter_all_lowest(events, fell, w)
     if control.alignment_only == 0.0:
         _enter_largest(events, w)
     _end_steps(events, w)

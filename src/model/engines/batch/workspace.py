@@ -39,7 +39,7 @@ from model.engines.scalar.tableaux import Array
 from model.physics.compiled import inlined_kernel
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, STICKING, Mode
+from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
 from model.physics.views import reader
 
 # Rows: the constants and signs of the slips, then numbers of the lanes, and of their step.
@@ -61,11 +61,12 @@ from model.physics.views import reader
     SLIP_AT_WALL,
     CORNERS_INSIDE,
     LENGTH,
+    APPLICABLE,  # mask of the events that may apply in the mode
     CANDIDATES,  # mask of the events that may happen in the step
     STEP_TILT,  # upper bound of |tilt| in the step
     STEP_FORCE,  # upper bound of the normal forces in the step
     LAST_ORDER,  # of the states' series
-) = range(GIVEN, GIVEN + 21)
+) = range(GIVEN, GIVEN + 22)
 END = LAST_ORDER + 1
 ERROR = END + STATE_SIZE  # series of the error that a run carries
 # The tilt and the watched rows at each node, and their curvature bounds.
@@ -172,3 +173,20 @@ def kind_in(numbers, mode):
     support = _pressing(mode.face, mode.corner, mode.slip_at_corner, mode.support_slip)
     side = _pressing(mode.side, mode.wall, mode.slip_at_wall, mode.side_slip)
     return numbers[place, support, side]
+
+
+VARIANTS = 32  # of a kind of mode
+
+
+@inlined_kernel
+def variant_in(mode):
+    """Return the number of a mode in its kind: which contacts are released, and whether it fell."""
+    right = int(mode.face == RELEASED) + 2 * int(mode.corner == RELEASED)
+    left = int(mode.side == RELEASED) + 2 * int(mode.wall == RELEASED)
+    return right + 4 * left + 16 * int(mode.dropped)
+
+
+@inlined_kernel
+def lowest_bit(mask):
+    """Return the index of the lowest set bit: the exponent of its value as a float."""
+    return (np.float64(mask & -mask).view(np.int64) >> 52) - 1023

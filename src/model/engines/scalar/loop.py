@@ -28,6 +28,7 @@ from model.engines.record import (
     TOLERANCE,
     TRACKED,
     constants_of,
+    is_watched,
     keep_result,
     keep_state,
     mode_of,
@@ -290,7 +291,8 @@ def advance(scene, method, control, track, history, work, runs, i):
             work,
         )
         runs[i, EVALUATIONS] += taken * method.stages
-    note_closest(scene.events, work.samples, last, runs, i)
+    if is_watched(runs, i):
+        note_closest(scene.events, work.samples, last, runs, i)
     for node in range(1, last + (0 if found else 1)):
         at, q = time + NODE_PLACES[node] * h_step, state_of(work.nodes[node])
         track_sample(scene.events, track, at, q, work.samples[node], runs, i)
