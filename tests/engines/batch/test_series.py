@@ -151,8 +151,8 @@ def test_a_carried_error_is_the_derivative_of_the_series(support, side):
     # Linearised at the displaced state: apart by some hundred displacements at the highest order.
     error = 1e-8 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
     more, less = (Step(support, side, 0.1, displacement=each) for each in (error, -error))
-    orders = np.s_[: (ERROR_ORDER + 1) * 6]
-    found = more.w[workspace.ERROR :][orders].reshape(ERROR_ORDER + 1, 6, WIDTH)
+    errors = more.w[workspace.ERROR : workspace.ERROR + ORDERS * ROWS].reshape(ORDERS, ROWS, WIDTH)
+    found = errors[: ERROR_ORDER + 1, :6]
     expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
     size = np.abs(expected).max(axis=1, keepdims=True)
     assert np.abs(found - expected).max() < 1e-5 * size.max()
