@@ -207,6 +207,14 @@ def test_a_neighbour_decides_on_the_flag_where_errors_grow():
     assert ran == [3, 2, 2]
 
 
+def test_a_part_that_jams_by_another_motion_is_flagged():
+    jammed = {"outcome": np.full(3, Outcome.JAMMED), "tau_align": np.ones(3)}
+    first = {**jammed, "tau_corners_inside": np.array([5.0, 5.0, np.nan])}
+    second = {**jammed, "tau_corners_inside": np.array([5.0, 5.1, np.nan])}
+    found = estimate(of_neighbours(first, second), numbered(3), 1e-10)
+    assert found.sensitive.tolist() == [False, True, False]
+
+
 def test_a_part_inserted_as_late_that_aligned_at_another_time_is_flagged():
     inserted = {"outcome": np.full(2, Outcome.INSERTED), "time": np.full(2, 5.0)}
     first = {**inserted, "tau_align": np.array([1.0, 1.0])}

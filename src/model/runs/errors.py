@@ -198,10 +198,15 @@ def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[n
 
 
 def _end(run: RunResult) -> Array:
-    """Return the times of alignment, or of insertion, or of leaving the scene; else NaN."""
+    """Return the times of alignment, or of insertion, or of leaving the scene; else NaN.
+
+    A jammed part comes to rest at no definite time: for it, that of all corners inside.
+    """
     time: Array = run.time
     ends = np.isin(run.outcome, (Outcome.LEFT_SCENE, Outcome.INSERTED))
-    return np.where(ends, time, run.tau_align)
+    jammed = run.outcome == Outcome.JAMMED
+    last = np.where(jammed, np.fmax(run.tau_align, run.tau_corners_inside), run.tau_align)
+    return np.where(ends, time, last)
 
 
 def _ends_apart(
