@@ -4,15 +4,16 @@ Sets are drawn by the law of ``make fuzz SCENE=insertion`` and kept where a run 
 flagged, and the base is soft enough for MuJoCo's step. The independent solution runs the whole
 scene from its own statement of the contacts. MuJoCo is given bodies, joints and soft contacts, and
 begins with the state at alignment; its edges and corners are small balls, so that it is off by a
-share of their radius. ``--speed`` instead compares the time of a step after alignment with that of
-a step of the alignment scene, by figure.
+share of their radius. ``--speed`` instead compares the time of a step, before and after alignment,
+with that of a step of the alignment scene, by figure.
 """
 
 import argparse
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from time import process_time
 from typing import Any
 
@@ -22,7 +23,8 @@ from numpy.typing import NDArray
 from benchmarks.truth import OPTIONS, modelled, suspension
 from model import INSERTION, Batch, Outcome, Parameters, Reason, align, simulate
 from model.engines.results import RunResult
-from model.runs.engines import Run, batch_engine
+from model.runs.align import run_once
+from model.runs.engines import batch_engine
 from model.study.config import GRIDDED, load_study, study_path
 from model.study.sweeps import sweep_of
 from verification.accuracy import LEAVING, Check, judge_estimate
@@ -42,6 +44,7 @@ _DEEP = 20.0  # size of the base
 _AT_ONCE = 500
 _CLOSE, _SAME = 0.05, 0.95  # relative difference of times in the median; share of the same ends
 _ROUNDS, _LEAST_TIME = 5, 0.1  # of a measured time; in CPU seconds
+_LEAST_SETS, _AT_ONCE_DEEP = 2_000, 1e-9  # of a measured time; depth at which a part is inserted
 
 
 def sets_of(count: int, seed: int = 2007) -> list[tuple[Parameters, Any]]:
@@ -156,44 +159,50 @@ def judge(
     ]  # fmt: skip
 
 
-def _in_turn(runs: Sequence[Run], rows: Floats, tolerance: float) -> tuple[float, float]:
-    """Return the CPU seconds of two engines for the sets ``rows``, medians of several rounds."""
-    times = np.zeros((_ROUNDS, 2))
-    for each in range(2 * _ROUNDS):
+def _in_turn(tasks: Sequence[Callable[[], object]]) -> list[float]:
+    """Return the CPU seconds of tasks, medians of several rounds."""
+    times = np.zeros((_ROUNDS, len(tasks)))
+    for each in range(times.size):
         calls, started = 0, process_time()
         while (spent := process_time() - started) < _LEAST_TIME:
-            runs[each % 2](rows, np.full(len(rows), tolerance))
+            tasks[each % len(tasks)]()
             calls += 1
-        times[divmod(each, 2)] = spent / calls
-    before, after = np.median(times, axis=0).tolist()
-    return before, after
+        times[divmod(each, len(tasks))] = spent / calls
+    middle: list[float] = np.median(times, axis=0).tolist()
+    return middle
 
 
 def speed_of(figure: str, count: int) -> str:
     """Return the line on ``count`` points of a figure, in the batch engine with its errors.
 
-    Sets are counted as handed over if the reference engine made some of their steps.
+    Every set is run several times at once, as in a large batch: few lanes wait at its end. A run
+    that counts as inserted at once tells the steps before alignment from those after it. Sets are
+    counted as handed over if the reference engine made some of their steps.
     """
     sweep = sweep_of(load_study(study_path()), figure)
     settings = sweep.settings.settings
     points = np.random.default_rng(0).permutation(int(np.prod(sweep.shape)))[:count]
-    rows, scenes = settings.rows(sweep.batch(points)), (settings.scene, INSERTION)
-    runs = [batch_engine(replace(settings, scene=each), carries_error=True) for each in scenes]
-    found = [RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T) for run in runs]
-    aligns = found[0].outcome == Outcome.ALIGNED
-    steps = [int(each.steps[aligns].sum()) for each in found]
-    before, after = _in_turn(runs, rows[aligns], settings.tolerance)
-    step, added = before / steps[0], (after - before) / (steps[1] - steps[0])
-    handed = np.isnan(found[1].largest_error[aligns]).mean()
-    words = (
+    inserts = replace(settings, scene=INSERTION)
+    aligns = run_once(sweep.batch(points), settings)["outcome"] == Outcome.ALIGNED
+    sets = np.tile(points[aligns], -(-_LEAST_SETS // int(aligns.sum())))
+    tasks = [
+        partial(
+            batch_engine(each, carries_error=True), each.rows(sweep.batch(sets)),
+            np.full(len(sets), each.tolerance),
+        )
+        for each in (settings, replace(inserts, insertion_depth=_AT_ONCE_DEEP), inserts)
+    ]  # fmt: skip
+    found = [RunResult(*run().T) for run in tasks]
+    steps, times = [int(each.steps.sum()) for each in found], _in_turn(tasks)
+    step, handed = times[0] / steps[0], np.isnan(found[2].largest_error).mean()
+    before = times[1] / steps[1] / step
+    after = (times[2] - times[1]) / (steps[2] - steps[1]) / step
+    return (
         f"{figure}: {aligns.sum()} align, {100 * handed:.0f} % handed over; {1e6 * step:.2f} us a "
-        f"step, {added / step:.1f} times as much after it; whole runs {after / before:.2f} times, "
-        f"of {steps[1] / steps[0]:.2f} times the steps"
+        f"step, in the insertion scene {before:.2f} times as much before alignment and {after:.2f} "
+        f"times after it; whole runs {times[2] / times[0]:.2f} times, of "
+        f"{steps[2] / steps[0]:.2f} times the steps"
     )
-    if aligns.all():
-        return words
-    before, after = _in_turn(runs, rows[~aligns], settings.tolerance)
-    return f"{words}; runs that do not align {after / before:.2f} times"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

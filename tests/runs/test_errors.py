@@ -193,6 +193,36 @@ def test_a_settled_motion_that_hops_ends_like_one_that_hops_on_as_often():
     assert found.sensitive.tolist() == [False, False, False, True]
 
 
+def test_a_neighbour_decides_on_the_flag_where_errors_grow():
+    # The first two err by 600 tolerances, the third by 30; all neighbours align at another time.
+    first = {
+        "outcome": np.full(3, Outcome.ALIGNED), "tau_align": np.ones(3),
+        "time_error": np.array([2e-8, 2e-8, 1e-9]), "largest_error": np.full(3, 1e-7),
+    }  # fmt: skip
+    second = {**first, "tau_align": 1.0 + np.array([2e-4, 5e-5, 2e-4])}
+    ran = []
+    engine = of_neighbours(first, second, ran)
+    found = estimate(engine, numbered(3), 1e-10, carries_error=True)
+    assert found.sensitive.tolist() == [True, False, False]
+    assert ran == [3, 2, 2]
+
+
+def test_a_part_that_jams_by_another_motion_is_flagged():
+    jammed = {"outcome": np.full(3, Outcome.JAMMED), "tau_align": np.ones(3)}
+    first = {**jammed, "tau_corners_inside": np.array([5.0, 5.0, np.nan])}
+    second = {**jammed, "tau_corners_inside": np.array([5.0, 5.1, np.nan])}
+    found = estimate(of_neighbours(first, second), numbered(3), 1e-10)
+    assert found.sensitive.tolist() == [False, True, False]
+
+
+def test_a_part_inserted_as_late_that_aligned_at_another_time_is_flagged():
+    inserted = {"outcome": np.full(2, Outcome.INSERTED), "time": np.full(2, 5.0)}
+    first = {**inserted, "tau_align": np.array([1.0, 1.0])}
+    second = {**inserted, "tau_align": np.array([1.0, 1.1])}
+    found = estimate(of_neighbours(first, second), numbered(2), 1e-10)
+    assert found.sensitive.tolist() == [False, True]
+
+
 def test_a_part_that_leaves_the_scene_at_another_time_is_flagged():
     left = {"outcome": np.full(2, Outcome.LEFT_SCENE), "tau_align": np.full(2, np.nan)}
     first, second = {**left, "time": np.array([5.0, 5.0])}, {**left, "time": np.array([5.0, 5.1])}

@@ -4,7 +4,8 @@ The batch engine carries the error of a run along (engines/batch/carried_error.p
 of its times. It runs at a ``FINER``-th of the tolerance, where few sets have an error larger than
 the tolerance promises; those are run again at a smaller one. The error estimate of the first run,
 times the ratio of the tolerances and divided by 4, is a lower bound of the final estimate: errors
-may cancel by chance.
+may cancel by chance. Of such a set a neighbour decides on the flag: a run from a start displaced by
+the tolerance, which may part from it by far more than its own error.
 
 Neighbours decide where a run carries no error (reference engine), or one that is too large for the
 linearised motion, where a set starts nearly flat, or with a gap below the tolerance. A neighbour is
@@ -99,6 +100,13 @@ def estimate(run: Run, rows: Array, tolerance: float, *, carries_error: bool = F
     if doubtful.any():
         first = Estimate(**{name: each[doubtful] for name, each in found._asdict().items()})
         _renew(found, doubtful, _by_neighbours(run, rows[doubtful], first, tolerance))
+    grows = np.flatnonzero(imprecise & ~found.sensitive)
+    if grows.size:
+        displaced = _displaced(rows[grows], "misalignment", tolerance)
+        other = RunResult(*run(displaced, COARSER * found.tolerance[grows]).T)
+        mine = RunResult(*found.results[grows].T)
+        found.sensitive[grows] = _ends_apart(Constants(*rows[grows].T), mine, other)
+        found.rhs_evaluations[grows] += other.rhs_evaluations
     return found
 
 
@@ -190,10 +198,28 @@ def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[n
 
 
 def _end(run: RunResult) -> Array:
-    """Return the times of alignment, or of insertion, or of leaving the scene; else NaN."""
+    """Return the times of alignment, or of insertion, or of leaving the scene; else NaN.
+
+    A jammed part comes to rest at no definite time: for it, that of all corners inside.
+    """
     time: Array = run.time
     ends = np.isin(run.outcome, (Outcome.LEFT_SCENE, Outcome.INSERTED))
-    return np.where(ends, time, run.tau_align)
+    jammed = run.outcome == Outcome.JAMMED
+    last = np.where(jammed, np.fmax(run.tau_align, run.tau_corners_inside), run.tau_align)
+    return np.where(ends, time, last)
+
+
+def _ends_apart(
+    p: Constants, run: RunResult, other: RunResult, motions_alike: bool = False
+) -> NDArray[np.bool_]:
+    """Return a mask of the runs that end otherwise than their neighbours, or at another time.
+
+    ``motions_alike``: True if the motions count as alike however often they lift off.
+    """
+    found: NDArray[np.bool_] = np.abs(_end(run) - _end(other)) > SENSITIVE
+    found |= np.abs(run.tau_align - other.tau_align) > SENSITIVE
+    alike = _lift_off_alike(p, run, other) | motions_alike
+    return found | outcomes_differ(run.outcome, other.outcome, alike)
 
 
 def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
@@ -254,9 +280,7 @@ def _compare(
     sensitive = _is_too_narrow(p, tolerance)
     for (which, _), displaced in zip(others, ran, strict=True):
         mine, other = RunResult(*results[which].T), RunResult(*displaced.T)
-        alike = _lift_off_alike(Constants(*rows[which].T), mine, other) | (which is flat)
-        apart = np.abs(_end(mine) - _end(other)) > SENSITIVE
-        sensitive[which] |= outcomes_differ(mine.outcome, other.outcome, alike) | apart
+        sensitive[which] |= _ends_apart(Constants(*rows[which].T), mine, other, which is flat)
         spent[which] += other.rhs_evaluations
     fine.reason[_are_chaotic(fine, coarse)] = Reason.CHAOTIC  # a view of ``results``
     inserted = fine.tau_align + fine.tau_inserted

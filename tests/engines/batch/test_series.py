@@ -6,7 +6,12 @@ import pytest
 from model import Settings
 from model.engines.batch import workspace
 from model.engines.batch.event_kernels import TERMS, in_vector_kernels
-from model.engines.batch.event_search import QUANTITIES, crossing, values_at
+from model.engines.batch.event_search import (
+    QUANTITIES,
+    crossing,
+    first_crossing,
+    values_at,
+)
 from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import (
     ALIGNMENT_KINDS,
@@ -42,6 +47,7 @@ from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
 from model.events.insertion import INSERTION
 from model.events.levels import NEVER, Outline, outline
+from model.events.table import number_of
 from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
@@ -151,8 +157,8 @@ def test_a_carried_error_is_the_derivative_of_the_series(support, side):
     # Linearised at the displaced state: apart by some hundred displacements at the highest order.
     error = 1e-8 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
     more, less = (Step(support, side, 0.1, displacement=each) for each in (error, -error))
-    orders = np.s_[: (ERROR_ORDER + 1) * 6]
-    found = more.w[workspace.ERROR :][orders].reshape(ERROR_ORDER + 1, 6, WIDTH)
+    errors = more.w[workspace.ERROR : workspace.ERROR + ORDERS * ROWS].reshape(ORDERS, ROWS, WIDTH)
+    found = errors[: ERROR_ORDER + 1, :6]
     expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
     size = np.abs(expected).max(axis=1, keepdims=True)
     assert np.abs(found - expected).max() < 1e-5 * size.max()
@@ -396,3 +402,14 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
                     short += bool((nodes > 0.0).all())
     assert fell > 50
     assert short > 0  # what begins and ends between two of the step's own samples
+
+
+def test_a_fall_soon_after_a_level_has_left_zero_is_found() -> None:
+    # Set 80389 of the insertion fuzz: A1 leaves the face, returns, and soon passes its end, all in
+    # the first sixteenth of a step.
+    series = np.zeros((QUANTITIES, TERMS))
+    series[:, 0] = -1.0
+    series[0, :3] = 0.0, 0.05, -1.0
+    series[1, :2] = -0.06, 1.0
+    theta = first_crossing(EVENTS, number_of("right_edge_enters"), 1, 1.0, series.reshape(-1))
+    assert theta == pytest.approx(0.05)

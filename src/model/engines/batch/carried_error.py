@@ -53,7 +53,7 @@ def carry_error(length, w, lane, runs, i):
     for n in range(STATE_SIZE):
         error = 0.0
         for order in range(ERROR_ORDER, -1, -1):
-            row = workspace.ERROR + order * STATE_SIZE + n
+            row = workspace.ERROR + order * ROWS + n
             error = error * length + w[row * WIDTH + lane]
         omitted = w[(COEFFICIENTS + (ORDER + REMAINDER) * ROWS + n) * WIDTH + lane]
         runs[i, ERROR + n] = error + power * omitted

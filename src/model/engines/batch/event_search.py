@@ -34,7 +34,7 @@ QUANTITIES = 4  # of a level
 _SUBINTERVAL = FRACTIONS[0]
 _FINEST = 2.0**-24  # smallest part of a step, which is not divided
 _MOST_PARTS = 64  # parts of a subinterval; beyond, sixteenths of the step are not divided
-_LEAVING = 2.0**-4  # part in which a level that starts on its event is assumed monotonic
+_LEAVING = 2.0**-4  # part in which a level of one quantity that starts at zero is assumed monotonic
 _ROOT_ITERATIONS = 60
 _CLOSE = 1e-8  # distance to a root; the next iteration squares it
 
@@ -214,15 +214,19 @@ def _crossing_between(is_partial, count, left, end, series):
             begins = -on_event <= f <= REST_SLIP and g > -REST_SLIP
             # A function that is zero to rounding throughout would be divided without end.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
-            # A negative level that rises has no down-crossing, nor one that stays at zero.
-            may_fall = (f > 0.0 or g < 0.0) and not (left == 0.0 and begins)
+            # A negative level that rises has no down-crossing, nor one that stays at zero: in the
+            # first part or, if it has several quantities, which are places, the first sixteenth.
+            starts = left == 0.0 or (count > 1 and left < _LEAVING)
+            may_fall = (f > 0.0 or g < 0.0) and not (starts and begins)
             may_fall = may_fall or (begins and count > 1 and _all_leave(before, after, on_event))
-            decided = may_fall and _all_are_monotonic(before, after, most)
+            is_monotonic = _all_are_monotonic(before, after, most)
+            decided = may_fall and is_monotonic
             if decided or (may_fall and g < 0.0 and width <= finest):
                 theta = _crossing_of_all(count, left, before, right, after, series)
                 if theta != NO_EVENT:
                     return theta
-            if not decided and width > (_LEAVING if begins else finest):
+            is_assumed = begins and (count == 1 or is_monotonic)
+            if not decided and width > (_LEAVING if is_assumed else finest):
                 right = left + 0.5 * width
                 continue
         left, before, right = right, after, min(end, right + 2.0 * width)

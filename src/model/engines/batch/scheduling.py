@@ -328,10 +328,10 @@ def _begin_next(rows, tolerances, queue, scene, method, control, many, endings, 
 @inlined_kernel
 def _fullest(counts):
     """Return the kind of mode with the longest queue."""
-    fullest = 0
+    fullest, most = 0, counts[0]
     for kind in range(1, counts.size):
-        if counts[kind] > counts[fullest]:
-            fullest = kind
+        count = counts[kind]
+        fullest, most = (kind, count) if count > most else (fullest, most)
     return fullest
 
 

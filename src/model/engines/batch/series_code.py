@@ -115,7 +115,7 @@ class _SeriesWriter(_Writer):
 
     def __init__(self, module: ir.Module, name: str, plan: Plan) -> None:
         super().__init__(module, name, 3)
-        self.memory, self.given, last = self.function.args
+        self.memory, self.given, self.other = self.function.args
         self.plan = plan
         self.known: dict[Constant, ir.Value] = {}
         totals = [Sum(row.of[0], dict(row.of[1])) for row in plan.stage if row.kind == "sum"]
@@ -124,12 +124,16 @@ class _SeriesWriter(_Writer):
                 self.constant(each)
         self.constant(plan.rate)
         self.terms: dict[Row, ir.Value] = {}
+        self.ahead: dict[Row, ir.Value] = {}
         self._write_stages(_FIRST, ahead=True)
         self._one_order(_FIRST)
-        order = self.code.extract_element(self.load(last, _INDEX(0)), _INDEX(0))
-        count = self.code.sub(self.code.fptosi(order, _INDEX), _INDEX(1))
-        self.repeat(count, self._one_more)
+        self.repeat(self._further_orders(), self._one_more)
         self.code.ret_void()
+
+    def _further_orders(self) -> ir.Value:
+        """The number of orders behind the first from which the next one is computed."""
+        order = self.code.extract_element(self.load(self.other, _INDEX(0)), _INDEX(0))
+        return self.code.sub(self.code.fptosi(order, _INDEX), _INDEX(1))
 
     def constant(self, value: Constant) -> ir.Value:
         """A constant, computed before the first order."""
@@ -168,10 +172,22 @@ class _SeriesWriter(_Writer):
         following = self.code.add(order, _INDEX(1))
         self.number = self.everywhere(self.code.sitofp(following, _DOUBLE))
         per_order = self.code.fdiv(self.vector(1.0), self.number)
-        self.value = {row: self._at(row, order) for row in (*STATES[half:], *plan.sines[2:])}
+        self.value = {row: self._at(row, order) for row in STATES[half:]}
         for n in range(half):
             position = self.code.fmul(self.value[STATES[half + n]], per_order)
             self._keep(position, STATES[n], following)
+        self._begin_next(order, following, per_order)
+        self.ahead = {}
+        self._write_stages(following, ahead=True)
+        self._write_stages(order, ahead=False)
+        for n, total in enumerate(plan.series.accelerations):
+            rate = self._total(total.constant, tuple(total.terms.items()), order, self.value)
+            self._keep(self.code.fmul(rate, per_order), STATES[half + n], following)
+
+    def _begin_next(self, order: ir.Value, following: ir.Value, per_order: ir.Value) -> None:
+        """The sines and cosines at ``following``, from the rows at ``order``."""
+        plan = self.plan
+        self.value |= {row: self._at(row, order) for row in plan.sines[2:]}
         self._complete(plan.turning, order, self.value)
         sine, cosine, swing, other = plan.sines
         turns, turned = (self.value[row] for row in plan.turning)
@@ -180,17 +196,10 @@ class _SeriesWriter(_Writer):
         rate = self.code.fmul(self.constant(plan.rate), per_order)
         self._keep(self.code.fmul(rate, self.value[other]), swing, following)
         self._keep(self.code.fmul(self.code.fneg(rate), self.value[swing]), other, following)
-        self._write_stages(following, ahead=True)
-        self._write_stages(order, ahead=False)
-        for n, total in enumerate(plan.series.accelerations):
-            rate = self._total(total.constant, tuple(total.terms.items()), order, self.value)
-            self._keep(self.code.fmul(rate, per_order), STATES[half + n], following)
 
     def _write_stages(self, order: ir.Value, ahead: bool) -> None:
         """All rows that are made of positions alone, or all others, at ``order``."""
         plan = self.plan
-        if ahead:
-            self.ahead: dict[Row, ir.Value] = {}
         values = self.ahead if ahead else self.value
         for products, others in plan.stages(ahead):
             self._complete(products, order, values)
@@ -289,82 +298,93 @@ class _SeriesWriter(_Writer):
 
 
 class _ErrorWriter(_SeriesWriter):
-    """Writes the function (coefficients, given, error): the series of the linearised motion.
+    """Writes the function (errors, given, coefficients): the series of the linearised motion.
 
-    ``error`` holds the errors of the states; their coefficients up to ERROR_ORDER are entered.
+    ``errors`` holds the errors of the states; those of their coefficients up to ERROR_ORDER are
+    entered, in the layout of ``coefficients``.
     """
 
     def __init__(self, module: ir.Module, name: str, plan: Plan) -> None:
-        _Writer.__init__(self, module, name, 3)
-        self.memory, self.given, error = self.function.args
-        self.plan, self.known, half = plan, {}, len(STATES) // 2
-        self.values: dict[tuple[Row, int], ir.Value] = {}
-        self.errors = {(row, 0): self.load(error, _INDEX(n)) for n, row in enumerate(STATES)}
-        for order in range(ERROR_ORDER):
-            share = self.vector(1.0 / (order + 1))
-            for row, rate_row in zip(STATES[:half], STATES[half:], strict=True):
-                rate = self.errors[rate_row, order]
-                self.errors[row, order + 1] = self.code.fmul(rate, share)
-            for row, total in zip(STATES[half:], plan.series.accelerations, strict=True):
-                rate = self._error_of_sum(tuple(total.terms.items()), order)
-                self.errors[row, order + 1] = self.code.fmul(rate, share)
-            for n, row in enumerate(STATES):
-                place = _INDEX((order + 1) * STATE_ROWS + n)
-                self.keep(self.errors[row, order + 1], error, place)
-        self.code.ret_void()
+        super().__init__(module, name, plan.of_accelerations())
 
-    def _coefficient(self, row: Row, order: int) -> ir.Value:
-        if (row, order) not in self.values:
-            self.values[row, order] = self._at(row, _INDEX(order))
-        return self.values[row, order]
+    def _further_orders(self) -> ir.Value:
+        return _INDEX(ERROR_ORDER - 1)
 
-    def _error(self, row: Row, order: int) -> ir.Value:
-        """Error of a coefficient of a row."""
-        if (row, order) not in self.errors:
-            self.errors[row, order] = self._new_error(row, order)
-        return self.errors[row, order]
+    def _begin_next(self, order: ir.Value, *_: ir.Value) -> None:
+        """The terms of the errors at ``order``, of all rows that are ahead of it."""
+        for row in filter(self.plan.is_ahead, self._rows()):
+            total = self.terms.get(row, self.vector(0.0))
+            for one, other in self._pairs(row):
+                total = self.fma(self._at(one, order), self._coefficient(other, _INDEX(1)), total)
+            self.terms[row] = total
 
-    def _new_error(self, row: Row, order: int) -> ir.Value:
+    def _rows(self) -> list[Row]:
+        """All rows with pairs."""
+        return [*self.plan.sines[:2], *self.plan.products(True), *self.plan.products(False)]
+
+    def _write_stages(self, order: ir.Value, ahead: bool) -> None:
+        if ahead:
+            self._complete(self.plan.sines[:2], order, self.ahead)
+        super()._write_stages(order, ahead)
+
+    def _total(self, _: Constant, terms: tuple[tuple[Row, Constant], ...], *at: Any) -> ir.Value:
+        """The error of a sum; the excitation has none."""
+        excitation = self.plan.sines[2:]
+        return super()._total(0.0, tuple(each for each in terms if each[0] not in excitation), *at)
+
+    def _pairs(self, row: Row) -> tuple[tuple[Row, Row], ...]:
+        """Pairs (a, b) of rows; Σ_j (error of a)_j b_(k-j) makes the error of ``row``."""
         sine, cosine = self.plan.sines[:2]
-        if row == sine:
-            return self._folded(STATES[TILT], cosine, order)
-        if row == cosine:
-            return self.code.fneg(self._folded(STATES[TILT], sine, order))
-        if row.kind == "sum":
-            return self._error_of_sum(row.of[1], order)
-        if row.kind == "rate":
-            return self.code.fmul(self.vector(order + 1.0), self._error(row.of[0], order + 1))
-        if row.kind == "product":
-            one, other = row.of  # two sums, of which neither waits for the other
-            sums = self._folded(one, other, order), self._folded(other, one, order)
-            return self.code.fadd(*sums)
-        if row.kind == "quotient":
-            top, bottom = row.of
-            known = self._folded(row, bottom, order, self._folded(bottom, row, order), order)
-            rest = self.code.fsub(self._error(top, order), known)
-            return self.code.fdiv(rest, self._coefficient(bottom, 0))
-        return self.vector(0.0)  # time and excitation
+        if row in (sine, cosine):
+            return ((STATES[TILT], cosine if row == sine else sine),)
+        one, other = row.of if row.kind == "product" else (row, row.of[1])
+        return (one, other), (other, one)
 
-    def _error_of_sum(self, terms: tuple[tuple[Row, Constant], ...], order: int) -> ir.Value:
-        total = self.vector(0.0)
-        for row, factor in terms:
-            if row not in self.plan.sines[2:]:  # the excitation has no error
-                total = self.fma(self.constant(factor), self._error(row, order), total)
-        return total
+    def _coefficient(self, row: Row, order: ir.Value) -> ir.Value:
+        return self.load(self.other, self._place(row, order))
 
-    def _folded(
-        self,
-        row: Row,
-        by: Row,
-        order: int,
-        total: ir.Value | None = None,
-        count: int | None = None,
-    ) -> ir.Value:
-        """``total`` + Σ_j (error of ``row``)_j ``by``_(order - j) over the first ``count`` j."""
-        total = self.vector(0.0) if total is None else total
-        for j in range(order + 1 if count is None else count):
-            total = self.fma(self._error(row, j), self._coefficient(by, order - j), total)
-        return total
+    def _sum_known(self, order: ir.Value) -> None:
+        """Of all pairs, the terms whose errors are of orders below ``order``."""
+        rows = self._rows()
+        for first in range(0, len(rows), _AT_ONCE):
+            some = rows[first : first + _AT_ONCE]
+            self.terms |= zip(some, self._sum_some(some, order), strict=True)
+
+    def _sum_some(self, rows: list[Row], order: ir.Value) -> list[ir.Value]:
+        """Σ_j (error of a)_j b_(k-j) over j < ``order``, of all pairs of each row."""
+
+        def add_terms(j: ir.Value, *sums: ir.Value) -> list[ir.Value]:
+            opposite = self.code.sub(order, j)
+            opposite = opposite, self.code.add(opposite, _INDEX(1))
+            errors, coefficients, added = {}, {}, []
+            for row, total in zip(rows, sums, strict=True):
+                ahead = self.plan.is_ahead(row)
+                for one, other in self._pairs(row):
+                    if one not in errors:
+                        errors[one] = self._at(one, j)
+                    if (other, ahead) not in coefficients:
+                        coefficients[other, ahead] = self._coefficient(other, opposite[ahead])
+                    total = self.fma(errors[one], coefficients[other, ahead], total)
+                added.append(total)
+            return added
+
+        return self.repeat(order, add_terms, *(self.vector(0.0) for _ in rows))
+
+    def _complete(self, rows: list[Row], order: ir.Value, values: dict[Row, ir.Value]) -> None:
+        """Enter the errors of rows at ``order``, with the terms of the newest errors."""
+        for row in rows:
+            total = self.terms.get(row, self.vector(0.0))
+            for one, other in self._pairs(row):
+                if one != row:
+                    newest = self._newest(one, order, values)
+                    total = self.fma(newest, self._coefficient(other, _FIRST), total)
+            if row.kind == "quotient":
+                top, bottom = row.of
+                rest = self.code.fsub(self._newest(top, order, values), total)
+                total = self.code.fdiv(rest, self._coefficient(bottom, _FIRST))
+            values[row] = self.code.fneg(total) if row == self.plan.sines[1] else total
+            if row in self.plan.place:
+                self._keep(values[row], row, order)
 
 
 class _SamplesWriter(_Writer):
@@ -468,12 +488,12 @@ def series_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
 
 
 def errors_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
-    """Make the kernel (kind, block, coefficients, given, error) that fills the series of errors.
+    """Make the kernel (kind, block, errors, given, coefficients) that fills the series of errors.
 
-    The coefficients are filled. At ``error`` stand the errors of the states, one order after the
-    other up to ERROR_ORDER; the first is given.
+    The coefficients are filled. At ``errors`` stand the errors of the states, in the layout of the
+    coefficients, up to ERROR_ORDER; the first is given.
     """
-    return _filler("fill_errors", _ErrorWriter, kinds, inserts, "coefficients, given, error")
+    return _filler("fill_errors", _ErrorWriter, kinds, inserts, "errors, given, coefficients")
 
 
 def series_sampler(count: int) -> Any:

@@ -5,6 +5,7 @@ sine and cosine rows, and factors of products and quotients. All other rows stay
 """
 
 from collections.abc import Iterator
+from copy import copy
 
 from model.engines.batch.series import STATES, Recurrences, Row, Watched
 
@@ -65,6 +66,15 @@ class Plan:
                 f"{self._next_place()} together"
             )
         self.factors = self._oriented()
+
+    def of_accelerations(self) -> "Plan":
+        """Return the plan without rows that only watched quantities need; places stay."""
+        plan = copy(self)
+        plan.stage = {}
+        for total in self.series.accelerations:
+            for row in total.terms:
+                plan._visit(row)
+        return plan
 
     def _next_place(self) -> int:
         return max(self.place.values()) + 1

@@ -298,7 +298,7 @@ def step_all(events, kind, applicable, control, w):
         w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
     events.fill_series(kind, w, COEFFICIENTS, 0, LAST_ORDER)
     if carries_error:
-        events.fill_errors(kind, w, COEFFICIENTS, 0, ERROR)
+        events.fill_errors(kind, w, ERROR, 0, COEFFICIENTS)
     _set_lengths(w)
     events.sample_series(w, COEFFICIENTS, LENGTH, VALUES)
     events.sample_lanes(applicable, w)

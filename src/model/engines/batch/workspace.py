@@ -26,7 +26,6 @@ from model.engines.batch.series import (
     Watched,
 )
 from model.engines.batch.series_plan import (
-    ERROR_ORDER,
     FURTHER_ROWS,
     NODES,
     ORDERS,
@@ -68,9 +67,9 @@ from model.physics.views import reader
     LAST_ORDER,  # of the states' series
 ) = range(GIVEN, GIVEN + 22)
 END = LAST_ORDER + 1
-ERROR = END + STATE_SIZE  # series of the error that a run carries
+ERROR = END + STATE_SIZE  # series of the error that a run carries, in the layout of COEFFICIENTS
 # The tilt and the watched rows at each node, and their curvature bounds.
-VALUES = ERROR + (ERROR_ORDER + 1) * STATE_SIZE
+VALUES = ERROR + ORDERS * (ROWS + FURTHER_ROWS)
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
 EVENT_ROWS = COEFFICIENTS + ORDERS * (ROWS + FURTHER_ROWS)  # rows of the events follow
 
