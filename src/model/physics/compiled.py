@@ -184,6 +184,12 @@ class _Part(CPUDispatcher):
         self._options = options
         self._whole: _Whole | None = None
 
+    def typeof_pyval(self, value: Any) -> Any:
+        """Return numba's type of an argument; numba takes long to find that a symbol has none."""
+        if _first_symbol(value) is not None:
+            return numba.types.pyobject
+        return super().typeof_pyval(value)
+
     def _compile_for_args(self, *args: Any, **_named: Any) -> Any:
         symbol = _first_symbol(args)
         if symbol is not None:
