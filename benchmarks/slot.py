@@ -193,15 +193,18 @@ def speed_of(figure: str, count: int) -> str:
         for each in (settings, replace(inserts, insertion_depth=_AT_ONCE_DEEP), inserts)
     ]  # fmt: skip
     found = [RunResult(*run().T) for run in tasks]
-    steps, times = [int(each.steps.sum()) for each in found], _in_turn(tasks)
+    steps = [int(each.steps.sum()) for each in found]
+    events = [int(each.events.sum()) for each in found]
+    times = _in_turn(tasks)
     step, handed = times[0] / steps[0], np.isnan(found[2].largest_error).mean()
     before = times[1] / steps[1] / step
     after = (times[2] - times[1]) / (steps[2] - steps[1]) / step
     return (
         f"{figure}: {aligns.sum()} align, {100 * handed:.0f} % handed over; {1e6 * step:.2f} us a "
         f"step, in the insertion scene {before:.2f} times as much before alignment and {after:.2f} "
-        f"times after it; whole runs {times[2] / times[0]:.2f} times, of "
-        f"{steps[2] / steps[0]:.2f} times the steps"
+        f"times after it, with {events[0] / steps[0]:.2f} and "
+        f"{(events[2] - events[1]) / (steps[2] - steps[1]):.2f} events a step; whole runs "
+        f"{times[2] / times[0]:.2f} times, of {steps[2] / steps[0]:.2f} times the steps"
     )
 
 

@@ -223,12 +223,30 @@ def _fall_within(h, y, p, method, k, trial):
 # --- Equal steps, in lanes ----------------------------------------------------------------------
 
 
+@inlined_kernel
+def _moved(q, h, slope):
+    """``q`` + ``h`` · ``slope``."""
+    return State(
+        q.x + h * slope.x,
+        q.y + h * slope.y,
+        q.tilt + h * slope.tilt,
+        q.x_rate + h * slope.x_rate,
+        q.y_rate + h * slope.y_rate,
+        q.tilt_rate + h * slope.tilt_rate,
+    )
+
+
 @kernel
 def _evaluate(fraction, w):
-    """Enter the rates of the trial states at a fraction of the step."""
+    """Enter the trial states, in place of their slopes, and their rates at a fraction of the step.
+
+    One large loop: LLVM unrolls small ones over LANES, and then does not vectorize them.
+    """
     for i in range(LANES):
-        time = w[TIME * LANES + i] + fraction * w[LENGTH * LANES + i]
-        rates = _rates(time, _state_of_lane(w, TRIAL, i), _constants_of_lane(w, i))
+        h = w[LENGTH * LANES + i]
+        q = _moved(_state_of_lane(w, STATE, i), h, _state_of_lane(w, TRIAL, i))
+        rates = _rates(w[TIME * LANES + i] + fraction * h, q, _constants_of_lane(w, i))
+        _keep_in_lane(q, w, TRIAL, i)
         _keep_in_lane(rates, w, RATES, i)
 
 
@@ -251,11 +269,6 @@ def runge_kutta_steps(method, w):
             if weight != 0.0:
                 for n in range(size):
                     w[TRIAL * LANES + n] += weight * w[FIRST_STAGE * LANES + j * size + n]
-        for row in range(STATE_SIZE):
-            for lane in range(LANES):
-                n = row * LANES + lane
-                move = w[LENGTH * LANES + lane] * w[TRIAL * LANES + n]
-                w[TRIAL * LANES + n] = w[STATE * LANES + n] + move
         _evaluate(method.c[i], w)
         _copy_rows(RATES, FIRST_STAGE + i * STATE_SIZE, w)
     _copy_rows(RATES, FIRST_STAGE, w)
@@ -264,14 +277,13 @@ def runge_kutta_steps(method, w):
 @kernel
 def semi_implicit_euler_steps(w):
     """Velocities first, then positions with the new velocities (symplectic Euler)."""
-    _copy_rows(STATE, TRIAL, w)
-    _evaluate(0.0, w)
-    for row in range(3):
-        for lane in range(LANES):
-            h, n, rate_n = w[LENGTH * LANES + lane], row * LANES + lane, (row + 3) * LANES + lane
-            rate = w[STATE * LANES + rate_n] + h * w[RATES * LANES + rate_n]
-            w[TRIAL * LANES + rate_n] = rate
-            w[TRIAL * LANES + n] = w[STATE * LANES + n] + h * rate
+    for i in range(LANES):
+        h, q = w[LENGTH * LANES + i], _state_of_lane(w, STATE, i)
+        rates = _rates(w[TIME * LANES + i], q, _constants_of_lane(w, i))
+        x_rate, y_rate = q.x_rate + h * rates.x_rate, q.y_rate + h * rates.y_rate
+        tilt_rate = q.tilt_rate + h * rates.tilt_rate
+        x, y, tilt = q.x + h * x_rate, q.y + h * y_rate, q.tilt + h * tilt_rate
+        _keep_in_lane(State(x, y, tilt, x_rate, y_rate, tilt_rate), w, TRIAL, i)
 
 
 @kernel

@@ -108,14 +108,31 @@ def _numba_cache_in(folder: str) -> Iterator[None]:
 
 
 class _PartLibrary(JITCodeLibrary):
-    """Intermediate code for linking; it is optimised with the kernel that links it."""
+    """Intermediate code of one kernel; what it calls is linked once, into a whole."""
 
-    def _optimize_final_module(self) -> None:
-        pass
-
-    def _finalize_final_module(self) -> None:
+    def finalize(self) -> None:
         self._finalize_dynamic_globals()
         self._finalized = True
+
+
+def with_parts(libraries: list[Any]) -> list[Any]:
+    """Return libraries and all that parts among them link, each once, and callers first.
+
+    LLVM's linker leaves out a function that nothing calls yet.
+    """
+    seen, found = set(), []
+
+    def visit(library: Any) -> None:
+        if library not in seen:
+            seen.add(library)
+            if isinstance(library, _PartLibrary):
+                for each in library._linking_libraries:
+                    visit(each)
+            found.append(library)
+
+    for each in libraries:
+        visit(each)
+    return found[::-1]
 
 
 class PartCompiler(Compiler):
@@ -167,6 +184,12 @@ class _Part(CPUDispatcher):
         self._options = options
         self._whole: _Whole | None = None
 
+    def typeof_pyval(self, value: Any) -> Any:
+        """Return numba's type of an argument; numba takes long to find that a symbol has none."""
+        if _first_symbol(value) is not None:
+            return numba.types.pyobject
+        return super().typeof_pyval(value)
+
     def _compile_for_args(self, *args: Any, **_named: Any) -> Any:
         symbol = _first_symbol(args)
         if symbol is not None:
@@ -201,6 +224,10 @@ class _WholeLibrary(JITCodeLibrary):
     LLVM prefers 256 bits on processors with 512, which may then run at a higher clock. The loops of
     the batch engine are arithmetic throughout, and gain more from the width.
     """
+
+    def finalize(self) -> None:
+        self._linking_libraries = with_parts(self._linking_libraries)
+        super().finalize()
 
     def _optimize_final_module(self) -> None:
         codegen = self._codegen

@@ -117,6 +117,10 @@ class _Library(JITCodeLibrary):
 class _Unoptimised(_Library):
     """The code of an exported function with all that it calls; optimised in ``_object``."""
 
+    def finalize(self) -> None:
+        self._linking_libraries = compiled.with_parts(self._linking_libraries)
+        super().finalize()
+
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()

@@ -70,7 +70,8 @@ def _held(inserts: bool) -> list[HeldMode]:
         for edge, face, corner, side, wall in product(edges, _STATES, within, _STATES, within)
         for at_corner in {corner == CLOSED, CLOSED == corner != face}
         for at_wall in {wall == CLOSED, CLOSED == wall != side}
-        for slip, side_slip in product(_SLIPS, _SLIPS)
+        for slip in _SLIPS[: 2 if CLOSED in (face, corner) else 1]
+        for side_slip in _SLIPS[: 2 if CLOSED in (side, wall) else 1]
         for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
     ]  # fmt: skip
     numbers = numbers_of(kinds_of(inserts))
