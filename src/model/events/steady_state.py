@@ -23,14 +23,21 @@ _LASTING = 3000.0  # assumed duration of a creep: ten times the usual horizon
 
 
 @kernel
+def _nearly_repeats(count, n, states):
+    return _largest(_difference(count, n, states)) <= _NEARLY_LINEAR
+
+
+@kernel
 def watched_until(count, states):
     """Return the last period whose events decide whether a run has settled, as known so far.
 
-    Before the last n periods of a run that settles, its motion over n periods nearly repeats too.
+    A run that settles has nearly repeated its motion over n periods twice before the last n.
     """
     last = 0
     for n in range(1, LONGEST_PERIOD + 1):
-        if count > 2 * n and _largest(_difference(count, n, states)) <= _NEARLY_LINEAR:
+        if count > 2 * n and (
+            _nearly_repeats(count, n, states) and _nearly_repeats(count - n, n, states)
+        ):
             last = count + n
     return last
 
