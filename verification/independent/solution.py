@@ -32,6 +32,7 @@ from verification.independent.motion import (
 Function = Callable[[Any, State], Any]
 
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
+_ABSOLUTE = 1e-2  # scipy's atol over its rtol
 _NODES = np.concatenate([[0.0, 1e-4, 1e-3, 1e-2], np.linspace(1 / 24, 1.0, 24)])
 ON_ZERO = 1e-9  # a event function below this, as a mode begins, begins on its zero
 _AT_REST = 1e-11
@@ -219,7 +220,8 @@ class Run:
         def derivative(t: float, y: State) -> State:
             return self.device.derivative(t, y, mode)
 
-        options = {"rtol": self.tolerance, "atol": self.tolerance}
+        # Places, tilts and rates are small beside 1.
+        options = {"rtol": self.tolerance, "atol": _ABSOLUTE * self.tolerance}
         solver = DOP853(
             derivative, time, z, end, first_step=min(_FIRST_STEP, end - time), **options
         )
@@ -403,7 +405,8 @@ def solve(
     Args:
         parameters: the device, tilted toward the slot at the start or upright.
         horizon: latest time, dimensionless.
-        tolerance: scipy's rtol and atol; by default the smallest rtol that it takes.
+        tolerance: scipy's rtol, a hundredth of it its atol; by default the smallest rtol that it
+            takes.
 
     Raises:
         ArithmeticError: scipy gives up, or no friction force is consistent.
