@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from time import process_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -159,19 +159,43 @@ def judge(
     ]  # fmt: skip
 
 
-def _in_turn(tasks: Sequence[Callable[[], object]]) -> list[float]:
+def _in_turn(tasks: Sequence[Callable[[], object]]) -> Floats:
     """Return the CPU seconds of tasks, the least of several rounds."""
     times = np.zeros((_ROUNDS, len(tasks)))
     for each in range(times.size):
         started = process_time()
         tasks[each % len(tasks)]()
         times[divmod(each, len(tasks))] = process_time() - started
-    least: list[float] = times.min(axis=0).tolist()
+    least: Floats = times.min(axis=0)
     return least
 
 
-def speed_of(figure: str, count: int) -> str:
-    """Return the line on ``count`` points of a figure, in the batch engine with its errors.
+class Cost(NamedTuple):
+    """CPU seconds, steps and events of the same sets, each of shape (3,).
+
+    In the alignment scene; in the insertion scene up to alignment; and in the whole of it.
+    """
+
+    times: Floats
+    steps: Floats
+    events: Floats
+
+    def __str__(self) -> str:
+        """The costs of steps over that of a step in the alignment scene."""
+        step = self.times[0] / self.steps[0]
+        before, after = self.times[1] / self.steps[1], np.diff(self.times)[1]
+        added, events = np.diff(self.steps)[1], np.diff(self.events)[1]
+        return (
+            f"{1e6 * step:.2f} us a step, in the insertion scene {before / step:.2f} times as much "
+            f"before alignment and {after / added / step:.2f} times after it, with "
+            f"{self.events[0] / self.steps[0]:.2f} and {events / added:.2f} events "
+            f"a step; whole runs {self.times[2] / self.times[0]:.2f} times, of "
+            f"{self.steps[2] / self.steps[0]:.2f} times the steps"
+        )
+
+
+def speed_of(figure: str, count: int) -> tuple[Cost, str]:
+    """Return the cost of ``count`` points of a figure in the batch engine, and who aligns of them.
 
     Every set is run several times at once, as in a large batch: few lanes wait at its end. A run
     that counts as inserted at once tells the steps before alignment from those after it. Sets are
@@ -191,19 +215,12 @@ def speed_of(figure: str, count: int) -> str:
         for each in (settings, replace(inserts, insertion_depth=_AT_ONCE_DEEP), inserts)
     ]  # fmt: skip
     found = [RunResult(*run().T) for run in tasks]
-    steps = [int(each.steps.sum()) for each in found]
-    events = [int(each.events.sum()) for each in found]
-    times = _in_turn(tasks)
-    step, handed = times[0] / steps[0], np.isnan(found[2].largest_error).mean()
-    before = times[1] / steps[1] / step
-    after = (times[2] - times[1]) / (steps[2] - steps[1]) / step
-    return (
-        f"{figure}: {aligns.sum()} align, {100 * handed:.0f} % handed over; {1e6 * step:.2f} us a "
-        f"step, in the insertion scene {before:.2f} times as much before alignment and {after:.2f} "
-        f"times after it, with {events[0] / steps[0]:.2f} and "
-        f"{(events[2] - events[1]) / (steps[2] - steps[1]):.2f} events a step; whole runs "
-        f"{times[2] / times[0]:.2f} times, of {steps[2] / steps[0]:.2f} times the steps"
+    steps, events = (
+        np.array([getattr(each, name).sum() for each in found]) for name in ("steps", "events")
     )
+    handed = np.isnan(found[2].largest_error).mean()
+    who = f"{aligns.sum()} align, {100 * handed:.0f} % handed over"
+    return Cost(_in_turn(tasks), steps, events), who
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -213,9 +230,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--speed", action="store_true", help="only measure the time of steps")
     given = parser.parse_args(arguments)
     if given.speed:
+        costs = []
         for figure in GRIDDED:
-            sys.stdout.write(speed_of(figure, given.sets) + "\n")
+            cost, who = speed_of(figure, given.sets)
+            sys.stdout.write(f"{figure}: {who}; {cost}\n")
             sys.stdout.flush()
+            costs.append(cost)
+        sys.stdout.write(f"all: {Cost(*(sum(each) for each in zip(*costs, strict=True)))}\n")
         return 0
     sets = sets_of(given.sets)
     depths = Batch.stack([p for p, _ in sets]).insertion_depths().tolist()
