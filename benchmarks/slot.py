@@ -44,7 +44,7 @@ _DEEP = 20.0  # size of the base
 _AT_ONCE = 500
 _CLOSE, _SAME = 0.05, 0.95  # relative difference of times in the median; share of the same ends
 _ROUNDS, _LEAST_SETS = 12, 2_000  # of a measured time
-_AT_ONCE_DEEP = 1e-9  # depth at which a part is inserted
+_SHALLOW = 1e-9  # depth at which a part counts as inserted at once
 
 
 def sets_of(count: int, seed: int = 2007) -> list[tuple[Parameters, Any]]:
@@ -212,7 +212,7 @@ def speed_of(figure: str, count: int) -> tuple[Cost, str]:
             batch_engine(each, carries_error=True), each.rows(sweep.batch(sets)),
             np.full(len(sets), each.tolerance),
         )
-        for each in (settings, replace(inserts, insertion_depth=_AT_ONCE_DEEP), inserts)
+        for each in (settings, replace(inserts, insertion_depth=_SHALLOW), inserts)
     ]  # fmt: skip
     found = [RunResult(*run().T) for run in tasks]
     steps, events = (

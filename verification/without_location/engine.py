@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from model.engines.course import start
 from model.engines.record import CONSTANTS, constants_in
-from model.engines.scalar.step import error_estimate, keep_in, state_of
+from model.engines.scalar.step import error_estimate, keep_in, moved, state_of
 from model.engines.scalar.tableaux import RK4
 from model.events.levels import (
     FLAT,
@@ -223,19 +223,6 @@ def _fall_within(h, y, p, method, k, trial):
 # --- Equal steps, in lanes ----------------------------------------------------------------------
 
 
-@inlined_kernel
-def _moved(q, h, slope):
-    """``q`` + ``h`` · ``slope``."""
-    return State(
-        q.x + h * slope.x,
-        q.y + h * slope.y,
-        q.tilt + h * slope.tilt,
-        q.x_rate + h * slope.x_rate,
-        q.y_rate + h * slope.y_rate,
-        q.tilt_rate + h * slope.tilt_rate,
-    )
-
-
 @kernel
 def _evaluate(fraction, w):
     """Enter the trial states, in place of their slopes, and their rates at a fraction of the step.
@@ -244,7 +231,7 @@ def _evaluate(fraction, w):
     """
     for i in range(LANES):
         h = w[LENGTH * LANES + i]
-        q = _moved(_state_of_lane(w, STATE, i), h, _state_of_lane(w, TRIAL, i))
+        q = moved(_state_of_lane(w, STATE, i), h, _state_of_lane(w, TRIAL, i))
         rates = _rates(w[TIME * LANES + i] + fraction * h, q, _constants_of_lane(w, i))
         _keep_in_lane(q, w, TRIAL, i)
         _keep_in_lane(rates, w, RATES, i)

@@ -21,7 +21,7 @@ from model.engines.record import (
     mode_of,
     state_in,
 )
-from model.engines.scalar.step import rates_of
+from model.engines.scalar.step import moved, rates_of
 from model.events.friction import hold_sticking
 from model.events.table import LENGTH
 from model.physics.compiled import inlined_kernel, kernel
@@ -61,23 +61,10 @@ def carry_error(length, w, lane, runs, i):
     runs[i, LARGEST_ERROR] = max(runs[i, LARGEST_ERROR], size)
 
 
-@inlined_kernel
-def _moved(q, by, factor):
-    """``q`` + ``factor`` · ``by``."""
-    return State(
-        q.x + factor * by.x,
-        q.y + factor * by.y,
-        q.tilt + factor * by.tilt,
-        q.x_rate + factor * by.x_rate,
-        q.y_rate + factor * by.y_rate,
-        q.tilt_rate + factor * by.tilt_rate,
-    )
-
-
 @kernel
 def _derivative(events, which, time, q, p, mode, direction, later):
     """Derivative of a level at its zero, along ``direction`` and ``later`` of state and time."""
-    ahead, moment = _moved(q, direction, _DISPLACEMENT), later * _DISPLACEMENT
+    ahead, moment = moved(q, _DISPLACEMENT, direction), later * _DISPLACEMENT
     return events.level(which, time + moment, ahead, p, mode) / _DISPLACEMENT
 
 
@@ -116,14 +103,14 @@ def pass_event(events, which, q, before, runs, i):
     if not 0.0 < size < inf or _is_continuous(events.kind(which), before, after):
         return
     rates, rates_after = rates_of(time, q, p, before), rates_of(time, q, p, after)
-    unit = _moved(_ORIGIN, error, 1.0 / size)
+    unit = moved(_ORIGIN, 1.0 / size, error)
     across = size * _derivative(events, which, time, q, p, before, unit, 0.0)
     late = -across / _derivative(events, which, time, q, p, before, rates, 1.0)
-    at_event = _moved(error, rates, late)
+    at_event = moved(error, late, rates)
     factor = _DISPLACEMENT / max(_size(at_event), 1e-300)
-    held = hold_sticking(_moved(q, at_event, factor), p, after)
-    jump = _moved(held, hold_sticking(q, p, after), -1.0)
-    error = _moved(_moved(_ORIGIN, jump, 1.0 / factor), rates_after, -late)
+    held = hold_sticking(moved(q, factor, at_event), p, after)
+    jump = moved(held, -1.0, hold_sticking(q, p, after))
+    error = moved(moved(_ORIGIN, 1.0 / factor, jump), -late, rates_after)
     keep_state_in(error, runs, ERROR, i)
     runs[i, LARGEST_ERROR] = max(runs[i, LARGEST_ERROR], _size(error))
 
