@@ -84,8 +84,8 @@ class BatchEngine(Package):
         """As ``Method.answer``, of one case."""
         settings = self.settings(problem, resolution)
         rows = Batch.stack(problem.cases).constants(settings.readings)
-        run = batch_engine(settings, carries_error=True)
-        found = estimate(run, rows, resolution, carries_error=True)
+        carrying = batch_engine(settings, carries_error=True)
+        found = estimate(batch_engine(settings), rows, resolution, carrying)
         finer = replace(settings, tolerance=float(found.tolerance[0]))
         last = run_once(problem.cases[0], finer, batch=True)
         failure = failure_of(last.outcome, Reason(int(found.columns()["reason"][0])))

@@ -5,7 +5,13 @@ import pytest
 
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_EVENTS
 from model.events.levels import NEVER
-from model.events.steady_state import HISTORY, LONGEST_PERIOD, record_period, settled_period
+from model.events.steady_state import (
+    HISTORY,
+    LONGEST_PERIOD,
+    record_closest,
+    record_state,
+    settled_period,
+)
 from model.events.table import ALIGNED, FACE_LOAD
 
 NOISE = 1e-8
@@ -23,7 +29,8 @@ def first_settled(device, constants):
         functions = np.full(MOST_EVENTS, NEVER)
         functions[which] = closest
         for count, state in enumerate(states, start=1):
-            record_period(count, np.ones(6) * state, functions, history, lowest)
+            record_state(count, np.ones(6) * state, history)
+            record_closest(count, functions, lowest)
             period = settled_period(ALIGNMENT_EVENTS, count, 1.0, history, lowest, p, NOISE)
             if period:
                 return count, period

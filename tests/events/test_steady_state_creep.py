@@ -6,7 +6,13 @@ import pytest
 from model import Outcome, Parameters, simulate
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_EVENTS
 from model.events.levels import NEVER
-from model.events.steady_state import HISTORY, LONGEST_PERIOD, record_period, settled_period
+from model.events.steady_state import (
+    HISTORY,
+    LONGEST_PERIOD,
+    record_closest,
+    record_state,
+    settled_period,
+)
 from model.events.table import ALIGNED
 from model.physics.parameters import Batch, Constants
 from model.physics.readings import Readings
@@ -38,7 +44,8 @@ def settled(device):
         closest = np.full(MOST_EVENTS, NEVER)
         closest[ALIGNED] = distance
         for count, state in enumerate(sequence, start=1):
-            record_period(count, state, closest, states, lowest)
+            record_state(count, state, states)
+            record_closest(count, closest, lowest)
             period = settled_period(ALIGNMENT_EVENTS, count, 1.0, states, lowest, p, 1e-8)
             if period:
                 return count, period

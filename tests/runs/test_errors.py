@@ -202,7 +202,7 @@ def test_a_neighbour_decides_on_the_flag_where_errors_grow():
     second = {**first, "tau_align": 1.0 + np.array([2e-4, 5e-5, 2e-4])}
     ran = []
     engine = of_neighbours(first, second, ran)
-    found = estimate(engine, numbered(3), 1e-10, carries_error=True)
+    found = estimate(engine, numbered(3), 1e-10, engine)
     assert found.sensitive.tolist() == [True, False, False]
     assert ran == [3, 2, 2]
 

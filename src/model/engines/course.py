@@ -56,7 +56,8 @@ from model.events.outcomes import Outcome, Reason
 from model.events.steady_state import (
     HISTORY,
     LONGEST_PERIOD,
-    record_period,
+    record_closest,
+    record_state,
     settled_period,
     watched_until,
 )
@@ -347,16 +348,12 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
     if mode_of(runs, i).dropped and scene.events.inserts == 0:
         return
     states, lowest = history.states[i], history.lowest[i]
-    for which in range(scene.events.count):  # events that happened need no distance
-        if runs[i, MADE + which] != 0.0:
-            runs[i, CLOSEST + which] = NEVER
-    record_period(
-        periods,
-        runs[i, STATE : STATE + STATE_SIZE],
-        runs[i, CLOSEST : CLOSEST + scene.events.count],
-        states,
-        lowest,
-    )
+    record_state(periods, runs[i, STATE : STATE + STATE_SIZE], states)
+    if periods <= runs[i, WATCHED_UNTIL]:
+        for which in range(scene.events.count):  # events that happened need no distance
+            if runs[i, MADE + which] != 0.0:
+                runs[i, CLOSEST + which] = NEVER
+        record_closest(periods, runs[i, CLOSEST : CLOSEST + scene.events.count], lowest)
     noise = max(settling_noise, NOISE * runs[i, TOLERANCE])
     p = constants_of(runs, i)
     length = period_length(p)

@@ -10,7 +10,7 @@ happen in the last n periods.
 
 from model.events.levels import NEVER
 from model.events.table import FRICTION, LOAD
-from model.physics.compiled import kernel
+from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE, State
 
 LONGEST_PERIOD = 8
@@ -22,9 +22,14 @@ _SAFETY = 5.0
 _LASTING = 3000.0  # assumed duration of a creep: ten times the usual horizon
 
 
-@kernel
-def _nearly_repeats(count, n, states):
-    return _largest(_difference(count, n, states)) <= _NEARLY_LINEAR
+@inlined_kernel
+def _repeats(count, n, states, admitted):
+    """Return whether no component of the state differs by more than ``admitted`` over n periods."""
+    now, then = states[count % HISTORY], states[(count - n) % HISTORY]
+    for i in range(STATE_SIZE):  # noqa: SIM110 - most end at the first
+        if not abs(now[i] - then[i]) <= admitted:
+            return False
+    return True
 
 
 @kernel
@@ -35,21 +40,28 @@ def watched_until(count, states):
     """
     last = 0
     for n in range(1, LONGEST_PERIOD + 1):
-        if count > 2 * n and (
-            _nearly_repeats(count, n, states) and _nearly_repeats(count - n, n, states)
+        if count <= 2 * n:
+            break
+        if _repeats(count, n, states, _NEARLY_LINEAR) and (
+            _repeats(count - n, n, states, _NEARLY_LINEAR)
         ):
             last = count + n
     return last
 
 
 @kernel
-def record_period(count, y, closest, states, lowest):
-    """Store the state at the end of period ``count`` and the lowest levels of the events in it.
-
-    ``states``, shape (HISTORY, 6), and ``lowest``, shape (LONGEST_PERIOD, events), are rings.
-    """
+def record_state(count, y, states):
+    """Store the state at the end of period ``count`` in the ring ``states``, shape (HISTORY, 6)."""
     for i in range(STATE_SIZE):
         states[count % HISTORY, i] = y[i]
+
+
+@kernel
+def record_closest(count, closest, lowest):
+    """Store the lowest levels of the events in period ``count``.
+
+    ``lowest``, shape (LONGEST_PERIOD, events), is a ring.
+    """
     for which in range(closest.size):
         lowest[count % LONGEST_PERIOD, which] = closest[which]
 
@@ -158,10 +170,10 @@ def settled_period(events, count, period, states, lowest, p, noise):
     for n in range(1, LONGEST_PERIOD + 1):
         if count <= 3 * n:
             break
-        d0 = _difference(count, n, states)
-        if _largest(d0) > _LINEAR:
+        if not _repeats(count, n, states, _LINEAR):
             continue
-        d1, d2 = _difference(count - n, n, states), _difference(count - 2 * n, n, states)
+        d0, d1 = _difference(count, n, states), _difference(count - n, n, states)
+        d2 = _difference(count - 2 * n, n, states)
         reach, contracts = _reach(d0, d1, d2, _LASTING / (n * period), noise)
         if contracts and _no_event_follows(events, count, n, reach, lowest, p):
             return n

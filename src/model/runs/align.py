@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from model.engines.results import KINDS, RESULTS, Results, RunResult, results_table
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
-from model.runs.engines import Array, Engine, batch_engine_fits, engine_for
+from model.runs.engines import Array, Engine, engine_for, error_carrying_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings, settings_with
 
@@ -83,8 +83,8 @@ def align(
     cores = os.cpu_count() or 1 if cores is None else cores
     if cores < 1:
         raise ValueError(f"cores = {cores!r}: must be >= 1")
-    run = engine_for(settings, engine, cores, carries_error=True)
-    carries = engine != "scalar" and batch_engine_fits(settings)
-    found = estimate(run, settings.rows(rows_of), settings.tolerance, carries_error=carries)
+    run = engine_for(settings, engine, cores)
+    carrying = error_carrying_engine(settings, engine, cores)
+    found = estimate(run, settings.rows(rows_of), settings.tolerance, carrying)
     columns = found.columns()
     return Alignments(**{name: columns[name].astype(KINDS[name].array) for name in RESULTS})

@@ -52,16 +52,17 @@ def batch_engine_fits(settings: Settings) -> bool:
     return settings.readings == Readings.consistent() and settings.method is DOP853
 
 
-def engine_for(
-    settings: Settings,
-    name: Engine | None = None,
-    cores: int = 1,
-    *,
-    carries_error: bool = False,
-) -> Run:
-    """Return the engine of that name, or the fastest that fits the settings.
+def error_carrying_engine(
+    settings: Settings, name: Engine | None = None, cores: int = 1
+) -> Run | None:
+    """Return the batch engine that carries the error of each run, None where it is not chosen."""
+    if name == "scalar" or not batch_engine_fits(settings):
+        return None
+    return batch_engine(settings, cores, carries_error=True)
 
-    The batch engine carries the error of each run if ``carries_error``; the scalar engine does not.
+
+def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -> Run:
+    """Return the engine of that name, or the fastest that fits the settings.
 
     Raises:
         ValueError: an unknown name, or an engine that does not fit.
@@ -78,7 +79,7 @@ def engine_for(
             f"engine = {name!r}: needs the consistent readings and the method DOP853; "
             "choose 'scalar', or None for the fastest one that fits"
         )
-    return batch_engine(settings, cores, carries_error=carries_error)
+    return batch_engine(settings, cores)
 
 
 def _on_cores(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:

@@ -1,7 +1,7 @@
 """Error estimates: from the error that a run carries, or from its neighbours.
 
 The batch engine carries the error of a run along (engines/batch/carried_error.py), which gives that
-of its times. It runs at a ``FINER``-th of the tolerance, where few sets have an error larger than
+of its times. It runs at a ``FINER``-th of the tolerance, where few sets carry an error larger than
 the tolerance promises; those are run again at a smaller one. The error estimate of the first run,
 times the ratio of the tolerances and divided by 4, is a lower bound of the final estimate: errors
 may cancel by chance. Of such a set a neighbour decides on the flag: a run from a start displaced by
@@ -39,7 +39,7 @@ FINER = 100.0  # tolerance over that of runs that carry their error
 COARSER = 16.0
 SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same
 SHARPER = 1e3  # tolerance over that of the second runs of a set
-PROMISED = 100.0  # largest error over the tolerance for which a set is not run again
+PROMISED = 100.0  # largest error, carried or to a neighbour, over the tolerance: not run again
 FINEST = 1e-14  # smallest tolerance
 RESOLUTION = 1e-14  # relative rounding of an alignment time
 NEARLY_FLAT = 1e-6  # initial tilt below which a part is nearly flat
@@ -79,27 +79,28 @@ class Estimate(NamedTuple):
         }
 
 
-def estimate(run: Run, rows: Array, tolerance: float, *, carries_error: bool = False) -> Estimate:
+def estimate(run: Run, rows: Array, tolerance: float, carrying: Run | None = None) -> Estimate:
     """Run every row, shape (n, constants), and estimate its error; see the module.
 
-    ``carries_error``: True if ``run`` carries errors along.
+    ``carrying`` is the same engine, whose runs carry their errors along, where there is one.
     """
-    sharper = max(tolerance / FINER, FINEST) if carries_error else tolerance
-    found = _by_carried_errors(run, rows, np.full(len(rows), sharper))
+    sharper = tolerance if carrying is None else max(tolerance / FINER, FINEST)
+    first = run if carrying is None else carrying
+    found = _by_carried_errors(first, rows, np.full(len(rows), sharper))
     error = np.fmax(found.tau_error, found.insertion_error)
-    imprecise = (error > PROMISED * tolerance) & ~found.sensitive
+    imprecise = (error > _CARRIED * PROMISED * tolerance) & ~found.sensitive
     if imprecise.any() and sharper > FINEST:
         reduced = sharper * PROMISED * tolerance / (_SAFETY * error[imprecise])
         reduced = np.maximum(reduced, FINEST)
-        finer = _by_carried_errors(run, rows[imprecise], reduced)
+        finer = _by_carried_errors(first, rows[imprecise], reduced)
         # Lower bound from the first run, in case errors cancel in the second.
         least = found.tau_error[imprecise] * reduced / sharper / _SAFETY
         np.maximum(finer.tau_error, least, out=finer.tau_error)
         _renew(found, imprecise, finer)
     doubtful = found.sensitive.copy()
     if doubtful.any():
-        first = Estimate(**{name: each[doubtful] for name, each in found._asdict().items()})
-        _renew(found, doubtful, _by_neighbours(run, rows[doubtful], first, tolerance))
+        known = Estimate(**{name: each[doubtful] for name, each in found._asdict().items()})
+        _renew(found, doubtful, _by_neighbours(run, rows[doubtful], known, tolerance))
     grows = np.flatnonzero(imprecise & ~found.sensitive)
     if grows.size:
         displaced = _displaced(rows[grows], "misalignment", tolerance)

@@ -18,7 +18,7 @@ from pydantic import model_validator
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
-from model.runs.engines import batch_engine_fits, engine_for
+from model.runs.engines import engine_for, error_carrying_engine
 from model.runs.errors import estimate
 from model.runs.twin import twin_results
 from model.study.config import (
@@ -197,9 +197,9 @@ def _paper_layer(plan: MapPlan, cores: int) -> Layer:
 
     def compute(rows: Ints, columns: Ints, _: Known) -> Columns:
         batch = Batch.of(base, **plan.swept(rows, columns))
-        run = engine_for(settings, cores=cores, carries_error=True)
-        carries = batch_engine_fits(settings)
-        estimates = estimate(run, settings.rows(batch), settings.tolerance, carries_error=carries)
+        run = engine_for(settings, cores=cores)
+        carrying = error_carrying_engine(settings, cores=cores)
+        estimates = estimate(run, settings.rows(batch), settings.tolerance, carrying)
         found = estimates.columns()
         return {name: found[name].astype(unknown.dtype) for name, unknown in PAPER.items()}
 
