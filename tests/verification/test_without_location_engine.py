@@ -15,16 +15,14 @@ from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, START
 from verification.without_location.engine import (
-    FIRST_STAGE,
     LANES,
     LENGTH,
+    RATES,
     ROWS,
     STATE,
     TIME,
-    TRIAL,
     outside,
-    runge_kutta_steps,
-    semi_implicit_euler_steps,
+    take_steps,
     write_rates,
 )
 
@@ -200,18 +198,15 @@ HALVINGS = 6
 def integrated(scheme, p, count):
     """The state at τ = 0.2 after ``count`` equal steps, sliding on A1 and pressed all the way."""
     y = np.array([*standing(RIGHT_EDGE, 0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0])
-    w = np.zeros((ROWS, LANES))
-    state, trial = w[STATE : STATE + y.size], w[TRIAL : TRIAL + y.size]
+    w, h = np.zeros((ROWS, LANES)), 0.2 / count
+    state = w[STATE : STATE + y.size]
     w[: len(p)], state[:] = np.array(p)[:, np.newaxis], y[:, np.newaxis]
-    w[FIRST_STAGE : FIRST_STAGE + y.size] = rates(0.0, y, p)[:, np.newaxis]
-    w[LENGTH] = 0.2 / count
+    w[RATES : RATES + y.size] = rates(0.0, y, p)[:, np.newaxis]
+    w[LENGTH] = h
     for i in range(count):
-        w[TIME] = i * w[LENGTH]
-        if scheme == "rk4":
-            runge_kutta_steps(RK4.method, w.ravel())
-        else:
-            semi_implicit_euler_steps(w.ravel())
-        state[:] = trial
+        ends = take_steps(scheme != "rk4", RK4.method, h, 0.3, count + 1, w.ravel())
+        assert not ends
+        np.testing.assert_allclose(w[TIME], (i + 1) * h)
         y = state[:, -1].copy()
         assert overlaps(y, p) == {"right_face"}, "the stretch is smooth"
         contact = edge_on_face(RIGHT_EDGE, state_of(y), p)

@@ -16,10 +16,10 @@ the workspace ``w`` holds one number a run, that of lane i at ``w[r * LANES + i]
 from math import isfinite, nan
 from typing import NamedTuple
 
+from model.engines.batch.series_plan import WIDTH
 from model.engines.course import start
 from model.engines.record import CONSTANTS, constants_in
 from model.engines.scalar.step import error_estimate, keep_in, moved, state_of
-from model.engines.scalar.tableaux import RK4
 from model.events.levels import (
     FLAT,
     LARGEST_TILT,
@@ -49,13 +49,13 @@ _EVERY_CONTACT = ALIGNMENT.declared
 _FIRST_STEP = 1e-2
 _BISECTIONS = 60
 
-LANES = 8
-_STAGES = RK4.method.stages + 1
-# Rows of the workspace: the constants; the run, its steps and its end; the step; states and rates.
+LANES = WIDTH
+# Rows of the workspace: the constants; the run, its steps and its end; the time and length of the
+# step; the state at its start, the rates entered last, and the slope of the step so far.
 _RUN, _STEPS, _END, TIME, LENGTH, STATE = range(CONSTANTS, CONSTANTS + 6)
-TRIAL, RATES, FIRST_STAGE = (STATE + n * STATE_SIZE for n in (1, 2, 3))
-ROWS = FIRST_STAGE + _STAGES * STATE_SIZE
+RATES, _SLOPE, ROWS = (STATE + n * STATE_SIZE for n in (1, 2, 3))
 
+_ZERO = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _NONE = -1.0  # _RUN
 _GOES_ON, _FELL_IN, _HAS_LEFT, _SPENT = 0.0, 1.0, 2.0, 3.0  # _END
 
@@ -224,76 +224,75 @@ def _fall_within(h, y, p, method, k, trial):
 
 
 @kernel
-def _evaluate(fraction, w):
-    """Enter the trial states, in place of their slopes, and their rates at a fraction of the step.
+def _stage(weight, share, fraction, w):
+    """Enter the rates of a stage, which takes those of the stage before only.
+
+    Args:
+        weight: of the rates of the stage before in the slope to this one.
+        share: of the rates of the stage before in the slope of the whole step.
+        fraction: place of the stage in the step.
+        w: workspace.
 
     One large loop: LLVM unrolls small ones over LANES, and then does not vectorize them.
     """
     for i in range(LANES):
-        h = w[LENGTH * LANES + i]
-        q = moved(_state_of_lane(w, STATE, i), h, _state_of_lane(w, TRIAL, i))
+        h, rates = w[LENGTH * LANES + i], _state_of_lane(w, RATES, i)
+        q = moved(_state_of_lane(w, STATE, i), h, moved(_ZERO, weight, rates))
+        _keep_in_lane(moved(_state_of_lane(w, _SLOPE, i), share, rates), w, _SLOPE, i)
         rates = _rates(w[TIME * LANES + i] + fraction * h, q, _constants_of_lane(w, i))
-        _keep_in_lane(q, w, TRIAL, i)
         _keep_in_lane(rates, w, RATES, i)
 
 
 @inlined_kernel
-def _copy_rows(source, target, w):
-    """Copy a state, or its rates, of every lane from row ``source`` on to row ``target`` on."""
-    for n in range(STATE_SIZE * LANES):
-        w[target * LANES + n] = w[source * LANES + n]
-
-
-@kernel
-def runge_kutta_steps(method, w):
-    """Enter the trial states at the ends of the steps; the last stage is the next step's first."""
-    size = STATE_SIZE * LANES
-    for i in range(1, method.stages + 1):
-        for n in range(size):
-            w[TRIAL * LANES + n] = 0.0
-        for j in range(i):
-            weight = method.a[i, j]
-            if weight != 0.0:
-                for n in range(size):
-                    w[TRIAL * LANES + n] += weight * w[FIRST_STAGE * LANES + j * size + n]
-        _evaluate(method.c[i], w)
-        _copy_rows(RATES, FIRST_STAGE + i * STATE_SIZE, w)
-    _copy_rows(RATES, FIRST_STAGE, w)
-
-
-@kernel
-def semi_implicit_euler_steps(w):
+def _symplectic(q, h, rates):
     """Velocities first, then positions with the new velocities (symplectic Euler)."""
-    for i in range(LANES):
-        h, q = w[LENGTH * LANES + i], _state_of_lane(w, STATE, i)
-        rates = _rates(w[TIME * LANES + i], q, _constants_of_lane(w, i))
-        x_rate, y_rate = q.x_rate + h * rates.x_rate, q.y_rate + h * rates.y_rate
-        tilt_rate = q.tilt_rate + h * rates.tilt_rate
-        x, y, tilt = q.x + h * x_rate, q.y + h * y_rate, q.tilt + h * tilt_rate
-        _keep_in_lane(State(x, y, tilt, x_rate, y_rate, tilt_rate), w, TRIAL, i)
+    x_rate, y_rate = q.x_rate + h * rates.x_rate, q.y_rate + h * rates.y_rate
+    tilt_rate = q.tilt_rate + h * rates.tilt_rate
+    x, y, tilt = q.x + h * x_rate, q.y + h * y_rate, q.tilt + h * tilt_rate
+    return State(x, y, tilt, x_rate, y_rate, tilt_rate)
 
 
-@kernel
-def _accept_steps(h, horizon, most_steps, w):
-    """Go on to the trial states, enter which runs end there, and return whether one does.
+@inlined_kernel
+def _last_stage(symplectic, share, fraction, h, horizon, most_steps, w):
+    """Go on to the end of the step, and enter its rates, which are the next step's first.
 
-    The fall into the slot is noticed at the end of a step.
+    Enters also which runs end there, and returns whether one does: the fall into the slot is
+    noticed at the end of a step. In one loop with the rates, what both need of a state is computed
+    once.
     """
-    _copy_rows(TRIAL, STATE, w)
+    some_end = False
     for i in range(LANES):
-        q, p = _state_of_lane(w, TRIAL, i), _constants_of_lane(w, i)
-        steps = w[_STEPS * LANES + i] + 1.0
-        time = min(steps * h, horizon)
+        q, rates = _state_of_lane(w, STATE, i), _state_of_lane(w, RATES, i)
+        length, steps = w[LENGTH * LANES + i], w[_STEPS * LANES + i] + 1.0
+        time, p = min(steps * h, horizon), _constants_of_lane(w, i)
+        if symplectic:
+            q, moment = _symplectic(q, length, rates), time
+        else:
+            q = moved(q, length, moved(_state_of_lane(w, _SLOPE, i), share, rates))
+            moment = w[TIME * LANES + i] + fraction * length
+            _keep_in_lane(_ZERO, w, _SLOPE, i)
+        _keep_in_lane(q, w, STATE, i)
+        _keep_in_lane(_rates(moment, q, p), w, RATES, i)
         end = _SPENT if steps >= most_steps else _GOES_ON
         end = _HAS_LEFT if _has_left(q, p) | (horizon - time <= 1e-9 * h) else end
         end = _FELL_IN if _outside(q, p) < 0.0 else end
-        w[_STEPS * LANES + i], w[TIME * LANES + i] = steps, time
+        end = end if w[_RUN * LANES + i] != _NONE else _GOES_ON
+        w[_STEPS * LANES + i], w[TIME * LANES + i], w[_END * LANES + i] = steps, time, end
         w[LENGTH * LANES + i] = min(h, horizon - time)
-        w[_END * LANES + i] = end if w[_RUN * LANES + i] != _NONE else _GOES_ON
-    some = False
-    for i in range(LANES):
-        some |= w[_END * LANES + i] != _GOES_ON
-    return some
+        some_end |= end != _GOES_ON
+    return some_end
+
+
+@kernel
+def take_steps(symplectic, method, h, horizon, most_steps, w):
+    """Take a step in every lane, and return whether a run ends there."""
+    if symplectic:
+        return _last_stage(True, 0.0, 0.0, h, horizon, most_steps, w)
+    last = method.stages
+    for i in range(1, last):
+        _stage(method.a[i, i - 1], method.a[last, i - 1], method.c[i], w)
+    share, fraction = method.a[last, last - 1], method.c[last]
+    return _last_stage(False, share, fraction, h, horizon, most_steps, w)
 
 
 @kernel
@@ -306,7 +305,8 @@ def _begin(run, rows, h, horizon, most_steps, w, lane):
     q, _ = start(p, _EVERY_CONTACT)
     _keep_constants(p, w, lane)
     _keep_in_lane(q, w, STATE, lane)
-    _keep_in_lane(_rates(0.0, q, p), w, FIRST_STAGE, lane)
+    _keep_in_lane(_rates(0.0, q, p), w, RATES, lane)
+    _keep_in_lane(_ZERO, w, _SLOPE, lane)
     w[_RUN * LANES + lane], w[_STEPS * LANES + lane], w[TIME * LANES + lane] = run, 0.0, 0.0
     w[LENGTH * LANES + lane] = min(h, horizon)
     w[_END * LANES + lane] = _GOES_ON if most_steps > 0 else _SPENT
@@ -369,11 +369,12 @@ def run_with_fixed_steps(rows, symplectic, h, method, horizon, max_evaluations, 
         rows: constants of the runs.
         symplectic: steps of the semi-implicit Euler method instead of ``method``.
         h: length of a step.
-        method: ``Method`` whose last stage is the step's end, of as many stages as RK4.
+        method: ``Method`` whose last stage is the step's end, each of whose stages takes the rates
+            of the one before only, as RK4.
         horizon: latest time.
         max_evaluations: largest number of right-hand-side evaluations of a run.
         out: shape (n, 4 + 6), filled with each ``Passage`` and state at the end.
-        w: workspace, shape (ROWS * LANES,), overwritten.
+        w: workspace of ``ROWS`` rows, overwritten.
     """
     count, cost = rows.shape[0], 1 if symplectic else method.stages
     most_steps, begun, ended = max_evaluations // cost, 0, 0
@@ -390,11 +391,7 @@ def run_with_fixed_steps(rows, symplectic, h, method, horizon, max_evaluations, 
                     _begin(begun, rows, h, horizon, most_steps, w, lane)
                     begun, ended = min(begun + 1, count), ended + 1
                     some_end |= w[_END * LANES + lane] != _GOES_ON
-        if symplectic:
-            semi_implicit_euler_steps(w)
-        else:
-            runge_kutta_steps(method, w)
-        some_end = _accept_steps(h, horizon, most_steps, w)
+        some_end = take_steps(symplectic, method, h, horizon, most_steps, w)
 
 
 @kernel

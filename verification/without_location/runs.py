@@ -8,12 +8,12 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from model.engines.batch.workspace import new_workspace
 from model.engines.scalar.tableaux import DORMAND_PRINCE, RK4
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from verification.without_location.engine import (
-    LANES,
     PASSAGE_SIZE,
     ROWS,
     outside_of,
@@ -83,7 +83,7 @@ def align(
     else:
         run_with_fixed_steps(
             rows, scheme == "semi_implicit_euler", float(resolution), RK4.method, float(horizon),
-            int(max_evaluations), out, np.zeros(ROWS * LANES),
+            int(max_evaluations), out, new_workspace(ROWS),
         )  # fmt: skip
     return Runs(
         tau_align=out[:, 0].copy(),
