@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from llvmlite import ir
 
 NUMBA_BELOW = (0, 69)
 """First release of numba (major, minor) that these kernels have not been tried with."""
@@ -107,7 +108,19 @@ def _numba_cache_in(folder: str) -> Iterator[None]:
 # --- A kernel as a part of others ---------------------------------------------------------------
 
 
-class _PartLibrary(JITCodeLibrary):
+class _Library(JITCodeLibrary):
+    """Code of one kernel.
+
+    Attributes:
+        finished: code that it calls and that needs no optimising; see ``call_finished``.
+    """
+
+    def __init__(self, *named: Any) -> None:
+        super().__init__(*named)
+        self.finished: list[Any] = []
+
+
+class _PartLibrary(_Library):
     """Intermediate code of one kernel; what it calls is linked once, into a whole."""
 
     def finalize(self) -> None:
@@ -133,6 +146,32 @@ def with_parts(libraries: list[Any]) -> list[Any]:
     for each in libraries:
         visit(each)
     return found[::-1]
+
+
+def call_finished(context: Any, builder: Any, name: str, code: str, arguments: list[Any]) -> None:
+    """Write a call of the function ``name``, which ``code`` defines in LLVM's language.
+
+    Such code is written for vectors, and in the order in which it is to be computed. One pass
+    combines its operations, and wholes link it once they are optimised.
+    """
+    library = context.active_code_library
+    module = ll.parse_assembly(f"{library.create_ir_module(name)}\n{code}")
+    passes = ll.create_new_function_pass_manager()
+    passes.add_instruction_combine_pass()
+    for each in module.functions:
+        passes.run(each, library.codegen._pass_builder())
+    library.finished.append(module)
+    signature = ir.FunctionType(ir.VoidType(), [each.type for each in arguments])
+    function = ir.Function(builder.module, signature, name)
+    function.attributes.add("nounwind")
+    builder.call(function, arguments)
+
+
+def link_finished(module: Any, libraries: list[Any]) -> None:
+    """Link the finished code that libraries call into their optimised ``module``."""
+    for library in libraries:
+        for each in getattr(library, "finished", ()):
+            module.link_in(each, preserve=True)
 
 
 class PartCompiler(Compiler):
@@ -218,7 +257,7 @@ class _Part(CPUDispatcher):
 # --- A kernel as Python calls it ----------------------------------------------------------------
 
 
-class _WholeLibrary(JITCodeLibrary):
+class _WholeLibrary(_Library):
     """Machine code for the widest vectors of the processor.
 
     LLVM prefers 256 bits on processors with 512, which may then run at a higher clock. The loops of
@@ -237,6 +276,7 @@ class _WholeLibrary(JITCodeLibrary):
             super()._optimize_final_module()
         finally:
             codegen._tm = usual
+        link_finished(self._final_module, [self, *self._linking_libraries])
 
     def serialize_using_object_code(self) -> Any:
         """Return what the cache stores: machine code, and the names of the functions in it.

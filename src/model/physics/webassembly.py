@@ -189,6 +189,7 @@ def _object(function: Function, codegen: Any, machine: Any) -> bytes:
     module.get_function(name).name = function.name
     passes, builder = codegen._module_pass_manager()
     passes.run(module, builder)
+    compiled.link_finished(module, compiled_function.library._linking_libraries)
     written: bytes = machine.emit_object(module)
     return written
 
