@@ -49,6 +49,7 @@ job(
     ),
     wildcards=dict(figure="|".join(study.contact_stiffness.figures)),
     message="{wildcards.figure}: computing it on other bases",
+    priority=1,
 )
 
 job(

@@ -33,6 +33,7 @@ job(
         chunks=lambda wildcards: study.figures[wildcards.figure].chunks,
     ),
     message="{wildcards.figure}: computing chunk {wildcards.chunk}",
+    priority=1,
 )
 
 job(
@@ -49,6 +50,7 @@ job(
     wildcards=dict(figure="|".join(GRIDDED)),
     message="{wildcards.figure}: merging its chunks",
     local=True,
+    priority=1,
 )
 
 job(
@@ -69,6 +71,7 @@ job(
     wildcards=dict(figure="|".join(COMPUTED)),
     message="{wildcards.figure}: computing it from the other start",
     minutes=20,
+    priority=1,
 )
 other_start = expand(root / "data/other_start/{figure}.nc", figure=COMPUTED)
 

@@ -45,6 +45,7 @@ job(
     dict(plan=lambda wildcards: fixed_step_plan(study, wildcards.figure)),
     wildcards=dict(figure="|".join(study.precision.fixed_steps.figures)),
     message="{wildcards.figure}: computing it anew with fixed steps",
+    priority=2,
 )
 fixed_steps = expand(
     root / "data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
