@@ -42,6 +42,7 @@ class Method:
         fixed: whether its resolution is the length of a step; else it is a tolerance.
         located: whether it locates every event.
         batch: how many trajectories it is given at once; 1 if one after the other.
+        vectorized: whether those of a batch run in vectors; else it spreads the cost of a call.
         ladder_step: half decades between the tolerances tried.
     """
 
@@ -51,6 +52,7 @@ class Method:
     fixed: bool = False
     located: bool = True
     batch: int = 1
+    vectorized: bool = False
     ladder_step: int = 1
     _is_warm: bool = False
 
@@ -114,6 +116,7 @@ class Package(Method):
         self, name: str, tableau: Tableau = DOP853, engine: Engine | None = None, batch: int = 1024
     ) -> None:
         self.name, self.tableau, self.engine, self.batch = name, tableau, engine, batch
+        self.vectorized = tableau is DOP853 and engine != "scalar"
 
     def settings(self, problem: Problem, resolution: float) -> Settings:
         """Return the problem's settings with this method and tolerance."""
@@ -165,6 +168,7 @@ class WithoutLocation(Method):
         self.name, self.scheme = name, scheme
         self.fixed = scheme != "dormand_prince"
         self.batch = without_location.LANES if self.fixed else 1
+        self.vectorized = self.fixed
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /

@@ -21,7 +21,7 @@ from model.physics.parameters import PARAMETER_NAMES, Parameters
 from model.runs.simulate import Trajectory, simulate
 from model.study.csv_tables import read_records, records_text
 from model.study.datasets import flags, global_attributes, parameter_attributes
-from verification.methods import METHODS
+from verification.methods import METHODS, Method
 from verification.plans import PrecisionPlan
 from verification.problems import Floats, Problem, Solution, Verdict, neighbours
 
@@ -156,8 +156,9 @@ def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Itera
             def work(count: int, resolution: float = resolution) -> None:
                 how.solve(problem, neighbours(problem.cases, count), resolution, math.inf)
 
+            together = least_batch(how, seconds) if warm else how.batch
             known = seconds if warm and how.batch == 1 else None
-            microseconds = cpu_microseconds(work, how.batch, known)
+            microseconds = cpu_microseconds(work, together, known)
         warm = True
         evaluations = solution.evaluations or 0
         yield TimedSetting(
@@ -246,6 +247,17 @@ _REPEATS = 5
 _PATIENCE = 0.02  # seconds; a run that takes longer is timed once
 _LONG_ENOUGH = 0.005  # seconds that a timed batch should take
 _LARGEST_BATCH = 16
+_WORTHWHILE = 0.05  # seconds of runs that share the cost of a call, one or two milliseconds
+
+
+def least_batch(how: Method, seconds: float) -> int:
+    """Return how many runs are timed together, of which one takes about ``seconds``.
+
+    A batch that does not run in vectors only spreads the cost of a call, which long runs hide.
+    """
+    if how.vectorized:
+        return how.batch
+    return max(1, min(how.batch, int(_WORTHWHILE / max(seconds, 1e-9))))
 
 
 def cpu_microseconds(

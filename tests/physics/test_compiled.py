@@ -64,6 +64,15 @@ def test_a_kernel_becomes_machine_code_where_python_calls_it(empty, monkeypatch)
 
 
 @pytest.mark.usefixtures("empty")
+def test_a_kernel_called_often_searches_for_no_symbols(monkeypatch):
+    made = compiled.kernel(halved)
+    often = compiled.called_often(made)
+    monkeypatch.setattr(compiled, "_first_symbol", None)
+    assert often(8.0) == 4.0
+    assert compiled.called_often(halved) is halved
+
+
+@pytest.mark.usefixtures("empty")
 def test_cached_machine_code_is_loaded_without_compiling(monkeypatch):
     monkeypatch.setitem(globals(), "part", compiled.inlined_kernel(halved))
     assert compiled.kernel(quartered)(8.0) == 2.0

@@ -16,6 +16,7 @@ from verification import work_precision
 from verification.methods import METHODS
 from verification.plans import CasePlan, PrecisionPlan, precision_plan
 from verification.problems import Floats, Solution, Verdict
+from verification.without_location import LANES
 from verification.work_precision import (
     CaseError,
     Setting,
@@ -23,6 +24,7 @@ from verification.work_precision import (
     Truth,
     cpu_microseconds,
     error_of,
+    least_batch,
     measured,
     names_of,
     precision_dataset,
@@ -217,6 +219,15 @@ def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float])
     calls.clear()
     assert cpu_microseconds(takes(1e-2), together=16) == pytest.approx(1e4)
     assert calls == [16]
+
+
+def test_only_vectors_need_a_batch_where_runs_take_long() -> None:
+    located = METHODS["dop853_located"], METHODS["dormand_prince_located"]
+    assert [least_batch(how, 1e-3) for how in located] == [16, 16]
+    assert [least_batch(how, 0.01) for how in located] == [16, 5]
+    assert [least_batch(how, 1.0) for how in located] == [16, 1]
+    assert least_batch(METHODS["rk4_fixed"], 1.0) == LANES
+    assert least_batch(METHODS["scipy_rk45"], 1e-6) == 1
 
 
 def test_timings_survive_the_disk(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from model.engines.batch.workspace import new_workspace
 from model.engines.scalar.tableaux import DORMAND_PRINCE, RK4
+from model.physics.compiled import called_often
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
@@ -112,12 +113,13 @@ def initial_value_problem(
 ) -> InitialValueProblem:
     """Return ``parameters`` as a problem whose right-hand side does not depend on a mode."""
     row = Batch.stack([parameters]).constants(readings or Readings())[0]
+    write_rates, outside = called_often(write_rates_of), called_often(outside_of)
     # A run that may evaluate nothing ends where it starts.
     start = align([parameters], "rk4", 1.0, readings=readings, max_evaluations=0).state[0]
 
     def rates(time: float, y: Floats) -> Floats:
         dy = np.empty(STATE_SIZE)
-        write_rates_of(time, y, row, dy)
+        write_rates(time, y, row, dy)
         return dy
 
-    return InitialValueProblem(rates=rates, fall=lambda _, y: outside_of(y, row), start=start)
+    return InitialValueProblem(rates=rates, fall=lambda _, y: outside(y, row), start=start)
