@@ -30,11 +30,10 @@ from model.physics.parameters import Batch, Parameters
 from model.runs.engines import batch_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings
-from model.runs.simulate import simulate_once
 from model.study.csv_tables import read_records, records_text
 from verification.methods import METHODS, Method, Package
 from verification.plans import HardCasesPlan
-from verification.problems import Problem, Solution, Verdict, failure_of
+from verification.problems import Problem, Solution, Verdict, failure_of, last_state
 from verification.work_precision import Truth, deviation_of
 
 DEFAULT, BATCH = "dop853_located", "batch"
@@ -117,9 +116,10 @@ def problem_of(plan: HardCasesPlan, name: str) -> Problem:
 
 def run_once(parameters: Parameters, settings: Settings, *, batch: bool = False) -> Truth:
     """Return one run by the reference or the batch engine, without an estimate of its error."""
+    rows = settings.rows(Batch.stack([parameters]))
     if not batch:
-        return Truth.of(simulate_once(parameters, settings))
-    rows = Batch.stack([parameters]).constants(settings.readings)
+        result, state = last_state(settings, rows, np.array([settings.tolerance]))
+        return Truth(Outcome(int(result.outcome)), result.tau_align, state)
     results = np.empty((1, len(RunResult._fields)))
     _, method, control = settings.for_kernels
     scene = in_vector_kernels(settings.scene)

@@ -21,7 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model import Batch, Outcome, Parameters, Reason, Scene, Settings, align, simulate
+from model.engines.results import RunResult
+from model.engines.scalar.loop import TRACK_COLUMNS
+from model.physics.notation import STATE_SIZE
 from model.runs.align import run_once
+from model.runs.engines import scalar_engine
+from model.runs.errors import estimate
 from model.study.config import load_study, study_path
 from model.study.sweeps import sweep_of
 from verification.independent.motion import LEFT, RIGHT, Device, body
@@ -181,13 +186,28 @@ def simulated(problem: Problem, settings: Settings) -> Solution:
     """Return the solution of the cases by the reference engine, its error estimates counted."""
     tau, states, evaluations, failure = [], [], 0, None
     for case in problem.cases:
-        runs = [simulate(case, settings, horizon=stop) for stop in problem.stops]
-        last = runs[-1]
-        tau.append(last.tau_align)
-        states.append([run.state[-1] for run in runs])
-        evaluations += last.rhs_evaluations
-        failure = failure or failure_of(last.outcome, last.reason)
+        rows, ends = settings.rows(Batch.stack([case])), []
+        for stop in problem.stops:
+            until = replace(settings, horizon=stop)
+            found = estimate(scalar_engine(until), rows, until.tolerance)
+            ends.append(last_state(until, rows, found.tolerance)[1])
+        columns = {name: column[0] for name, column in found.columns().items()}
+        tau.append(float(columns["tau_align"]))
+        states.append(ends)
+        evaluations += int(columns["rhs_evaluations"])
+        outcome, reason = Outcome(int(columns["outcome"])), Reason(int(columns["reason"]))
+        failure = failure or failure_of(outcome, reason)
     return Solution(np.array(tau), np.array(states), evaluations, failure)
+
+
+def last_state(settings: Settings, rows: Floats, tolerance: Floats) -> tuple[RunResult, Floats]:
+    """Return the result of one run of the reference engine, and the state at its end, shape (6,).
+
+    ``simulate`` would return the whole trajectory: half a gigabyte for 100,000 periods.
+    """
+    track = np.empty((1, TRACK_COLUMNS))
+    result = RunResult(*scalar_engine(settings, track)(rows, tolerance)[0].tolist())
+    return result, track[0, 1 : 1 + STATE_SIZE].copy()
 
 
 def neighbours(cases: Sequence[Parameters], each: int) -> tuple[Parameters, ...]:

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from model import Outcome, Parameters, Scene, Settings, align, simulate
+from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
+from model.runs.simulate import simulate_once
 from model.study.config import load_study, study_path
 from verification.methods import typical_error
 from verification.problems import (
@@ -10,6 +11,7 @@ from verification.problems import (
     W3,
     Problem,
     drawn_points,
+    last_state,
     neighbours,
     only_right_edge,
 )
@@ -52,6 +54,15 @@ def test_points_of_a_figure_are_the_same_every_time_and_qualify() -> None:
     assert not runs.sensitive.any()
     assert all(only_right_edge(point, horizon) for point in points)
     assert {point.frequency for point in points} == {study.parameters("fig13").frequency}
+
+
+def test_the_last_state_is_the_last_of_the_trajectory() -> None:
+    settings = Settings(horizon=5.0)
+    whole = simulate_once(W2, settings)
+    rows = settings.rows(Batch.stack([W2]))
+    result, state = last_state(settings, rows, np.array([settings.tolerance]))
+    assert result.tracked == len(whole.time) > 100
+    np.testing.assert_array_equal(state, whole.state[-1])
 
 
 def test_neighbours_begin_with_the_cases_themselves_and_differ() -> None:

@@ -219,8 +219,8 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
 @kernel
 def _happens(events, which, theta, time, h, y, dense, p, mode):
     """Return whether a zero of level ``which`` at θ is the event."""
-    if theta == NO_EVENT or not events.is_conditional(which):
-        return theta != NO_EVENT
+    if not events.is_conditional(which):
+        return True
     return events.happens(which, time + theta * h, interpolate(theta, h, y, dense), p, mode)
 
 
@@ -235,6 +235,8 @@ def first_event(events, time, h, y, dense, p, mode, samples):
             if NODE_PLACES[i - 1] >= first:
                 break
             theta = _down_crossing(events, i, which, time, h, y, dense, p, mode, samples)
+            if theta == NO_EVENT:
+                continue
             if _happens(events, which, theta, time, h, y, dense, p, mode):
                 if theta < first:
                     first, which_first = theta, which

@@ -219,22 +219,23 @@ def _largest(events, nodes, samples):
 
 @kernel
 def track_sample(events, track, time, q, sample, runs, i):
-    """Count a row of the track, and write it if the track has room."""
-    row = int(runs[i, TRACKED])
-    if row < track.shape[0]:
+    """Count and write a row of the track, over the oldest one if the track is full."""
+    row, rows = int(runs[i, TRACKED]), track.shape[0]
+    runs[i, TRACKED] = row + 1
+    if rows > 0:
+        row = row % rows if row >= rows else row
         track[row, 0] = time
         keep_in(q, track[row, 1 : 1 + STATE_SIZE])
         track[row, 7] = max(events.support_force(sample), 0.0)
         track[row, 8] = max(events.side_force(sample), 0.0)
         track[row, 9] = max(events.right_force(sample), 0.0)
-    runs[i, TRACKED] = row + 1
 
 
 @kernel
 def track_run(events, track, scratch, runs, i):
     """Write the present state of a run into its track, with the forces of its mode."""
     time, q = runs[i, TIME], state_in(runs, STATE, i)
-    if runs[i, TRACKED] < track.shape[0]:
+    if track.shape[0] > 0:
         events.sample_into(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
     track_sample(events, track, time, q, scratch, runs, i)
 
@@ -341,8 +342,9 @@ def integrate(row, tolerance, scene, method, control, track, single):
         scene: ``SceneKernels``.
         method: ``Method``.
         control: ``Control``.
-        track: shape (rows, 10), filled up to its end with time, state and normal forces of support,
-            left and right side; ``RunResult.tracked`` is the number of rows of a full track.
+        track: shape (rows, 10), filled with time, state and normal forces of support, left and
+            right side. ``RunResult.tracked`` is the number of rows of a whole track; row n is at
+            n modulo the rows there are, so that a shorter track holds the last ones.
         single: ``Single``, overwritten.
     """
     runs, history, work = single.runs, single.history, single.work
