@@ -15,8 +15,10 @@ from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, START
 from verification.without_location.engine import (
+    CONSISTENT,
     LANES,
     LENGTH,
+    PRINTED,
     RATES,
     ROWS,
     STATE,
@@ -195,7 +197,7 @@ def test_outside_falls_through_zero_with_the_criterion_in_force(device, constant
 HALVINGS = 6
 
 
-def integrated(scheme, p, count):
+def integrated(scheme, p, count, layout=CONSISTENT):
     """The state at τ = 0.2 after ``count`` equal steps, sliding on A1 and pressed all the way."""
     y = np.array([*standing(RIGHT_EDGE, 0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0])
     w, h = np.zeros((ROWS, LANES)), 0.2 / count
@@ -204,7 +206,7 @@ def integrated(scheme, p, count):
     w[RATES : RATES + y.size] = rates(0.0, y, p)[:, np.newaxis]
     w[LENGTH] = h
     for i in range(count):
-        ends = take_steps(scheme != "rk4", RK4.method, h, 0.3, count + 1, w.ravel())
+        ends = take_steps(layout, scheme != "rk4", RK4.method, h, 0.3, count + 1, w.ravel())
         assert not ends
         np.testing.assert_allclose(w[TIME], (i + 1) * h)
         y = state[:, -1].copy()
@@ -224,3 +226,11 @@ def test_order_on_a_smooth_stretch(scheme, order, device, constants):
     errors = [np.abs(integrated(scheme, p, count) - true).max() for count in counts]
     slope = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
     assert slope == pytest.approx(order, rel=0.05)
+
+
+@pytest.mark.parametrize("scheme", ["rk4", "semi_implicit_euler"])
+def test_readings_are_read_where_the_layout_has_them(scheme, device, constants):
+    consistent, printed = constants(device), constants(device, Readings(normal_sign="printed"))
+    y = integrated(scheme, consistent, 8, PRINTED)
+    np.testing.assert_allclose(y, integrated(scheme, consistent, 8), rtol=1e-14)
+    assert np.abs(y - integrated(scheme, printed, 8, PRINTED)).max() > 1e-4

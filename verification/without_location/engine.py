@@ -20,6 +20,7 @@ from model.engines.batch.series_plan import WIDTH
 from model.engines.course import start
 from model.engines.record import CONSTANTS, constants_in
 from model.engines.scalar.step import error_estimate, keep_in, moved, state_of
+from model.events.kernel_set import KernelSet
 from model.events.levels import (
     FLAT,
     LARGEST_TILT,
@@ -59,10 +60,23 @@ _ZERO = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _NONE = -1.0  # _RUN
 _GOES_ON, _FELL_IN, _HAS_LEFT, _SPENT = 0.0, 1.0, 2.0, 3.0  # _END
 
-_constants_of_lane = reader(Constants, "w, i", "w[{} * LANES + i]".format, LANES=LANES)
 _state_of_lane = reader(State, "w, row, i", "w[(row + {}) * LANES + i]".format, LANES=LANES)
 _keep_constants = writer(Constants, "w, i", "w[{} * LANES + i]".format, LANES=LANES)
 _keep_in_lane = writer(State, "w, row, i", "w[(row + {}) * LANES + i]".format, LANES=LANES)
+
+
+def _layout(name, printed):
+    """Return how lanes hold the constants; if not ``printed``, readings are consistent."""
+
+    def place(n):
+        known = not printed and Constants._fields[n].startswith("printed_")
+        return "0.0" if known else f"w[{n} * LANES + i]"
+
+    constants = reader(Constants, "w, i", place, LANES=LANES)
+    return KernelSet(name, {"constants": constants}, {__file__})
+
+
+CONSISTENT, PRINTED = _layout("consistent", False), _layout("printed", True)
 
 
 class Passage(NamedTuple):
@@ -224,10 +238,11 @@ def _fall_within(h, y, p, method, k, trial):
 
 
 @kernel
-def _stage(weight, share, fraction, w):
+def _stage(layout, weight, share, fraction, w):
     """Enter the rates of a stage, which takes those of the stage before only.
 
     Args:
+        layout: ``CONSISTENT`` or ``PRINTED``.
         weight: of the rates of the stage before in the slope to this one.
         share: of the rates of the stage before in the slope of the whole step.
         fraction: place of the stage in the step.
@@ -239,7 +254,7 @@ def _stage(weight, share, fraction, w):
         h, rates = w[LENGTH * LANES + i], _state_of_lane(w, RATES, i)
         q = moved(_state_of_lane(w, STATE, i), h, moved(_ZERO, weight, rates))
         _keep_in_lane(moved(_state_of_lane(w, _SLOPE, i), share, rates), w, _SLOPE, i)
-        rates = _rates(w[TIME * LANES + i] + fraction * h, q, _constants_of_lane(w, i))
+        rates = _rates(w[TIME * LANES + i] + fraction * h, q, layout.constants(w, i))
         _keep_in_lane(rates, w, RATES, i)
 
 
@@ -253,7 +268,7 @@ def _symplectic(q, h, rates):
 
 
 @inlined_kernel
-def _last_stage(symplectic, share, fraction, h, horizon, most_steps, w):
+def _last_stage(layout, symplectic, share, fraction, h, horizon, most_steps, w):
     """Go on to the end of the step, and enter its rates, which are the next step's first.
 
     Enters also which runs end there, and returns whether one does: the fall into the slot is
@@ -264,7 +279,7 @@ def _last_stage(symplectic, share, fraction, h, horizon, most_steps, w):
     for i in range(LANES):
         q, rates = _state_of_lane(w, STATE, i), _state_of_lane(w, RATES, i)
         length, steps = w[LENGTH * LANES + i], w[_STEPS * LANES + i] + 1.0
-        time, p = min(steps * h, horizon), _constants_of_lane(w, i)
+        time, p = min(steps * h, horizon), layout.constants(w, i)
         if symplectic:
             q, moment = _symplectic(q, length, rates), time
         else:
@@ -284,15 +299,15 @@ def _last_stage(symplectic, share, fraction, h, horizon, most_steps, w):
 
 
 @kernel
-def take_steps(symplectic, method, h, horizon, most_steps, w):
+def take_steps(layout, symplectic, method, h, horizon, most_steps, w):
     """Take a step in every lane, and return whether a run ends there."""
     if symplectic:
-        return _last_stage(True, 0.0, 0.0, h, horizon, most_steps, w)
+        return _last_stage(layout, True, 0.0, 0.0, h, horizon, most_steps, w)
     last = method.stages
     for i in range(1, last):
-        _stage(method.a[i, i - 1], method.a[last, i - 1], method.c[i], w)
+        _stage(layout, method.a[i, i - 1], method.a[last, i - 1], method.c[i], w)
     share, fraction = method.a[last, last - 1], method.c[last]
-    return _last_stage(False, share, fraction, h, horizon, most_steps, w)
+    return _last_stage(layout, False, share, fraction, h, horizon, most_steps, w)
 
 
 @kernel
@@ -362,11 +377,12 @@ def _adaptive_steps(tolerance, p, method, horizon, max_evaluations, y, k, y_end)
 
 
 @kernel
-def run_with_fixed_steps(rows, symplectic, h, method, horizon, max_evaluations, out, w):
+def run_with_fixed_steps(rows, layout, symplectic, h, method, horizon, max_evaluations, out, w):
     """Run every row of ``rows``, shape (n, constants), with equal steps.
 
     Args:
         rows: constants of the runs.
+        layout: ``CONSISTENT``, or ``PRINTED`` where a reading is printed.
         symplectic: steps of the semi-implicit Euler method instead of ``method``.
         h: length of a step.
         method: ``Method`` whose last stage is the step's end, each of whose stages takes the rates
@@ -391,7 +407,7 @@ def run_with_fixed_steps(rows, symplectic, h, method, horizon, max_evaluations, 
                     _begin(begun, rows, h, horizon, most_steps, w, lane)
                     begun, ended = min(begun + 1, count), ended + 1
                     some_end |= w[_END * LANES + lane] != _GOES_ON
-        some_end = take_steps(symplectic, method, h, horizon, most_steps, w)
+        some_end = take_steps(layout, symplectic, method, h, horizon, most_steps, w)
 
 
 @kernel

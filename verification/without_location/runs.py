@@ -15,7 +15,9 @@ from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from verification.without_location.engine import (
+    CONSISTENT,
     PASSAGE_SIZE,
+    PRINTED,
     ROWS,
     outside_of,
     run_with_adaptive_steps,
@@ -82,9 +84,10 @@ def align(
             np.empty(STATE_SIZE), np.empty((method.stages + 1, STATE_SIZE)),
         )  # fmt: skip
     else:
+        layout = CONSISTENT if readings in (None, Readings()) else PRINTED
         run_with_fixed_steps(
-            rows, scheme == "semi_implicit_euler", float(resolution), RK4.method, float(horizon),
-            int(max_evaluations), out, new_workspace(ROWS),
+            rows, layout, scheme == "semi_implicit_euler", float(resolution), RK4.method,
+            float(horizon), int(max_evaluations), out, new_workspace(ROWS),
         )  # fmt: skip
     return Runs(
         tau_align=out[:, 0].copy(),
