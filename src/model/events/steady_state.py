@@ -118,8 +118,9 @@ def _reach(d0, d1, d2, cycles, noise):
     for i in range(STATE_SIZE):
         without = max(abs(d0[i] - ratio * d1[i]), abs(d0[i] - ratio_before * d1[i]))
         unexplained = max(unexplained, without)
-    creep = unexplained * cycles if creeps and unexplained > noise else 0.0
     rest = 1.0 - contraction
+    creep = unexplained / rest  # of a creep, the ratio explains the larger part
+    creep = creep * cycles if creeps and creep > noise else 0.0
     return State(
         max(max(abs(d0.x), noise) / rest, creep),
         max(max(abs(d0.y), noise) / rest, creep),
