@@ -2,10 +2,10 @@
 
 After each excitation period the state is compared with the state n periods earlier. If the
 differences are small and contract twice in a row, by a ratio ρ < 1 over n periods, the remaining
-transient is at most Δ/(1 - ρ). The part of the last difference that is not ρ times the previous one
-may be a creep that does not contract: it is assumed to last. The steady state is reached when
-neither of these changes, multiplied by five, suffices for alignment or for any event that did not
-happen in the last n periods.
+transient is at most Δ/(1 - ρ). What is left of the differences without a contracting transient may
+be a creep: it is assumed to last. The steady state is reached when neither of these changes,
+multiplied by five, suffices for alignment or for any event that did not happen in the last n
+periods.
 """
 
 from model.events.levels import NEVER
@@ -85,13 +85,20 @@ def _largest(vector):
 
 
 @kernel
-def _ratio(later, earlier):
-    """Ratio of ``later`` to ``earlier``, by least squares."""
-    product, square = 0.0, 0.0
+def _creep(d0, d1, d2):
+    """Return the creep over one cycle, its largest component, and the ratio of the transient.
+
+    The differences are a creep c and a transient that contracts by a ratio r. Differences of
+    differences have no creep, which gives r, by least squares, and c (Aitken's Δ² process).
+    """
+    product, square, largest = 0.0, 0.0, 0.0
     for i in range(STATE_SIZE):
-        product += later[i] * earlier[i]
-        square += earlier[i] * earlier[i]
-    return product / square
+        product += (d0[i] - d1[i]) * (d1[i] - d2[i])
+        square += (d1[i] - d2[i]) * (d1[i] - d2[i])
+    ratio = product / square
+    for i in range(STATE_SIZE):
+        largest = max(largest, abs(d0[i] + (d0[i] - d1[i]) * ratio / (1.0 - ratio)))
+    return largest, ratio
 
 
 @kernel
@@ -104,23 +111,14 @@ def _reach(d0, d1, d2, cycles, noise):
     gap, before, earlier = _largest(d0), _largest(d1), _largest(d2)
     if max(before, earlier) > _NEARLY_LINEAR:
         return d0, False
-    contraction, creeps = 0.0, False
-    ratio, ratio_before = 0.0, 0.0
-    if gap > noise:
-        ratio, ratio_before = _ratio(d0, d1), _ratio(d1, d2)
+    contraction, creep = 0.0, 0.0
+    if max(gap, max(before, earlier)) > noise:
         contraction = max(gap / before, before / earlier)
-        if max(contraction, ratio) > _CONTRACTION:
+        creep, ratio = _creep(d0, d1, d2)
+        if not (contraction <= _CONTRACTION and ratio <= _CONTRACTION):
             return d0, False
-        creeps = True
-    elif before > noise:
-        contraction = min(before / earlier, _CONTRACTION)
-    unexplained = 0.0
-    for i in range(STATE_SIZE):
-        without = max(abs(d0[i] - ratio * d1[i]), abs(d0[i] - ratio_before * d1[i]))
-        unexplained = max(unexplained, without)
+        creep = creep * cycles if creep > noise else 0.0
     rest = 1.0 - contraction
-    creep = unexplained / rest  # of a creep, the ratio explains the larger part
-    creep = creep * cycles if creeps and creep > noise else 0.0
     return State(
         max(max(abs(d0.x), noise) / rest, creep),
         max(max(abs(d0.y), noise) / rest, creep),
