@@ -90,7 +90,7 @@ def test_outcomes_are_counted_from_the_datasets(rendered, datasets):
         outcome = dataset["outcome"].values
         counted = [(outcome == each).sum() for each in ends]
         (row,) = (row for row in table if row.startswith(f"{int(name[3:])} "))
-        numbers = re.sub(r"\d+ %", "", row).split()  # without the shares
+        numbers = re.sub(r"[\d.]+ %", "", row).split()  # without the shares
         expected = [outcome.size, *counted, dataset["sensitive"].sum()]
         assert [*map(int, numbers[1 : 1 + len(expected)])] == expected
         if dataset.attrs["kind"] != "history":

@@ -106,7 +106,8 @@ def test_a_settled_motion_is_not_another_one_at_the_horizon():
 
 
 def test_time_after_a_run_has_settled_is_none_in_which_it_sticks():
-    patient = replace(SETTINGS, max_evaluations=10_000)  # one settles after more than 2,500
+    # One settles after more than 2,500 evaluations, the other after τ = 5.
+    patient = replace(SETTINGS, horizon=10.0, max_evaluations=10_000)
     for number in SETTLES_STICKING:
         runs = align(draw(OTHER_SEED, number, 1), patient)
         assert runs.outcome[0] == Outcome.SETTLED
