@@ -16,6 +16,7 @@ the workspace ``w`` holds one number a run, that of lane i at ``w[r * LANES + i]
 from math import isfinite, nan
 from typing import NamedTuple
 
+from model.engines.batch.series import CONSISTENT
 from model.engines.batch.series_plan import WIDTH
 from model.engines.course import start
 from model.engines.record import CONSTANTS, constants_in
@@ -66,17 +67,16 @@ _keep_in_lane = writer(State, "w, row, i", "w[(row + {}) * LANES + i]".format, L
 
 
 def _layout(name, printed):
-    """Return how lanes hold the constants; if not ``printed``, readings are consistent."""
+    """Return how lanes hold the constants: with the readings, or none ``printed``."""
 
     def place(n):
-        known = not printed and Constants._fields[n].startswith("printed_")
-        return "0.0" if known else f"w[{n} * LANES + i]"
+        return f"w[{n} * LANES + i]" if printed or n in CONSISTENT else "0.0"
 
     constants = reader(Constants, "w, i", place, LANES=LANES)
     return KernelSet(name, {"constants": constants}, {__file__})
 
 
-CONSISTENT, PRINTED = _layout("consistent", False), _layout("printed", True)
+NONE_PRINTED, ANY_READINGS = _layout("none-printed", False), _layout("any-readings", True)
 
 
 class Passage(NamedTuple):
@@ -242,7 +242,7 @@ def _stage(layout, weight, share, fraction, w):
     """Enter the rates of a stage, which takes those of the stage before only.
 
     Args:
-        layout: ``CONSISTENT`` or ``PRINTED``.
+        layout: ``NONE_PRINTED`` or ``ANY_READINGS``.
         weight: of the rates of the stage before in the slope to this one.
         share: of the rates of the stage before in the slope of the whole step.
         fraction: place of the stage in the step.
@@ -382,7 +382,7 @@ def run_with_fixed_steps(rows, layout, symplectic, h, method, horizon, max_evalu
 
     Args:
         rows: constants of the runs.
-        layout: ``CONSISTENT``, or ``PRINTED`` where a reading is printed.
+        layout: ``ANY_READINGS``, or the faster ``NONE_PRINTED`` where no reading is printed.
         symplectic: steps of the semi-implicit Euler method instead of ``method``.
         h: length of a step.
         method: ``Method`` whose last stage is the step's end, each of whose stages takes the rates

@@ -15,9 +15,9 @@ from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from verification.without_location.engine import (
-    CONSISTENT,
+    ANY_READINGS,
+    NONE_PRINTED,
     PASSAGE_SIZE,
-    PRINTED,
     ROWS,
     outside_of,
     run_with_adaptive_steps,
@@ -84,7 +84,8 @@ def align(
             np.empty(STATE_SIZE), np.empty((method.stages + 1, STATE_SIZE)),
         )  # fmt: skip
     else:
-        layout = CONSISTENT if readings in (None, Readings()) else PRINTED
+        none_printed = readings in (None, Readings.consistent())
+        layout = NONE_PRINTED if none_printed else ANY_READINGS
         run_with_fixed_steps(
             rows, layout, scheme == "semi_implicit_euler", float(resolution), RK4.method,
             float(horizon), int(max_evaluations), out, new_workspace(ROWS),
