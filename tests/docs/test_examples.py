@@ -13,7 +13,7 @@ REPOSITORY = Path(__file__).parents[2]
 PAGES = [
     path
     for path in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").rglob("*.md")]
-    if "decisions" not in path.parts
+    if "decisions" not in path.relative_to(REPOSITORY).parts
 ]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 COMMAND = re.compile(
