@@ -6,10 +6,10 @@ the peers' own statement of the equations (equations.py) with event location; Mu
 bodies, joints and a soft contact, no equations at all. The independent solution in
 ``verification.independent`` covers the whole scene: ``make accuracy``, in the slot ``slot.py``.
 
-Errors are estimated from a second run, and an estimate is now and then too small (decision 3): the
-rule of ``make accuracy`` judges it here as well. A set beyond its estimate is run again at a
-hundredth of the tolerance. Only if the package then agrees with heyoka was it the estimate; else
-the two solve different problems, and one such set is one too many.
+An error estimate is now and then too small (decision 3): the rule of ``make accuracy`` judges it
+here as well. A set beyond its estimate is run again at a hundredth of the tolerance. Only if the
+package then agrees with heyoka was it the estimate; else the two solve different problems, and one
+such set is one too many.
 """
 
 import argparse

@@ -40,8 +40,8 @@ LEAVING = {
     Reason.OVERTURNED: ("overturned",),
 }
 _UNBOUNDED = 2_000_000_000  # evaluations: a trial is stopped by its horizon only
-# Wanted of the difference of two runs as an estimate of one's error (decision 3): rarely too small,
-# hardly ever by a factor of ten, and not because it is large.
+# Wanted of an error estimate (decision 3): rarely too small, hardly ever by a factor of ten, and
+# not because it is large.
 _COVERED, _NEARLY_COVERED, _TOO_LARGE = 0.95, 0.999, 30.0
 # Largest further motion of a settled run: a difference of 1e-3 that contracts by 0.98 a period.
 FARTHEST = 0.05

@@ -36,9 +36,9 @@ ALSO_WRONG = 50385  # of another seed: what aligns lasts for a part in 10⁸ of 
 SETTLES_STICKING = (62, 21603)  # of that seed, inside of a step
 # So were these; a tilt of 1e-7 decides them, and nothing is sure.
 NEARLY_FLAT = (137368, 147806, 634297, 689932, 734897, 814978, 875933, 1027689)
-# Of the insertion scene, in the order of decision 32: batch engine wrong, inserted as it falls in,
-# reference engine wrong, and settled in one engine only; an edge's return not seen, errors that
-# grow where a neighbour decides, and a jam by chance.
+# Of the insertion scene; docs/measurements.md lists the causes. Carried error too small, inserted
+# as the part falls in, sensitive, missed by the reference engine, settled in one engine only; an
+# edge's return not seen, sensitive where a neighbour decides, and jammed by chance.
 ONCE_WRONG_IN_SLOT = (
     24813, 51099, 72020, 35053, 50366, 99830, 8382, 16213, 17103, 38056, 80389,
     18624, 29640, 30541, 58259, 85461, 90745, 59380,
