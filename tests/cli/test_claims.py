@@ -9,7 +9,6 @@ from model.cli import main as cli
 from model.study.claims import CLAIMS
 from model.study.claims.regime import Regime
 from model.study.datasets import write_dataset
-from model.study.identification.regimes import Row, regimes_text
 from tests.study.claims_data import Course, curves, falling
 
 
@@ -61,20 +60,20 @@ def test_a_damaged_dataset_is_named(tmp_path: Path, capsys) -> None:
     assert "fig06.nc: cannot be read as netCDF" in capsys.readouterr().err
 
 
-def test_the_regime_is_a_line_for_every_figure_of_every_device(tmp_path: Path, capsys) -> None:
-    rows = [
-        Row("former", "fig06", Regime(0.7, 0.1, 0.65, 0.3, 0.5, 0.94, 1.0)),
-        Row("present", "fig06", Regime(0.3, 0.0, 0.05, 0.1, 0.2, 1.0, 0.5)),
-    ]
-    (tmp_path / "data").mkdir()
-    (tmp_path / "data/regimes.csv").write_text(regimes_text(rows))
-    assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.DONE
-    head, former, present = capsys.readouterr().out.splitlines()
-    assert head.split() == ["device", "figure", *Regime._fields]
-    assert former.split()[:4] == ["former", "fig06", "0.7", "0.1"]
-    assert present.split()[:4] == ["present", "fig06", "0.3", "0"]
-    assert cli.main(["claims", "--root", str(tmp_path), "--regime", "--json"]) == cli.DONE
+def test_the_regime_is_a_line_for_every_figure(root: Path, tmp_path: Path, capsys) -> None:
+    assert cli.main(["claims", "--root", str(root), "--regime"]) == cli.DONE
+    head, fig05, fig06 = capsys.readouterr().out.splitlines()
+    assert head.split() == ["figure", *Regime._fields]
+    assert fig05.split()[0] == "fig05"
+    assert fig06.split() == ["fig06", "1", "0", "0", "0.1", "0.1", "1", "0"]
+    assert cli.main(["claims", "--root", str(root), "--regime", "--json"]) == cli.DONE
     assert json.loads(capsys.readouterr().out)[1]["tilt"] == 0.1
-    (tmp_path / "data/regimes.csv").unlink()
     assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.REFUSED
-    assert "regimes.csv" in capsys.readouterr().err
+    assert "holds no datasets" in capsys.readouterr().err
+
+
+def test_the_regime_of_a_dataset_without_unvibrated_runs_is_refused(tmp_path, capsys) -> None:
+    dataset = curves("fig06", falling)["fig06"].drop_vars("unvibrated").assign_attrs(sweep="0")
+    write_dataset(dataset, tmp_path / "data/fig06.nc")
+    assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.REFUSED
+    assert "fig06: the dataset has no unvibrated" in capsys.readouterr().err

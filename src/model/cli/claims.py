@@ -1,12 +1,16 @@
 """``vibralign claims``: statements of the paper, judged by the data on disk."""
 
 import argparse
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from model.cli.arguments import add_command, add_json, add_root
 from model.cli.tables import print_json, table
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def add(commands: Any) -> None:
@@ -24,7 +28,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--regime",
         action="store_true",
-        help="print instead, by figure, the regime of the study's device and of its former one: "
+        help="print instead, by figure, the regime of the study's device, by the data on disk: "
         "the share of the points that align on the curve where it is least; of all that align the "
         "share that aligns, or does not rest, without vibration, the tilt at alignment, corner "
         "conditions and lift-offs",
@@ -39,15 +43,18 @@ def _claims(arguments: argparse.Namespace) -> int:
     from model.tracking.comparison import open_dataset  # noqa: PLC0415
 
     data: Path = arguments.root / "data"
-    if arguments.regime:
-        return _regime(data / "regimes.csv", arguments.json)
-    found = [*sorted(data.glob("fig*.nc")), *sorted((data / "claims").glob("*.nc"))]
+    found = sorted(data.glob("fig*.nc"))
+    if not arguments.regime:
+        found += sorted((data / "claims").glob("*.nc"))
     if not found:
         raise ValueError(
             f"--root {arguments.root}: holds no datasets of the study; build it (make), or name "
             "its results root"
         )
-    lines = lines_of(judge({path.stem: open_dataset(path) for path in found}))
+    datasets = {path.stem: open_dataset(path) for path in found}
+    if arguments.regime:
+        return _regime(datasets, arguments.json)
+    lines = lines_of(judge(datasets))
     if arguments.json:
         print_json([asdict(line) for line in lines])
         return 0
@@ -67,14 +74,18 @@ def _claims(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _regime(path: Path, as_json: bool) -> int:
-    from model.study.identification.regimes import read_regimes  # noqa: PLC0415
+def _regime(datasets: "Mapping[str, xr.Dataset]", as_json: bool) -> int:
+    from model.study.claims.reading import Data, MissingDataError  # noqa: PLC0415
+    from model.study.claims.regime import regime_of  # noqa: PLC0415
 
-    rows = [
-        {"device": row.device, "figure": row.figure}
-        | {name: round(value, 3) for name, value in row.regime._asdict().items()}
-        for row in read_regimes(path)
-    ]
+    data, rows = Data(datasets), []
+    for figure in datasets:
+        try:
+            regime = regime_of(data, figure)
+        except MissingDataError as missing:
+            raise ValueError(f"{figure}: {missing}; build it again (make)") from None
+        numbers = {name: round(value, 3) for name, value in regime._asdict().items()}
+        rows.append({"figure": figure, **numbers})
     if as_json:
         print_json(rows)
     else:
