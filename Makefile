@@ -4,7 +4,6 @@
 # make test       the environment, every check and every test
 # make maps       the stability maps that the paper does not have, into results/figures/maps
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
-# make identification  what the paper leaves unstated, searched for anew: an hour or two; the result is committed
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, of
 #                 which what is there already is not tried again; SCENE=insertion for devices that fall in
 # make yields     yields of two devices against a million devices each; DEVICES=100000 for fewer
@@ -52,7 +51,7 @@ cores_of_study := -c$(CORES)
 endif
 unexport PYTHONHOME PYTHONPATH
 
-.PHONY: all smoke maps accuracy identification fuzz
+.PHONY: all smoke maps accuracy fuzz
 .PHONY: test lint types floors workflow unit environment python lock schema
 .PHONY: yields truth bench bench-study nightly same-bytes browser-test script-types export-test slurm-test efficiency docs
 .PHONY: clean distclean
@@ -81,9 +80,6 @@ maps: $(study_environment)
 
 accuracy: $(study_environment)
 	$(call run_study,accuracy)
-
-identification: $(study_environment)
-	$(call run_study,identification)
 
 DEVICES ?= 1000000
 yields: environment

@@ -9,7 +9,6 @@ import pytest
 from model import Batch, Parameters, Readings, Scene, Settings, align, simulate
 from model.study.csv_tables import TableError
 from model.study.datasets import DatasetError, read_dataset
-from model.study.identification.band_table import read_bands
 from verification import without_location
 from verification.accuracy import read_tables
 from verification.fuzz import try_sets
@@ -140,7 +139,7 @@ def test_a_dataset(tmp_path, make_dataset, make):
     assert "build it again" in str(refusal.value)
 
 
-TABLES = {"hard cases": read_judged, "timings": read_timings, "bands": read_bands}
+TABLES = {"hard cases": read_judged, "timings": read_timings}
 
 
 @pytest.mark.parametrize("read", TABLES.values(), ids=list(TABLES))

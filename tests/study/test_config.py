@@ -281,7 +281,7 @@ def test_smoke_changes_only_sizes() -> None:
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     assert set(smoke) == {
         "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
-        "contact_stiffness", "identification", "hard_cases", "jamming",
+        "contact_stiffness", "hard_cases", "jamming",
     }  # fmt: skip
     assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble", "trials"}
     assert all(

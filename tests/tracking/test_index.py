@@ -124,7 +124,7 @@ def test_the_sidecars_of_every_rule_are_looked_for() -> None:
     written = " ".join(path.read_text(encoding="utf-8") for path in rules)
     # A sidecar is beside the first output of its job.
     folders = set(re.findall(r'root\s*/\s*f?"(\w+)[/"]', written)) - {"logs"}
-    assert "identification" in folders
+    assert "accuracy" in folders
     assert folders <= set(records._FOLDERS)
 
 

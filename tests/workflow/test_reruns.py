@@ -27,24 +27,22 @@ COMPUTED = {
     "chunk", "history", "merge", "other_start", "precision", "fixed_steps", *MAPPED, *OWN_RUNS,
     *ON_BASES, *JAMMING, "hard_cases", *DRAWN, *BESIDE, *HARD, "explorer",
 }  # fmt: skip
-BANDED = {"identified_bands", "draw_bands", "regimes"}  # of the sets that were identified
-TABLED = {"draw_identification", "draw_bands"}  # what is drawn of the committed tables
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
-EVERYTHING = {*KERNELS, "schematic", *COMPUTED, *BANDED, *TABLED}
+EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
 
 # (file, what stands there, what a mutation puts there, the rules that must run again)
 MUTATIONS = [
     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
-     {*KERNELS, *COMPUTED, *BANDED, *TABLED}),
+     {*KERNELS, *COMPUTED}),
     ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5',
-     {*COMPUTED, *BANDED}),
+     COMPUTED),
     ("src/model/show/areas.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
      {"plot", "draw_vibration", *LAST}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
      {"schematic", "plot", "draw_vibration", "draw_claims", "draw_contact", "draw_jamming", *LAST,
-      *BESIDE, *HARD, *TABLED}),
+      *BESIDE, *HARD}),
     ("src/model/show/schematics/sheet.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),
@@ -55,15 +53,15 @@ MUTATIONS = [
     ("verification/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/cli/main.py", "import ", "import math as _unused\nimport ", set()),
     ("workflow/jobs/merge.py", "import ", "import math as _unused\nimport ",
-     {"merge", *FIXED, *DRAWN, "draw_bands", "explorer"}),
+     {"merge", *FIXED, *DRAWN, "explorer"}),
     ("src/model/study/maps.py", "PERIODS = 0.4", "PERIODS = 0.5",
      {*MAPPED, "plot", "explorer", *LAST}),
     ("workflow/jobs/plot.py", "import ", "import math as _unused\nimport ",
      {"plot", *LAST}),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7",
-     {"regimes", *JUDGED}),
+     JUDGED),
     ("src/model/study/claims/runs.py", "_STATIC = 1.0", "_STATIC = 2.0",
-     {*OWN_RUNS, *JUDGED, *BANDED}),
+     {*OWN_RUNS, *JUDGED}),
     ("src/model/show/report/claims.html.j2", "Thresholds", "on trial", LAST),
     ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
 ]  # fmt: skip
@@ -122,7 +120,7 @@ def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[s
     project.configure(tiny)
     planned = project.planned()
     # Maps mark where other figures stand: they are assembled anew, and not computed.
-    marked = {"map", "draw_vibration", "plot", "draw_bands", "explorer", "regimes", *JUDGED}
+    marked = {"map", "draw_vibration", "plot", "explorer", *JUDGED}
     assert rules(planned) == {"chunk", "merge", "other_start", *marked}
     assert all("fig11" in output or rule in marked for rule, output in planned)
 
@@ -131,8 +129,8 @@ def test_a_caption_computes_nothing(project: Any, tiny: dict[str, Any]) -> None:
     tiny["figures"]["fig11"]["title"] = "Another title"
     project.configure(tiny)
     planned = project.planned()
-    assert rules(planned) == {"merge", "draw_bands", "explorer", *DRAWN}
-    of_all = {"draw_bands", "explorer", *JUDGED}
+    assert rules(planned) == {"merge", "explorer", *DRAWN}
+    of_all = {"explorer", *JUDGED}
     assert all("fig11" in output or rule in of_all for rule, output in planned)
 
 
@@ -152,7 +150,7 @@ def test_a_setting_of_all_figures_computes_everything(project: Any, tiny: dict[s
     tiny["settings"] = {"tolerance": 1e-9}
     project.configure(tiny)
     # The figures on other bases have a tolerance of their own.
-    assert rules(project.planned()) == {"draw_bands", *COMPUTED} - ON_BASES
+    assert rules(project.planned()) == COMPUTED - ON_BASES
 
 
 def test_a_run_of_the_ledger_runs_the_ledger_only(project: Any, tiny: dict[str, Any]) -> None:

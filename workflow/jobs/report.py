@@ -9,15 +9,15 @@ from model.tracking.provenance import write_text
 from verification.report import SECTIONS
 
 
-def run(study: Study, root: Path, files: list[Path], tables: list[Path], page: Path) -> None:
-    """Write the page from ``files`` below ``root`` and the tables of the identification.
+def run(study: Study, root: Path, files: list[Path], page: Path) -> None:
+    """Write the page from ``files`` below ``root``.
 
     Raises:
         ValueError: a section reads a file that the rule does not state.
     """
-    results = Results(root, study, tables, live=True)
+    results = Results(root, study, live=True)
     text = render_report(results, SECTIONS)
-    unstated = set(results.inputs) - {*files, *tables}
+    unstated = set(results.inputs) - {*files}
     if unstated:
         raise ValueError(f"not an input of the rule: {', '.join(map(str, sorted(unstated)))}")
     write_text(text, page)

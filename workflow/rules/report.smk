@@ -5,7 +5,6 @@ page_pictures = [
     *(root / place for place in (*PICTURES.values(), *HARD_PICTURES.values())),
     *(root / f"figures/{name}" for name in ("claims", "contact_stiffness", "jamming")),
     *(root / f"figures/maps/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
-    *identified_pictures,
 ]
 page_data = [
     *expand(root / "data/{figure}.nc", figure=COMPUTED),
@@ -16,7 +15,6 @@ page_data = [
     *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
     root / "data/jamming.nc",
     root / "claims.csv",
-    root / "data/regimes.csv",
 ]
 page_files = [*page_data, *(pictures(place) for place in page_pictures)]
 
@@ -49,7 +47,6 @@ job(
     dict(
         after=[root / "explorer.html", *(pictures(place)[1:] for place in page_pictures)],
         files=[*page_data, *(f"{place}.png" for place in page_pictures)],
-        tables=identified_tables,
     ),
     dict(study=study, root=str(root)),
     message="rendering the report",

@@ -26,14 +26,14 @@ from model.tracking.provenance import file_hash
 
 Record = dict[str, Any]
 
-_FOLDERS = ("data", "figures", "benchmarks", "accuracy", "identification")
+_FOLDERS = ("data", "figures", "benchmarks", "accuracy")
 _PLACES = ("", *(f"{folder}/**/" for folder in _FOLDERS))  # of sidecars
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
 _FULL = 1_000_000  # bytes: less than this is a full disk
 # Without sidecars: these write the index, and print.
-_NO_RUNS = {"index", "accuracy", "identification", "fuzz"}
+_NO_RUNS = {"index", "accuracy", "fuzz"}
 # Rules whose outputs are parts of others, and rules of whose results copies are kept.
-PARTS = frozenset({"chunk", "trial", "fuzz_part", "map_part", "identify_sample"})
+PARTS = frozenset({"chunk", "trial", "fuzz_part", "map_part"})
 KEPT = frozenset({"merge", "history", "claims"})
 
 

@@ -9,13 +9,10 @@ import numpy as np
 
 from model.events.outcomes import OUTCOME_TEXT, Outcome
 from model.show.report.figures import HEAD, Counts, article, counts_of
-from model.show.report.identification import in_brief
 from model.show.report.section import Results, Section
 from model.show.words import figure_title, percent, short
 from model.study.claims.table import Line, read_ledger
 from model.study.config import HISTORIES
-from model.study.identification.committed import read_identified
-from model.study.identification.regimes import read_regimes
 
 _CONCLUSION = re.compile(r"concl\. (\d+)")
 
@@ -43,19 +40,9 @@ def section(results: Results) -> Section:
     )
     content = {
         "findings": [each for each in findings if each is not None],
-        "device": _device(results),
         "article": article(results, HEAD),
     }
     return Section("answer", "The answer", Path(__file__).with_suffix(".html.j2"), content)
-
-
-def _device(results: Results) -> str:
-    """Return how the device was chosen; nothing without its identification."""
-    if not results.tables:
-        return ""
-    found = read_identified(results.tables[0].parent)
-    rows = read_regimes(results.file("data/regimes.csv"))
-    return in_brief(found, rows, results.study.identification.aims)
 
 
 def _aligned(counts: Mapping[str, Counts]) -> Finding:

@@ -12,7 +12,6 @@ from model.show.report import (
     claims,
     contact_stiffness,
     figures,
-    identification,
     jamming,
     vibration,
 )
@@ -31,7 +30,6 @@ FINDINGS: tuple[Make, ...] = (
     claims.section,
     contact_stiffness.section,
     jamming.section,
-    identification.section,
 )
 BACKGROUND: tuple[Make, ...] = (background.device, background.equations, background.provenance)
 _FOLDER = Path(__file__).parent

@@ -78,7 +78,6 @@ class Results:
     Args:
         root: the results root.
         study: the configuration that the results were computed with.
-        tables: committed tables of the identification; none where it is not part of the study.
         live: True if explorer.html stands beside the page.
 
     Attributes:
@@ -86,12 +85,10 @@ class Results:
         inputs: every file taken so far.
     """
 
-    def __init__(
-        self, root: Path, study: Study, tables: Sequence[Path] = (), *, live: bool = False
-    ) -> None:
-        self.root, self.study, self.tables, self.live = root, study, tables, live
+    def __init__(self, root: Path, study: Study, *, live: bool = False) -> None:
+        self.root, self.study, self.live = root, study, live
         self.data: dict[str, Path] = {}
-        self.inputs: list[Path] = list(tables)
+        self.inputs: list[Path] = []
         self._datasets: dict[str, xr.Dataset] = {}
 
     def file(self, place: str) -> Path:

@@ -3,7 +3,6 @@
 Numbers that are also claims come from the claims, so that both say the same.
 """
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -58,37 +57,4 @@ def regime_of(data: Data, figure: str) -> Regime:
         tilt_largest=float(np.nanmax(tilts)) if points.aligned.any() else NAN,
         corners=number("C8c"),
         lift_offs=1.0 - number("N1"),
-    )
-
-
-class Summary(NamedTuple):
-    """The regime of several figures in a few numbers; figures that never align count as worst.
-
-    Attributes:
-        not_resting: mean over the figures.
-        not_resting_most: of the worst figure.
-        tilt: median tilt at alignment of the worst figure in radians.
-        corners: share of the worst figure.
-        aligned: least share of all points that align, over figures and curves.
-    """
-
-    not_resting: float
-    not_resting_most: float
-    tilt: float
-    corners: float
-    aligned: float
-
-
-def summary_of(regimes: Iterable[Regime]) -> Summary:
-    """Return the regime of several figures together."""
-    numbers = np.array(list(regimes))
-    worst = Regime(0.0, 1.0, 1.0, np.pi / 2, np.pi / 2, 0.0, 1.0)
-    numbers = np.where(np.isnan(numbers), worst, numbers)
-    each = Regime(*numbers.T)
-    return Summary(
-        not_resting=float(np.mean(each.not_resting)),
-        not_resting_most=float(np.max(each.not_resting)),
-        tilt=float(np.max(each.tilt)),
-        corners=float(np.min(each.corners)),
-        aligned=float(np.min(each.aligned)),
     )

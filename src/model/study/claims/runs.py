@@ -30,7 +30,6 @@ COURSE_VARIABLES: dict[str, dict[str, Any]] = {
     "excursion": {"long_name": "largest distance of x from its start until alignment"},
     "side_force_max": {"long_name": "largest force of A2 on the side face until alignment"},
 }
-COURSED = ("centred", "pressed", "misaligned", "displaced")  # runs whose claims ask for these
 _STATIC = 1.0  # time over which the end is averaged where nothing is excited
 
 

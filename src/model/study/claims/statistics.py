@@ -1,7 +1,7 @@
 """Statistics of point sets by which claims are measured; NaN is an unknown value.
 
 ``scipy.stats`` has no rank correlation with a resolution, and its NaN-aware quantiles cost ten
-times these on the few dozen points of a curve; the identification takes a million of them.
+times these on the few dozen points of a curve.
 """
 
 from collections.abc import Sequence

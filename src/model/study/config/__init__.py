@@ -21,14 +21,6 @@ from model.study.config.figures import (
     History,
     Map,
 )
-from model.study.config.identification import (
-    Aims,
-    Descent,
-    Evolution,
-    Identification,
-    Pool,
-    SearchLaw,
-)
 from model.study.config.load import (
     baseline,
     check_study,
@@ -42,8 +34,7 @@ from model.study.config.study import RunSettings, Study
 
 __all__ = [
     "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "LARGEST_MISALIGNMENT", "MAPS",
-    "SCHEMATICS", "Aims", "Axis", "ClaimRun", "ConfigError", "Curves", "Descent", "Ensemble",
-    "Evolution", "Family", "HardCase", "HardCases", "History", "Identification", "Ladder", "Map",
-    "Pool", "Range", "RunSettings", "SearchLaw", "Span", "Study", "baseline", "check_plane",
-    "check_study", "load_study", "read_study", "study_files", "study_path",
+    "SCHEMATICS", "Axis", "ClaimRun", "ConfigError", "Curves", "Ensemble", "Family", "HardCase",
+    "HardCases", "History", "Ladder", "Map", "Range", "RunSettings", "Span", "Study", "baseline",
+    "check_plane", "check_study", "load_study", "read_study", "study_files", "study_path",
 ]  # fmt: skip

@@ -22,7 +22,6 @@ from model.study.config.figures import (
     Maps,
     Plane,
 )
-from model.study.config.identification import Identification
 from model.study.config.jamming import Jamming
 from model.study.config.methods import HardCases, Precision
 
@@ -99,8 +98,6 @@ class Study(Strict):
     """Trials of the integrator's accuracy on random sets."""
     precision: Precision
     """Comparison of the methods' cost against their error."""
-    identification: Identification
-    """Identification of the parameters that the paper leaves unstated."""
     hard_cases: HardCases
     """Comparison of the methods on cases that are hard to integrate."""
     claims_runs: dict[str, ClaimRun]
@@ -121,8 +118,6 @@ class Study(Strict):
         missing = [name for name in FIGURES if name not in self.figures]
         if missing:
             raise ValueError(f"figures: missing {', '.join(missing)}")
-        for name in self.identification.law.run_counts:
-            check_name(name, tuple(self.claims_runs), "run of the claims")
         twice = sorted(set(self.structure) & set(self.operating_point))
         if twice:
             raise ValueError(f"{', '.join(twice)}: stated in both structure and operating_point")
