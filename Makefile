@@ -18,7 +18,6 @@
 # make efficiency  what the overhead of a cluster costs, simulated: docs/efficiency.png
 # make browser-test  the explorer in a headless Chromium and Firefox; `make script-types` checks its
 #                 scripts' types
-# make export-test  the tests of `vibralign export`, with MLflow and a validator of RO-Crates
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make schema     the JSON schemas of config/ anew, which editors complete and check its files by
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
@@ -53,7 +52,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy fuzz
 .PHONY: test lint types floors workflow unit environment python lock schema
-.PHONY: yields truth bench bench-study nightly same-bytes browser-test script-types export-test slurm-test efficiency docs
+.PHONY: yields truth bench bench-study nightly same-bytes browser-test script-types slurm-test efficiency docs
 .PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -128,9 +127,6 @@ script-types:
 	npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
 		--lib es2022,dom,dom.iterable src/model/show/explorer/*.js
 
-export-test: environment-export
-	PATH="$(CURDIR)/.venv-export/bin:$$PATH" pytest tests/tracking/test_export.py
-
 # Of the jobs of a full build in results/; see docs/efficiency.md.
 efficiency: environment
 	$(in_env) python -m verification.cluster_efficiency
@@ -177,7 +173,7 @@ truth: environment-bench
 TAG := $(shell $(PYTHON) -c 'import sys; print("%d.%d.%d" % sys.version_info[:3])' 2>/dev/null)
 
 # One make at a time; the one that waited finds the environment complete. What only one command needs
-# and is heavy has an environment of its own beside it: .venv-export from requirements-export.lock.
+# and is heavy has an environment of its own beside it: .venv-docs from requirements-docs.lock.
 environment: python
 	@$(call hold,wait,.make-environment.lock) \
 		$(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
@@ -238,7 +234,6 @@ lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
 	$(call pin,requirements.lock,--extra plot --extra study --extra dev)
-	$(call pin,requirements-export.lock,--extra export --extra study --extra dev)
 	$(call pin,requirements-slurm.lock,--extra slurm --extra plot --extra study --extra dev \
 		--constraints requirements.lock)
 	$(call pin,requirements-docs.lock,--extra docs --constraints requirements.lock)

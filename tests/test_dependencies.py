@@ -21,7 +21,7 @@ STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package
     **dict.fromkeys(("physics", "events", "engines", "runs"), ()),
     "study": STUDY,
-    "tracking": [*STUDY, "export"],
+    "tracking": STUDY,
     "show": STUDY,
     "cli": STUDY,
 }

@@ -50,8 +50,8 @@ LINES = [
     (["accept", "--root", "ROOT", "--reason", "so"], ["--figure"]),
     (["accept", "--root", "ROOT", "--reason", "so", "--figure", "6"], ["reason", "words"]),
     (["accept", "--root", "ROOT", "--reason", "", "--figure", "6"], ["reason"]),
-    (["export", "mlflow", "--root", "ROOT", "ROOT/out.db"], ["ROOT"]),
-    (["export", "zip", "ROOT/out.zip"], ["zip", "mlflow"]),
+    (["export", "mlflow", "--root", "ROOT", "--tracking-uri", "sqlite:///ROOT/out.db"], ["ROOT"]),
+    (["export", "zip", "--tracking-uri", "ROOT/out.zip"], ["zip", "mlflow"]),
 ]
 
 

@@ -1,13 +1,10 @@
-"""``vibralign export``: write an invocation of the study for other tools."""
+"""``vibralign export``: write an invocation of the study for another tool."""
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from model.cli.arguments import add_command, add_root
 from model.tracking.history import find_invocation, load_history
-
-TOOLS = ("mlflow", "ro-crate")
 
 
 def add(commands: Any) -> None:
@@ -16,28 +13,21 @@ def add(commands: Any) -> None:
         commands,
         "export",
         _export,
-        "write an invocation of the study as an MLflow run or a Workflow Run RO-Crate",
+        "write an invocation of the study as an MLflow run",
         ". Needs the extra: pip install 'vibralign[export]'.",
     )
-    parser.add_argument("tool", choices=TOOLS)
-    parser.add_argument(
-        "target", type=Path, help="mlflow: the SQLite file, new or not; ro-crate: a new folder"
-    )
+    parser.add_argument("tool", choices=("mlflow",))
+    words = "an MLflow server, or sqlite:///FILE, which may be new"
+    parser.add_argument("--tracking-uri", required=True, metavar="URI", help=words)
     words = "the beginning of an invocation's name, or last (default: last)"
     parser.add_argument("--invocation", default="last", metavar="NAME", help=words)
     add_root(parser, "results root that it belongs to")
-    words = "checkout that holds the Snakefile, for ro-crate (default: this folder)"
-    parser.add_argument("--project", type=Path, default=Path(), metavar="DIR", help=words)
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from model.tracking.export import to_mlflow, to_rocrate  # noqa: PLC0415  (seldom needed)
+    from model.tracking.export import to_mlflow  # noqa: PLC0415  (seldom needed)
 
     record = find_invocation(load_history(arguments.root), arguments.invocation)
-    if arguments.tool == "mlflow":
-        run = to_mlflow(record, arguments.root, arguments.target)
-        print(f"{arguments.target}: run {run} of experiment vibralign")
-    else:
-        to_rocrate(record, arguments.root, arguments.project, arguments.target)
-        print(f"{arguments.target}: Workflow Run RO-Crate of {record['invocation']}")
+    run = to_mlflow(record, arguments.root, arguments.tracking_uri)
+    print(f"{arguments.tracking_uri}: run {run} of experiment vibralign")
     return 0

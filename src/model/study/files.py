@@ -1,7 +1,6 @@
-"""Write files and folders that appear whole or not at all."""
+"""Write files that appear whole or not at all."""
 
 import contextlib
-import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -27,18 +26,4 @@ def whole_file(target: Path) -> Iterator[Path]:
         part.replace(target)
     except BaseException:
         part.unlink(missing_ok=True)
-        raise
-
-
-@contextlib.contextmanager
-def whole_folder(target: Path) -> Iterator[Path]:
-    """Yield a folder that becomes ``target``, which must not exist, when the block ends."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    part = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}-", suffix=".part"))
-    try:
-        yield part
-        part.chmod(0o755)
-        part.rename(target)
-    except BaseException:
-        shutil.rmtree(part, ignore_errors=True)
         raise
