@@ -19,7 +19,6 @@
 # make browser-test  the explorer in a headless Chromium and Firefox; `make script-types` checks its
 #                 scripts' types
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
-# make schema     the JSON schemas of config/ anew, which editors complete and check its files by
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
 #
@@ -51,7 +50,7 @@ endif
 unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy fuzz
-.PHONY: test lint types floors workflow unit environment python lock schema
+.PHONY: test lint types floors workflow unit environment python lock
 .PHONY: yields truth bench bench-study nightly same-bytes browser-test script-types slurm-test efficiency docs
 .PHONY: clean distclean
 
@@ -226,10 +225,6 @@ python:
 # The extras and the build backend, with the hashes of all platforms, valid for Python 3.11 and newer;
 # the peers of `make bench` at the study's versions of what is common. `fewest` keeps to one version of
 # a package where newer Pythons would allow another.
-# The JSON schemas of config/, made from the models that check it.
-schema: environment
-	$(in_env) python -m model.study.config.schema config/schema
-
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)

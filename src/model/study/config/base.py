@@ -1,14 +1,13 @@
 """Parts of every section: strict models, names and values of parameters, ranges."""
 
 import itertools
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, WithJsonSchema, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from model.physics.parameters import PARAMETER_NAMES, check_name
 
 Value = TypeVar("Value")
-PARAMETER_NAME = {"type": "string", "enum": list(PARAMETER_NAMES)}
 
 
 class ConfigError(ValueError):
@@ -75,19 +74,12 @@ class Strict(BaseModel):
         frozen=True,
         strict=True,
         allow_inf_nan=False,
-        use_attribute_docstrings=True,  # as the descriptions of the schemas and the documentation
+        use_attribute_docstrings=True,  # as the descriptions of the reference page
     )
 
 
-def _by_parameter(value: dict[str, Any]) -> WithJsonSchema:
-    schema = {"type": "object", "propertyNames": PARAMETER_NAME, "additionalProperties": value}
-    return WithJsonSchema(schema)
-
-
-ParameterName = Annotated[str, AfterValidator(parameter_name), WithJsonSchema(PARAMETER_NAME)]
-ParameterValues = Annotated[
-    dict[str, float], AfterValidator(parameter_names), _by_parameter({"type": "number"})
-]
+ParameterName = Annotated[str, AfterValidator(parameter_name)]
+ParameterValues = Annotated[dict[str, float], AfterValidator(parameter_names)]
 Tolerance = Annotated[float, Field(ge=1e-14, le=1e-2)]
 Text = Annotated[str, Field(min_length=1)]
 
