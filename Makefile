@@ -113,7 +113,6 @@ floors: environment
 
 workflow: environment
 	$(call check,snakefmt --check Snakefile workflow)
-	$(call check,snakemake --lint)
 
 unit: environment
 	$(call check,pytest --numprocesses $(CORES) --dist loadgroup --no-loadscope-reorder)

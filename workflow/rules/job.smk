@@ -111,8 +111,6 @@ def job(
             **wildcards,
         priority: priority
         localrule: local
-        conda:
-            "../envs/study.yaml"
         threads: 1
         resources:
             runtime=lambda wildcards, attempt: minutes * 2 ** (attempt - 1),
@@ -141,8 +139,6 @@ def printed(name, text, message, must_end=""):
         log:
             root / f"logs/{name}.log",
         localrule: True
-        conda:
-            "../envs/study.yaml"
         params:
             must_end=must_end,
         message:
