@@ -12,12 +12,12 @@
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
 # make bench-study  the whole study from an empty cache against its graph with empty jobs
-# make nightly    the tests that take long: 50 kills, full disks, the whole study twice, mutations
-# make same-bytes  the smoke study in two folders, at one and at two cores; STUDY=full the whole one
+# make nightly    the tests that take long: 50 kills, full disks, mutations, the smoke study in two
+#                 folders, at one and at two cores, STUDY=full the whole one; the types of the
+#                 explorer's scripts
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
 # make efficiency  what the overhead of a cluster costs, simulated: docs/efficiency.png
-# make browser-test  the explorer in a headless Chromium and Firefox; `make script-types` checks its
-#                 scripts' types
+# make browser-test  the explorer in a headless Chromium and Firefox
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      everything generated, results included; `make distclean` the environment as well
@@ -39,19 +39,14 @@ SHELL := /bin/sh
 # The tools of the environment, and nothing from the caller's Python. Set for each command and not
 # for the whole file, because PYTHON is looked up outside the environment that it builds.
 in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
-ifeq ($(PROFILE),slurm)
-in_study_env := PATH="$(CURDIR)/.venv-slurm/bin:$$PATH"
-study_environment := environment-slurm
-else
-in_study_env := $(in_env)
-study_environment := environment
+ifneq ($(PROFILE),slurm)
 cores_of_study := -c$(CORES)
 endif
 unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy fuzz
-.PHONY: test lint types floors workflow unit environment python lock
-.PHONY: yields truth bench bench-study nightly same-bytes browser-test script-types slurm-test efficiency docs
+.PHONY: test lint types layers workflow unit environment environment-bench python lock
+.PHONY: yields truth bench bench-study nightly script-types browser-test slurm-test efficiency docs
 .PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -59,24 +54,24 @@ unexport PYTHONHOME PYTHONPATH
 # $(call run_study,OPTIONS AND TARGETS), under a lock of our own; see workflow/settle.py. The caller's
 # options come last: one that takes several values would take the targets for some.
 run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
-	export $(in_study_env); \
+	export $(in_env); \
 	run="snakemake $(1) --workflow-profile profiles/$(PROFILE) $(cores_of_study) $(SNAKEMAKE_FLAGS)"; \
 	python workflow/settle.py $$run; \
 	exec $$run'
 
-all: $(study_environment)
+all: environment
 	$(call run_study,)
 
-fig%: $(study_environment)
+fig%: environment
 	$(call run_study,$@)
 
-smoke: $(study_environment)
+smoke: environment
 	$(call run_study,--configfile config/smoke.yaml)
 
-maps: $(study_environment)
+maps: environment
 	$(call run_study,maps)
 
-accuracy: $(study_environment)
+accuracy: environment
 	$(call run_study,accuracy)
 
 DEVICES ?= 1000000
@@ -86,7 +81,7 @@ yields: environment
 SETS ?= 10000
 SCENE ?= alignment
 fuzzed = {\"fuzz\":{\"sets\":$(SETS),\"scene\":\"$(SCENE)\"}}# its comma would end an argument of call
-fuzz: $(study_environment)
+fuzz: environment
 	$(call run_study,fuzz --config accuracy=$(fuzzed))
 
 # $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE.
@@ -98,7 +93,7 @@ check = @echo "--- $(1)"; $(in_env) $(1)
 
 # The checks run beside the compilation of the kernels, with which the tests begin.
 test: environment
-	@$(MAKE) --no-print-directory -j$(CORES) lint types floors workflow unit
+	@$(MAKE) --no-print-directory -j$(CORES) lint types layers workflow unit
 
 lint: environment
 	$(call check,ruff check .)
@@ -108,7 +103,7 @@ lint: environment
 types: environment
 	$(call check,mypy)
 
-floors: environment
+layers: environment
 	$(call check,lint-imports)
 
 workflow: environment
@@ -120,9 +115,10 @@ unit: environment
 browser-test: environment
 	$(call check,pytest -m browser -rs tests/show/explorer)
 
-# Types of the explorer's scripts, from their comments, and what is unused, where npm can fetch the checker.
+# Types of the explorer's scripts, from their comments, and what is unused; npm fetches the checker.
 script-types:
-	npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
+	@command -v npx >/dev/null || echo "no npx here: the types of the explorer's scripts are not checked"
+	! command -v npx >/dev/null || npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
 		--lib es2022,dom,dom.iterable src/model/show/explorer/*.js
 
 # Of the jobs of a full build in results/; see docs/efficiency.md.
@@ -130,25 +126,22 @@ efficiency: environment
 	$(in_env) python -m verification.cluster_efficiency
 
 # On a Slurm of its own; STUDY=tiny for a study that takes less time.
-slurm-test: environment-slurm
-	VIBRALIGN_STUDY=$(STUDY) PATH="$(CURDIR)/.venv-slurm/bin:$$PATH" \
-		pytest -rPs -m slurm tests/workflow/test_slurm.py
-
-docs: environment-docs
-	rm -rf site
-	.venv-docs/bin/sphinx-build --fresh-env --fail-on-warning --keep-going --quiet docs site
-	.venv-docs/bin/python docs/extensions/links.py site
-	@echo "open site/index.html"
-
 STUDY ?= smoke
-same-bytes: environment
-	VIBRALIGN_STUDY=$(STUDY) $(in_env) pytest -rP -m nightly tests/workflow/test_workflow.py
+slurm-test: environment
+	VIBRALIGN_STUDY=$(STUDY) $(in_env) pytest -rPs -m slurm tests/workflow/test_slurm.py
+
+docs: environment
+	rm -rf site
+	$(in_env) sphinx-build --fresh-env --fail-on-warning --keep-going --quiet docs site
+	$(in_env) python docs/extensions/links.py site
+	@echo "open site/index.html"
 
 # KILLS=500 kills the study at more moments.
 KILLS ?= 50
 nightly: environment
-	$(in_env) pytest -rP -m nightly tests
+	VIBRALIGN_STUDY=$(STUDY) $(in_env) pytest -rP -m nightly tests
 	VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -rP tests/workflow/test_nothing_lost.py
+	@$(MAKE) --no-print-directory script-types
 
 # ------------------------------------------------------------------------------------ the benchmark
 
@@ -170,24 +163,20 @@ truth: environment-bench
 # stamp is written last: an environment whose building was interrupted does not count.
 TAG := $(shell $(PYTHON) -c 'import sys; print("%d.%d.%d" % sys.version_info[:3])' 2>/dev/null)
 
-# One make at a time; the one that waited finds the environment complete. What only one command needs
-# and is heavy has an environment of its own beside it: .venv-docs from requirements-docs.lock.
+# One make at a time; the one that waited finds the environment complete.
 environment: python
 	@$(call hold,wait,.make-environment.lock) \
 		$(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
 
-environment-%: python
+environment-bench: python
 	@$(call hold,wait,.make-environment.lock) \
-		$(MAKE) --silent --no-print-directory .venv-$*/.complete-$(TAG)
+		$(MAKE) --silent --no-print-directory .venv-bench/.complete-$(TAG)
 
+# With this package, as the checkout holds it.
 .venv/.complete-$(TAG): requirements.lock pyproject.toml
 	$(call build,.venv,$<)
-	$(call add_package,.venv)
-	@touch $@
-
-.venv-%/.complete-$(TAG): requirements-%.lock pyproject.toml
-	$(call build,.venv-$*,$<)
-	$(call add_package,.venv-$*)
+	@$(call pip_of,.venv); \
+	$$pip install --quiet --no-deps --no-build-isolation --editable . && $$pip check
 	@touch $@
 
 # The peers of `make bench`, without the package. A peer that is missing is reported by the benchmark.
@@ -209,12 +198,6 @@ define build
 @$(call pip_of,$(1)); $$pip install $(pinned) $(2)
 endef
 
-# $(call add_package,FOLDER): this package, as the checkout holds it.
-define add_package
-@$(call pip_of,$(1)); \
-$$pip install --quiet --no-deps --no-build-isolation --editable . && $$pip check
-endef
-
 python:
 	@command -v $(PYTHON) >/dev/null || { \
 		echo "no $(PYTHON) here; name a Python of 3.11 or newer: make PYTHON=..." >&2; exit 1; }
@@ -222,15 +205,13 @@ python:
 		echo "$(PYTHON) is Python $(TAG), vibralign needs 3.11 or newer: make PYTHON=..." >&2; exit 1; }
 
 # The extras and the build backend, with the hashes of all platforms, valid for Python 3.11 and newer;
-# the peers of `make bench` at the study's versions of what is common. `fewest` keeps to one version of
+# the peers of `make bench` at the study's versions of what is common; `vibralign export` is left to
+# its users. `fewest` keeps to one version of
 # a package where newer Pythons would allow another.
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
-	$(call pin,requirements.lock,--extra plot --extra study --extra dev)
-	$(call pin,requirements-slurm.lock,--extra slurm --extra plot --extra study --extra dev \
-		--constraints requirements.lock)
-	$(call pin,requirements-docs.lock,--extra docs --constraints requirements.lock)
+	$(call pin,requirements.lock,--extra plot --extra study --extra slurm --extra docs --extra dev)
 	$(call pin,requirements-bench.lock,--extra bench --constraints requirements.lock)
 	rm -rf .lock-venv
 

@@ -148,7 +148,7 @@ def test_the_whole_study_has_the_same_bytes_in_another_folder(
 
     The second makes first what the first made last, with two threads a job in place of one.
 
-    `make same-bytes` does it on the smoke study, with STUDY=full on the whole one.
+    `make nightly` does it on the smoke study, with STUDY=full on the whole one.
 
     CPU times, which no two builds share, are made the same before what shows them is compared.
     """
