@@ -25,9 +25,14 @@ from model.study.sweeps import sweep_of
 PROJECT = Path(__file__).resolve().parents[2]
 
 
-@pytest.fixture
-def mapping() -> dict[str, Any]:
+@pytest.fixture(scope="module")
+def stated() -> dict[str, Any]:
     return read_study(study_path())
+
+
+@pytest.fixture
+def mapping(stated: dict[str, Any]) -> dict[str, Any]:
+    return copy.deepcopy(stated)
 
 
 def changed(mapping: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
