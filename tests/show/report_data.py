@@ -13,7 +13,7 @@ from model.show.report import page as report_page
 from model.show.report.figures import HEAD
 from model.show.report.section import Results
 from model.study.claims import judge
-from model.study.claims.table import ledger_text, lines_of
+from model.study.claims.ledger import ledger_text, lines_of
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
 from model.study.sweeps import sweep_of
 from tests.show.drawn import jamming_data

@@ -10,11 +10,10 @@ import xarray as xr
 from model.events.outcomes import Unvibrated
 from model.study.claims import CLAIMS, VERDICTS, Finding, judge, tally
 from model.study.claims.claims import ClaimsError, claims_of, limit_of
-from model.study.claims.ledger import judge_claim
-from model.study.claims.reading import Data, between
+from model.study.claims.data import Data, between
+from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
+from model.study.claims.measures import explained, trend
 from model.study.claims.runs import COURSE_VARIABLES, claim_run_dataset
-from model.study.claims.statistics import explained, trend
-from model.study.claims.table import ledger_text, lines_of, read_ledger
 from model.study.config import FIGURES, load_study, study_path
 from model.study.csv_tables import TableError
 from model.study.sweeps import claim_sweep

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from model.events.outcomes import Unvibrated
-from model.study.claims.reading import Data, MissingDataError
+from model.study.claims.data import Data, MissingDataError
 from model.study.claims.regime import Regime, regime_of
 from tests.study.claims_data import NAN, curves
 

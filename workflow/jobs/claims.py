@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from model.study.claims import judge
-from model.study.claims.table import ledger_text, lines_of
+from model.study.claims.ledger import ledger_text, lines_of
 from model.study.datasets import read_dataset
 from model.tracking.provenance import write_text
 

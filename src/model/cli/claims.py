@@ -39,7 +39,7 @@ def add(commands: Any) -> None:
 def _claims(arguments: argparse.Namespace) -> int:
     # Data are read with xarray, which no other command should wait for.
     from model.study.claims import judge, tally  # noqa: PLC0415
-    from model.study.claims.table import lines_of  # noqa: PLC0415
+    from model.study.claims.ledger import lines_of  # noqa: PLC0415
     from model.tracking.comparison import open_dataset  # noqa: PLC0415
 
     data: Path = arguments.root / "data"
@@ -75,7 +75,7 @@ def _claims(arguments: argparse.Namespace) -> int:
 
 
 def _regime(datasets: "Mapping[str, xr.Dataset]", as_json: bool) -> int:
-    from model.study.claims.reading import Data, MissingDataError  # noqa: PLC0415
+    from model.study.claims.data import Data, MissingDataError  # noqa: PLC0415
     from model.study.claims.regime import regime_of  # noqa: PLC0415
 
     data, rows = Data(datasets), []

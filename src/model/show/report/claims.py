@@ -7,7 +7,7 @@ from string import ascii_lowercase
 from model.show.report.section import Results, Section
 from model.show.words import figure_title
 from model.study.claims import VERDICTS, tally
-from model.study.claims.table import read_ledger
+from model.study.claims.ledger import read_ledger
 
 CAPTION = (
     "Runs made for the claims alone. Where the duration is shown, a curve has a gap where the part "

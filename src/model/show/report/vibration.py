@@ -11,7 +11,7 @@ from markupsafe import Markup
 from model.events.outcomes import Outcome
 from model.show.report.section import Results, Section, Table
 from model.show.words import figure_title, number, percent
-from model.study.claims.reading import Data
+from model.study.claims.data import Data
 from model.study.claims.regime import regime_of
 from model.study.config import COMPUTED
 from model.study.vibration import by_start, changed_claims, overshoot_of

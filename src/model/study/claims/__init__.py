@@ -1,8 +1,8 @@
 """The claims ledger: the paper's statements, judged by the datasets.
 
-``claims.yaml`` states the claims, ``measures`` and ``comparisons`` hold the functions that it
-names, ``reading`` the views of datasets they take, ``ledger`` the verdicts, ``runs`` the
-trajectories that claims need beside the figures', ``table`` the file on disk.
+``claims.yaml`` states the claims, and ``claims`` loads and checks them. They name the numbers of
+``measures`` and ``comparisons``, which are taken of datasets as ``data`` reads them. ``ledger``
+judges the numbers; ``runs`` makes the trajectories that claims need beside the figures'.
 """
 
 from model.study.claims.claims import CLAIMS, Claim

@@ -1,26 +1,35 @@
 """The claims of the paper, as ``claims.yaml`` states them; its form is checked here.
 
-A claim may speak of several curves: its measure then gives a number for each, all on one scale, and
-the claim is reproduced if all of them are on the right side of the threshold. Thresholds follow
-from the wording and from the resolution of a printed figure, never from the outcome.
+A claim's check gives numbers, all on one scale. A number of ``measures.OF_CURVE`` is taken of each
+curve of the first figure (``curves``, a range of the family's parameter, or ``curve``, one of
+them); the check may ``combine`` those of all figures into one, or ask how far they are ``beyond``
+the largest of other curves. A number of ``measures.OF_FIGURE`` is taken of each figure, one of
+``comparisons.OF_CLAIM`` of all together. Thresholds follow from the wording and from the
+resolution of a printed figure, never from the outcome.
 """
 
+import inspect
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import resources
-from typing import Any, Literal, get_args
+from typing import Any
 
+import numpy as np
 import yaml
 
-from model.study.claims import comparisons  # noqa: F401  (registers its measures)
-from model.study.claims.checks import Check, check_of
+from model.study.claims.comparisons import OF_CLAIM, Parts
+from model.study.claims.data import NAN, Array, Curve, Data, MissingDataError
+from model.study.claims.measures import OF_CURVE, OF_FIGURE, Number, View, median
 
-Kind = Literal["stated in figure text", "conclusion", "interpretation"]
+Check = Callable[[Data, Sequence[str]], Parts]
 EVERY_FIGURE = tuple(f"fig{number:02}" for number in range(5, 15))
-_KINDS: Mapping[str, Kind] = dict(
-    zip(("stated", "concluded", "interpreted"), get_args(Kind), strict=True)
-)
+_KINDS = {
+    "stated": "stated in figure text",
+    "concluded": "conclusion",
+    "interpreted": "interpretation",
+}
 
 
 class ClaimsError(ValueError):
@@ -70,19 +79,110 @@ class Claim:
         figures: figures and own runs of the ledger that it is judged by; the first shows it.
         measure: the number in words.
         limit: the demand on the number.
-        check: function that returns the number of each part; None if nothing can be measured.
+        check: function of the data and figures that returns the number of each part of the claim;
+            None if nothing can be measured. NaN says that what the paper describes is not there to
+            be measured, as the duration of a part that never aligns: that contradicts the claim.
         asked: figures, number and arguments of the check as the table states them.
     """
 
     id: str
     place: str
-    kind: Kind
+    kind: str
     statement: str
     figures: tuple[str, ...]
     measure: str
     limit: Limit
     check: Check | None
     asked: str
+
+
+# --- The check ----------------------------------------------------------------------------------
+
+
+def _difference(values: Array) -> float:
+    return float(values.max() - values.min()) if values.size > 1 else NAN
+
+
+def _relative_difference(values: Array) -> float:
+    if values.size < 2 or values.mean() == 0.0:
+        return NAN
+    return float(np.ptp(values) / abs(values.mean()))
+
+
+_COMBINED: Mapping[str, Callable[[Array], float]] = {
+    "difference": _difference,
+    "relative difference": _relative_difference,
+    "median": median,
+}
+
+
+def _of_curves(
+    number: Callable[[Curve], float],
+    data: Data,
+    figures: Sequence[str],
+    curves: str | list[float] = "any",
+    curve: float | None = None,
+    combine: str = "",
+    beyond: str = "",
+) -> Parts:
+    def known(found: Sequence[Curve]) -> Array:
+        values = np.array([number(each) for each in found])
+        return values[~np.isnan(values)]
+
+    if curve is not None:
+        return {"": number(data.curves(figures[0], curve)[0])}
+    if combine:
+        found = [each for name in figures for each in data.curves(name, curves)]
+        return {"": _COMBINED[combine](known(found))}
+    parts = {each.name: number(each) for each in data.curves(figures[0], curves)}
+    if not beyond:
+        return parts
+    largest = max(known(data.curves(figures[0], beyond)), default=NAN)
+    return {where: float(value - largest) for where, value in parts.items()}
+
+
+def _of_figures(
+    view: View, number: Number, data: Data, figures: Sequence[str], needs_all: bool
+) -> Parts:
+    """Numbers of the figures that have a dataset, of all of them with ``needs_all``."""
+    needed = needs_all or len(figures) == 1
+    found = [name for name in figures if needed or data.has(name)]
+    if not found:
+        raise MissingDataError(f"there is no dataset of {', '.join(figures)}")
+    return {
+        f"Fig. {int(name[3:])}" if len(figures) > 1 else "": number(view(data, name))
+        for name in found
+    }
+
+
+def _check_of(name: str, figures: Sequence[str], arguments: dict[str, Any]) -> Check:
+    """Return the check by the number of this name.
+
+    Raises:
+        ValueError: no number of that name.
+        TypeError: arguments that it does not take.
+    """
+
+    def bound(number: Callable[..., Any], *given: Any) -> Callable[..., Any]:
+        inspect.signature(number).bind(*given, **arguments)
+        return partial(number, **arguments)
+
+    if name in OF_CURVE:
+        of_curves = ("curves", "curve", "combine", "beyond")
+        chosen = {key: arguments.pop(key) for key in of_curves if key in arguments}
+        return partial(_of_curves, bound(OF_CURVE[name], None), **chosen)
+    if name in OF_FIGURE:
+        needs_all = arguments.pop("all", False)
+        view, number = OF_FIGURE[name]
+        return partial(_of_figures, view, bound(number, None), needs_all=needs_all)
+    if name in OF_CLAIM:
+        together = bound(OF_CLAIM[name], None, *figures)
+        return lambda data, figures: together(data, *figures)
+    names = ", ".join((*OF_CURVE, *OF_FIGURE, *OF_CLAIM))
+    raise ValueError(f"number = {name!r}: must be one of {names}")
+
+
+# --- The table ----------------------------------------------------------------------------------
 
 
 def limit_of(stated: Mapping[str, Any]) -> Limit:
@@ -114,15 +214,16 @@ def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Cla
         arguments = dict(stated.pop("check"))
         limit = _demanded(arguments.pop("must"), named)
         asked, figures = str(arguments), arguments.pop("figures")
+        figures = EVERY_FIGURE if figures == "every figure" else tuple(figures)
         claim = Claim(
             id=name,
             place=place,
             kind=_KINDS[kind],
             statement=statement,
-            figures=EVERY_FIGURE if figures == "every figure" else tuple(figures),
+            figures=figures,
             measure=stated.pop("measure"),
             limit=limit,
-            check=check_of(arguments.pop("number"), arguments),
+            check=_check_of(arguments.pop("number"), figures, arguments),
             asked=asked,
         )
     if stated:

@@ -1,18 +1,20 @@
-"""The verdicts on claims: a number, a threshold, a margin."""
+"""Judge the claims by datasets: a number, a threshold, a margin, a verdict; and ``claims.csv``."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, get_args
 
 from model.study.claims.claims import CLAIMS, Claim
-from model.study.claims.reading import Data, MissingDataError
+from model.study.claims.data import Data, MissingDataError
+from model.study.csv_tables import read_records, records_text
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Verdict = Literal["reproduced", "mixed", "contradicted", "not checkable"]
-VERDICTS: tuple[Verdict, ...] = ("reproduced", "mixed", "contradicted", "not checkable")
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
 @dataclass(frozen=True)
@@ -41,20 +43,18 @@ def judge_claim(claim: Claim, data: Data) -> Finding:
         parts = claim.check(data, claim.figures)
     except MissingDataError as missing:
         return Finding(math.nan, math.nan, "not checkable", f"{missing}")
-    margins = [claim.limit.margin(part.value) for part in parts]
-    lacking = [max(0.0, -margin) for margin in margins]
-    holding = sum(margin > 0.0 for margin in margins)
-    verdict: Verdict = "mixed"
-    if holding == len(parts):
-        verdict = "reproduced"
-    elif holding == 0:
-        verdict = "contradicted"
-    margin = min(margins) if verdict == "reproduced" else -sum(lacking) / len(parts)
-    worst = parts[margins.index(min(margins))]
+    margins = {where: claim.limit.margin(value) for where, value in parts.items()}
+    worst = min(margins, key=margins.__getitem__)
+    verdict: Verdict
+    if margins[worst] > 0.0:
+        verdict, margin = "reproduced", margins[worst]
+    else:
+        verdict = "mixed" if max(margins.values()) > 0.0 else "contradicted"
+        margin = -sum(max(0.0, -each) for each in margins.values()) / len(margins)
     seen = "; ".join(
-        f"{where}: {_shown(value)}" if where else _shown(value) for where, value in parts
+        f"{where}: {_shown(value)}" if where else _shown(value) for where, value in parts.items()
     )
-    return Finding(worst.value, margin, verdict, seen)
+    return Finding(parts[worst], margin, verdict, seen)
 
 
 def _shown(value: float) -> str:
@@ -76,3 +76,68 @@ def judge(datasets: "Mapping[str, xr.Dataset]") -> tuple[tuple[Claim, Finding], 
 def tally(verdicts: Sequence[str]) -> str:
     """Return the number of claims with each verdict, in one line."""
     return ", ".join(f"{name} {list(verdicts).count(name)}" for name in VERDICTS)
+
+
+# --- claims.csv ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Line:
+    """A claim and its verdict in words; numbers to six digits, "" for none."""
+
+    claim: str
+    verdict: str
+    place: str
+    kind: str
+    statement: str
+    measure: str
+    value: str
+    demand: str
+    margin: str
+    seen: str
+    reason: str
+    shown_by: str
+
+    @property
+    def sources(self) -> list[str]:
+        """Figures and own runs that show it, the most telling first."""
+        return self.shown_by.split()
+
+
+def lines_of(judged: Iterable[tuple[Claim, Finding]]) -> list[Line]:
+    """Return the ledger in words."""
+    return [
+        Line(
+            claim=claim.id,
+            verdict=finding.verdict,
+            place=claim.place,
+            kind=claim.kind,
+            statement=claim.statement,
+            measure=claim.measure,
+            value=_number(finding.value),
+            demand="" if claim.check is None else claim.limit.demand,
+            margin=_number(finding.margin),
+            seen=finding.seen,
+            reason=claim.limit.reason,
+            shown_by=" ".join(claim.figures),
+        )
+        for claim, finding in judged
+    ]
+
+
+def _number(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.6g}"
+
+
+def ledger_text(lines: Iterable[Line]) -> str:
+    """Return the content of ``claims.csv``."""
+    return records_text(Line, lines, {})
+
+
+def read_ledger(path: Path) -> list[Line]:
+    """Return the lines of ``claims.csv``.
+
+    Raises:
+        TableError: a file that is missing, empty, or not a ledger.
+    """
+    return read_records(path, "claims", Line)

@@ -9,8 +9,7 @@ import numpy as np
 
 from model.events.outcomes import Unvibrated
 from model.study.claims.claims import CLAIMS
-from model.study.claims.reading import Data
-from model.study.claims.statistics import NAN
+from model.study.claims.data import NAN, Data
 
 _CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
 
@@ -45,7 +44,7 @@ def regime_of(data: Data, figure: str) -> Regime:
     """
 
     def number(claim: str) -> float:
-        return float(_CHECKS[claim](data, [figure])[0].value)
+        return float(_CHECKS[claim](data, [figure])[""])
 
     points = data.points(figure)
     tilts = np.abs(points.column("tilt_at_alignment", aligned=True))

@@ -1,7 +1,7 @@
-"""Datasets as claims read them: points, curves, maps and trajectories.
+"""Read datasets as claims need them: points, curves, planes, courses, and ranges of them.
 
 A sensitive point ends differently at another tolerance. Curves and points leave such points out,
-neither aligned nor not, so that they decide nothing.
+neither aligned nor not, so that they decide nothing. NaN is an unknown value.
 """
 
 import math
@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +17,18 @@ from scipy import ndimage
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
-from model.study.claims.statistics import NAN, Array
-from model.study.config import CURVES
+from model.study.config.figures import CURVES
 
 if TYPE_CHECKING:
     import xarray as xr
 
+Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Columns = Mapping[str, NDArray[Any]]
 Where = Mapping[str, str | float]  # a range, as ``between`` reads it, for some columns
 View = TypeVar("View")
 
+NAN = float("nan")
 # Comparing arrays with the enumeration takes five times as long.
 _ALIGNED, _SETTLED = int(Outcome.ALIGNED), int(Outcome.SETTLED)
 _MOMENTS = 200  # of a trajectory
@@ -66,6 +68,7 @@ def between(text: str | float) -> Range:
     return Range(-math.inf, end) if is_upper else Range(end, math.inf)
 
 
+@dataclass(frozen=True)
 class Points:
     """Points of a dataset by column, each of shape (n,).
 
@@ -73,8 +76,7 @@ class Points:
     (the outcome), and ``tau`` (the alignment time, NaN where a point does not align).
     """
 
-    def __init__(self, columns: Mapping[str, NDArray[np.generic]]) -> None:
-        self.columns = columns
+    columns: Columns
 
     def column(self, name: str, aligned: bool = False) -> Array:
         """Return one column; with ``aligned``, NaN for points that do not align.
@@ -110,12 +112,13 @@ class Points:
         """Return the range that a text means; see ``between``."""
         return between(text)
 
-    def share(self, of: Where, among: Where) -> float:
+    def share(self, of: Where, among: Where | None = None) -> float:
         """Return the share of the points in ``among`` that lie in ``of``, NaN without any."""
         found = self.at(of)[self.at(among)] if among else self.at(of)
         return int(np.count_nonzero(found)) / found.size if found.size else NAN
 
 
+@dataclass(frozen=True)
 class Curve(Points):
     """The points of one curve by rising ``x``, the swept parameter, which is a column.
 
@@ -124,11 +127,8 @@ class Curve(Points):
         value: value of that parameter.
     """
 
-    def __init__(
-        self, symbol: str, value: float, columns: Mapping[str, NDArray[np.generic]]
-    ) -> None:
-        super().__init__(columns)
-        self.symbol, self.value = symbol, value
+    symbol: str
+    value: float
 
     @property
     def x(self) -> Array:
@@ -158,7 +158,7 @@ class Curve(Points):
     def only(self, kept: Flags) -> "Curve":
         """Return the points of ``kept``, shape (n,)."""
         columns = {name: values[kept] for name, values in self.columns.items()}
-        return Curve(self.symbol, self.value, columns)
+        return Curve(columns, self.symbol, self.value)
 
     @cached_property
     def halves(self) -> "tuple[Curve, Curve]":
@@ -323,7 +323,7 @@ def _curves(dataset: "xr.Dataset") -> tuple[Curve, ...]:
     for i in np.argsort(values, kind="stable"):
         kept = order[columns["sensitive"][i, order] == 0]
         along = {name: each[i, kept] for name, each in columns.items()}
-        found.append(Curve(symbol, float(values[i]), {**along, "x": x[kept]}))
+        found.append(Curve({**along, "x": x[kept]}, symbol, float(values[i])))
     return tuple(found)
 
 
