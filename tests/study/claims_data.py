@@ -4,6 +4,7 @@ Only what a check reads has a shape worth looking at; the rest is filled with wh
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -149,8 +150,31 @@ def rising(_at: float, x: float) -> float:
     return 1.0 + x
 
 
+Case = tuple[Callable[[], Datasets], Callable[[], Datasets]]
+
+
+def durations(figure: str, satisfied: Function | float, violated: Function | float) -> Case:
+    """Durations of a figure that satisfy a claim, and that do not."""
+    made = plane if figure in MAPS else curves
+    return partial(made, figure, satisfied), partial(made, figure, violated)
+
+
+def values(
+    figure: str,
+    name: str,
+    satisfied: Function | float,
+    violated: Function | float,
+    tau: Function | float = 5.0,
+) -> Case:
+    """Values of another variable that satisfy a claim, and that do not; the durations are equal."""
+    return (
+        partial(curves, figure, tau, **{name: satisfied}),
+        partial(curves, figure, tau, **{name: violated}),
+    )
+
+
 # Of each claim: data that satisfy it, and data that do not.
-CASES: dict[str, tuple[Callable[[], Datasets], Callable[[], Datasets]]] = {
+CASES: dict[str, Case] = {
     "N1": (
         lambda: {**curves("fig06"), **plane("fig13", 5.0)},
         lambda: curves("fig06", separations=2.0),
@@ -163,23 +187,15 @@ CASES: dict[str, tuple[Callable[[], Datasets], Callable[[], Datasets]]] = {
         lambda: {**curves("centred", excursion=lambda t, _: 10.0 * t), **curves("misaligned")},
         lambda: {**curves("centred", excursion=0.1), **curves("misaligned")},
     ),
-    "M2": (
-        lambda: curves("pressed", NAN, tilt_end=lambda k, f: f / k),
-        lambda: curves("pressed", NAN, tilt_end=0.1),
+    "M2": values("pressed", "tilt_end", lambda k, f: f / k, 0.1, tau=NAN),
+    "M2b": durations("fig07", 5.0, within(0.01, 0.3)),
+    "M2c": values("pressed", "tilt_end", lambda k, f: f / k, lambda k, f: f * k, tau=NAN),
+    "M3": durations(
+        "misaligned",
+        lambda f, _: 5.0 if f == 1.0 else NAN,
+        lambda f, m: 5.0 if f == 1.0 and m < 0.35 else NAN,
     ),
-    "M2b": (
-        lambda: curves("fig07", 5.0),
-        lambda: curves("fig07", within(0.01, 0.3)),
-    ),
-    "M2c": (
-        lambda: curves("pressed", NAN, tilt_end=lambda k, f: f / k),
-        lambda: curves("pressed", NAN, tilt_end=lambda k, f: f * k),
-    ),
-    "M3": (
-        lambda: curves("misaligned", lambda f, _: 5.0 if f == 1.0 else NAN),
-        lambda: curves("misaligned", lambda f, m: 5.0 if f == 1.0 and m < 0.35 else NAN),
-    ),
-    "M4": (lambda: curves("pressed", NAN), lambda: curves("pressed", 5.0)),
+    "M4": durations("pressed", NAN, 5.0),
     "M4b": (
         lambda: {**Course().datasets, **curves("fig06", unvibrated_tilt=lambda _, f: 0.03 * f)},
         lambda: curves("fig06", unvibrated_tilt=lambda _, f: 0.06 * f),
@@ -219,147 +235,100 @@ CASES: dict[str, tuple[Callable[[], Datasets], Callable[[], Datasets]]] = {
         lambda: Course().datasets,
         lambda: Course(force=lambda t: np.maximum(3.0 - 0.3 * t, 0.0)).datasets,
     ),
-    "F5f": (
-        lambda: curves("fig11", tilt_at_alignment=lambda _, d: 1.0 - d),
-        lambda: curves("fig11", tilt_at_alignment=zigzag),
+    "F5f": values("fig11", "tilt_at_alignment", lambda _, d: 1.0 - d, zigzag),
+    "F6a": durations(
+        "fig06", lambda _, f: 9.0 if f < 2.0 else 5.0, lambda _, f: 4.0 if f < 2.0 else 5.0
     ),
-    "F6a": (
-        lambda: curves("fig06", lambda _, f: 9.0 if f < 2.0 else 5.0),
-        lambda: curves("fig06", lambda _, f: 4.0 if f < 2.0 else 5.0),
-    ),
-    "F6b": (lambda: curves("fig06", bump), lambda: curves("fig06", falling)),
-    "F6c": (lambda: curves("fig06", within(1.0, 6.0)), lambda: curves("fig06")),
-    "F6d": (lambda: curves("fig06", falling), lambda: curves("fig06", rising)),
+    "F6b": durations("fig06", bump, falling),
+    "F6c": durations("fig06", within(1.0, 6.0), 5.0),
+    "F6d": durations("fig06", falling, rising),
     "F6e": (
         lambda: {**curves("fig06", falling), **curves("fig12", falling)},
         lambda: {**curves("fig06"), **curves("fig12", lambda _, f: 5.0 + 0.01 * f)},
     ),
-    "F7a": (lambda: curves("fig07", rising), lambda: curves("fig07", falling)),
-    "F7b": (
-        lambda: curves("fig07", lambda _, m: 5.0 + 10.0 * min(m, 0.1) + m),
-        lambda: curves("fig07", lambda _, m: 5.0 + 10.0 * max(m - 0.1, 0.0) + m),
+    "F7a": durations("fig07", rising, falling),
+    "F7b": durations(
+        "fig07",
+        lambda _, m: 5.0 + 10.0 * min(m, 0.1) + m,
+        lambda _, m: 5.0 + 10.0 * max(m - 0.1, 0.0) + m,
     ),
-    "F7c": (
-        lambda: curves("fig07", lambda _, m: 5.0 + 10.0 * m),
-        lambda: curves("fig07", lambda f, m: 5.0 + m if f < 3.0 else 5.0 + 50.0 * m),
+    "F7c": durations(
+        "fig07", lambda _, m: 5.0 + 10.0 * m, lambda f, m: 5.0 + m if f < 3.0 else 5.0 + 50.0 * m
     ),
-    "F7d": (
-        lambda: curves("fig07", lambda f, m: 5.0 + 20.0 * m / f),
-        lambda: curves("fig07", lambda _, m: 5.0 + 20.0 * m),
+    "F7d": durations("fig07", lambda f, m: 5.0 + 20.0 * m / f, lambda _, m: 5.0 + 20.0 * m),
+    "F7e": durations(
+        "fig07",
+        lambda f, m: 5.0 + (20.0 if f < 3.0 else 2.0) * min(m, 0.15),
+        lambda f, m: 5.0 + (2.0 if f < 3.0 else 9.0) * m**2,
     ),
-    "F7e": (
-        lambda: curves("fig07", lambda f, m: 5.0 + (20.0 if f < 3.0 else 2.0) * min(m, 0.15)),
-        lambda: curves("fig07", lambda f, m: 5.0 + (2.0 if f < 3.0 else 9.0) * m**2),
+    "F8a": durations("fig08", within(8.0, 30.0), 5.0),
+    "F8b": durations("fig08", falling, rising),
+    "F8c": durations(
+        "fig08", lambda v, k: 5.0 if k > 3.0 + v else NAN, lambda v, k: 5.0 if k > 14.0 - v else NAN
     ),
-    "F8a": (lambda: curves("fig08", within(8.0, 30.0)), lambda: curves("fig08")),
-    "F8b": (lambda: curves("fig08", falling), lambda: curves("fig08", rising)),
-    "F8c": (
-        lambda: curves("fig08", lambda v, k: 5.0 if k > 3.0 + v else NAN),
-        lambda: curves("fig08", lambda v, k: 5.0 if k > 14.0 - v else NAN),
+    "F8d": values(
+        "displaced",
+        "way",
+        lambda v, k: float(k > 3.0 + 2.0 * v),
+        lambda v, k: float(k > 23.0 - v),
+        tau=NAN,
     ),
-    "F8d": (
-        lambda: curves("displaced", NAN, way=lambda v, k: float(k > 3.0 + 2.0 * v)),
-        lambda: curves("displaced", NAN, way=lambda v, k: float(k > 23.0 - v)),
+    "F8e": durations("fig09", lambda f, _: 10.0 / f, lambda f, _: 10.0 * f),
+    "F8f": durations("rubbing", within(0.0, 0.6), 5.0),
+    "F8g": durations("fig08", lambda v, k: 5.0 if k > 3.0 + v else NAN, within(5.0, 30.0)),
+    "F8h": values("fig08", "tilt_max", lambda _, k: 1.0 / k, lambda _, k: k),
+    "F8i": values("fig08", "tilt_max", lambda _, k: 1.0 / k, lambda _, k: k, tau=within(8.0, 30.0)),
+    "F8j": durations("fig08", lambda v, _: 5.0 + v, lambda v, _: 5.0 + 0.01 * v),
+    "F9a": durations("fig09", falling, rising),
+    "F9b": durations("fig09", lambda f, k: NAN if f > 2.0 and k < 10.0 else 5.0, 5.0),
+    "F9c": durations(
+        "fig09",
+        within(10.0, 30.0, lambda _, k: 4.0 + 40.0 / (k - 8.0)),
+        within(10.0, 30.0, lambda _, k: 6.0 - 0.01 * k),
     ),
-    "F8e": (
-        lambda: curves("fig09", lambda f, _: 10.0 / f),
-        lambda: curves("fig09", lambda f, _: 10.0 * f),
+    "F9d": durations(
+        "fig09",
+        within(10.0, 30.0, lambda f, k: 4.0 + f * 20.0 / k),
+        within(10.0, 30.0, lambda f, k: 4.0 + 20.0 / (f * k)),
     ),
-    "F8f": (lambda: curves("rubbing", within(0.0, 0.6)), lambda: curves("rubbing")),
-    "F8g": (
-        lambda: curves("fig08", lambda v, k: 5.0 if k > 3.0 + v else NAN),
-        lambda: curves("fig08", within(5.0, 30.0)),
+    "F9e": values("fig09", "tilt_max", lambda _, k: 1.0 / k, lambda _, k: k),
+    "F9f": durations("fig09", falling, rising),
+    "F9g": values("fig09", "tilt_max", lambda _, k: 0.001 + 1.0 / k**2, 0.2),
+    "F9h": durations(
+        "fig09",
+        within(10.0, 30.0, lambda _, k: 4.0 + 40.0 / (k - 8.0)),
+        within(10.0, 30.0, lambda _, k: 9.0 - 0.001 * k**2),
     ),
-    "F8h": (
-        lambda: curves("fig08", tilt_max=lambda _, k: 1.0 / k),
-        lambda: curves("fig08", tilt_max=lambda _, k: k),
+    "F10": durations("fig10", rising, falling),
+    "F11a": durations("fig11", lambda m, d: 9.0 - 20.0 * d + m, lambda _, d: 2.0 + abs(d - 0.09)),
+    "F11b": durations(
+        "fig11", lambda m, d: 9.0 - 20.0 * d + 10.0 * m, lambda m, d: 9.0 - 20.0 * d - 10.0 * m
     ),
-    "F8i": (
-        lambda: curves("fig08", within(8.0, 30.0), tilt_max=lambda _, k: 1.0 / k),
-        lambda: curves("fig08", within(8.0, 30.0), tilt_max=lambda _, k: k),
-    ),
-    "F8j": (
-        lambda: curves("fig08", lambda v, _: 5.0 + v),
-        lambda: curves("fig08", lambda v, _: 5.0 + 0.01 * v),
-    ),
-    "F9a": (lambda: curves("fig09", falling), lambda: curves("fig09", rising)),
-    "F9b": (
-        lambda: curves("fig09", lambda f, k: NAN if f > 2.0 and k < 10.0 else 5.0),
-        lambda: curves("fig09"),
-    ),
-    "F9c": (
-        lambda: curves("fig09", within(10.0, 30.0, lambda _, k: 4.0 + 40.0 / (k - 8.0))),
-        lambda: curves("fig09", within(10.0, 30.0, lambda _, k: 6.0 - 0.01 * k)),
-    ),
-    "F9d": (
-        lambda: curves("fig09", within(10.0, 30.0, lambda f, k: 4.0 + f * 20.0 / k)),
-        lambda: curves("fig09", within(10.0, 30.0, lambda f, k: 4.0 + 20.0 / (f * k))),
-    ),
-    "F9e": (
-        lambda: curves("fig09", tilt_max=lambda _, k: 1.0 / k),
-        lambda: curves("fig09", tilt_max=lambda _, k: k),
-    ),
-    "F9f": (lambda: curves("fig09", falling), lambda: curves("fig09", rising)),
-    "F9g": (
-        lambda: curves("fig09", tilt_max=lambda _, k: 0.001 + 1.0 / k**2),
-        lambda: curves("fig09", tilt_max=0.2),
-    ),
-    "F9h": (
-        lambda: curves("fig09", within(10.0, 30.0, lambda _, k: 4.0 + 40.0 / (k - 8.0))),
-        lambda: curves("fig09", within(10.0, 30.0, lambda _, k: 9.0 - 0.001 * k**2)),
-    ),
-    "F10": (lambda: curves("fig10", rising), lambda: curves("fig10", falling)),
-    "F11a": (
-        lambda: curves("fig11", lambda m, d: 9.0 - 20.0 * d + m),
-        lambda: curves("fig11", lambda _, d: 2.0 + abs(d - 0.09)),
-    ),
-    "F11b": (
-        lambda: curves("fig11", lambda m, d: 9.0 - 20.0 * d + 10.0 * m),
-        lambda: curves("fig11", lambda m, d: 9.0 - 20.0 * d - 10.0 * m),
-    ),
-    "F11c": (
-        lambda: curves("fig11", lambda _, d: 9.0 - 20.0 * d),
-        lambda: curves("fig11", lambda _, d: 9.0 + 20.0 * d),
-    ),
-    "F11d": (
-        lambda: curves("fig11", lambda m, d: 9.0 - 20.0 * d + m),
-        lambda: curves("fig11", lambda m, d: 9.0 - 200.0 * m * d),
-    ),
-    "C6": (
-        lambda: curves("fig11", lambda _, d: 0.5 / d),
-        lambda: curves("fig11", lambda _, d: 9.0 - 20.0 * d),
-    ),
-    "F12": (
-        lambda: curves("fig12", lambda d, f: 5.0 + (f - 5.0) ** 2 if d > 0.06 else 5.0),
-        lambda: curves("fig12", falling),
-    ),
+    "F11c": durations("fig11", lambda _, d: 9.0 - 20.0 * d, lambda _, d: 9.0 + 20.0 * d),
+    "F11d": durations("fig11", lambda m, d: 9.0 - 20.0 * d + m, lambda m, d: 9.0 - 200.0 * m * d),
+    "C6": durations("fig11", lambda _, d: 0.5 / d, lambda _, d: 9.0 - 20.0 * d),
+    "F12": durations("fig12", lambda d, f: 5.0 + (f - 5.0) ** 2 if d > 0.06 else 5.0, falling),
     "F12b": (
         lambda: {**curves("fig06", falling), **curves("fig12", rising)},
         lambda: {**curves("fig06", falling), **curves("fig12", lambda _, f: 40.0 / (1.0 + f))},
     ),
-    "C1b": (
-        lambda: curves("by_frequency", lambda v, f: 5.0 + abs(f - (3.0 if v > 1.0 else 7.0))),
-        lambda: curves("by_frequency", lambda v, f: 5.0 + v + abs(f - 3.0)),
+    "C1b": durations(
+        "by_frequency",
+        lambda v, f: 5.0 + abs(f - (3.0 if v > 1.0 else 7.0)),
+        lambda v, f: 5.0 + v + abs(f - 3.0),
     ),
-    "F13": (
-        lambda: plane("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN),
-        lambda: plane("fig13", 5.0),
+    "F13": durations("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN, 5.0),
+    "F13b": durations(
+        "fig13",
+        lambda f, k: 5.0 if k > 2.0 * f else NAN,
+        lambda _, k: 5.0 if round(3.0 * k) % 3 else NAN,
     ),
-    "F13b": (
-        lambda: plane("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN),
-        lambda: plane("fig13", lambda _, k: 5.0 if round(3.0 * k) % 3 else NAN),
+    "F14": durations("fig14", lambda v, k: 5.0 if k > v else NAN, NAN),
+    "F14b": durations(
+        "fig14", lambda v, k: 5.0 if k > v else NAN, lambda _, k: 5.0 if round(3.0 * k) % 3 else NAN
     ),
-    "F14": (
-        lambda: plane("fig14", lambda v, k: 5.0 if k > v else NAN),
-        lambda: plane("fig14", NAN),
-    ),
-    "F14b": (
-        lambda: plane("fig14", lambda v, k: 5.0 if k > v else NAN),
-        lambda: plane("fig14", lambda _, k: 5.0 if round(3.0 * k) % 3 else NAN),
-    ),
-    "C1a": (
-        lambda: plane("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN),
-        lambda: plane("fig13", lambda f, _: 5.0 if f < 4.0 else NAN),
+    "C1a": durations(
+        "fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN, lambda f, _: 5.0 if f < 4.0 else NAN
     ),
     "C2": (
         lambda: {**curves("fig08", falling), **curves("fig09", falling)},
@@ -377,9 +346,8 @@ CASES: dict[str, tuple[Callable[[], Datasets], Callable[[], Datasets]]] = {
         lambda: {**plane("fig13", falling), **plane("fig14", falling)},
         lambda: {**plane("fig13", rising), **plane("fig14", rising)},
     ),
-    "C2c": (
-        lambda: plane("fig14", lambda v, k: 5.0 if k < 10.0 + v else NAN),
-        lambda: plane("fig14", lambda v, k: 5.0 if k > v else NAN),
+    "C2c": durations(
+        "fig14", lambda v, k: 5.0 if k < 10.0 + v else NAN, lambda v, k: 5.0 if k > v else NAN
     ),
     "C8": (
         lambda: {**plane("fig13", within(5.0, 25.0)), **plane("fig14", within(5.0, 25.0))},
