@@ -193,6 +193,7 @@ claims:
         ("figures: [fig06], number: trend_along, must: glaring", "X1: 'glaring'"),
         ("figures: [fig06], number: trend_along, must: {least: 1, scale: 0, reason: r}", "scale"),
         ("number: trend_along, must: visible", "X1: 'figures'"),
+        ("figures: [fig06, fig07], number: deepest_minimum, must: visible", "too many positional"),
     ],
 )
 def test_a_table_of_claims_that_breaks_a_rule_is_refused(check: str, message: str) -> None:

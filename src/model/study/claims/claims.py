@@ -1,11 +1,11 @@
 """The claims of the paper, as ``claims.yaml`` states them; its form is checked here.
 
-A claim's check gives numbers, all on one scale. A number of ``measures.OF_CURVE`` is taken of each
-curve of the first figure (``curves``, a range of the family's parameter, or ``curve``, one of
-them); the check may ``combine`` those of all figures into one, or ask how far they are ``beyond``
-the largest of other curves. A number of ``measures.OF_FIGURE`` is taken of each figure, one of
-``comparisons.OF_CLAIM`` of all together. Thresholds follow from the wording and from the
-resolution of a printed figure, never from the outcome.
+A check takes its number of each curve of the first figure (``measures.OF_CURVE``), of each figure
+(``measures.OF_FIGURE``) or of all figures together (``comparisons.OF_CLAIM``); ``ledger`` holds
+what it finds against the claim's limit. Of curves it may take those in a range (``curves``), or one
+(``curve``); ``combine`` makes one number of the curves of all figures, and ``beyond`` takes off the
+largest number of other curves. Thresholds follow from the wording and from the resolution of a
+printed figure, never from the outcome.
 """
 
 import inspect
@@ -79,9 +79,10 @@ class Claim:
         figures: figures and own runs of the ledger that it is judged by; the first shows it.
         measure: the number in words.
         limit: the demand on the number.
-        check: function of the data and figures that returns the number of each part of the claim;
-            None if nothing can be measured. NaN says that what the paper describes is not there to
-            be measured, as the duration of a part that never aligns: that contradicts the claim.
+        check: function of the data and figures that returns the number of each part of the claim
+            by the part's name, "" for the whole; None if nothing can be measured. NaN says that
+            what the paper describes is not there to be measured, as the duration of a part that
+            never aligns: that contradicts the claim as far as it goes.
         asked: figures, number and arguments of the check as the table states them.
     """
 
@@ -155,6 +156,11 @@ def _of_figures(
     }
 
 
+def _of_claim(number: Callable[..., Parts | float], data: Data, figures: Sequence[str]) -> Parts:
+    found = number(data, *figures)
+    return {"": found} if isinstance(found, float) else found
+
+
 def _check_of(name: str, figures: Sequence[str], arguments: dict[str, Any]) -> Check:
     """Return the check by the number of this name.
 
@@ -176,8 +182,7 @@ def _check_of(name: str, figures: Sequence[str], arguments: dict[str, Any]) -> C
         view, number = OF_FIGURE[name]
         return partial(_of_figures, view, bound(number, None), needs_all=needs_all)
     if name in OF_CLAIM:
-        together = bound(OF_CLAIM[name], None, *figures)
-        return lambda data, figures: together(data, *figures)
+        return partial(_of_claim, bound(OF_CLAIM[name], None, *figures))
     names = ", ".join((*OF_CURVE, *OF_FIGURE, *OF_CLAIM))
     raise ValueError(f"number = {name!r}: must be one of {names}")
 

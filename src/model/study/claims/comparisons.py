@@ -1,8 +1,7 @@
 """The numbers that claims name: of several curves or figures together.
 
-``claims.yaml`` names a function of ``OF_CLAIM``, its figures, and its other arguments.
-Each returns the number of every part of the claim by the part's name, such as "k_φ = 5", or "" for
-the claim as a whole.
+``claims.yaml`` names a function of ``OF_CLAIM``, its figures, and its other arguments. It returns
+one number, or the number of each part of the claim by the part's name, such as "k_φ = 5".
 """
 
 import math
@@ -36,7 +35,7 @@ _ACROSS: Mapping[str, Callable[[Array, Array], float]] = {
 }
 
 
-def across(data: Data, figure: str, take: str, of: str = "tau", x: str = "any") -> Parts:
+def across(data: Data, figure: str, take: str, of: str = "tau", x: str = "any") -> float:
     """Trend or spread of a column over the family's values, mean over the swept values in ``x``."""
     curves = data.curves(figure)
     values = np.array([curve.value for curve in curves])
@@ -45,7 +44,7 @@ def across(data: Data, figure: str, take: str, of: str = "tau", x: str = "any") 
     for column, curve in enumerate(curves):
         kept = curve.within(x)
         numbers[np.searchsorted(grid, kept.x), column] = kept.column(of)
-    return {"": mean([_ACROSS[take](values, row) for row in numbers])}
+    return mean([_ACROSS[take](values, row) for row in numbers])
 
 
 def motion_of_tilted_part(data: Data, figure: str) -> Parts:
@@ -63,9 +62,9 @@ def _usual_way(data: Data, figure: str) -> float:
     return median(np.concatenate([c.column("excursion") for c in data.curves(figure)]))
 
 
-def way_without_asymmetry(data: Data, figure: str, other: str) -> Parts:
+def way_without_asymmetry(data: Data, figure: str, other: str) -> float:
     """Farthest way from an upright start over the usual way in another figure."""
-    return {"": ratio(_farthest(data.curves(figure, 0.0)[0]), _usual_way(data, other))}
+    return ratio(_farthest(data.curves(figure, 0.0)[0]), _usual_way(data, other))
 
 
 def decades_by_tilt(data: Data, figure: str) -> Parts:
@@ -76,7 +75,7 @@ def decades_by_tilt(data: Data, figure: str) -> Parts:
     return {c.name: float(np.log10(max(_farthest(c), floor) / least)) for c in tilted}
 
 
-def reach_over_clearance(data: Data, figure: str) -> Parts:
+def reach_over_clearance(data: Data, figure: str) -> float:
     """Largest misalignment up to which every run aligns, over δa, of the best curve."""
     clearance = data.held(figure, "clearance") * data.held(figure, "half_width")
     reached = []
@@ -84,7 +83,7 @@ def reach_over_clearance(data: Data, figure: str) -> Parts:
         failing = np.flatnonzero(~curve.aligned)
         last = curve.x[: failing[0]] if failing.size else curve.x
         reached.append(float(last[-1]) / clearance if last.size else 0.0)
-    return {"": max(reached)}
+    return max(reached)
 
 
 def aligned_at(data: Data, figure: str, x: float) -> Parts:
@@ -96,15 +95,15 @@ def aligned_at(data: Data, figure: str, x: float) -> Parts:
     return parts
 
 
-def growth_by_family(data: Data, figure: str) -> Parts:
+def growth_by_family(data: Data, figure: str) -> float:
     """Largest over least growth of the duration along x, within the x at which all curves align."""
     curves = [c for c in data.curves(figure) if c.aligned.any()]
     if len(curves) < 2:
-        return {"": NAN}
+        return NAN
     common = min(float(c.x[c.aligned].max()) for c in curves)
     grown = np.array([growth(c.only(c.x <= common)) for c in curves])
     known = grown[np.isfinite(grown)]
-    return {"": float(known.max() / known.min()) if known.size > 1 else NAN}
+    return float(known.max() / known.min()) if known.size > 1 else NAN
 
 
 def relative_slope_elsewhere(
@@ -125,13 +124,13 @@ def _relative_slope(curve: Curve) -> float:
     return ratio(slope(curve.x, curve.tau), median(curve.tau))
 
 
-def tilt_gained(data: Data, figure: str, curve: float, x: str, over: str) -> Parts:
+def tilt_gained(data: Data, figure: str, curve: float, x: str, over: str) -> float:
     """Usual tilt gained until alignment in one range of x over that in another."""
     found, start = data.curves(figure, curve)[0], data.held(figure, "initial_tilt")
     stiff, first = (
         median(found.within(text).column("tilt_max", aligned=True)) - start for text in (x, over)
     )
-    return {"": ratio(stiff, first)}
+    return ratio(stiff, first)
 
 
 def spread_over_that_of(data: Data, figure: str, curve: float, curves: str) -> Parts:
@@ -145,12 +144,12 @@ def spread_over_that_of(data: Data, figure: str, curve: float, curves: str) -> P
     return parts
 
 
-def deepest_minimum(data: Data, figure: str) -> Parts:
+def deepest_minimum(data: Data, figure: str) -> Parts | float:
     """Lower flank above the minimum, over the minimum, of the curve where that is largest."""
     dips = [(_dip(c), c) for c in data.curves(figure)]
     known = [(dip, curve) for dip, curve in dips if not math.isnan(dip)]
     if not known:
-        return {"": NAN}
+        return NAN
     dip, curve = max(known, key=lambda each: each[0])
     return {f"at most, for {curve.name}": dip}
 
@@ -163,10 +162,10 @@ def _dip(curve: Curve) -> float:
     return float((np.minimum(before, after) / tau).max() - 1.0)
 
 
-def least_distance_in_shape(data: Data, figure: str, other: str) -> Parts:
+def least_distance_in_shape(data: Data, figure: str, other: str) -> float:
     """Distance in shape of the two most similar curves, one of each of two figures."""
     pairs = [_shape_distance(a, b) for a in data.curves(figure) for b in data.curves(other)]
-    return {"": min((each for each in pairs if not math.isnan(each)), default=NAN)}
+    return min((each for each in pairs if not math.isnan(each)), default=NAN)
 
 
 def _shape_distance(first: Curve, second: Curve) -> float:
@@ -183,7 +182,7 @@ def _shape_distance(first: Curve, second: Curve) -> float:
     return float(np.sqrt((distance**2).mean()))
 
 
-OF_CLAIM: Mapping[str, Callable[..., Parts]] = {
+OF_CLAIM: Mapping[str, Callable[..., Parts | float]] = {
     number.__name__: number
     for number in (
         across, motion_of_tilted_part, way_without_asymmetry, decades_by_tilt, reach_over_clearance,

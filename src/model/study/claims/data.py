@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Columns = Mapping[str, NDArray[Any]]
 Where = Mapping[str, str | float]  # a range, as ``between`` reads it, for some columns
-View = TypeVar("View")
+Read = TypeVar("Read")
 
 NAN = float("nan")
 # Comparing arrays with the enumeration takes five times as long.
@@ -241,7 +241,7 @@ class Data:
             raise MissingDataError(f"there is no dataset {name}")
         return self._datasets[name]
 
-    def _view(self, name: str, make: "Callable[[xr.Dataset], View]") -> View:
+    def _view(self, name: str, make: "Callable[[xr.Dataset], Read]") -> Read:
         key = (name, make.__name__)
         if key not in self._views:
             self._views[key] = make(self.dataset(name))
