@@ -83,7 +83,6 @@ class Claim:
             by the part's name, "" for the whole; None if nothing can be measured. NaN says that
             what the paper describes is not there to be measured, as the duration of a part that
             never aligns: that contradicts the claim as far as it goes.
-        asked: figures, number and arguments of the check as the table states them.
     """
 
     id: str
@@ -94,7 +93,6 @@ class Claim:
     measure: str
     limit: Limit
     check: Check | None
-    asked: str
 
 
 # --- The check ----------------------------------------------------------------------------------
@@ -214,11 +212,11 @@ def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Cla
     place, statement = stated.pop(kind), stated.pop("statement")
     if "unmeasured" in stated:
         limit = Limit(math.nan, True, 1.0, stated.pop("unmeasured"))
-        claim = Claim(name, place, _KINDS[kind], statement, (), "", limit, None, "")
+        claim = Claim(name, place, _KINDS[kind], statement, (), "", limit, None)
     else:
         arguments = dict(stated.pop("check"))
         limit = _demanded(arguments.pop("must"), named)
-        asked, figures = str(arguments), arguments.pop("figures")
+        figures = arguments.pop("figures")
         figures = EVERY_FIGURE if figures == "every figure" else tuple(figures)
         claim = Claim(
             id=name,
@@ -229,7 +227,6 @@ def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Cla
             measure=stated.pop("measure"),
             limit=limit,
             check=_check_of(arguments.pop("number"), figures, arguments),
-            asked=asked,
         )
     if stated:
         raise ValueError(f"unknown {', '.join(stated)}")
