@@ -16,7 +16,6 @@
 #                 folders, at one and at two cores, STUDY=full the whole one; the types of the
 #                 explorer's scripts
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
-# make efficiency  what the overhead of a cluster costs, simulated: docs/efficiency.png
 # make browser-test  the explorer in a headless Chromium and Firefox
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
@@ -46,7 +45,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy fuzz
 .PHONY: test lint types layers workflow unit environment environment-bench python lock
-.PHONY: yields truth bench bench-study nightly script-types browser-test slurm-test efficiency docs
+.PHONY: yields truth bench bench-study nightly script-types browser-test slurm-test docs
 .PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -120,10 +119,6 @@ script-types:
 	@command -v npx >/dev/null || echo "no npx here: the types of the explorer's scripts are not checked"
 	! command -v npx >/dev/null || npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
 		--lib es2022,dom,dom.iterable src/model/show/explorer/*.js
-
-# Of the jobs of a full build in results/; see docs/efficiency.md.
-efficiency: environment
-	$(in_env) python -m verification.cluster_efficiency
 
 # On a Slurm of its own; STUDY=tiny for a study that takes less time.
 STUDY ?= smoke

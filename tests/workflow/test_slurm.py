@@ -21,7 +21,6 @@ import pytest
 from model.tracking.records import sidecars
 from tests.workflow.slurm import Slurm, missing, running
 from tests.workflow.test_nothing_lost import FEW, failed_runs, outcomes
-from verification.cluster_efficiency import measured_costs, simulated
 
 pytestmark = [
     pytest.mark.slurm,
@@ -284,9 +283,9 @@ def test_what_is_worth_a_cluster_is_split_as_the_profile_says(compiled: Any, slu
 def test_a_campaign_goes_on_where_it_was_on_more_nodes(
     compiled: Any, tiny: dict[str, Any], slurm: Slurm
 ) -> None:
-    """Random sets of the fuzz on one node, then as many more on both: the times, as simulated."""
+    """Random sets of the fuzz on one node, then as many more on both: the times are printed."""
     slurm.call("scontrol", "update", "nodename=n2", "state=drain", "reason=test")
-    costs, known = measured_costs(), set()
+    known: set[str] = set()
     for nodes in (1, 2):
         tiny["accuracy"]["fuzz"] = {"sets": nodes * PARTS * SETS, "sets_a_job": SETS}
         compiled.configure(tiny)
@@ -300,7 +299,6 @@ def test_a_campaign_goes_on_where_it_was_on_more_nodes(
         assert len(parts) == PARTS, "those that are there stay"
         known |= parts.keys()
         work = np.array([each["wall_seconds"] for each in parts.values()])
-        expected = simulated(work, nodes, 4, costs, most=100)
         print(f"{nodes} cores, {PARTS} parts of {work.mean():.1f} s: {wall:.0f} s, efficiency "
-              f"{work.sum() / nodes / wall:.2f}, simulated {expected:.0f} s")  # fmt: skip
+              f"{work.sum() / nodes / wall:.2f}")  # fmt: skip
         resume(slurm)
