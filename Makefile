@@ -11,7 +11,6 @@
 #                 solution, in the environment of the benchmark
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
-# make bench-study  the whole study from an empty cache against its graph with empty jobs
 # make nightly    the tests that take long: 50 kills, full disks, mutations, the smoke study in two
 #                 folders, at one and at two cores, STUDY=full the whole one; the types of the
 #                 explorer's scripts
@@ -45,7 +44,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .PHONY: all smoke maps accuracy fuzz
 .PHONY: test lint types layers workflow unit environment environment-bench python lock
-.PHONY: yields truth bench bench-study nightly script-types browser-test slurm-test docs
+.PHONY: yields truth bench nightly script-types browser-test slurm-test docs
 .PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -143,9 +142,6 @@ nightly: environment
 # PYTHONPATH in place of an installation: the environment holds other people's packages only.
 bench: environment-bench
 	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
-
-bench-study: environment
-	$(in_env) python -m benchmarks.study --cores $(CORES) $(BENCH_FLAGS)
 
 TRUTH_FLAGS ?=
 truth: environment-bench
