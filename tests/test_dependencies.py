@@ -15,7 +15,6 @@ OWN = {"model", "benchmarks", "verification", "tests", "hold"}  # workflow/hold.
 DISTRIBUTIONS = {
     "yaml": "pyyaml",
     "sksundae": "scikit-sundae",
-    "PIL": "pillow",
 }  # where the import's name differs
 STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package

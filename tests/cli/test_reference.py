@@ -40,17 +40,6 @@ def test_a_build_is_red_until_accepted_and_red_again_when_it_changes(capsys, fol
     assert [each["variable"] for each in found] == ["tau_align"]
 
 
-def test_a_picture_that_looks_different_is_a_warning_with_a_page(capsys, folders) -> None:
-    cli.main(["accept", *folders, "--reason", "the first reference"])
-    root = Path(folders[1])
-    imsave(root / "figures/fig06.png", np.zeros((10, 10, 3)))
-    capsys.readouterr()
-    assert cli.main(["verify", *folders]) == cli.DONE
-    printed = capsys.readouterr()
-    assert "warning: pictures look different" in printed.err
-    assert (root / "comparison.html").is_file()
-
-
 def test_what_to_accept_and_why_must_be_said(capsys, folders) -> None:
     assert cli.main(["accept", *folders[:4], "--reason", "for no figure"]) == cli.REFUSED
     assert "name what to accept" in capsys.readouterr().err

@@ -47,7 +47,7 @@ def add(commands: Any) -> None:
     add_model_options(parser, scene="alignment")
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
-    words = "animate the run into FILE: a page (.html), or a GIF (.gif), which needs Chromium"
+    words = "animate the run into FILE, a page (.html)"
     parser.add_argument("--animate", type=Path, metavar="FILE", help=words)
     add_json(parser)
 
@@ -59,7 +59,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         check_picture(arguments.plot)
     if arguments.animate is not None:
-        check_file(arguments.animate, "--animate", ["html", "gif"])
+        check_file(arguments.animate, "--animate", ["html"])
     announce_compilation()
     run = simulate(parameters, settings)
     if arguments.json:
@@ -92,17 +92,16 @@ def _animate(
     # Imported here: what only a page needs.
     from model.runs.in_browser import interface  # noqa: PLC0415
     from model.runs.shown import shown_run  # noqa: PLC0415
-    from model.show.explorer.animation import run_gif, run_page  # noqa: PLC0415
+    from model.show.explorer.animation import run_page  # noqa: PLC0415
     from model.show.explorer.content import device_model  # noqa: PLC0415
 
     table = interface(settings.scene)
     model = device_model(parameters, units, file, settings, table, first)
     page = run_page(model, shown_run(parameters, settings))
     try:
-        data = run_gif(page) if path.suffix.lower() == ".gif" else page.encode()
         with whole_file(path) as part:
-            part.write_bytes(data)
-    except (OSError, ValueError) as error:
+            part.write_bytes(page.encode())
+    except OSError as error:
         print(f"vibralign: error: --animate {path}: {error}", file=sys.stderr)
         return False
     return True

@@ -1,7 +1,6 @@
 """``vibralign verify``: compare a build of the small study with its accepted reference."""
 
 import argparse
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -26,9 +25,7 @@ def add(commands: Any) -> None:
         "verify",
         _verify,
         "compare a build of the small study with the accepted reference",
-        ": every figure's data by variable, within their own estimated errors, then the claims, "
-        "then what the figures draw. Pictures that look different are a warning, with a page that "
-        "shows both.",
+        ": every figure's data by variable, within their own estimated errors, then the claims.",
         epilog="exit code: 0 all agree; 1 something differs; 2 bad input",
     )
     add_folders(parser)
@@ -38,11 +35,8 @@ def add(commands: Any) -> None:
 
 
 def _verify(arguments: argparse.Namespace) -> int:
-    # Plotting and xarray take a second that no other command should wait for.
-    from model.show.artists import disagreements  # noqa: PLC0415
-    from model.show.before_after import differing_pictures, write_page  # noqa: PLC0415
-    from model.tracking.comparison import open_dataset  # noqa: PLC0415
-    from model.tracking.reference import COMPUTED, Disagreement, verify  # noqa: PLC0415
+    # Imported here: xarray takes a second that no other command should wait for.
+    from model.tracking.reference import COMPUTED, verify  # noqa: PLC0415
 
     root, reference = arguments.root, arguments.reference
     if not root.is_dir():
@@ -50,23 +44,12 @@ def _verify(arguments: argparse.Namespace) -> int:
     chosen = [figure_name(text) for text in arguments.figure] or list(FIGURES)
     computed = [name for name in chosen if name in COMPUTED]
     findings = verify(root, reference, computed)
-    for name in computed:
-        path = root / "data" / f"{name}.nc"
-        if path.is_file():
-            drawn = disagreements(open_dataset(path))
-            findings += [Disagreement(name, "drawn", 1, words) for words in drawn]
-    pictures = differing_pictures(root, reference, chosen)
-    page = write_page(pictures, root, reference) if pictures else None
     if arguments.json:
-        found = [asdict(each) for each in findings]
-        print_json({"findings": found, "pictures": pictures})
+        print_json({"findings": [asdict(each) for each in findings]})
     elif findings:
         rows = [{**asdict(each), "": each.words} for each in findings]
         print("\n".join(table(rows, ("figure", "variable", "points", ""))))
         print("what is meant to differ: vibralign accept --figure N --reason ...")
     else:
         print(f"{len(computed)} figures agree with {reference}")
-    if page is not None:
-        words = ", ".join(f"{name} ({how})" for name, how in pictures.items())
-        print(f"warning: pictures look different, see {page}: {words}", file=sys.stderr)
     return int(bool(findings))

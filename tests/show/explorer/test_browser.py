@@ -1,6 +1,5 @@
 """The explorer in a real browser, headless: `make browser-test`."""
 
-import io
 import json
 import shlex
 from collections.abc import Iterator
@@ -10,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from model.cli import main as cli
 from model.events.insertion import INSERTION
@@ -20,13 +18,13 @@ from model.runs.align import run_once
 from model.runs.in_browser import interface, modules
 from model.runs.shown import shown_run
 from model.runs.simulate import simulate
-from model.show.explorer.animation import FRAMES, run_gif, run_page
-from model.show.explorer.browser import Page, browser, find_browser
+from model.show.explorer.animation import run_page
 from model.show.explorer.content import device_model, study_model
 from model.show.explorer.page import build_page
 from model.study.config import load_study, study_path
 from model.study.devices.amounts import read_amount
 from model.study.devices.stated import unit_of
+from tests.show.explorer.browser import Page, browser, find_browser
 
 PATH = find_browser()
 pytestmark = [
@@ -433,7 +431,7 @@ def test_every_control_has_a_name(page: Page) -> None:
     assert page.evaluate(unnamed) == []
 
 
-def test_a_run_as_a_page_and_as_a_gif(started: Page, tmp_path: Path) -> None:
+def test_a_run_as_a_page(started: Page, tmp_path: Path) -> None:
     parameters, settings = STUDY.parameters("fig05"), STUDY.settings.settings
     model = device_model(parameters, None, "", settings, interface(), ["press_force"])
     made = run_page(model, shown_run(parameters, settings))
@@ -444,6 +442,3 @@ def test_a_run_as_a_page_and_as_a_gif(started: Page, tmp_path: Path) -> None:
     started.wait_for("window.explorer && explorer.run")
     assert text(started, "verdict").startswith("Aligned at τ = ")
     assert started.errors == []
-    with Image.open(io.BytesIO(run_gif(made))) as gif:
-        assert gif.n_frames > FRAMES // 2  # equal pictures are joined
-        assert gif.size[0] > 400

@@ -234,15 +234,6 @@ function stepEvent(way) {
 
 // ---------------------------------------------------------------- start
 
-/** Return pictures of the drawing, over the whole run, as data URLs. @param {number} count */
-function pictures(count) {
-  play(false);
-  return Array.from({ length: count }, (_, n) => {
-    seek((lastTime() * n) / (count - 1));
-    return element("scene").toDataURL("image/png");
-  });
-}
-
 async function start() {
   element("gradient").style.background = gradient();
   makeControls();
@@ -268,7 +259,7 @@ async function start() {
     });
     remap();
   }
-  Object.assign(window, { explorer: { measured, get state() { return state; }, get run() { return run; }, get map() { return map; }, seek, pictures } });
+  Object.assign(window, { explorer: { measured, get state() { return state; }, get run() { return run; }, get map() { return map; }, seek } });
   if (!state.time && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }
 
