@@ -81,7 +81,7 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     assert lines[1].startswith("not reliable    goes in from 0 of 32 starts")
     shown = lines[next(i for i, line in enumerate(lines) if line.startswith("yield")) :]
     assert shown[0].startswith("yield           0 % (0 % to 1.478 %): 0 of 256 devices")
-    assert [line.split("  ")[0] for line in shown[1:]] == ["contact force", "worst corner"]
+    assert [line.split("  ")[0] for line in shown[1:]] == ["contact force", "fails nearest"]
     assert shown[-1].endswith("the device itself is not reliable")
 
 

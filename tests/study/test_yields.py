@@ -1,4 +1,4 @@
-"""Yields: distributions, Sobol' indices of a closed form, the worst corner of an oracle."""
+"""Yields: distributions, Sobol' indices of a closed form, the nearest device that fails."""
 
 import shlex
 from pathlib import Path
@@ -8,14 +8,13 @@ import pytest
 
 from model import Settings
 from model.cli import main as cli
-from model.study.assessment import worst_corner as corners
 from model.study.assessment import yields
-from model.study.assessment.worst_corner import worst_corner
 from model.study.assessment.yields import (
     Devices,
     distribution,
     drawn,
     interval,
+    nearest_failing,
     sobol_cubes,
     sobol_indices,
     yield_of,
@@ -81,40 +80,54 @@ def oracle(monkeypatch, fails):
         return Devices(values, ~bad, times, times[:, None], times, times, failing)
 
     monkeypatch.setattr(yields, "run_devices", run)
-    monkeypatch.setattr(corners, "run_devices", run)
 
 
-def test_the_quantity_that_fails_is_to_blame_and_the_corner_is_nearest(monkeypatch):
+def test_the_quantity_that_fails_is_to_blame(monkeypatch):
     stated = peg(friction="± 0.05", press_force="± 1", misalignment="± 10 %")
     oracle(
         monkeypatch, lambda v: (v["friction"] - 0.15) / 0.05 + 0.2 * (v["press_force"] - 10) > 0.8
     )
-    found, known = yield_of(stated, STARTS, COARSE, devices=512)
+    found, _ = yield_of(stated, STARTS, COARSE, devices=512)
     assert found.low < 0.9 < found.high  # of u + 0.2 v > 0.8 on (-1, 1)²: a tenth
     assert found.blame[0].quantity == "friction"
     assert found.blame[0].failure_total > 0.8
-    corner = worst_corner(stated, known, STARTS, COARSE)
-    assert corner.distance == pytest.approx(0.8 / 1.2, abs=0.1)
-    assert set(corner.quantities) <= {"friction", "press_force"}
 
 
-def test_no_corner_where_nothing_fails(monkeypatch):
+def test_the_nearest_device_that_fails_is_by_its_largest_deviation_in_tolerances():
+    stated = peg(friction="± 0.05", press_force="σ 1")
+    # In tolerances: (0.2, 0.1) goes in; (0.8, 0.1), (0.4, 0.6) and (0.1, 1.2) do not.
+    values = {
+        "friction": np.array([0.16, 0.19, 0.17, 0.145]),
+        "press_force": np.array([10.3, 9.7, 11.8, 13.6]),
+    }
+    goes_in, none = np.array([True, False, False, False]), np.zeros(4)
+    failing = np.array([-1, 0, 2, 1])
+    known = Devices(values, goes_in, none, none[:, None], none, none, failing)
+    found = nearest_failing(stated, known, STARTS)
+    assert found.quantities == {"friction": 0.17, "press_force": 11.8}
+    assert found.distance == pytest.approx(0.6)
+    assert found.start == STARTS[2]
+
+
+def test_no_device_is_named_where_nothing_fails(monkeypatch):
     stated = peg(friction="± 0.05")
     oracle(monkeypatch, lambda v: v["friction"] > 1.0)
     found, known = yield_of(stated, STARTS, COARSE, devices=16)
     assert (found.share, found.high) == (1.0, 1.0)
     assert np.isnan(found.blame[0].failure)
-    assert worst_corner(stated, known, STARTS, COARSE) is None
+    assert nearest_failing(stated, known, STARTS) is None
 
 
-def test_the_worst_corner_of_the_peg_fails_when_it_is_simulated(capsys):
-    stated = read_device(PEG, {"friction": "0.2 ± 0.08", "contact_stiffness": 3e5})
-    found, known = yield_of(stated, STARTS, COARSE, devices=16, blame=False)
-    assert 0 < found.going_in < 16
-    corner = worst_corner(stated, known, STARTS, COARSE)
-    assert 0.0 < corner.distance < 1.0
-    command = shlex.split(corner.command(stated))
-    assert cli.main([*command[1:], "--horizon", "600 ms", "--tolerance", "1e-6"]) == cli.DONE
+def test_the_nearest_failing_device_of_the_peg_fails_when_its_command_is_run(capsys):
+    device = ["--device", str(PEG)]
+    device += ["--set", "friction=0.15 ± 0.08", "--set", "contact_stiffness=3e5"]
+    rough = ["--horizon", "600 ms", "--tolerance", "1e-6"]
+    assert cli.main(["assess", *device, *rough, "--devices", "16"]) == cli.DONE
+    lines = capsys.readouterr().out.splitlines()
+    place = next(i for i, line in enumerate(lines) if line.startswith("fails nearest"))
+    assert "% of the tolerances" in lines[place]
+    command = shlex.split(lines[place + 1])
+    assert cli.main([*command[1:], *rough]) == cli.DONE
     assert "does not align" in capsys.readouterr().out
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import shlex
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -30,9 +31,9 @@ from model.show.si import in_words, quantity_of, range_words, scale, si_list, si
 from model.study.config import load_study, study_path
 
 if TYPE_CHECKING:
+    from model.runs.settings import Settings
     from model.study.assessment import Assessment, Leeway, Nearest
-    from model.study.assessment.worst_corner import WorstCorner
-    from model.study.assessment.yields import Yield
+    from model.study.assessment.yields import FailingDevice, Yield
     from model.study.devices import StatedDevice
 
 _line = partial(labelled, width=16)
@@ -89,15 +90,15 @@ def _assess(arguments: argparse.Namespace) -> int:
 
     ensemble, cores = study.maps.ensemble, os.cpu_count() or 1
     found = assess(device, settings, ensemble, cores, stated=stated, bases=arguments.bases)
-    drawn, corner = None, None
+    drawn, nearest = None, None
     if stated is not None and stated.tolerances:
-        drawn, corner = _drawn(found, stated, ensemble, settings, cores, devices)
+        drawn, nearest = _drawn(found, stated, ensemble, settings, cores, devices)
     met = drawn is None or required is None or drawn.low >= required
     if arguments.json:
         print_json(
             _record(found, units)
             | twin_record(device, settings)
-            | {"yield": drawn and _yield_record(drawn, corner, stated)}
+            | {"yield": drawn and _yield_record(drawn, nearest, stated, settings)}
         )
         return int(not met)
     shown = None if arguments.dimensionless else units
@@ -111,7 +112,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     from_materials = stated is not None and stated.materials is not None
     groups["Leeways"] = [*_advice(found, shown), *_varied(found, shown, from_materials)]
     if drawn is not None and stated is not None:
-        groups["Yield"] = _yield_report(found, drawn, corner, stated, required)
+        groups["Yield"] = _yield_report(found, drawn, nearest, stated, required, settings)
     print("\n".join(line for lines in groups.values() for line in lines))
     if arguments.sheet is not None and stated is not None:
         from model.cli.sheet import write_sheet  # noqa: PLC0415  (as above)
@@ -143,12 +144,12 @@ def _drawn(
     settings: Any,
     cores: int,
     devices: int,
-) -> tuple["Yield", "WorstCorner | None"]:
+) -> tuple["Yield", "FailingDevice | None"]:
     from dataclasses import replace  # noqa: PLC0415
 
-    from model.study.assessment.worst_corner import worst_corner  # noqa: PLC0415
     from model.study.assessment.yields import (  # noqa: PLC0415
         STATISTICAL_TOLERANCE,
+        nearest_failing,
         yield_of,
     )
     from model.study.starts import starts_of  # noqa: PLC0415
@@ -160,7 +161,7 @@ def _drawn(
     drawn, known = yield_of(stated, starts, settings, cores, devices=devices)
     if found.failing_start is not None:
         return drawn, None
-    return drawn, worst_corner(stated, known, starts, settings, cores)
+    return drawn, nearest_failing(stated, known, starts)
 
 
 def _report(
@@ -273,9 +274,10 @@ def _value(parameter: str, value: float, units: Units | None) -> str:
 def _yield_report(
     found: "Assessment",
     drawn: "Yield",
-    corner: "WorstCorner | None",
+    failing: "FailingDevice | None",
     stated: "StatedDevice",
     required: float | None,
+    settings: "Settings",
 ) -> list[str]:
     percent = [f"{100.0 * each:.4g} %" for each in (drawn.share, drawn.low, drawn.high)]
     lines = [
@@ -301,18 +303,16 @@ def _yield_report(
             ]
         )  # fmt: skip
     if found.failing_start is not None:
-        lines.append(_line("worst corner", "the device itself is not reliable"))
-    elif corner is None:
-        lines.append(
-            _line("worst corner", "no combination within the tolerances was found to fail")
-        )
+        lines.append(_line("fails nearest", "the device itself is not reliable"))
+    elif failing is None:
+        lines.append(_line("fails nearest", "none of the devices drawn fails"))
     else:
         off = ", ".join(
             f"{name} = {si_words(value, quantity_of(name))}"
-            for name, value in corner.quantities.items()
+            for name, value in failing.quantities.items()
         )
-        words = f"{off}: fails at {100.0 * corner.distance:.3g} % of the tolerances"
-        lines += [_line("worst corner", words), f"  {corner.command(stated)}"]
+        words = f"{off}: fails at {100.0 * failing.distance:.3g} % of the tolerances"
+        lines += [_line("fails nearest", words), f"  {_command(failing, stated, settings)}"]
     return lines
 
 
@@ -321,12 +321,26 @@ def _index(value: float) -> str:
 
 
 def _yield_record(
-    drawn: "Yield", corner: "WorstCorner | None", stated: "StatedDevice | None"
+    drawn: "Yield",
+    failing: "FailingDevice | None",
+    stated: "StatedDevice | None",
+    settings: "Settings",
 ) -> dict[str, Any]:
-    worst = None
-    if corner is not None and stated is not None:
-        worst = asdict(corner) | {"command": corner.command(stated)}
-    return asdict(drawn) | {"share": drawn.share, "worst_corner": worst}
+    nearest = None
+    if failing is not None and stated is not None:
+        nearest = asdict(failing) | {"command": _command(failing, stated, settings)}
+    return asdict(drawn) | {"share": drawn.share, "nearest_failing": nearest}
+
+
+def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settings") -> str:
+    """Return the command line that runs a device which fails."""
+    changes = {**stated.changes, **failing.quantities, **failing.start}
+    words = [f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()]
+    if settings.insertion_depth is not None:
+        depth = settings.insertion_depth * stated.device.units.amplitude
+        words.insert(0, f"--insertion-depth {depth!r}")
+    scene = f"--scene {settings.scene.name}"
+    return f"vibralign simulate --device {stated.source} {scene} {' '.join(words)}"
 
 
 def _record(found: "Assessment", units: Units | None) -> dict[str, Any]:

@@ -96,6 +96,22 @@ class Yield:
         return self.going_in / self.devices
 
 
+@dataclass(frozen=True)
+class FailingDevice:
+    """Drawn device that fails.
+
+    Attributes:
+        quantities: its quantities with tolerances, in SI units.
+        distance: largest deviation, in tolerances: 1 is the end of a uniform one, and three
+            standard deviations of a normal one.
+        start: phase and tilt at touch-down of a failing run.
+    """
+
+    quantities: Mapping[str, float]
+    distance: float
+    start: Mapping[str, float]
+
+
 def distribution(name: str, value: float, tolerance: Tolerance) -> Any:
     """Return the distribution of a quantity, in SI units, cut where its rule ends (scipy)."""
     bound = FIELDS[name].bound if name in FIELDS else "> 0"
@@ -210,6 +226,20 @@ def yield_of(
         ),
         found,
     )
+
+
+def nearest_failing(stated: StatedDevice, known: Devices, starts: Starts) -> FailingDevice | None:
+    """Return the drawn device that fails nearest to the stated values, None if none fails."""
+    off = np.stack([
+        np.abs(known.values[name] - stated.quantities[name])
+        / (each.around(stated.quantities[name]) * (1.0 if each.kind == "uniform" else 3.0))
+        for name, each in stated.tolerances.items()
+    ]).max(axis=0)  # fmt: skip
+    nearest = int(np.argmin(np.where(known.goes_in, np.inf, off)))
+    if known.goes_in[nearest]:
+        return None
+    values = {name: float(each[nearest]) for name, each in known.values.items()}
+    return FailingDevice(values, float(off[nearest]), dict(starts[known.failing[nearest]]))
 
 
 def interval(successes: int, count: int) -> tuple[float, float]:
