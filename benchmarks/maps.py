@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.runs.align import run_once
-from model.study.config import LARGEST_MISALIGNMENT, MAPS, Map, Study, load_study, study_path
+from model.study.config import MAPS, Map, Study, load_study, study_path
 from model.study.map_parts import Known
 from model.study.maps import MapPlan, areas, end_of, graded, plan_of
 from model.study.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
@@ -120,7 +120,7 @@ def drawn(study: Study, cells: int, count: int = 6) -> Iterator[MapPlan]:
     nowhere, are drawn again.
     """
     rng = np.random.default_rng(SEED)
-    names = [name for name in study.map_names if name != LARGEST_MISALIGNMENT]
+    names = list(study.map_names)
     for name in (names * count)[:count]:
         share = 0.0
         while not 0.05 < share < 0.95:

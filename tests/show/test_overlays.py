@@ -152,15 +152,6 @@ def test_numbers_of_ranges_move_along_their_lines_to_free_places():
     assert min(places["6"][1], places["12"][1]) > 8.5  # no further than they must
 
 
-def test_the_map_of_the_largest_misalignment_is_drawn():
-    shown = dataset()
-    shown["misalignment_max"] = shown["tau_align"].fillna(1.0)
-    shown.attrs["kind"] = "limit"
-    figure = draw(shown)
-    assert "ε" in figure.axes[1].get_ylabel()
-    assert contours(figure, "_contours")
-
-
 @pytest.mark.parametrize(
     ("values", "within"),
     [

@@ -117,8 +117,6 @@ REFUSED = [
     ("maps.planes.stiffnesses.held.friction", -1.0, ["planes.stiffnesses", "friction = -1.0"]),
     ("maps.planes.stiffnesses.held.tilt_stiffness", 1.0, ["tilt_stiffness: is varied in the same"]),
     ("maps.planes.stiffnesses.y.parameter", "lateral_stiffness", ["varied twice"]),
-    ("maps.largest_misalignment.x.parameter", "clearance", ["varies the misalignment or what"]),
-    ("maps.trials", 1, ["maps.trials = 1", "equal to 2"]),
     ("precision.laddr", {}, ["precision.laddr", "unknown key", "'ladder'"]),
     ("precision.cases", {}, ["precision.cases", "at least 1"]),
     ("precision.cases.aligned.figure", "fig01", ["precision.cases.aligned", "'fig01'", "fig05"]),
@@ -253,7 +251,7 @@ def test_smoke_changes_only_sizes() -> None:
         "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
         "contact_stiffness", "hard_cases", "jamming",
     }  # fmt: skip
-    assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble", "trials"}
+    assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble"}
     assert all(
         run == {"swept": {"count": run["swept"]["count"]}} for run in smoke["claims_runs"].values()
     )

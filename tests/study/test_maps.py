@@ -10,16 +10,9 @@ from scipy.ndimage import distance_transform_edt, maximum_filter
 
 from model import Batch, align
 from model.events.outcomes import Outcome
-from model.study import largest_misalignment, maps, reliability
+from model.study import maps, reliability
 from model.study.config import Axis, Ensemble, RunSettings, Span, load_study, study_path
 from model.study.datasets import DatasetError, write_dataset
-from model.study.largest_misalignment import (
-    BISECTIONS,
-    LimitPlan,
-    limit_dataset,
-    limit_plan,
-    limits,
-)
 from model.study.map_datasets import MAP_VARIABLES, map_dataset, marks_of
 from model.study.map_parts import compute_part, nothing_known, part_dataset, read_parts
 from model.study.maps import MapPlan, areas, assemble, map_plan, plan_of
@@ -299,93 +292,14 @@ def test_a_map_without_an_ensemble_has_no_reliable_share(device):
 
 def test_the_maps_of_the_study_cover_the_ranges_of_its_figures():
     study = load_study(study_path())
-    for name in study.map_names[:-1]:
+    for name in study.map_names:
         plan = map_plan(study, name)
         plane = study.plane(name)
         assert (plan.x.start, plan.x.stop) == (plane.x.start, plane.x.stop)
         assert plan.cells == (1024 if name in ("fig13", "fig14") else 512)
         assert len(plan.starts()) >= 16
-    with pytest.raises(ValueError, match="is no map of outcomes"):
-        map_plan(study, "largest_misalignment")
-    assert limit_plan(study).name == "largest_misalignment"
     marks = marks_of(study, "fig13")
     five = study.parameters("fig05")
     assert ("fig05", [five.tilt_stiffness], [five.press_force]) in marks
     swept = study.figures["fig06"].swept
     assert ("fig06", [study.figures["fig06"].family.values[0]], [swept.start, swept.stop]) in marks
-
-
-# --- The largest misalignment -------------------------------------------------------------------
-
-
-def test_the_limit_is_bisected_below_the_first_failure():
-    """Limits: 0.33, none among the trials, below the first trial, and one with an island beyond."""
-    limit = np.array([0.33, 9.0, 0.0, 0.5])
-    tried = np.linspace(0.1, 1.0, 10)
-
-    def aligns(nodes, misalignment):
-        inside = misalignment <= limit[nodes]
-        return inside | ((nodes == 3) & (misalignment > 0.75))
-
-    found, runs = limits(aligns, tried, 0.05, np.full(4, 0.05))
-    spacing = 0.1 / 2**BISECTIONS
-    assert limit[0] - spacing <= found[0] <= limit[0]
-    assert found[1] == tried[-1]
-    assert 0.05 <= found[2] <= 0.05 + spacing
-    assert limit[3] - spacing <= found[3] <= limit[3]
-    assert runs.tolist() == [4 + BISECTIONS, 10, 1 + BISECTIONS, 6 + BISECTIONS]
-
-
-def test_trials_begin_below_the_limits_around_a_node_unless_the_first_fails():
-    """Beside neighbours that align to 0.62, two trials are left; a node that fails starts anew."""
-    limit = np.array([0.58, 0.33, 0.85])
-    tried = np.linspace(0.1, 1.0, 10)
-
-    def aligns(nodes, misalignment):
-        return misalignment <= limit[nodes]
-
-    alone, _ = limits(aligns, tried, 0.05, np.full(3, 0.05))
-    found, runs = limits(aligns, tried, 0.05, np.full(3, 0.62))
-    assert np.array_equal(found, alone)
-    assert runs.tolist() == [2 + BISECTIONS, 1 + 4 + BISECTIONS, 5 + BISECTIONS]
-
-
-def test_parts_do_not_change_the_map_of_limits(device, tmp_path, monkeypatch):
-    monkeypatch.setattr(largest_misalignment, "COARSE", 4)
-    spans = Span(parameter="press_force", start=1.0, stop=4.0), X
-    plane = plan_of("largest_misalignment", device, SETTINGS, spans, 8, None)
-    plan = LimitPlan(plane=plane, trials=4)
-    whole = nothing_known(plan)
-    found = limit_dataset(plan, whole, "title", "summary")
-    assert 25 < whole["limit"].computed.sum() < 81
-    paths = [tmp_path / f"{part}.nc" for part in range(3)]
-    for part, path in enumerate(paths):
-        done = compute_part(plan, part, 3)
-        assert done["limit"].computed.sum() < whole["limit"].computed.sum()
-        write_dataset(part_dataset(plan, part, 3, done), path)
-    again = limit_dataset(plan, read_parts(plan, paths), "title", "summary")
-    xr.testing.assert_identical(again, found)
-
-
-def test_every_misalignment_tried_below_the_limit_aligns(device):
-    spans = Span(parameter="press_force", start=1.0, stop=4.0), X
-    plane = plan_of("largest_misalignment", device, SETTINGS, spans, 2, None)
-    plan = LimitPlan(plane=plane, trials=4)
-    dataset = limit_dataset(plan, nothing_known(plan), "title", "summary")
-    found = dataset["misalignment_max"].values
-    inner, outer = plan.bounds
-    assert inner == device.half_width * device.clearance
-    assert (found >= inner).all()
-    assert (found < outer).all()
-    for row, column in ((0, 0), (2, 2)):
-        point = {name: float(value[0]) for name, value in
-                 plane.swept(np.array([row]), np.array([column])).items()}  # fmt: skip
-        runs = align(
-            [device.replace(misalignment=each, **point) for each in plan.tried], horizon=40.0
-        )
-        aligned = runs.outcome == Outcome.ALIGNED
-        below = plan.tried <= found[row, column]
-        assert aligned[below].all()
-        assert below.all() or not aligned[below.sum()]
-    assert "misalignment" not in dataset.coords
-    assert dataset["misalignment_max"].dims == ("tilt_stiffness", "press_force")

@@ -31,7 +31,6 @@ TINY: dict[str, Any] = {
         "resolution": {"figures": 4, "planes": 2},
         "chunks": 2,
         "ensemble": {"phases": 2, "tilts": [1.0], "every": 4},
-        "trials": 2,
     },
     "accuracy": {
         "horizon": 30.0,

@@ -269,7 +269,7 @@ def test_a_job_over_its_time_limit_says_so_and_a_second_attempt_has_more(
 
 
 def test_what_is_worth_a_cluster_is_split_as_the_profile_says(compiled: Any, slurm: Slurm) -> None:
-    """Three parts of trials, and twelve of six maps."""
+    """Three parts of trials, and ten of five maps."""
     targets = ("accuracy", "maps")
     before = slurm.submitted()
     run = compiled.make(*targets, "--group-components", "trials=2", "maps=4", *HASTY)

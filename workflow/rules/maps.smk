@@ -1,19 +1,11 @@
 """Stability maps that follow their boundary: those of Figs. 13 and 14, and `snakemake -c2 maps`."""
 
-from model.study.config import LARGEST_MISALIGNMENT
-from model.study.largest_misalignment import limit_plan
 from model.study.map_datasets import marks_of
 from model.study.maps import map_plan
 
 WITH_VIBRATION = ("fig13", "friction_press_force")  # of these, what vibration adds is drawn
 
-plan = dict(
-    plan=lambda wildcards: (
-        limit_plan(study)
-        if wildcards.map == LARGEST_MISALIGNMENT
-        else map_plan(study, wildcards.map)
-    )
-)
+plan = dict(plan=lambda wildcards: map_plan(study, wildcards.map))
 
 job(
     "map_part",

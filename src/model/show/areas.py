@@ -1,4 +1,4 @@
-"""Figs. 13 and 14: areas of stable alignment, and the map of the largest misalignment."""
+"""Figs. 13 and 14: areas of stable alignment."""
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -165,25 +165,6 @@ def vibration_map(dataset: "xr.Dataset") -> Figure:
             handler_map={PathPatch: HandlerPatch()},
             handleheight=1.4,
         )
-        return figure
-
-
-def limit_map(dataset: "xr.Dataset") -> Figure:
-    """Draw the largest misalignment up to which all align, in colour with contours."""
-    y, x = (dataset[name] for name in dataset["misalignment_max"].dims)
-    values = np.ma.masked_invalid(dataset["misalignment_max"].values)
-    with style.context():
-        figure = style.new_figure(height=11.0 * style.CENTIMETRE)
-        axes = figure.subplots()
-        axes.grid(visible=False)
-        mesh = axes.pcolormesh(cell_edges(x.values), cell_edges(y.values), values, rasterized=True)
-        figure.colorbar(mesh, ax=axes, pad=0.02).set_label("largest misalignment $ε$")
-        add_contours(axes, x.values, y.values, values)
-        axes.set_xlim(x.values[0], x.values[-1])
-        axes.set_ylim(y.values[0], y.values[-1])
-        axes.set_xlabel(axis_label(x))
-        axes.set_ylabel(axis_label(y))
-        axes.spines[["top", "right"]].set_visible(True)
         return figure
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from model.show.areas import limit_map, stability_map
+from model.show.areas import stability_map
 from model.show.curves import curves
 from model.show.history import history
 
@@ -16,7 +16,6 @@ _DRAW: "Mapping[str, Callable[[xr.Dataset], Figure]]" = {
     "history": history,
     "curves": curves,
     "map": stability_map,
-    "limit": limit_map,
 }
 
 

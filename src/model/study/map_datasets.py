@@ -1,7 +1,7 @@
 """Datasets of maps: grids over two parameters, and the meaning of their variables."""
 
 import json
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -147,7 +147,6 @@ def plane_dataset(
     variables: Mapping[str, Mapping[str, Any]],
     values: Mapping[str, NDArray[Any]],
     attributes: Mapping[str, Any],
-    derived: Collection[str] = (),
 ) -> xr.Dataset:
     """Return a gridded dataset: varied parameters as dimensions, held ones as scalar coordinates.
 
@@ -156,12 +155,10 @@ def plane_dataset(
         variables: attributes of each variable, by name.
         values: values of each variable, shape (cells + 1, cells + 1), rows along y.
         attributes: attributes of the dataset.
-        derived: parameters that are results, not coordinates.
     """
     dims = (plan.y.parameter, plan.x.parameter)
     swept = {plan.y.parameter: plan.y.values, plan.x.parameter: plan.x.values}
-    given = {name: value for name, value in plan.parameters.items() if name not in derived}
-    coordinates = parameter_coordinates(swept, given)
+    coordinates = parameter_coordinates(swept, plan.parameters)
     return xr.Dataset(
         {name: (dims, values[name], {"units": "1", **each}) for name, each in variables.items()},
         dict(sorted(coordinates.items())),

@@ -22,7 +22,6 @@ from model.runs.engines import engine_for, error_carrying_engine
 from model.runs.errors import estimate
 from model.runs.twin import twin_results
 from model.study.config import (
-    LARGEST_MISALIGNMENT,
     MAPS,
     Axis,
     Ensemble,
@@ -131,11 +130,9 @@ def map_plan(study: Study, name: str) -> MapPlan:
     """Return the map ``name`` of a study.
 
     Raises:
-        ValueError: no map of outcomes of that name.
+        ValueError: no map of that name.
     """
     plane = study.plane(name)
-    if name == LARGEST_MISALIGNMENT:
-        raise ValueError(f"{name} is no map of outcomes")
     resolution = study.maps.resolution
     return plan_of(
         name,

@@ -13,7 +13,6 @@ from model.study.config.figures import (
     FIGURES,
     GRIDDED,
     HISTORIES,
-    LARGEST_MISALIGNMENT,
     MAPS,
     SCHEMATICS,
     Curves,
@@ -33,7 +32,7 @@ from model.study.config.methods import HardCase, HardCases, Ladder
 from model.study.config.study import RunSettings, Study
 
 __all__ = [
-    "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "LARGEST_MISALIGNMENT", "MAPS",
+    "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS",
     "SCHEMATICS", "Axis", "ClaimRun", "ConfigError", "Curves", "Ensemble", "Family", "HardCase",
     "HardCases", "History", "Ladder", "Map", "Range", "RunSettings", "Span", "Study", "baseline",
     "check_plane", "check_study", "load_study", "read_study", "study_files", "study_path",

@@ -6,7 +6,7 @@ from functools import partial
 
 from model.physics.parameters import FIELDS, REQUIRED_NAMES, Batch, Parameters, check_name
 from model.study.config.base import Axis, Family, Span
-from model.study.config.figures import COMPUTED, KIND, LARGEST_MISALIGNMENT, Curves, Map, Plane
+from model.study.config.figures import COMPUTED, KIND, Curves, Map, Plane
 from model.study.config.study import Study
 
 
@@ -108,11 +108,7 @@ def _planes(study: Study) -> Iterable[str]:
         plane = study.plane(name)
         if isinstance(plane, Map):  # a figure's: checked there
             continue
-        own = name == LARGEST_MISALIGNMENT
-        place = f"maps.{name}" if own else f"maps.planes.{name}"
-        varied = {plane.x.parameter, plane.y.parameter}
-        if own and varied & {"misalignment", "clearance", "half_width"}:
-            yield f"{place}: varies the misalignment or what bounds it"
+        place = f"maps.planes.{name}"
         yield from _varied(place, "map", (plane.x,), plane.held)
         yield from _varied(place, "map", (plane.y,), plane.held)
         yield from _attempt(place, partial(_plane, study, plane))

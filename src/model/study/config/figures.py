@@ -24,7 +24,6 @@ MAPS = ("fig13", "fig14")
 FIGURES = tuple(sorted(SCHEMATICS + HISTORIES + CURVES + MAPS))
 GRIDDED = CURVES + MAPS
 COMPUTED = HISTORIES + GRIDDED
-LARGEST_MISALIGNMENT = "largest_misalignment"  # the map that is not one of outcomes
 
 
 class FigureBase(Strict):
@@ -138,13 +137,9 @@ class Maps(Strict):
     """Initial conditions of the test for reliable alignment."""
     planes: dict[str, Plane]
     """Maps that are not in the paper, by name."""
-    largest_misalignment: Plane
-    """Map of the largest misalignment up to which every one aligns."""
-    trials: int = Field(ge=2)
-    """Misalignments tried at each node before the first failure is bisected."""
 
     @model_validator(mode="after")
     def _names_are_new(self) -> "Maps":
-        for name in set(self.planes) & {*FIGURES, LARGEST_MISALIGNMENT}:
+        for name in set(self.planes) & set(FIGURES):
             raise ValueError(f"planes.{name}: is the name of a map that the study has already")
         return self

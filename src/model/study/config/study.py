@@ -15,7 +15,6 @@ from model.study.config.base import ParameterValues, Strict, Text, Tolerance
 from model.study.config.claims import ClaimRun, ContactStiffness
 from model.study.config.figures import (
     FIGURES,
-    LARGEST_MISALIGNMENT,
     MAPS,
     FigureSpec,
     Map,
@@ -133,14 +132,12 @@ class Study(Strict):
         return self.baseline.replace(**self.figures[figure].held)
 
     def plane(self, name: str) -> Plane | Map:
-        """Return a map's ranges and wording: a figure, a plane, or "largest_misalignment".
+        """Return a map's ranges and wording: those of a figure or of a plane.
 
         Raises:
             ValueError: no map of that name.
         """
         check_name(name, self.map_names, "map")
-        if name == LARGEST_MISALIGNMENT:
-            return self.maps.largest_misalignment
         found = self.maps.planes.get(name) or self.figures[name]
         assert isinstance(found, (Plane, Map)), name  # noqa: S101  (checked with the figures)
         return found
@@ -148,7 +145,7 @@ class Study(Strict):
     @property
     def map_names(self) -> tuple[str, ...]:
         """Every map of the study, those of the paper first."""
-        return *MAPS, *self.maps.planes, LARGEST_MISALIGNMENT
+        return *MAPS, *self.maps.planes
 
     def claim_parameters(self, name: str) -> Parameters:
         """Return the parameters of a run of the claims, without those that it varies."""
