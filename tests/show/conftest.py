@@ -5,10 +5,10 @@ import xarray as xr
 
 from tests.comparison_data import judged, timed_settings, wrong_datasets
 from tests.show.drawn import DURATIONS, grid
-from tests.show.report_data import bases, datasets, lines, refined, rendered, root, study
+from tests.show.report_data import datasets, lines, refined, rendered, root, study
 
 __all__ = [
-    "bases", "datasets", "judged", "lines", "refined", "rendered", "root", "study",
+    "datasets", "judged", "lines", "refined", "rendered", "root", "study",
     "timed_settings", "wrong_datasets",
 ]  # fmt: skip
 

@@ -110,19 +110,6 @@ def lines(datasets):
 
 
 @pytest.fixture(scope="module")
-def bases(study, datasets):
-    varied = ["contact_stiffness", "damping_ratio"]
-    found = {}
-    for name in study.contact_stiffness.figures:
-        parts = [
-            datasets[name].assign_coords(contact_stiffness=k, damping_ratio=0.05)
-            for k in (100.0, 1e6)
-        ]
-        found[name] = xr.concat(parts, "variation", coords=varied, combine_attrs="override")
-    return found
-
-
-@pytest.fixture(scope="module")
 def refined(datasets):
     """As the refined map of the figure at the head: its left half is not reliable."""
     reliable = np.ones(datasets[HEAD]["outcome"].shape, dtype=np.int8)
@@ -131,17 +118,13 @@ def refined(datasets):
 
 
 @pytest.fixture(scope="module")
-def root(
-    study, datasets, refined, lines, bases, timed_settings, wrong_datasets, judged, tmp_path_factory
-):
+def root(study, datasets, refined, lines, timed_settings, wrong_datasets, judged, tmp_path_factory):
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
         write_dataset(without_rest(dataset), root / f"data/other_start/{name}.nc")
     write_dataset(jamming_data(), root / "data/jamming.nc")
     write_dataset(refined, root / f"data/maps/{HEAD}.nc")
-    for name, dataset in bases.items():
-        write_dataset(dataset, root / f"data/contact_stiffness/{name}.nc")
     for name, dataset in wrong_datasets.items():
         write_dataset(dataset.assign_attrs(sweep=""), root / f"data/fixed_steps/{name}.nc")
     (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
@@ -150,7 +133,7 @@ def root(
     (root / "benchmarks/precision.csv").write_text(timings_table(timed_settings), encoding="utf-8")
     (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
     (root / "figures/maps").mkdir()
-    drawn = "claims", "contact_stiffness", "jamming", "maps/fig13_vibration"
+    drawn = "claims", "jamming", "maps/fig13_vibration"
     places = [f"figures/{name}" for name in (*study.figures, *drawn)]
     for place in (*places, *PICTURES.values(), *HARD_PICTURES.values()):
         (root / f"{place}.png").write_bytes(PIXEL)

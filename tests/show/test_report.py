@@ -14,14 +14,12 @@ from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.report import background
 from model.show.report.background import READING_WORDS
-from model.show.report.contact_stiffness import sentences
 from model.show.report.figures import HEAD, Counts, _ranges
 from model.show.report.jamming import _beyond
 from model.show.report.section import Results, subscripts
 from model.show.words import figure_title, percent, short
 from model.study.claims import tally
 from model.study.config import FIGURES
-from model.study.contact_comparison import claims_on_bases
 from model.study.datasets import write_dataset
 from model.study.jamming import entered, jammed, wedging_side
 from tests.show.drawn import jamming_data
@@ -57,7 +55,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == len(study.figures) + len(PICTURES) + len(HARD_PICTURES) + 4
+    assert len(images) == len(study.figures) + len(PICTURES) + len(HARD_PICTURES) + 3
     head, *others = [study.figures[HEAD], *(study.figures[n] for n in study.figures if n != HEAD)]
     for image, spec in zip(images, [head, *others], strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
@@ -291,7 +289,7 @@ def test_hard_cases_are_told_in_pictures_and_a_table_of_every_run(rendered, stud
 
 
 def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, lines):
-    part = rendered[rendered.index('id="claims"') : rendered.index('id="contact"')]
+    part = rendered[rendered.index('id="claims"') : rendered.index('id="jamming"')]
     text = plain(part)
     assert tally([line.verdict for line in lines]).capitalize() in text
     rows = dict(re.findall(r'id="claim-(\w+)">(.*?)</li>', part, re.DOTALL))
@@ -304,16 +302,6 @@ def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, lin
         own = ["claims-runs" if not each.startswith("fig") else each for each in line.sources]
         assert links == own
         assert ("must be" in row) == bool(line.demand)
-
-
-def test_what_the_base_changes_is_told_in_sentences_and_tables(rendered, bases):
-    part = rendered[rendered.index('id="contact"') : rendered.index('id="jamming"')]
-    judged = claims_on_bases(bases)
-    for sentence in sentences(bases, judged):
-        assert plain(str(subscripts(sentence))) in plain(part)
-    assert part.count("<tr>") == 3 * (1 + 2) + 1 + len(judged)
-    for name in bases:
-        assert f'href="data/contact_stiffness/{name}.nc"' in part
 
 
 def test_jamming_is_counted_beside_the_wedging_limit(rendered):

@@ -62,11 +62,6 @@ REFUSED = [
     ("claims_runs.misaligned.swept.stop", 9.0, ["misalignment[", "wholly beside the slot"]),
     ("jamming.held", {"friction": 0.1}, ["jamming.held.friction", "is varied in the same figure"]),
     ("jamming.clearance.values", [-0.1], ["jamming", "clearance"]),
-    ("contact_stiffness.stiffness", [1.0], ["contact_stiffness.stiffness", "'stiffnesses'"]),
-    ("contact_stiffness.stiffnesses", [0.0], ["stiffnesses", "greater than 0"]),
-    ("contact_stiffness.damping_ratios", [-0.1], ["damping_ratios", "equal to 0"]),
-    ("contact_stiffness.figures.fig05", {"points": 3}, ["fig05", "figure with a grid"]),
-    ("contact_stiffness.figures.fig06.points", 1, ["fig06.points = 1", "equal to 2"]),
     ("structure.inertia", -1.0, ["structure.inertia = -1.0", "> 0"]),
     ("structure.half_width", True, ["structure.half_width = True", "number"]),
     ("structure.inrtia", 1.0, ["structure", "inrtia", "'inertia'"]),
@@ -249,13 +244,12 @@ def test_smoke_changes_only_sizes() -> None:
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     assert set(smoke) == {
         "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
-        "contact_stiffness", "hard_cases", "jamming",
+        "hard_cases", "jamming",
     }  # fmt: skip
     assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble"}
     assert all(
         run == {"swept": {"count": run["swept"]["count"]}} for run in smoke["claims_runs"].values()
     )
-    assert all(set(grid) == {"points"} for grid in smoke["contact_stiffness"]["figures"].values())
     assert set(smoke["accuracy"]) == {"sets", "chunks", "settled", "fuzz"}
     assert set(smoke["accuracy"]["settled"]) == {"sets", "chunks"}
     for spec in smoke["figures"].values():

@@ -61,12 +61,6 @@ TINY: dict[str, Any] = {
         name: {"swept": {"count": 2}}
         for name in ("centred", "pressed", "misaligned", "displaced", "rubbing", "by_frequency")
     },
-    "contact_stiffness": {
-        "stiffnesses": [30.0],
-        "damping_ratios": [1.0],
-        "damped_at": [100.0],
-        "figures": {name: {"points": 2} for name in ("fig06", "fig12", "fig13")},
-    },
     "jamming": {"tilt_stiffness": {"count": 2}, "friction": {"count": 2}},
 }
 STUDY = ["--configfile", "config/tiny.yaml"]

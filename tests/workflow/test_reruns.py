@@ -21,11 +21,10 @@ DRAWN = {"plot", *JUDGED}
 FIXED = {"fixed_steps", "draw_wrong_points"}
 MAPPED = {"map_part", "map", "draw_vibration"}
 OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
-ON_BASES = {"contact_stiffness", "draw_contact"}
 JAMMING = {"jamming", "draw_jamming"}
 COMPUTED = {
     "chunk", "history", "merge", "other_start", "precision", "fixed_steps", *MAPPED, *OWN_RUNS,
-    *ON_BASES, *JAMMING, "hard_cases", *DRAWN, *BESIDE, *HARD, "explorer",
+    *JAMMING, "hard_cases", *DRAWN, *BESIDE, *HARD, "explorer",
 }  # fmt: skip
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
@@ -41,7 +40,7 @@ MUTATIONS = [
     ("src/model/show/areas.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
      {"plot", "draw_vibration", *LAST}),
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5',
-     {"schematic", "plot", "draw_vibration", "draw_claims", "draw_contact", "draw_jamming", *LAST,
+     {"schematic", "plot", "draw_vibration", "draw_claims", "draw_jamming", *LAST,
       *BESIDE, *HARD}),
     ("src/model/show/schematics/sheet.py", "import ", "import math as _unused\nimport ",
      {"schematic", *LAST}),
@@ -149,8 +148,7 @@ def test_another_number_of_chunks_computes_that_figure_anew(
 def test_a_setting_of_all_figures_computes_everything(project: Any, tiny: dict[str, Any]) -> None:
     tiny["settings"] = {"tolerance": 1e-9}
     project.configure(tiny)
-    # The figures on other bases have a tolerance of their own.
-    assert rules(project.planned()) == COMPUTED - ON_BASES
+    assert rules(project.planned()) == COMPUTED
 
 
 def test_a_run_of_the_ledger_runs_the_ledger_only(project: Any, tiny: dict[str, Any]) -> None:

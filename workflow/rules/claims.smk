@@ -1,13 +1,9 @@
-"""The claims ledger: the paper's claims, judged by the figures' data, by more runs, on other bases; jamming."""
+"""The claims ledger: the paper's claims, judged by the figures' data, by more runs; jamming."""
 
-from model.study.contact_stiffness import stiffness_plan
 from model.study.jamming import jamming_sweep
 from model.study.sweeps import claim_sweep
 
 claims_data = expand(root / "data/claims/{run}.nc", run=study.claims_runs)
-contact_data = expand(
-    root / "data/contact_stiffness/{figure}.nc", figure=study.contact_stiffness.figures
-)
 
 job(
     "claims_runs",
@@ -36,28 +32,6 @@ job(
     dict(data=claims_data),
     message="drawing the runs that only the claims ledger needs",
     reported=("Claims", "claims_runs"),
-    local=True,
-)
-
-job(
-    "contact_stiffness",
-    dict(data=root / "data/contact_stiffness/{figure}.nc"),
-    after_kernels,
-    dict(
-        plan=lambda wildcards: stiffness_plan(study, wildcards.figure),
-        title=wording["title"],
-    ),
-    wildcards=dict(figure="|".join(study.contact_stiffness.figures)),
-    message="{wildcards.figure}: computing it on other bases",
-    priority=1,
-)
-
-job(
-    "draw_contact",
-    dict(pictures=pictures(root / "figures/contact_stiffness")),
-    dict(data=contact_data),
-    message="drawing the figures on other bases",
-    reported=("Claims", "contact_stiffness"),
     local=True,
 )
 

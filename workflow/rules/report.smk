@@ -3,7 +3,7 @@
 page_pictures = [
     *(root / f"figures/{figure}" for figure in FIGURES),
     *(root / place for place in (*PICTURES.values(), *HARD_PICTURES.values())),
-    *(root / f"figures/{name}" for name in ("claims", "contact_stiffness", "jamming")),
+    *(root / f"figures/{name}" for name in ("claims", "jamming")),
     *(root / f"figures/maps/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
 ]
 page_data = [
@@ -11,7 +11,6 @@ page_data = [
     *expand(root / "data/maps/{map}.nc", map=MAPS),
     *other_start,
     *fixed_steps,
-    *contact_data,
     *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
     root / "data/jamming.nc",
     root / "claims.csv",

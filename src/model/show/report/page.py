@@ -10,7 +10,6 @@ from model.show.report import (
     answer,
     background,
     claims,
-    contact_stiffness,
     figures,
     jamming,
     vibration,
@@ -28,7 +27,6 @@ FINDINGS: tuple[Make, ...] = (
     figures.figures,
     vibration.section,
     claims.section,
-    contact_stiffness.section,
     jamming.section,
 )
 BACKGROUND: tuple[Make, ...] = (background.device, background.equations, background.provenance)

@@ -12,7 +12,7 @@ from model.physics.rest import Start
 from model.runs.settings import SCENES, Settings
 from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Strict, Text, Tolerance
-from model.study.config.claims import ClaimRun, ContactStiffness
+from model.study.config.claims import ClaimRun
 from model.study.config.figures import (
     FIGURES,
     MAPS,
@@ -101,8 +101,6 @@ class Study(Strict):
     """Comparison of the methods on cases that are hard to integrate."""
     claims_runs: dict[str, ClaimRun]
     """Curves that only the claims need, by name."""
-    contact_stiffness: ContactStiffness
-    """Dependence of figures on the stiffness and damping of the base."""
     jamming: Jamming
     """Jamming in the slot over friction, clearance and tilt at entry."""
 
