@@ -6,9 +6,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-import xarray as xr
 
-from model.events.outcomes import Outcome, Reason
 from model.show.report import page as report_page
 from model.show.report.figures import HEAD
 from model.show.report.section import Results
@@ -75,17 +73,6 @@ def plain(html: str) -> str:
     return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", html)).replace("&#39;", "'")
 
 
-def without_rest(dataset: xr.Dataset) -> xr.Dataset:
-    """As from the other start: no part comes to rest under the press."""
-    none = {
-        "outcome": Outcome.LEFT_SCENE, "reason": Reason.NO_REST, "tau_align": np.nan,
-        "tilt_at_alignment": np.nan, "tau_corners_inside": np.nan,
-    }  # fmt: skip
-    return dataset.assign(
-        {name: xr.full_like(dataset[name], value) for name, value in none.items()}
-    )
-
-
 @pytest.fixture(scope="module")
 def study(small_study):
     return small_study(points=10, cells=5)
@@ -122,7 +109,6 @@ def root(study, datasets, refined, lines, timed_settings, wrong_datasets, judged
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
-        write_dataset(without_rest(dataset), root / f"data/other_start/{name}.nc")
     write_dataset(jamming_data(), root / "data/jamming.nc")
     write_dataset(refined, root / f"data/maps/{HEAD}.nc")
     for name, dataset in wrong_datasets.items():

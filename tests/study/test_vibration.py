@@ -1,4 +1,4 @@
-"""Shares of the vibration, and what another start changes: from made-up points."""
+"""Shares of the vibration, from made-up points."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import xarray as xr
 
 from model.events.outcomes import Outcome, Reason, Unvibrated
 from model.study.map_datasets import BOTH, NEITHER, ONLY_PRESSED, ONLY_VIBRATED, added
-from model.study.vibration import by_start, overshoot_of
+from model.study.vibration import overshoot_of
 
 NAN = np.nan
 A, S, L = Outcome.ALIGNED, Outcome.SETTLED, Outcome.LEFT_SCENE
@@ -39,15 +39,3 @@ def test_overshoot_is_of_the_aligned_points(points):
 def test_vibration_adds_one_of_four(points):
     expected = [ONLY_VIBRATED, BOTH, BOTH, ONLY_VIBRATED, ONLY_PRESSED, NEITHER]
     np.testing.assert_array_equal(added(points), expected)
-
-
-def test_two_starts_are_compared_where_both_align(points):
-    other = points.assign(
-        outcome=("f", [A, L, A, A, S, A]),
-        reason=("f", [0, Reason.NO_REST, 0, 0, 0, 0]),
-        tau_align=("f", [2.0, NAN, 3.0, 8.0, NAN, 1.0]),
-    )
-    found = by_start(points, other)
-    assert (found.aligned, found.other_aligned) == (pytest.approx(4 / 6), pytest.approx(4 / 6))
-    assert found.no_rest == pytest.approx(1 / 6)
-    assert found.ratio == 2.0

@@ -23,7 +23,7 @@ MAPPED = {"map_part", "map", "draw_vibration"}
 OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
 JAMMING = {"jamming", "draw_jamming"}
 COMPUTED = {
-    "chunk", "history", "merge", "other_start", "precision", "fixed_steps", *MAPPED, *OWN_RUNS,
+    "chunk", "history", "merge", "precision", "fixed_steps", *MAPPED, *OWN_RUNS,
     *JAMMING, "hard_cases", *DRAWN, *BESIDE, *HARD, "explorer",
 }  # fmt: skip
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
@@ -120,7 +120,7 @@ def test_a_change_of_one_figure_runs_only_that_figure(project: Any, tiny: dict[s
     planned = project.planned()
     # Maps mark where other figures stand: they are assembled anew, and not computed.
     marked = {"map", "draw_vibration", "plot", "explorer", *JUDGED}
-    assert rules(planned) == {"chunk", "merge", "other_start", *marked}
+    assert rules(planned) == {"chunk", "merge", *marked}
     assert all("fig11" in output or rule in marked for rule, output in planned)
 
 

@@ -1,7 +1,6 @@
 """The figures: compiled kernels, chunks of each sweep, one dataset a figure, and its pictures."""
 
 from model.study.sweeps import sweep_of
-from model.study.vibration import from_other_start
 
 wording = dict(
     title=lambda wildcards: study.figures[wildcards.figure].title,
@@ -61,19 +60,6 @@ job(
     wildcards=dict(figure="|".join(HISTORIES)),
     message="{wildcards.figure}: computing the trajectory",
 )
-
-# What depends on the start: the same figures, the part at rest under the press before it is vibrated.
-job(
-    "other_start",
-    dict(data=root / "data/other_start/{figure}.nc"),
-    after_kernels,
-    dict(sweep=lambda wildcards: from_other_start(sweep_of(study, wildcards.figure))),
-    wildcards=dict(figure="|".join(COMPUTED)),
-    message="{wildcards.figure}: computing it from the other start",
-    minutes=20,
-    priority=1,
-)
-other_start = expand(root / "data/other_start/{figure}.nc", figure=COMPUTED)
 
 job(
     "schematic",

@@ -9,7 +9,6 @@ page_pictures = [
 page_data = [
     *expand(root / "data/{figure}.nc", figure=COMPUTED),
     *expand(root / "data/maps/{map}.nc", map=MAPS),
-    *other_start,
     *fixed_steps,
     *expand(root / "benchmarks/{each}.csv", each=["precision", "hard_cases"]),
     root / "data/jamming.nc",

@@ -1,4 +1,4 @@
-"""Section on the vibration: what the same parts do without it, and what the start changes."""
+"""Section on the vibration: what the same parts do without it."""
 
 import math
 from collections.abc import Sequence
@@ -6,15 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from markupsafe import Markup
 
 from model.events.outcomes import Outcome
 from model.show.report.section import Results, Section, Table
-from model.show.words import figure_title, number, percent
+from model.show.words import figure_title, percent
 from model.study.claims.data import Data
 from model.study.claims.regime import regime_of
 from model.study.config import COMPUTED
-from model.study.vibration import by_start, changed_claims, overshoot_of
+from model.study.vibration import overshoot_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,13 +22,11 @@ CAPTION = (
     "What vibration adds over tilt stiffness and pressing force. On the ticked side of the line "
     "the part rests on the edge if it is pressed slowly."
 )
-_CLAIM = Markup('<a class="nobreak" href="#claim-{}">{}</a>')
 
 
 def section(results: Results) -> Section:
     """Return the section on the vibration."""
     own = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
-    other = {name: results.dataset(f"data/other_start/{name}.nc") for name in COMPUTED}
     content = {
         "added": results.picture("figures/maps/fig13_vibration", CAPTION),
         "shares": Table(
@@ -37,18 +34,10 @@ def section(results: Results) -> Section:
              ">tilt, median", ">largest", ">corners inside", ">lift off"),
             [_shares(name, dataset) for name, dataset in own.items()],
         ),
-        "start": results.study.settings.start,
-        "starts": Table(
-            ("figure", ">aligned", ">from the other start", ">no rest", ">duration, other to own"),
-            [_starts(name, own[name], other[name]) for name in COMPUTED],
-        ),
-        "changed": [
-            (_CLAIM.format(claim, claim), first, second)
-            for claim, first, second in changed_claims(own, other)
-        ],
     }  # fmt: skip
-    title = "What vibration adds, and what the start changes"
-    return Section("vibration", title, Path(__file__).with_suffix(".html.j2"), content)
+    return Section(
+        "vibration", "What vibration adds", Path(__file__).with_suffix(".html.j2"), content
+    )
 
 
 def _shares(name: str, dataset: "xr.Dataset") -> Sequence[object]:
@@ -60,12 +49,6 @@ def _shares(name: str, dataset: "xr.Dataset") -> Sequence[object]:
     aligned = np.count_nonzero(outcome == Outcome.ALIGNED)
     head = figure_title(name), f"{aligned:,} of {outcome.size:,}"
     return *head, static, overshoot, resting, *tilts, corners, lifting
-
-
-def _starts(name: str, own: "xr.Dataset", other: "xr.Dataset") -> Sequence[object]:
-    found = by_start(own, other)
-    shares = map(_percent, (found.aligned, found.other_aligned, found.no_rest))
-    return figure_title(name), *shares, "" if math.isnan(found.ratio) else number(found.ratio)
 
 
 def _percent(share: float) -> str:
