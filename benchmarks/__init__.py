@@ -1,23 +1,30 @@
-"""Speed of vibralign and of other integrators on the same problems, at equal true error.
+"""The package against other methods: for two sections of the report, and for ``make bench``.
 
-``make bench`` runs this in an environment of its own (``.venv-bench``), which the study never
-needs; ``make bench BENCH_FLAGS=--quick`` gives a rough table. Results: the table on the terminal,
-``results/benchmarks/peers.csv`` with the same numbers, and ``machine.json`` with the processor, the
-versions, and the times of start, compilation and a second core.
+Not in the wheel. Methods are compared by their cost at the same true error; true values are the
+package's own at a far smaller tolerance.
 
-Problems, methods of the package, and the search for equal error are those of ``verification``. For
-each method, problem and target it seeks the loosest tolerance whose true error keeps the target;
-the cost is the CPU time of a trajectory at that tolerance: medians of rounds in which all methods
-take turns, compiled code warmed up, on one core. True values are the package's own at a tolerance
-of 1e-13; peers come within 2e-10 of them (3e-12 on W1 to W3). An error is the largest over the
-answers of a case (alignment time, or six states at ten times), and of the cases the 90th
-percentile.
+What both share:
 
-- ``equations``: the peers' own statement of the physics, once for numbers and for expressions
-- ``modes``: the peers' modes, event functions and restarts, compiled
-- ``methods``: a module for each peer
-- ``machine``: times that depend on no problem
+- ``problems``: parameter sets to run, and what a method makes of them
+- ``methods``: ways to solve a problem; ``METHODS`` of the report, ``peers`` of ``make bench``
+- ``equations``, ``modes``: the peers' own statement of the physics, its modes and events
+
+The report's sections (data and CPU times are made by the workflow):
+
+- ``plans``: what the sections compute, from the configuration
+- ``work_precision``: cost against true error, each method from coarse to fine
+- ``hard_cases``: every method on scenes that are hard to integrate
+- ``fixed_steps``: points of figures that fixed steps get wrong
+- ``report``: the sections and their figures
+
+``make bench`` runs in an environment of its own (``.venv-bench``), which the study never needs;
+``make bench BENCH_FLAGS=--quick`` gives a rough table. For each method, problem and target it seeks
+the loosest tolerance whose true error keeps the target, and times a trajectory there: medians of
+rounds in which all methods take turns, compiled code warmed up, on one core. Results: the table on
+the terminal, ``results/benchmarks/peers.csv`` with the same numbers, and ``machine.json``.
+
+- ``equal_error``: the search for the tolerance, and the times
 - ``table``: ratios
 - ``maps``: maps that follow their boundary against full grids (``--maps`` for these alone)
-- ``truth``: alignment times against heyoka and MuJoCo (``make truth``)
+- ``truth``, ``slot``: alignment and insertion against heyoka and MuJoCo (``make truth``)
 """

@@ -15,27 +15,20 @@ if hasattr(os, "sched_setaffinity"):
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 from benchmarks import maps  # noqa: E402
-from benchmarks.machine import (  # noqa: E402 - after the line above
-    compilation,
-    facts,
-    two_cores,
-    warm_start,
-)
-from benchmarks.methods import all_methods  # noqa: E402
+from benchmarks.equal_error import Cost, Setting, cheapest, find_setting, time_in_turn  # noqa: E402
+from benchmarks.machine import facts  # noqa: E402
+from benchmarks.methods.peers import all_methods  # noqa: E402
+from benchmarks.problems import Problem, all_problems  # noqa: E402
 from benchmarks.table import rows, text, write  # noqa: E402
 from model.physics.compiled import kernel_fingerprint  # noqa: E402
-from verification.equal_error import Cost, Setting, cheapest, find_setting, time_in_turn  # noqa: E402
-from verification.problems import Problem, all_problems  # noqa: E402
 
 _PLAN = argparse.Namespace(
-    points=40, neighbours=8, targets=(1e-5, 1e-8), budget=8.0, rounds=5, starts=5,
-    cores_points=8000,
-    compilation=True, map_cells=1024, map_finest=4096,
+    points=40, neighbours=8, targets=(1e-5, 1e-8), budget=8.0, rounds=5,
+    map_cells=1024, map_finest=4096,
 )  # fmt: skip
 _QUICK = argparse.Namespace(
-    points=10, neighbours=4, targets=(1e-8,), budget=2.0, rounds=3, starts=3,
-    cores_points=2000,
-    compilation=False, map_cells=128, map_finest=256,
+    points=10, neighbours=4, targets=(1e-8,), budget=2.0, rounds=3,
+    map_cells=128, map_finest=256,
 )  # fmt: skip
 
 
@@ -85,19 +78,13 @@ def main() -> None:
     wanted = arguments.problems or [problem.name for problem in problems]
     problems = [problem for problem in problems if problem.name in wanted]
     costs, missed, packages = compare(problems, plan, arguments.only, _say)
-    machine: dict[str, object] = {"quick": arguments.quick, **warm_start(plan.starts)}
-    if plan.compilation:
-        machine |= compilation()
-    machine |= two_cores(plan.cores_points, plan.rounds)
-    machine |= facts([*packages, "numpy", "numba"]) | {"kernels": kernel_fingerprint()}
+    machine = {"quick": arguments.quick, "kernels": kernel_fingerprint()}
+    machine |= facts([*packages, "numpy", "numba"])
     table = rows(
         costs, missed, [(problem.name, target) for problem in problems for target in plan.targets]
     )
     write(table, machine, arguments.output)
     _say("\n" + text(table) + "\n")
-    for name, value in sorted(machine.items()):
-        if isinstance(value, float):
-            _say(f"{name}: {value:.3g}")
     _report_maps(plan, arguments.output)
     _say(f"kept in {arguments.output}")
 

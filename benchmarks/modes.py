@@ -1,8 +1,8 @@
 """The peers' modes and events: right-hand sides, event functions and what follows an event.
 
 A mode is a smooth vector field. It ends at a down-crossing of one of its event functions;
-``next_mode`` gives the mode that follows. scipy, CyRK and scikit-sundae call these kernels through
-the interpreter; heyoka takes the same equations as expressions.
+``next_mode`` gives the mode that follows. scipy calls these kernels through the interpreter; heyoka
+takes the same equations as expressions.
 """
 
 import math

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
+from benchmarks.equal_error import Cost, Setting
 from model.study.csv_tables import records_text
-from verification.equal_error import Cost, Setting
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from verification import fixed_steps
-from verification.fixed_steps import FIXED_SCHEMES, Wrong
-from verification.hard_cases import BATCH, Judged, Mark
-from verification.methods import METHODS
-from verification.problems import Verdict
-from verification.work_precision import TimedSetting
+from benchmarks import fixed_steps
+from benchmarks.fixed_steps import FIXED_SCHEMES, Wrong
+from benchmarks.hard_cases import BATCH, Judged, Mark
+from benchmarks.methods import METHODS
+from benchmarks.problems import Verdict
+from benchmarks.work_precision import TimedSetting
 
 NAN = np.nan
 CASES = ("aligned", "sticking", "bouncing", "never_aligning")

@@ -14,7 +14,6 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 OWN = {"model", "benchmarks", "verification", "tests", "hold"}  # workflow/hold.py
 DISTRIBUTIONS = {
     "yaml": "pyyaml",
-    "sksundae": "scikit-sundae",
 }  # where the import's name differs
 STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package
@@ -27,7 +26,7 @@ EXTRAS = {  # of each folder, besides the dependencies of the package
 EXTRAS = {f"src/model/{name}": extras for name, extras in EXTRAS.items()} | {
     "workflow": STUDY,
     "verification": STUDY,
-    "benchmarks": ["bench"],
+    "benchmarks": [*STUDY, "bench"],
     "docs": ["docs"],
     "tests": [*STUDY, "dev"],
 }

@@ -1,37 +1,36 @@
-"""The methods compared. A peer that cannot be imported is reported, and not left out in silence."""
+"""The methods that are compared, one interface for the report's sections and for ``make bench``.
 
-import importlib
-from collections.abc import Callable
+To add one, write a subclass of ``base.Method``; name it in ``METHODS`` if the report compares it,
+in ``peers`` if only ``make bench`` does.
+"""
 
-from verification.methods import Method, OneRun, Package
+from collections.abc import Mapping
 
-# (module, class, arguments): a method each, none of which another one beats on every problem;
-# scipy's RK45 is there because it is scipy's default (decision 8).
-_PEERS = (
-    ("heyoka_taylor", "HeyokaBatch", ()),
-    ("heyoka_taylor", "HeyokaScalar", ()),
-    ("cyrk", "Cyrk", ("DOP853",)),
-    ("sundae", "Sundae", ("Adams",)),
-    ("scipy_ivp", "ScipyIvp", ("RK45",)),
-    ("scipy_ivp", "ScipyIvp", ("DOP853",)),
-    ("scipy_ivp", "ScipyIvp", ("LSODA",)),
-)
+from benchmarks.methods.base import Method
+from benchmarks.methods.by_hand import FixedSteps
+from benchmarks.methods.package import Package
+from benchmarks.methods.scipy_unlocated import ScipyUnlocated
+from benchmarks.problems import Problem
+from model import Parameters, Settings
+
+_TOGETHER = 16  # least batch in which the package shows its speed on one case and its neighbours
+
+METHODS: Mapping[str, Method] = {
+    "dop853_located": Package("DOP853, events located (default)", batch=_TOGETHER),
+    "rk4_fixed": FixedSteps("RK4, fixed steps", "rk4"),
+    "semi_implicit_euler_fixed": FixedSteps(
+        "semi-implicit Euler, fixed steps", "semi_implicit_euler"
+    ),
+    "scipy_rk45": ScipyUnlocated("RK45"),
+    "scipy_dop853": ScipyUnlocated("DOP853"),
+    "scipy_lsoda": ScipyUnlocated("LSODA"),
+    "scipy_radau": ScipyUnlocated("Radau"),
+}
 
 
-def all_methods(say: Callable[[str], None]) -> list[Method]:
-    """Return the package's engines, then every peer installed; ``say`` is told of the others.
-
-    The first is the one that ratios refer to.
-    """
-    methods: list[Method] = [
-        Package("vibralign batch", engine="batch"),
-        OneRun("vibralign batch, one run", engine="batch"),
-        Package("vibralign scalar", engine="scalar"),
-    ]
-    for module, name, arguments in _PEERS:
-        try:
-            peer = importlib.import_module(f"benchmarks.methods.{module}")
-            methods.append(getattr(peer, name)(*arguments))
-        except ImportError as error:
-            say(f"{' '.join((name, *arguments))}: not installed ({error})")
-    return methods
+def compile_unlocated(parameters: Parameters) -> None:
+    """Compile the kernels of the methods that locate no event, by short runs."""
+    problem = Problem("short", (parameters,), Settings(horizon=0.1))
+    for method in METHODS.values():
+        if not method.located:
+            method.answer(problem, 0.1)

@@ -1,102 +1,89 @@
-"""The loop that peers with events share: integrate in a mode, apply the event, restart."""
+"""What every method is: a way to integrate problems, from a resolution to a ``Solution``."""
 
+import contextlib
 import math
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+import os
+from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from benchmarks.equations import device
-from benchmarks.modes import ALIGNED, EVENTS, MODES, event_in, first_mode, next_mode, start
+from benchmarks.problems import Floats, Problem, Solution
 from model import Parameters
-from verification.methods import NotReachedError, cpu_seconds
-from verification.problems import Problem, Solution
-
-BATCH = 1024  # trajectories at once of methods that refill their lanes, so that few run empty
-_MOST_EVENTS = 20_000  # of one trajectory; W3 has about 1,000
-_AT_ONCE = 1e-12  # events closer than this take no time between them
-CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try then
 
 
-class Event:
-    """An event function as codes take it that step in Python: it ends the run where it falls."""
-
-    terminal = 1
-    direction = -1
-
-    def __init__(self, function: Any) -> None:
-        self.function = function
-
-    def __call__(self, t: float, y: Any, p: Any) -> float:
-        """Return the value of the function."""
-        return float(self.function(t, y, p))
+def cpu_seconds() -> float:
+    """CPU time of this process and of those it has waited for: the clock of deadlines."""
+    return sum(os.times()[:4])
 
 
-def events_of_modes() -> dict[int, list[Event]]:
-    """Return the events of every mode."""
-    return {mode: [Event(event_in(mode, which)) for which in EVENTS[mode]] for mode in MODES}
+class NotReachedError(Exception):
+    """A method has no answer: it ran out of time, failed or met the same event without end."""
 
 
-def longest_step(case: Parameters) -> float:
-    """An eighth of the excitation's period, for codes that look for changes of sign.
+class Method:
+    """One way to solve the problems.
 
-    In flight steps would grow so long that a whole contact fits into one and goes unseen.
+    Attributes:
+        name: name in tables and legends.
+        formulation: how the problem is put to it, in a few words.
+        package: the distribution whose version is reported.
+        fixed: whether its resolution is the length of a step; else it is a tolerance.
+        located: whether it locates every event.
+        batch: how many trajectories it is given at once; 1 if one after the other.
+        vectorized: whether those of a batch run in vectors; else it spreads the cost of a call.
+        ladder_step: half decades between the tolerances tried.
     """
-    return 0.25 * math.pi / case.frequency
+
+    name: str
+    formulation: str = ""
+    package: str = "vibralign"
+    fixed: bool = False
+    located: bool = True
+    batch: int = 1
+    vectorized: bool = False
+    ladder_step: int = 1
+    _is_warm: bool = False
+
+    @cached_property
+    def errors(self) -> dict[tuple[str, int], float]:
+        """Errors found, by problem and place on the ladder of tolerances."""
+        return {}
+
+    @cached_property
+    def given_up(self) -> set[str]:
+        """Problems on which a target was not reached in time."""
+        return set()
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], resolution: float, deadline: float, /
+    ) -> Solution:
+        """Integrate every case as fast as the method can.
+
+        Raises:
+            NotReachedError: it cannot, or not before ``deadline`` (of ``cpu_seconds``).
+        """
+        raise NotImplementedError
+
+    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
+        """Integrate the cases of the problem for their answers: by default as ``solve`` does."""
+        return self.solve(problem, problem.cases, resolution, deadline)
+
+    def warm(self, problem: Problem, resolution: float) -> None:
+        """Compile what solving ``problem`` needs; its time is not counted."""
+        if not self._is_warm:
+            self._is_warm = True
+            with contextlib.suppress(NotReachedError):
+                self.solve(problem, problem.cases[:1], 1e-3, math.inf)
+
+    def error(self, problem: Problem, resolution: float, deadline: float = math.inf) -> float:
+        """Return the error that nine of ten cases keep; infinite where there is no answer."""
+        answers = problem.answers(self.answer(problem, resolution, deadline))
+        return typical_error(answers, problem.truth)
 
 
-class Limits(NamedTuple):
-    """First step, 0 for the method's own choice, and longest step."""
-
-    first: float
-    longest: float
-
-
-# segment(mode, t, y, p, stop, limits) integrates in a mode from t up to a stop, under limits
-# on its steps. It returns (t, y, the event function that ended it or None, right-hand sides
-# evaluated).
-Segment = Callable[..., tuple[float, NDArray[np.float64], int | None, int]]
-
-
-def drive(
-    segment: Segment, problem: Problem, cases: Sequence[Parameters], deadline: float
-) -> Solution:
-    """Solve ``cases`` one after the other: integrate, apply the event, restart.
-
-    A mode starts where one of its functions is zero. If that rises and falls again within the first
-    step, a code that looks at signs finds the event at the start once more; it is then sent again
-    with a smaller first step. ``segment`` is the peer's own; ``p`` is the array of ``Device``.
-    """
-    answers, evaluations = [], 0
-    for case in cases:
-        p, y, t = np.array(device(case)), start(case), 0.0
-        mode, events, aligned = first_mode(t, y, p), 0, np.nan
-        states: list[Any] = []
-        for stop in problem.stops:
-            while t < stop and mode != ALIGNED:
-                for first_step in (0.0, *CAREFUL):
-                    limits = Limits(min(first_step, stop - t), longest_step(case))
-                    end, y_end, which, counted = segment(mode, t, y, p, stop, limits)
-                    evaluations += counted
-                    if which is None or end - t > _AT_ONCE:
-                        break
-                t, y = end, y_end
-                if which is not None:
-                    mode = next_mode(t, y, p, mode, which)
-                    events += 1
-                if events > _MOST_EVENTS:
-                    raise NotReachedError("endless events")
-                if cpu_seconds() > deadline:
-                    raise NotReachedError("out of time")
-            if mode == ALIGNED:
-                aligned = t
-                break
-            states.append(y.copy())
-        if not problem.checkpoints:
-            answers.append(np.array([aligned]))
-        elif len(states) == len(problem.checkpoints):
-            answers.append(np.concatenate(states))
-        else:  # it aligned where nothing aligns
-            answers.append(np.full(len(problem.checkpoints) * 6, np.nan))
-    return problem.solution(np.array(answers), evaluations)
+def typical_error(answers: Floats, truth: Floats) -> float:
+    """Return the 90th percentile, over the cases, of each case's largest error."""
+    errors = np.abs(answers - truth).max(axis=1)
+    errors[np.isnan(errors)] = np.inf
+    return float(np.quantile(errors, 0.9, method="inverted_cdf"))

@@ -14,7 +14,8 @@ import llvmlite.binding as ll
 import numpy as np
 
 from benchmarks.equations import DEVICE_SIZE, Device, device, equations
-from benchmarks.methods.base import BATCH, Limits, drive
+from benchmarks.methods.base import Method, NotReachedError, cpu_seconds
+from benchmarks.methods.restarts import BATCH, Limits, drive
 from benchmarks.modes import (
     ALIGNED,
     BEYOND,
@@ -32,9 +33,8 @@ from benchmarks.modes import (
     next_mode,
     start,
 )
+from benchmarks.problems import Problem, Solution
 from model import Parameters
-from verification.methods import Method, NotReachedError, cpu_seconds
-from verification.problems import Problem, Solution
 
 _Y = hy.make_vars("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate")
 _P = Device(*(hy.par[i] for i in range(DEVICE_SIZE)))

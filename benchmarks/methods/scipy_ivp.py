@@ -5,11 +5,11 @@ from typing import Any
 
 from scipy.integrate import solve_ivp
 
-from benchmarks.methods.base import CAREFUL, Limits, drive, events_of_modes
+from benchmarks.methods.base import Method, NotReachedError
+from benchmarks.methods.restarts import CAREFUL, Limits, drive, events_of_modes
 from benchmarks.modes import EVENTS, MODES, rates_in
+from benchmarks.problems import Problem, Solution
 from model import Parameters
-from verification.methods import Method, NotReachedError
-from verification.problems import Problem, Solution
 
 
 class ScipyIvp(Method):

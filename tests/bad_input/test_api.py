@@ -6,15 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.hard_cases import read_judged
+from benchmarks.work_precision import read_timings
 from model import Batch, Parameters, Readings, Scene, Settings, align, simulate
 from model.study.csv_tables import TableError
 from model.study.datasets import DatasetError, read_dataset
-from verification import without_location
 from verification.accuracy import read_tables
 from verification.fuzz import try_sets
-from verification.hard_cases import read_judged
 from verification.independent import solve
-from verification.work_precision import read_timings
 
 NAN, INF = math.nan, math.inf
 
@@ -82,12 +81,6 @@ CALLS = {
     ),
     "a sweep with a bad value": (lambda p: Batch.of(p, friction=[0.1, -1.0]), ["friction[1]"]),
     "a sweep that is no number": (lambda p: Batch.of(p, friction=["much"]), ["friction", "much"]),
-    "a scheme that is none": (
-        lambda p: without_location.align([p], "euler", 0.1), ["'euler'", "rk4"],
-    ),
-    "a step that is none": (
-        lambda p: without_location.align([p], "rk4", 0.0), ["resolution", "> 0"],
-    ),
 }  # fmt: skip
 
 

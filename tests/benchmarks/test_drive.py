@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.methods.base import drive
+from benchmarks.methods.base import NotReachedError
+from benchmarks.methods.restarts import drive
 from benchmarks.modes import FACE_END, OPEN, SLIDE_NEGATIVE
+from benchmarks.problems import W1, Problem
 from model import Settings
-from verification.methods import NotReachedError
-from verification.problems import W1, Problem
 
 PROBLEM = Problem("p", (W1,), Settings(horizon=10.0))
 

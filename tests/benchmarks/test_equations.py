@@ -3,6 +3,7 @@ import pytest
 
 from benchmarks import modes
 from benchmarks.equations import device
+from benchmarks.problems import W1, W3
 from model import Batch, Parameters, Readings
 from model.physics.compiled import kernel
 from model.physics.motion import motion
@@ -17,7 +18,6 @@ from model.physics.scenes import (
     Mode,
 )
 from model.physics.scenes import RELEASED as CONTACT_RELEASED
-from verification.problems import W1, W3
 
 
 def project_mode(face: int, slip: int) -> Mode:

@@ -3,11 +3,11 @@ import json
 import math
 from pathlib import Path
 
+from benchmarks.equal_error import Cost, Setting
+from benchmarks.methods.base import Method
+from benchmarks.problems import W1, Problem
 from benchmarks.table import rows, text, write
 from model import Settings, simulate
-from verification.equal_error import Cost, Setting
-from verification.methods import Method
-from verification.problems import W1, Problem
 
 
 def setting(method: str, problem: str, target: float = 1e-8, reason: str = "") -> Setting:

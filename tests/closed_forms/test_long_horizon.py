@@ -9,8 +9,8 @@ from math import pi
 import numpy as np
 import pytest
 
+from benchmarks.hard_cases import run_once
 from model import Outcome, Settings
-from verification.hard_cases import run_once
 
 
 def test_after_100000_periods_the_phase_is_still_right(device):

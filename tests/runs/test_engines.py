@@ -6,7 +6,6 @@ import pytest
 from model import Batch, Outcome, Readings, Settings, align
 from model.engines.batch.scheduling import POOL
 from model.engines.results import RunResult
-from model.engines.scalar.tableaux import DORMAND_PRINCE
 from model.runs.engines import batch_engine, scalar_engine
 
 SETTINGS = Settings(horizon=60.0)
@@ -137,8 +136,6 @@ def test_an_engine_that_does_not_fit_is_refused(device):
         align([device], engine="stiff")
     with pytest.raises(ValueError, match="needs the consistent readings"):
         align([device], engine="batch", readings=Readings.printed())
-    with pytest.raises(ValueError, match="needs the consistent readings and the method DOP853"):
-        align([device], engine="batch", method=DORMAND_PRINCE)
 
 
 def test_a_set_less_accurate_than_promised_is_run_again(device):

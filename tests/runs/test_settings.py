@@ -3,7 +3,6 @@
 import pytest
 
 from model import ALIGNMENT, SUSPENDED, Readings, Settings, simulate
-from model.engines.scalar.tableaux import RK4
 
 
 def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
@@ -24,7 +23,6 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
         ({"tolerance": 0.1}, r"tolerance = 0\.1: must be between 1e-14 and 1e-2"),
         ({"tolerance": float("nan")}, "tolerance = nan: must be between"),
         ({"max_evaluations": 0}, "max_evaluations = 0: must be >= 1"),
-        ({"method": RK4}, "method = RK4: has no error estimate"),
         ({"start": "press"}, "unknown start 'press'. Did you mean 'pressed'"),
         ({"start": "pressed", "scene": SUSPENDED}, "'suspended' must declare edge_on_face"),
         ({"start": "pressed", "readings": Readings.printed()}, "needs the consistent readings"),
@@ -42,7 +40,6 @@ def test_values_outside_their_range_are_refused(device, change, message):
     [
         ({"readings": "printed"}, "Readings"),
         ({"scene": "alignment"}, "Scene"),
-        ({"method": 5}, "Tab"),
     ],
 )
 def test_values_of_another_type_are_refused(change, kind):

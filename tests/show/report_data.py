@@ -7,6 +7,10 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from benchmarks.hard_cases import table_of
+from benchmarks.plans import HARD_PICTURES, PICTURES
+from benchmarks.report import SECTIONS
+from benchmarks.work_precision import timings_table
 from model.show.report import page as report_page
 from model.show.report.figures import HEAD
 from model.show.report.section import Results
@@ -15,10 +19,6 @@ from model.study.claims.ledger import ledger_text, lines_of
 from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
 from model.study.sweeps import sweep_of
 from tests.show.drawn import jamming_data
-from verification.hard_cases import table_of
-from verification.plans import HARD_PICTURES, PICTURES
-from verification.report import SECTIONS
-from verification.work_precision import timings_table
 
 # The smallest picture there is: one transparent pixel.
 PIXEL = base64.b64decode(

@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
+from benchmarks.plans import HARD_PICTURES, PICTURES
+from benchmarks.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
+from benchmarks.report.work_precision_plots import CAPTIONS, advice
 from model.events.outcomes import InSlot, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
@@ -24,9 +27,6 @@ from model.study.datasets import write_dataset
 from model.study.jamming import entered, jammed, wedging_side
 from tests.show.drawn import jamming_data
 from tests.show.report_data import PIXEL, Page, article, plain, render_report
-from verification.plans import HARD_PICTURES, PICTURES
-from verification.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
-from verification.report.work_precision_plots import CAPTIONS, advice
 
 MOST_WORDS = 4000  # in sight when the page is opened
 

@@ -150,7 +150,7 @@ class Workspace:
 
     @property
     def sources(self) -> str:
-        """Folder from which the package and verification are imported."""
+        """Folder from which the package, verification and benchmarks are imported."""
         return f"{self.checkout / 'src'}{os.pathsep}{self.checkout}"
 
     @property

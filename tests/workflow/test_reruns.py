@@ -47,7 +47,7 @@ MUTATIONS = [
     ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),
     ("src/model/show/explorer/page.main.js", "CELLS = 65", "CELLS = 33", {"explorer", *LAST}),
     ("src/model/tracking/records.py", '_NO_RUNS = {"index"', '_NO_RUNS = {"indices"', {"index"}),
-    ("verification/without_location/engine.py", "import ", "import math as _unused\nimport ",
+    ("benchmarks/methods/by_hand.py", "import ", "import math as _unused\nimport ",
      {"unlocated_kernels", "precision", "fixed_steps", "hard_cases", *BESIDE, *HARD, *LAST}),
     ("verification/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12", set()),
     ("src/model/cli/main.py", "import ", "import math as _unused\nimport ", set()),
@@ -72,7 +72,7 @@ def project(touched: Any, tmp_path: Path) -> Any:
     made = copy.copy(touched)
     made.folder = shutil.copytree(touched.folder, tmp_path / "project")
     ignored = shutil.ignore_patterns("__pycache__")
-    for part in ("src", "verification"):
+    for part in ("src", "verification", "benchmarks"):
         shutil.copytree(PROJECT / part, made.folder / part, ignore=ignored)
     made.checkout = made.folder
     return made
@@ -83,7 +83,7 @@ def rules(planned: set[tuple[str, str]]) -> set[str]:
 
 
 def test_nothing_runs_again_after_touch_comment_and_reformat(project: Any) -> None:
-    places = ("src", "verification", "workflow")
+    places = ("src", "verification", "benchmarks", "workflow")
     sources = [path for place in places for path in (project.folder / place).rglob("*.py")]
     assert len(sources) > 100
     for path in sources:

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Literal
 
+from benchmarks.hard_cases import read_judged
+from benchmarks.report.hard_cases_plots import error_over_stiffness, stability
 from model.show.style import save
 from model.study.config import HardCases
-from verification.hard_cases import read_judged
-from verification.report.hard_cases_plots import error_over_stiffness, stability
 
 
 def run(

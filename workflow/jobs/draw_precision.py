@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Literal
 
-from model.show.style import save
-from model.study.datasets import read_dataset
-from verification.report.work_precision_plots import (
+from benchmarks.report.work_precision_plots import (
     evaluations_over_error,
     time_over_error,
     wrong_points,
 )
-from verification.work_precision import read_timings
+from benchmarks.work_precision import read_timings
+from model.show.style import save
+from model.study.datasets import read_dataset
 
 
 def run(

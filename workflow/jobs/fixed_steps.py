@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from benchmarks.fixed_steps import fixed_step_dataset
+from benchmarks.plans import FixedStepPlan
 from model.study.datasets import read_dataset, write_dataset
-from verification.fixed_steps import fixed_step_dataset
-from verification.plans import FixedStepPlan
 
 
 def run(plan: FixedStepPlan, located: Path, data: Path) -> dict[str, Any]:

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from benchmarks.hard_cases import compile_batch, judge, methods_for, table_of, true_run
+from benchmarks.plans import HardCasesPlan
 from model.tracking.provenance import write_text
-from verification.hard_cases import compile_batch, judge, methods_for, table_of, true_run
-from verification.plans import HardCasesPlan
 
 
 def run(plan: HardCasesPlan, data: Path, times: Path) -> dict[str, Any]:

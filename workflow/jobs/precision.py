@@ -3,17 +3,17 @@
 from pathlib import Path
 from typing import Any
 
-from model.study.datasets import write_dataset
-from model.tracking.provenance import write_text
-from verification.methods import METHODS
-from verification.plans import PrecisionPlan
-from verification.work_precision import (
+from benchmarks.methods import METHODS
+from benchmarks.plans import PrecisionPlan
+from benchmarks.work_precision import (
     Truth,
     measured,
     precision_dataset,
     timings_table,
     true_run,
 )
+from model.study.datasets import write_dataset
+from model.tracking.provenance import write_text
 
 
 def run(plan: PrecisionPlan, data: Path, times: Path) -> dict[str, Any]:

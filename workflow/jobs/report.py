@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
+from benchmarks.report import SECTIONS
 from model.show.report.page import render_report
 from model.show.report.section import Results
 from model.study.config import Study
 from model.tracking.provenance import write_text
-from verification.report import SECTIONS
 
 
 def run(study: Study, root: Path, files: list[Path], page: Path) -> None:

@@ -2,15 +2,12 @@
 
 from pathlib import Path
 
+from benchmarks.methods import compile_unlocated
 from model.study.config import baseline
 from model.tracking.provenance import write_json
-from verification import without_location
 
 
 def run(code: str, data: Path) -> None:
-    """Compile by a short run; ``data`` states the hash of the kernels' ``code``."""
-    without_location.align([baseline()], "rk4", 0.1, horizon=0.1)
-    problem = without_location.initial_value_problem(baseline())
-    problem.rates(0.0, problem.start)
-    problem.fall(0.0, problem.start)
+    """Compile by short runs; ``data`` states the hash of the kernels' ``code``."""
+    compile_unlocated(baseline())
     write_json({"kernels": code}, data)

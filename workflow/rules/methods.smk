@@ -4,8 +4,8 @@ Errors and evaluations are data, the same in every build. CPU times are not: the
 benchmarks/, and nothing under data/ or figures/ is made from them.
 """
 
-from verification.plans import HARD_PICTURES, PICTURES
-from verification.plans import fixed_step_plan, hard_cases_plan, precision_plan
+from benchmarks.plans import HARD_PICTURES, PICTURES
+from benchmarks.plans import fixed_step_plan, hard_cases_plan, precision_plan
 
 # Apart from the other kernels, so that an edit of what only these jobs run reruns no figure.
 job(

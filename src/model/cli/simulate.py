@@ -18,6 +18,7 @@ from model.cli.arguments import (
 from model.cli.files import check_file, check_picture, save_picture
 from model.cli.tables import print_json
 from model.engines.results import COURSE, RESULTS
+from model.engines.scalar.tableaux import DOP853
 from model.events.outcomes import Outcome, Unvibrated
 from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters
@@ -212,7 +213,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "start": settings.start,
         "scene": settings.scene.name,
         "insertion_depth": settings.insertion_depth,
-        "method": settings.method.name,
+        "method": DOP853.name,
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,
         "version": version(),

@@ -67,9 +67,9 @@ def align(
         settings: settings of the runs; the defaults of ``Settings`` if None.
         cores: number of threads, >= 1; all cores by default.
         engine: "scalar" is the reference engine, one set at a time by Runge-Kutta steps. "batch" is
-            the batch engine, many sets at a time by Taylor series; it needs the consistent readings
-            and the method DOP853. By default "batch" where it fits, else "scalar". Results of the
-            two agree within their error estimates.
+            the batch engine, many sets at a time by Taylor series; it needs the consistent
+            readings. By default "batch" where it fits, else "scalar". Results of the two agree
+            within their error estimates.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:

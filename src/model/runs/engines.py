@@ -28,7 +28,7 @@ def scalar_engine(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -
     """Return the reference engine, one run at a time; it fills ``track`` as ``integrate`` does."""
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
-        single = new_single(settings.method.method)
+        single = new_single(DOP853.method)
         integrate_each(rows, tolerances, *settings.for_kernels, track, queue, results, single)
 
     return _on_cores(fill, cores)
@@ -49,7 +49,7 @@ def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = Fa
 
 def batch_engine_fits(settings: Settings) -> bool:
     """Return whether the batch engine runs these settings."""
-    return settings.readings == Readings.consistent() and settings.method is DOP853
+    return settings.readings == Readings.consistent()
 
 
 def error_carrying_engine(
@@ -76,8 +76,8 @@ def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -
         return scalar_engine(settings, cores=cores)
     if not batch_fits:
         raise ValueError(
-            f"engine = {name!r}: needs the consistent readings and the method DOP853; "
-            "choose 'scalar', or None for the fastest one that fits"
+            f"engine = {name!r}: needs the consistent readings; choose 'scalar', "
+            "or None for the fastest one that fits"
         )
     return batch_engine(settings, cores)
 

@@ -1,4 +1,4 @@
-"""Settings of a run: readings, scene, start, method, tolerance and horizon, with their checks."""
+"""Settings of a run: readings, scene, start, tolerance and horizon, with their checks."""
 
 import math
 import numbers
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.course import NOISE, Control
-from model.engines.scalar.tableaux import DOP853, Method, Tableau
+from model.engines.scalar.tableaux import DOP853, Method
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
 from model.events.outcomes import Outcome
@@ -44,7 +44,6 @@ class Settings:
         alignment_only: end a run at alignment without computing the largest tilt and force:
             ``tilt_max`` and ``contact_force_max`` are NaN, and so is ``tau_corners_inside`` unless
             it is the criterion of alignment.
-        method: Runge-Kutta method with an error estimate.
 
     Raises:
         TypeError: a setting of the wrong type.
@@ -60,13 +59,12 @@ class Settings:
     max_evaluations: int = 20_000_000
     may_settle: bool = True
     alignment_only: bool = False
-    method: Tableau = DOP853
 
     def __post_init__(self) -> None:
         for name in ("horizon", "tolerance", "max_evaluations"):
             if not isinstance(getattr(self, name), numbers.Real):
                 raise TypeError(f"{name} = {getattr(self, name)!r}: must be a number")
-        kinds = {"readings": Readings, "scene": Scene, "method": Tableau}
+        kinds = {"readings": Readings, "scene": Scene}
         for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
                 raise TypeError(f"{name} = {getattr(self, name)!r}: must be a {kind.__name__}")
@@ -96,8 +94,6 @@ class Settings:
             raise ValueError(f"tolerance = {self.tolerance!r}: must be between 1e-14 and 1e-2")
         if self.max_evaluations < 1:
             raise ValueError(f"max_evaluations = {self.max_evaluations!r}: must be >= 1")
-        if self.method.error_order == 0:
-            raise ValueError(f"method = {self.method.name}: has no error estimate; choose another")
 
     @property
     def success(self) -> Outcome:
@@ -117,7 +113,7 @@ class Settings:
     @property
     def for_kernels(self) -> tuple[SceneKernels, Method, Control]:
         """Scene, method and control in the form that kernels take."""
-        return in_kernels(self.scene), self.method.method, self.control
+        return in_kernels(self.scene), DOP853.method, self.control
 
     @property
     def control(self) -> Control:

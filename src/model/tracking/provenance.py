@@ -27,8 +27,9 @@ _TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snake
 
 
 def _module_file(name: str) -> Path | None:
-    """Return the source of a module of the package or of the checkout's verification, or None."""
-    folders = {_PACKAGE.name: _PACKAGE.parent, "verification": _PACKAGE.parents[1]}
+    """Return the source of a module of the package or of what the checkout adds, or None."""
+    checkout = _PACKAGE.parents[1]
+    folders = {_PACKAGE.name: _PACKAGE.parent, "verification": checkout, "benchmarks": checkout}
     folder = folders.get(name.split(".", maxsplit=1)[0])
     if folder is None:
         return None

@@ -10,14 +10,9 @@ from model.engines.scalar.step import (
     right_hand_side,
     take_step,
 )
-from model.engines.scalar.tableaux import DOP853, DORMAND_PRINCE, RK4
+from model.engines.scalar.tableaux import DOP853
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.scenes import OPEN, SLIP_POSITIVE, START
-
-every_tableau = pytest.mark.parametrize(
-    "tableau", [RK4, DORMAND_PRINCE, DOP853], ids=lambda tableau: tableau.name
-)
-WITH_ESTIMATE = [DORMAND_PRINCE, DOP853]
 
 FREE = START._replace(face=OPEN)
 SLIDING = START._replace(edge=RIGHT_EDGE, support_slip=SLIP_POSITIVE)
@@ -28,9 +23,9 @@ BEGIN = np.array([0.2, 4.05, 0.05, 0.3, -0.1, 0.1])
 class Steps:
     """A step in a frozen mode with everything that belongs to it."""
 
-    def __init__(self, tableau, p, mode):
-        self.method, self.p, self.mode = tableau.method, p, mode
-        m, degree = tableau.dense.shape
+    def __init__(self, p, mode):
+        self.method, self.p, self.mode = DOP853.method, p, mode
+        m, degree = DOP853.dense.shape
         self.k, self.end, self.trial = np.empty((m, 6)), np.empty(6), np.empty(6)
         self.dense = np.empty((6, degree))
 
@@ -68,51 +63,43 @@ def slope(sizes, errors):
 
 # Steps a unit of time, so that errors lie well above rounding and in the asymptotic range. The
 # suspended motion has no fast contact in it and takes steps four times as long.
-COUNTS = {
-    "RK4": [64, 128, 256, 512],
-    "Dormand-Prince 5(4)": [32, 64, 128, 256],
-    "DOP853": [8, 12, 16, 24],
-}
+COUNTS = [8, 12, 16, 24]
 
 
-@every_tableau
 @pytest.mark.parametrize(
     ("mode", "until"), [(FREE, 4.0), (SLIDING, 1.0)], ids=["suspended", "sliding"]
 )
-def test_global_error_falls_with_the_order_of_the_step(tableau, p, mode, until):
-    exact = Steps(DOP853, p, mode).run(BEGIN, until, 400)
-    counts = COUNTS[tableau.name]
-    steps = Steps(tableau, p, mode)
-    errors = [np.abs(steps.run(BEGIN, until, n) - exact).max() for n in counts]
+def test_global_error_falls_with_the_order_of_the_step(p, mode, until):
+    exact = Steps(p, mode).run(BEGIN, until, 400)
+    steps = Steps(p, mode)
+    errors = [np.abs(steps.run(BEGIN, until, n) - exact).max() for n in COUNTS]
     assert min(errors) > 1e-14  # else rounding would be measured
-    observed = slope([until / n for n in counts], errors)
-    assert observed > 0.95 * tableau.order
+    observed = slope([until / n for n in COUNTS], errors)
+    assert observed > 0.95 * DOP853.order
     # On the linear suspended motion a method may be better than its order, not on the sliding one.
     if mode is SLIDING:
-        assert observed < 1.15 * tableau.order
+        assert observed < 1.15 * DOP853.order
 
 
-@pytest.mark.parametrize("tableau", WITH_ESTIMATE, ids=lambda tableau: tableau.name)
-def test_error_estimate_falls_with_its_order(tableau, p):
+def test_error_estimate_falls_with_its_order(p):
     # A local error of a method of order p is O(h^(p+1)).
     sizes = np.array([0.02, 0.03, 0.04, 0.06])
-    errors = [Steps(tableau, p, SLIDING).error(BEGIN, h, 1e-3) for h in sizes]
-    assert slope(sizes, errors) == pytest.approx(tableau.error_order + 1, rel=0.1)
+    errors = [Steps(p, SLIDING).error(BEGIN, h, 1e-3) for h in sizes]
+    assert slope(sizes, errors) == pytest.approx(DOP853.error_order + 1, rel=0.1)
 
 
-@pytest.mark.parametrize("tableau", WITH_ESTIMATE, ids=lambda tableau: tableau.name)
 @pytest.mark.parametrize("h", [0.02, 0.05])
-def test_error_estimate_bounds_the_true_local_error(tableau, p, h):
-    steps = Steps(tableau, p, SLIDING)
+def test_error_estimate_bounds_the_true_local_error(p, h):
+    steps = Steps(p, SLIDING)
     estimate = steps.error(BEGIN, h, 1.0)  # over 1 + |y|, root mean square
-    exact = Steps(DOP853, p, SLIDING).run(BEGIN, h, 16)
+    exact = Steps(p, SLIDING).run(BEGIN, h, 16)
     scaled = (steps.end - exact) / (1.0 + np.maximum(abs(BEGIN), abs(exact)))
     # The step is of higher order than what is estimated: its error is smaller.
     assert np.sqrt(np.mean(scaled**2)) < estimate
 
 
 def test_error_estimate_is_over_the_tolerance(p):
-    steps = Steps(DOP853, p, SLIDING)
+    steps = Steps(p, SLIDING)
     one, tenth = (steps.error(BEGIN, 0.05, tolerance) for tolerance in (1e-6, 1e-7))
     assert tenth == pytest.approx(10 * one, rel=1e-12)  # homogeneous of degree one
 
@@ -120,23 +107,21 @@ def test_error_estimate_is_over_the_tolerance(p):
 def test_error_estimate_is_zero_where_nothing_moves(device, constants):
     still = constants(device.replace(press_force=0.0, frequency=0.0))
     at_rest = np.array([still.rest_x, still.rest_y, still.rest_tilt, 0.0, 0.0, 0.0])
-    steps = Steps(DOP853, still, FREE)
+    steps = Steps(still, FREE)
     assert steps.error(at_rest, 0.1, 1e-10) == 0.0
     assert np.array_equal(steps.end, at_rest)
 
 
-@every_tableau
-def test_last_stage_is_the_slope_at_the_end(tableau, p):
-    steps, slope_at_end = Steps(tableau, p, SLIDING), np.empty(6)
+def test_last_stage_is_the_slope_at_the_end(p):
+    steps, slope_at_end = Steps(p, SLIDING), np.empty(6)
     end = steps.step(0.2, 0.05, BEGIN)
     right_hand_side(0.25, end, p, SLIDING, slope_at_end)
     # The stage's time is 0.2 + 1.0 * 0.05, one rounding apart.
-    assert steps.k[tableau.stages] == pytest.approx(slope_at_end, rel=1e-12)
+    assert steps.k[DOP853.stages] == pytest.approx(slope_at_end, rel=1e-12)
 
 
-@every_tableau
-def test_dense_output_runs_from_the_start_to_the_end_of_the_step(tableau, p):
-    steps = Steps(tableau, p, SLIDING)
+def test_dense_output_runs_from_the_start_to_the_end_of_the_step(p):
+    steps = Steps(p, SLIDING)
     steps.dense_step(0.2, 0.05, BEGIN)
     assert interpolate(0.0, 0.05, BEGIN, steps.dense) == tuple(BEGIN)
     at_end = interpolate(1.0, 0.05, BEGIN, steps.dense)
@@ -145,22 +130,14 @@ def test_dense_output_runs_from_the_start_to_the_end_of_the_step(tableau, p):
     assert len(at_end) == STATE_SIZE
 
 
-# Order of the extension (Hermite's, Shampine's, Hairer's), steps that keep its error over 1e-13.
-DENSE = [
-    (RK4, 3, [0.01, 0.02, 0.04]),
-    (DORMAND_PRINCE, 4, [0.01, 0.02, 0.04]),
-    (DOP853, 7, [0.04, 0.06, 0.08]),
-]
-
-
-@pytest.mark.parametrize(("tableau", "order", "sizes"), DENSE, ids=[t[0].name for t in DENSE])
-def test_dense_output_falls_with_its_order(tableau, order, sizes, p):
-    steps, errors = Steps(tableau, p, SLIDING), []
+def test_dense_output_falls_with_its_order(p):
+    order, sizes = 7, [0.04, 0.06, 0.08]  # steps that keep its error over 1e-13
+    steps, errors = Steps(p, SLIDING), []
     for h in sizes:
         steps.dense_step(0.0, h, BEGIN)
         worst = 0.0
         for theta in (0.3, 0.6, 0.8):
-            exact = Steps(DOP853, p, SLIDING).run(BEGIN, theta * h, 8)
+            exact = Steps(p, SLIDING).run(BEGIN, theta * h, 8)
             within = np.array(interpolate(theta, h, BEGIN, steps.dense))
             worst = max(worst, np.abs(within - exact).max())
         errors.append(worst)

@@ -1,9 +1,7 @@
-"""Runge-Kutta tableaux as frozen data that checks itself.
+"""The Runge-Kutta method of the reference engine, DOP853, as frozen data that checks itself.
 
-Sources: the classical method of Kutta (1901); Dormand and Prince, J. Comput. Appl. Math. 6 (1980)
-19-26, with Shampine's continuous extension, Math. Comp. 46 (1986) 135-150; the method of order 8
-with error estimates of order 5 and 3 and continuous extension of order 7 of Hairer, Norsett and
-Wanner, Solving Ordinary Differential Equations I, sect. II.5 and II.6 (DOP853).
+Of order 8 with error estimates of order 5 and 3 and a continuous extension of order 7: Hairer,
+Norsett and Wanner, Solving Ordinary Differential Equations I, sect. II.5 and II.6.
 """
 
 from dataclasses import dataclass
@@ -93,54 +91,6 @@ def _vector(size: int, entries: dict[int, float]) -> Array:
     return vector
 
 
-def _hermite(a: Array, stages: int) -> Array:
-    """Cubic Hermite interpolation of the step as a dense matrix, for methods without one."""
-    start, end = np.eye(len(a))[0], np.eye(len(a))[stages]
-    step = a[stages]
-    return np.column_stack([start, 3 * step - 2 * start - end, start + end - 2 * step])
-
-
-def _classical() -> Tableau:
-    a = _rows(
-        ({}, {0: 0.5}, {1: 0.5}, {2: 1.0}, {0: 1 / 6, 1: 1 / 3, 2: 1 / 3, 3: 1 / 6})
-    )  # fmt: skip
-    return Tableau(
-        "RK4", 4, 0, 4, a, np.array([0.0, 0.5, 0.5, 1.0, 1.0]), np.zeros((2, 5)), _hermite(a, 4)
-    )
-
-
-def _dormand_prince() -> Tableau:
-    a = _rows(
-        (
-            {},
-            {0: 1 / 5},
-            {0: 3 / 40, 1: 9 / 40},
-            {0: 44 / 45, 1: -56 / 15, 2: 32 / 9},
-            {0: 19372 / 6561, 1: -25360 / 2187, 2: 64448 / 6561, 3: -212 / 729},
-            {0: 9017 / 3168, 1: -355 / 33, 2: 46732 / 5247, 3: 49 / 176, 4: -5103 / 18656},
-            {0: 35 / 384, 2: 500 / 1113, 3: 125 / 192, 4: -2187 / 6784, 5: 11 / 84},
-        )
-    )
-    fourth = {
-        0: 5179 / 57600, 2: 7571 / 16695, 3: 393 / 640, 4: -92097 / 339200, 5: 187 / 2100, 6: 1 / 40
-    }  # fmt: skip
-    error = np.array([a[6] - _vector(7, fourth), np.zeros(7)])
-    dense = np.array(
-        [
-            [1, -8048581381 / 2820520608, 8663915743 / 2820520608, -12715105075 / 11282082432],
-            [0, 0, 0, 0],
-            [0, 131558114200 / 32700410799, -68118460800 / 10900136933, 87487479700 / 32700410799],
-            [0, -1754552775 / 470086768, 14199869525 / 1410260304, -10690763975 / 1880347072],
-            [0, 127303824393 / 49829197408, -318862633887 / 49829197408,
-             701980252875 / 199316789632],
-            [0, -282668133 / 205662961, 2019193451 / 616988883, -1453857185 / 822651844],
-            [0, 40617522 / 29380423, -110615467 / 29380423, 69997945 / 29380423],
-        ]
-    )  # fmt: skip
-    c = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
-    return Tableau("Dormand-Prince 5(4)", 5, 4, 6, a, c, error, dense)
-
-
 _DOP853_NODES = (
     0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726,
     0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0,
@@ -224,6 +174,4 @@ def _dop853() -> Tableau:
     return Tableau("DOP853", 8, 7, stages, a, np.array(_DOP853_NODES), error, dense)
 
 
-RK4 = _classical()
-DORMAND_PRINCE = _dormand_prince()
 DOP853 = _dop853()

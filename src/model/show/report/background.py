@@ -5,6 +5,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
+from model.engines.scalar.tableaux import DOP853
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.report.section import (
@@ -84,7 +85,7 @@ def equations(results: Results) -> Section:
     )
     words = (
         f"Runs end at τ = {number(settings.horizon)} at the latest; the local error of a step is "
-        f"kept below {number(settings.tolerance)} by the method {settings.method.name}."
+        f"kept below {number(settings.tolerance)} by the method {DOP853.name}."
     )
     tables = [("In use", Table(("no.", "variant", "what it decides", "in use"), rows))]
     content = {"tables": tables, "words": words}

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from markupsafe import Markup
 
+from benchmarks.hard_cases import BATCH, DEFAULT, Judged, Mark, read_judged
+from benchmarks.methods import METHODS
+from benchmarks.plans import HARD_PICTURES
+from benchmarks.report.hard_cases_plots import CAPTIONS
 from model.show.report.section import Results, Section, Table, settings_of, subscripts
 from model.show.words import power
 from model.study.config import HardCase
-from verification.hard_cases import BATCH, DEFAULT, Judged, Mark, read_judged
-from verification.methods import METHODS
-from verification.plans import HARD_PICTURES
-from verification.report.hard_cases_plots import CAPTIONS
 
 
 @dataclass(frozen=True)

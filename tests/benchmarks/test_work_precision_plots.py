@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from verification.fixed_steps import Wrong
-from verification.methods import METHODS
-from verification.plans import PICTURES
-from verification.problems import Verdict
-from verification.report import work_precision_plots
-from verification.report.work_precision_plots import (
+from benchmarks.fixed_steps import Wrong
+from benchmarks.methods import METHODS
+from benchmarks.plans import PICTURES
+from benchmarks.problems import Verdict
+from benchmarks.report import work_precision_plots
+from benchmarks.report.work_precision_plots import (
     CAPTIONS,
     advice,
     evaluations_over_error,
@@ -171,12 +171,12 @@ def test_advice_names_what_was_measured(timed_settings, wrong_datasets):
 
 def test_advice_changes_with_what_was_measured(timed_settings, wrong_datasets):
     better = [
-        replace(setting, method="dormand_prince_located", microseconds=10.0)
+        replace(setting, method="scipy_rk45", microseconds=10.0)
         for setting in timed_settings
         if (setting.method, setting.resolution) == ("dop853_located", 1e-6)
     ]
     _, scans, _ = advice([*timed_settings, *better], wrong_datasets, TITLES)
-    assert f"choose {METHODS['dormand_prince_located'].name} at a looser" in scans
+    assert f"choose {METHODS['scipy_rk45'].name} at a looser" in scans
     none = [setting for setting in timed_settings if setting.case != "bouncing"]
     numbers, scans, _ = advice(none, wrong_datasets, TITLES)
     assert numbers == "No method keeps the true error below 10⁻⁸ in every case."

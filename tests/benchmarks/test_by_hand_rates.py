@@ -1,32 +1,19 @@
-"""Engine without event location: the physics of the modes, and the order of its steps."""
+"""The right-hand side without modes is that of each mode, and the order of fixed steps."""
 
 from math import cos, sin, tan
 
 import numpy as np
 import pytest
 
+from benchmarks.methods import by_hand
 from model import Readings
 from model.engines.scalar.step import state_of
-from model.engines.scalar.tableaux import RK4
 from model.events.levels import edge_inside, outline
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, START
-from verification.without_location.engine import (
-    ANY_READINGS,
-    LANES,
-    LENGTH,
-    NONE_PRINTED,
-    RATES,
-    ROWS,
-    STATE,
-    TIME,
-    outside,
-    take_steps,
-    write_rates,
-)
 
 ROUNDING = 1e-12  # relative to 1 + the largest acceleration; loads are of order 10
 STATES = 40  # of each kind
@@ -39,8 +26,12 @@ def p(request, device, constants):
 
 def rates(time, y, p):
     out = np.empty(6)
-    write_rates(time, y, p, out)
+    by_hand.write_rates(time, y, np.array(p), out)
     return out
+
+
+def outside(y, p):
+    return by_hand.outside_of(y, np.array(p))
 
 
 # --------------------------------------------------------------------- the modes that a state is in
@@ -197,25 +188,22 @@ def test_outside_falls_through_zero_with_the_criterion_in_force(device, constant
 HALVINGS = 6
 
 
-def integrated(scheme, p, count, layout=NONE_PRINTED):
+def integrated(scheme, p, count):
     """The state at τ = 0.2 after ``count`` equal steps, sliding on A1 and pressed all the way."""
-    y = np.array([*standing(RIGHT_EDGE, 0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0])
-    w, h = np.zeros((ROWS, LANES)), 0.2 / count
-    state = w[STATE : STATE + y.size]
-    w[: len(p)], state[:] = np.array(p)[:, np.newaxis], y[:, np.newaxis]
-    w[RATES : RATES + y.size] = rates(0.0, y, p)[:, np.newaxis]
-    w[LENGTH] = h
+    q = state_of(np.array([*standing(RIGHT_EDGE, 0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0]))
+    h = 0.2 / count
     for i in range(count):
-        ends = take_steps(layout, scheme != "rk4", RK4.method, h, 0.3, count + 1, w.ravel())
-        assert not ends
-        np.testing.assert_allclose(w[TIME], (i + 1) * h)
-        y = state[:, -1].copy()
-        assert overlaps(y, p) == {"right_face"}, "the stretch is smooth"
-        contact = edge_on_face(RIGHT_EDGE, state_of(y), p)
+        k1 = by_hand.rates(i * h, q, p)
+        q = (
+            by_hand.rk4_step(i * h, h, q, k1, p)
+            if scheme == "rk4"
+            else by_hand.euler_step(h, q, k1)
+        )
+        assert overlaps(np.array(q), p) == {"right_face"}, "the stretch is smooth"
+        contact = edge_on_face(RIGHT_EDGE, q, p)
         assert contact.slip < -0.1
-        assert contact_load(contact.depth, contact.closing_rate, state_of(y), p) > 0.1
-    assert (state == y[:, np.newaxis]).all(), "a run is the same in every lane"
-    return y
+        assert contact_load(contact.depth, contact.closing_rate, q, p) > 0.1
+    return np.array(q)
 
 
 @pytest.mark.parametrize(("scheme", "order"), [("rk4", 4), ("semi_implicit_euler", 1)])
@@ -226,11 +214,3 @@ def test_order_on_a_smooth_stretch(scheme, order, device, constants):
     errors = [np.abs(integrated(scheme, p, count) - true).max() for count in counts]
     slope = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
     assert slope == pytest.approx(order, rel=0.05)
-
-
-@pytest.mark.parametrize("scheme", ["rk4", "semi_implicit_euler"])
-def test_readings_are_read_where_the_layout_has_them(scheme, device, constants):
-    consistent, printed = constants(device), constants(device, Readings(normal_sign="printed"))
-    y = integrated(scheme, consistent, 8, ANY_READINGS)
-    np.testing.assert_allclose(y, integrated(scheme, consistent, 8), rtol=1e-14)
-    assert np.abs(y - integrated(scheme, printed, 8, ANY_READINGS)).max() > 1e-4

@@ -14,13 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from benchmarks.fixed_steps import Wrong, wrong_counts
+from benchmarks.methods import METHODS
+from benchmarks.problems import Verdict
+from benchmarks.work_precision import Setting, TimedSetting, names_of
 from model.show import style
 from model.show.axes import axis_label, cell_edges
 from model.show.words import percent, power, short
-from verification.fixed_steps import Wrong, wrong_counts
-from verification.methods import METHODS
-from verification.problems import Verdict
-from verification.work_precision import Setting, TimedSetting, names_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,11 +29,9 @@ WRONG_OUTCOME_LABEL = "wrong outcome"
 WRONG_TIME_LABEL = "wrong time"
 TYPICAL_SCHEME = "rk4"  # what a study of 2007 would have used
 
-# Blue is located; warm colours are compiled without; the rest is scipy.
+# Blue is located; warm colours are fixed steps; the rest is scipy.
 LOOKS: Mapping[str, Mapping[str, Any]] = {
     "dop853_located": {"color": style.BLUE, "marker": "o", "linestyle": "-", "linewidth": 2.2},
-    "dormand_prince_located": {"color": style.BLUE, "marker": "s", "linestyle": "--"},
-    "dormand_prince_unlocated": {"color": style.VERMILLION, "marker": "D", "linestyle": "-"},
     "rk4_fixed": {"color": style.ORANGE, "marker": "^", "linestyle": "-"},
     "semi_implicit_euler_fixed": {"color": style.PURPLE, "marker": "v", "linestyle": "-"},
     "scipy_rk45": {"color": style.SKY_BLUE, "marker": "P", "linestyle": ":"},

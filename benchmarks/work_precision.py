@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.engines.scalar.tableaux import DOP853
+from benchmarks.methods import METHODS
+from benchmarks.methods.base import Method
+from benchmarks.plans import PrecisionPlan
+from benchmarks.problems import Floats, Problem, Solution, Verdict, neighbours
 from model.events.outcomes import OUTCOME_TEXT, Outcome
 from model.physics.parameters import PARAMETER_NAMES, Parameters
 from model.runs.simulate import Trajectory, simulate
 from model.study.csv_tables import read_records, records_text
 from model.study.datasets import flags, global_attributes, parameter_attributes
-from verification.methods import METHODS, Method
-from verification.plans import PrecisionPlan
-from verification.problems import Floats, Problem, Solution, Verdict, neighbours
 
 NAME = "precision"
 
@@ -100,7 +100,6 @@ def true_run(plan: PrecisionPlan, name: str) -> Trajectory:
     truth = simulate(
         problem.cases[0],
         problem.settings,
-        method=DOP853,
         tolerance=plan.ladder.true_tolerance,
         max_evaluations=plan.settings.settings.max_evaluations,  # the limit is for the others
     )

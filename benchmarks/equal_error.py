@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from time import process_time
 
+from benchmarks.methods.base import Method, NotReachedError, cpu_seconds
+from benchmarks.problems import Problem
 from model import Parameters
-from verification.methods import Method, NotReachedError, cpu_seconds
-from verification.problems import Problem
 
 TIGHTEST, LOOSEST = -28, -4  # tolerances are 10 ** (k/2): 1e-14 to 1e-2
 _LEAST_TIME = 0.05  # seconds a timed call lasts at least, where the batch allows

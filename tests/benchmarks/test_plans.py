@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks.plans import fixed_step_plan, precision_plan
 from model.study.config import Study, load_study, study_path
-from verification.plans import fixed_step_plan, precision_plan
 
 
 @pytest.fixture(scope="module")

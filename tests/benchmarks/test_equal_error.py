@@ -3,8 +3,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from model import Parameters, Settings
-from verification.equal_error import (
+from benchmarks.equal_error import (
     LOOSEST,
     TIGHTEST,
     Cost,
@@ -15,8 +14,9 @@ from verification.equal_error import (
     time_in_turn,
     tolerance_of,
 )
-from verification.methods import Method, NotReachedError
-from verification.problems import W1, W2, Problem, Solution
+from benchmarks.methods.base import Method, NotReachedError
+from benchmarks.problems import W1, W2, Problem, Solution
+from model import Parameters, Settings
 
 
 def proportional(factor: float) -> Callable[[int], float]:

@@ -7,17 +7,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.events.outcomes import Outcome
-from model.runs.simulate import Trajectory
-from model.study.config import load_study, study_path
-from model.study.csv_tables import TableError
-from model.study.datasets import read_dataset, write_dataset
-from verification import work_precision
-from verification.methods import METHODS
-from verification.plans import CasePlan, PrecisionPlan, precision_plan
-from verification.problems import Floats, Solution, Verdict
-from verification.without_location import LANES
-from verification.work_precision import (
+from benchmarks import work_precision
+from benchmarks.methods import METHODS
+from benchmarks.methods.package import Package
+from benchmarks.plans import CasePlan, PrecisionPlan, precision_plan
+from benchmarks.problems import Floats, Solution, Verdict
+from benchmarks.work_precision import (
     CaseError,
     Setting,
     TimedSetting,
@@ -32,6 +27,11 @@ from verification.work_precision import (
     timings_table,
     true_run,
 )
+from model.events.outcomes import Outcome
+from model.runs.simulate import Trajectory
+from model.study.config import load_study, study_path
+from model.study.csv_tables import TableError
+from model.study.datasets import read_dataset, write_dataset
 
 STATE = np.zeros(6)
 
@@ -167,7 +167,7 @@ def test_the_dataset_holds_the_settings(
         setting("bouncing", "scipy_radau", 1e-4, error=math.nan, verdict=Verdict.WRONG_OUTCOME),
     ]
     dataset = precision_dataset(plan, truths, settings)
-    assert dataset.sizes == {"case": 4, "method": 9, "rung": 3}
+    assert dataset.sizes == {"case": 4, "method": 7, "rung": 3}
     assert names_of(dataset["case"]) == list(plan.cases)
     assert names_of(dataset["method"]) == list(METHODS)
     row = dataset.isel(case=0, method=list(METHODS).index("rk4_fixed"))
@@ -222,11 +222,11 @@ def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float])
 
 
 def test_only_vectors_need_a_batch_where_runs_take_long() -> None:
-    located = METHODS["dop853_located"], METHODS["dormand_prince_located"]
+    in_vectors, one_by_one = METHODS["dop853_located"], Package("scalar", "scalar", batch=16)
+    located = in_vectors, one_by_one
     assert [least_batch(how, 1e-3) for how in located] == [16, 16]
     assert [least_batch(how, 0.01) for how in located] == [16, 5]
     assert [least_batch(how, 1.0) for how in located] == [16, 1]
-    assert least_batch(METHODS["rk4_fixed"], 1.0) == LANES
     assert least_batch(METHODS["scipy_rk45"], 1e-6) == 1
 
 

@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from benchmarks.fixed_steps import FIXED_SCHEMES, Wrong, fixed_step_dataset, judged, wrong_counts
+from benchmarks.methods.by_hand import solve_by_hand
+from benchmarks.plans import FixedStepPlan
+from model import Batch, Settings
 from model.study.config import Study
 from model.study.datasets import (
     DatasetError,
@@ -13,9 +17,6 @@ from model.study.datasets import (
     write_dataset,
 )
 from model.study.sweeps import sweep_of
-from verification import without_location
-from verification.fixed_steps import FIXED_SCHEMES, Wrong, fixed_step_dataset, judged, wrong_counts
-from verification.plans import FixedStepPlan
 
 NAN = np.nan
 
@@ -93,10 +94,9 @@ def test_a_figure_anew_stands_beside_the_located_one(
                     name: float(dataset[name].values[place[i]])
                     for i, name in enumerate(("press_force", "tilt_stiffness"))
                 }
-                horizon = plan.sweep.settings.horizon
-                run = without_location.align(
-                    [device.replace(**changes)], scheme, step, horizon=horizon
-                )
+                settings = Settings(horizon=plan.sweep.settings.horizon)
+                alone = Batch.stack([device.replace(**changes)])
+                run = solve_by_hand(alone, scheme, step, settings)
                 found = dataset["tau_align"].values[(row, column, *place)]
                 np.testing.assert_array_equal(found, run.tau_align[0])
     path = tmp_path_factory.mktemp("data") / "fig13.nc"

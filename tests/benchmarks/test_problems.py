@@ -1,11 +1,8 @@
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
-from model.runs.simulate import simulate_once
-from model.study.config import load_study, study_path
-from verification.methods import typical_error
-from verification.problems import (
+from benchmarks.methods.base import typical_error
+from benchmarks.problems import (
     W1,
     W2,
     W3,
@@ -15,6 +12,9 @@ from verification.problems import (
     neighbours,
     only_right_edge,
 )
+from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
+from model.runs.simulate import simulate_once
+from model.study.config import load_study, study_path
 
 EDGE_ONLY = Scene("edge_only", frozenset({"edge_on_face"}))
 

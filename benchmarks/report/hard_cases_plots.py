@@ -8,12 +8,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
+from benchmarks.hard_cases import Judged, Mark
+from benchmarks.methods import METHODS
+from benchmarks.problems import Verdict
+from benchmarks.report.work_precision_plots import LOOKS
 from model.show import style
 from model.study.config import HardCases
-from verification.hard_cases import Judged, Mark
-from verification.methods import METHODS
-from verification.problems import Verdict
-from verification.report.work_precision_plots import LOOKS
 
 CAPTIONS: Mapping[str, str] = {
     "stability": "Result of each method on each hard case. A number is the power of ten of the "

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
+from benchmarks.fixed_steps import wrong_counts
+from benchmarks.methods import METHODS
+from benchmarks.plans import PICTURES
+from benchmarks.report.work_precision_plots import CAPTIONS, COARSE, FINE, Need, advice, needs
+from benchmarks.work_precision import TimedSetting, read_timings
 from model.show.report.section import Results, Section, Table, link, settings_of
 from model.show.words import figure_title, number
 from model.study.config import Study
-from verification.fixed_steps import wrong_counts
-from verification.methods import METHODS
-from verification.plans import PICTURES
-from verification.report.work_precision_plots import CAPTIONS, COARSE, FINE, Need, advice, needs
-from verification.work_precision import TimedSetting, read_timings
 
 if TYPE_CHECKING:
     import xarray as xr

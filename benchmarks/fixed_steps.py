@@ -1,17 +1,17 @@
 """Points of a figure that fixed steps without event location get wrong."""
 
 from enum import IntEnum
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from benchmarks.methods.by_hand import Scheme, solve_by_hand
+from benchmarks.plans import FixedStepPlan
 from model.study.datasets import DatasetError, flags
-from verification import without_location
-from verification.plans import FixedStepPlan
 
-FIXED_SCHEMES: tuple[without_location.Scheme, ...] = ("rk4", "semi_implicit_euler")
+FIXED_SCHEMES: tuple[Scheme, ...] = get_args(Scheme)
 KIND = "fixed_steps"
 
 
@@ -59,9 +59,7 @@ def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
     tau = np.array(
         [
             [
-                without_location.align(
-                    batch, scheme, step, readings=settings.readings, horizon=settings.horizon
-                ).tau_align.reshape(true.shape)
+                solve_by_hand(batch, scheme, step, settings).tau_align.reshape(true.shape)
                 for step in plan.steps
             ]
             for scheme in FIXED_SCHEMES

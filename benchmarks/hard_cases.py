@@ -18,23 +18,15 @@ from pathlib import Path
 
 import numpy as np
 
-from model.engines.batch.event_kernels import in_vector_kernels
-from model.engines.batch.scheduling import integrate_all, new_many
-from model.engines.queue import new_queue
-from model.engines.record import STATE
-from model.engines.results import RunResult
-from model.engines.scalar.tableaux import DOP853
-from model.events.outcomes import Outcome, Reason
-from model.physics.notation import STATE_SIZE
+from benchmarks.methods import METHODS
+from benchmarks.methods.base import Method
+from benchmarks.methods.package import BatchEngine
+from benchmarks.plans import HardCasesPlan
+from benchmarks.problems import Problem, Solution, Verdict, last_state
+from benchmarks.work_precision import Truth, deviation_of
+from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
-from model.runs.engines import batch_engine
-from model.runs.errors import estimate
-from model.runs.settings import Settings
 from model.study.csv_tables import read_records, records_text
-from verification.methods import METHODS, Method, Package
-from verification.plans import HardCasesPlan
-from verification.problems import Problem, Solution, Verdict, failure_of, last_state
-from verification.work_precision import Truth, deviation_of
 
 DEFAULT, BATCH = "dop853_located", "batch"
 
@@ -76,24 +68,6 @@ class Judged:
     microseconds: float = math.nan
 
 
-class BatchEngine(Package):
-    """The batch engine, with the final state of each run, which ``align`` does not return."""
-
-    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:  # noqa: ARG002 - the interface
-        """As ``Method.answer``, of one case."""
-        settings = self.settings(problem, resolution)
-        rows = Batch.stack(problem.cases).constants(settings.readings)
-        carrying = batch_engine(settings, carries_error=True)
-        found = estimate(batch_engine(settings), rows, resolution, carrying)
-        finer = replace(settings, tolerance=float(found.tolerance[0]))
-        last = run_once(problem.cases[0], finer, batch=True)
-        failure = failure_of(last.outcome, Reason(int(found.columns()["reason"][0])))
-        evaluations = int(found.rhs_evaluations[0])
-        return Solution(
-            np.array([last.tau_align]), last.state.reshape(1, 1, -1), evaluations, failure
-        )
-
-
 HARD_METHODS: Mapping[str, Method] = {
     **METHODS,
     BATCH: BatchEngine("batch engine (Taylor series), events located"),
@@ -114,23 +88,6 @@ def problem_of(plan: HardCasesPlan, name: str) -> Problem:
     return Problem(name, (parameters,), settings, interpreted_evaluations=limit)
 
 
-def run_once(parameters: Parameters, settings: Settings, *, batch: bool = False) -> Truth:
-    """Return one run by the reference or the batch engine, without an estimate of its error."""
-    rows = settings.rows(Batch.stack([parameters]))
-    if not batch:
-        result, state = last_state(settings, rows, np.array([settings.tolerance]))
-        return Truth(Outcome(int(result.outcome)), result.tau_align, state)
-    results = np.empty((1, len(RunResult._fields)))
-    _, method, control = settings.for_kernels
-    scene = in_vector_kernels(settings.scene)
-    many = new_many(scene, settings.may_settle)
-    tolerances, queue = np.array([settings.tolerance]), new_queue(waiting=1, threads=1)
-    integrate_all(rows, tolerances, scene, method, control, queue, results, many)
-    result = RunResult(*results[0].tolist())
-    state = many.runs[0, STATE : STATE + STATE_SIZE].copy()
-    return Truth(Outcome(int(result.outcome)), result.tau_align, state)
-
-
 def methods_for(plan: HardCasesPlan, name: str) -> list[str]:
     """Return the names of the methods judged on a case: all, and BATCH on the bases."""
     return [*METHODS, *([BATCH] if name not in plan.spec.cases else [])]
@@ -145,17 +102,19 @@ def compile_batch(plan: HardCasesPlan) -> None:
 def true_run(plan: HardCasesPlan, name: str) -> CertainTruth:
     """Return the case ``name`` at the true tolerance, and its distance from a coarser run."""
     problem, tolerance = problem_of(plan, name), plan.spec.true_tolerance
-    settings = replace(problem.settings, method=DOP853, max_evaluations=_TRUE_EVALUATIONS)
-    fine, coarse = (
-        run_once(problem.cases[0], replace(settings, tolerance=factor * tolerance))
+    settings = replace(problem.settings, max_evaluations=_TRUE_EVALUATIONS)
+    rows = settings.rows(Batch.stack(problem.cases))
+    (result, state), (coarse, coarse_state) = (
+        last_state(settings, rows, np.array([factor * tolerance]))
         for factor in (1.0, _COARSER_TRUTH)
     )
-    uncertainty = float(np.abs(fine.state - coarse.state).max())
-    if fine.outcome != coarse.outcome:
+    outcome = Outcome(int(result.outcome))
+    uncertainty = float(np.abs(state - coarse_state).max())
+    if result.outcome != coarse.outcome:
         uncertainty = math.inf
-    elif fine.outcome == Outcome.ALIGNED:
-        uncertainty = abs(fine.tau_align - coarse.tau_align)
-    return CertainTruth(fine.outcome, fine.tau_align, fine.state, uncertainty)
+    elif outcome == Outcome.ALIGNED:
+        uncertainty = abs(result.tau_align - coarse.tau_align)
+    return CertainTruth(outcome, result.tau_align, state, uncertainty)
 
 
 def judge(plan: HardCasesPlan, name: str, method: str, truth: CertainTruth) -> Judged:

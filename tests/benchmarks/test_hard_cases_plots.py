@@ -4,11 +4,11 @@ import math
 
 import pytest
 
+from benchmarks.hard_cases import Judged, Mark
+from benchmarks.methods import METHODS
+from benchmarks.problems import Verdict
+from benchmarks.report.hard_cases_plots import _FILLS, cell_text, error_over_stiffness, stability
 from model.study.config import load_study, study_path
-from verification.hard_cases import Judged, Mark
-from verification.methods import METHODS
-from verification.problems import Verdict
-from verification.report.hard_cases_plots import _FILLS, cell_text, error_over_stiffness, stability
 
 
 def test_every_run_has_a_cell_in_the_colour_of_its_mark(judged):

@@ -1,0 +1,184 @@
+"""Fixed steps as one writes them by hand: RK4 and semi-implicit Euler, no event located.
+
+One right-hand side holds for every state: a contact presses wherever its depth is positive, with
+n = max(0, load), and its friction is -μ n sign(slip). It has kinks where a contact begins or ends
+and jumps where a slip reverses, and steps go across them. It cannot stick: at rest the friction
+force changes its sign from step to step.
+
+Contacts and forces are those of ``model.physics``. A mode holds how a contact began; here it is
+inferred from the state: A1 inside the part presses on the bottom face, A2 on the nearer of bottom
+and left side, and a corner on the flat only by the depth beyond that of its edge.
+"""
+
+import math
+from collections.abc import Sequence
+from math import isfinite
+from typing import Literal
+
+import numpy as np
+
+from benchmarks.methods.base import Method
+from benchmarks.problems import Problem, Solution, Verdict
+from model import Batch, Parameters, Settings
+from model.engines.course import start
+from model.engines.record import constants_in
+from model.engines.scalar.step import keep_in, moved, state_of
+from model.events.levels import (
+    FLAT,
+    LARGEST_TILT,
+    corners_outside,
+    edge_inside,
+    largest,
+    not_fallen_in,
+    outline,
+)
+from model.physics.compiled import inlined_kernel, kernel
+from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
+from model.physics.forces import applied_forces
+from model.physics.geometry import bottom_corner
+from model.physics.motion import never_sticks
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
+from model.physics.scenes import ALIGNMENT, START
+
+_EVERY_CONTACT = ALIGNMENT.declared
+
+
+@inlined_kernel
+def _force(contact, depth, q, p):
+    """Generalized force (x, y, moment) of one contact that is ``depth`` deep: n and T together."""
+    n = max(0.0, contact_load(depth, contact.closing_rate, q, p))
+    slip = -1.0 if never_sticks(p) else contact.slip  # printed friction (R2) takes one direction
+    friction = -p.friction * n * (1.0 if slip > 0.0 else (-1.0 if slip < 0.0 else 0.0))
+    normal, tangent = contact.normal, contact.tangent
+    return (
+        n * normal[0] + friction * tangent[0],
+        n * normal[1] + friction * tangent[1],
+        n * normal[2] + friction * tangent[2],
+    )
+
+
+@inlined_kernel
+def _force_beside(edge, q, p):
+    """Force on one side of the slot: at its edge, and on the part's corner over the flat."""
+    bottom, left, right, top = edge_inside(edge, outline(q, p), p)
+    inside = min(min(bottom, left), min(right, top)) > 0.0
+    on_face = inside and (edge == RIGHT_EDGE or bottom <= left)
+    x, y, moment = 0.0, 0.0, 0.0
+    corner_x, corner_y = bottom_corner(edge, q.x, q.y, q.tilt, p)
+    depth = -corner_y - (max(0.0, bottom) if on_face else 0.0)
+    if depth > 0.0 and edge * q.tilt < -FLAT and edge * corner_x > p.slot_half_width:
+        x, y, moment = _force(corner_on_flat(edge, q, p), depth, q, p)
+    if on_face:
+        face = _force(edge_on_face(edge, q, p), bottom, q, p)
+        x, y, moment = x + face[0], y + face[1], moment + face[2]
+    elif inside:
+        side = _force(edge_on_side(LEFT_EDGE, q, p), left, q, p)
+        x, y, moment = x + side[0], y + side[1], moment + side[2]
+    return x, y, moment
+
+
+@inlined_kernel
+def rates(time, q, p):
+    """Return dy/dτ in the state ``q``, in any mode, as a ``State``."""
+    right, left = _force_beside(RIGHT_EDGE, q, p), _force_beside(LEFT_EDGE, q, p)
+    free = applied_forces(time, q, p)
+    x, y = free[0] + right[0] + left[0], free[1] + right[1] + left[1]
+    moment = free[2] + right[2] + left[2]
+    return State(q.x_rate, q.y_rate, q.tilt_rate, x, y, moment / p.inertia)
+
+
+@inlined_kernel
+def outside(q, p):
+    """Positive until the part has fallen in, by the selected alignment criterion (R8)."""
+    if p.printed_alignment_criterion != 0.0:
+        return largest(corners_outside(outline(q, p), p, START))[0]
+    return largest(not_fallen_in(outline(q, p), p, START))[0]
+
+
+@inlined_kernel
+def _has_left(q, p):
+    """Return whether the part is off the edge A1, away from the slot, or overturned."""
+    _, left, _, _ = edge_inside(RIGHT_EDGE, outline(q, p), p)
+    return left < 0.0 or abs(q.tilt) > LARGEST_TILT or not isfinite(q.x + q.y + q.tilt)
+
+
+@kernel
+def rk4_step(time, h, q, k1, p):
+    """Return the state after a step of the classical Runge-Kutta method, ``k1`` its first rates."""
+    k2 = rates(time + 0.5 * h, moved(q, 0.5 * h, k1), p)
+    k3 = rates(time + 0.5 * h, moved(q, 0.5 * h, k2), p)
+    k4 = rates(time + h, moved(q, h, k3), p)
+    return moved(moved(moved(moved(q, h / 6.0, k1), h / 3.0, k2), h / 3.0, k3), h / 6.0, k4)
+
+
+@kernel
+def euler_step(h, q, k1):
+    """Return the state after a step of semi-implicit Euler: positions with the new velocities."""
+    x_rate, y_rate = q.x_rate + h * k1.x_rate, q.y_rate + h * k1.y_rate
+    tilt_rate = q.tilt_rate + h * k1.tilt_rate
+    x, y, tilt = q.x + h * x_rate, q.y + h * y_rate, q.tilt + h * tilt_rate
+    return State(x, y, tilt, x_rate, y_rate, tilt_rate)
+
+
+@kernel
+def run_each(rows, euler, h, horizon, most_steps, out):
+    """Run every row of constants; write (fallen in, finished, steps, time, state) into ``out``.
+
+    A run ends with the step after which the part has fallen in or left, at the horizon, or
+    unfinished after ``most_steps``.
+    """
+    for row in range(rows.shape[0]):
+        p = constants_in(rows[row])
+        q, _ = start(p, _EVERY_CONTACT)
+        steps, time, fallen_in, finished = 0, 0.0, False, False
+        while steps < most_steps and not finished:
+            length, k1 = min(h, horizon - time), rates(time, q, p)
+            q = euler_step(length, q, k1) if euler else rk4_step(time, length, q, k1, p)
+            steps += 1
+            time, fallen_in = min(steps * h, horizon), outside(q, p) < 0.0
+            finished = fallen_in or _has_left(q, p) or horizon - time <= 1e-9 * h
+        out[row, 0], out[row, 1], out[row, 2], out[row, 3] = fallen_in, finished, steps, time
+        keep_in(q, out[row, 4:])
+
+
+@kernel
+def write_rates(time, y, row, out):
+    """Write ``rates`` of the constants in ``row`` into ``out``; both states of shape (6,)."""
+    keep_in(rates(time, state_of(y), constants_in(row)), out)
+
+
+@kernel
+def outside_of(y, row):
+    """Return ``outside`` of the constants in ``row``."""
+    return outside(state_of(y), constants_in(row))
+
+
+Scheme = Literal["rk4", "semi_implicit_euler"]
+
+
+class FixedSteps(Method):
+    """Compiled runs with equal steps; the fall is noticed at the end of a step."""
+
+    fixed = True
+    located = False
+
+    def __init__(self, name: str, scheme: Scheme) -> None:
+        self.name, self.scheme = name, scheme
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
+    ) -> Solution:
+        """As ``Method.solve``."""
+        return solve_by_hand(Batch.stack(cases), self.scheme, resolution, problem.settings)
+
+
+def solve_by_hand(batch: Batch, scheme: Scheme, step: float, settings: Settings) -> Solution:
+    """Return alignment times, final states and evaluations of a batch with equal steps."""
+    euler = scheme == "semi_implicit_euler"
+    cost, out = 1 if euler else 4, np.empty((len(batch), 4 + STATE_SIZE))
+    most_steps = settings.max_evaluations // cost
+    run_each(batch.constants(settings.readings), euler, step, settings.horizon, most_steps, out)
+    fallen_in, finished, steps, time = out[:, :4].T
+    failure = None if finished.all() else Verdict.TOO_MANY_EVALUATIONS
+    tau_align = np.where(fallen_in == 1.0, time, math.nan)
+    return Solution(tau_align, out[:, np.newaxis, 4:], cost * int(steps.sum()), failure)

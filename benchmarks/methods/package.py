@@ -1,0 +1,97 @@
+"""The package itself: both engines as ``align`` runs them, and the batch engine in other ways."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from benchmarks.methods.base import Method
+from benchmarks.problems import Floats, Problem, Solution, failure_of, simulated
+from model import Batch, Outcome, Parameters, Reason, Settings, align
+from model.engines.batch.event_kernels import in_vector_kernels
+from model.engines.batch.scheduling import integrate_all, new_many
+from model.engines.queue import new_queue
+from model.engines.record import STATE
+from model.engines.results import RunResult
+from model.physics.notation import STATE_SIZE
+from model.runs.align import run_once
+from model.runs.engines import Engine, batch_engine
+from model.runs.errors import estimate
+
+
+class Package(Method):
+    """``align``: every event located, two runs of each set, or more, for the estimate of its error.
+
+    With an ``engine`` its own alignment times are the answers; states, and all answers without an
+    engine, are those of ``simulate``, since ``align`` returns no states.
+    """
+
+    formulation = "align, two runs each with error estimate"
+
+    def __init__(self, name: str, engine: Engine | None = None, batch: int = 1024) -> None:
+        self.name, self.engine, self.batch = name, engine, batch
+        self.vectorized = engine != "scalar"
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
+    ) -> Solution:
+        """As ``Method.solve``."""
+        runs = align(cases, _settings(problem, resolution), cores=1, engine=self.engine)
+        return _of_times(problem, runs.tau_align, runs.rhs_evaluations)
+
+    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
+        """As ``Method.answer``."""
+        if problem.checkpoints or self.engine is None:
+            return simulated(problem, _settings(problem, resolution))
+        return super().answer(problem, resolution, deadline)
+
+
+class OneRun(Package):
+    """The batch engine as peers run: one run of each set up to alignment, no error estimate."""
+
+    formulation = "one run each up to alignment, no error estimate"
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
+    ) -> Solution:
+        """As ``Method.solve``."""
+        settings = replace(_settings(problem, resolution), alignment_only=True, may_settle=False)
+        runs = run_once(Batch.stack(cases), settings, cores=1)
+        return _of_times(problem, runs["tau_align"], runs["rhs_evaluations"])
+
+
+class BatchEngine(Package):
+    """The batch engine, with the final state of each run, which ``align`` does not return."""
+
+    def answer(self, problem: Problem, resolution: float, _deadline: float = math.inf) -> Solution:
+        """As ``Method.answer``, of one case."""
+        settings = _settings(problem, resolution)
+        rows = settings.rows(Batch.stack(problem.cases))
+        carrying = batch_engine(settings, carries_error=True)
+        found = estimate(batch_engine(settings), rows, resolution, carrying)
+        tau_align, outcome, state = _last_run(settings, rows, found.tolerance)
+        failure = failure_of(outcome, Reason(int(found.columns()["reason"][0])))
+        evaluations = int(found.rhs_evaluations[0])
+        return Solution(np.array([tau_align]), state.reshape(1, 1, -1), evaluations, failure)
+
+
+def _last_run(settings: Settings, rows: Floats, tolerance: Floats) -> tuple[float, Outcome, Floats]:
+    """Return (alignment time, outcome, final state) of one run of the batch engine."""
+    results = np.empty((1, len(RunResult._fields)))
+    _, method, control = settings.for_kernels
+    scene = in_vector_kernels(settings.scene)
+    many, queue = new_many(scene, settings.may_settle), new_queue(waiting=1, threads=1)
+    integrate_all(rows, tolerance, scene, method, control, queue, results, many)
+    result = RunResult(*results[0].tolist())
+    state = many.runs[0, STATE : STATE + STATE_SIZE].copy()
+    return result.tau_align, Outcome(int(result.outcome)), state
+
+
+def _settings(problem: Problem, resolution: float) -> Settings:
+    return replace(problem.settings, tolerance=resolution)
+
+
+def _of_times(problem: Problem, tau: Floats, evaluations: np.ndarray) -> Solution:
+    states = np.full((tau.size, len(problem.stops), 6), math.nan)
+    return Solution(tau, states, int(evaluations.sum()))

@@ -1,0 +1,36 @@
+"""The methods of ``make bench``; a peer that cannot be imported is reported."""
+
+import importlib
+from collections.abc import Callable
+
+from benchmarks.methods.base import Method
+from benchmarks.methods.package import OneRun, Package
+
+# (module, class, arguments): a method each, none of which another one beats on every problem;
+# scipy's RK45 is there because it is scipy's default (decision 8).
+_PEERS = (
+    ("heyoka_taylor", "HeyokaBatch", ()),
+    ("heyoka_taylor", "HeyokaScalar", ()),
+    ("scipy_ivp", "ScipyIvp", ("RK45",)),
+    ("scipy_ivp", "ScipyIvp", ("DOP853",)),
+    ("scipy_ivp", "ScipyIvp", ("LSODA",)),
+)
+
+
+def all_methods(say: Callable[[str], None]) -> list[Method]:
+    """Return the package's engines, then every peer installed; ``say`` is told of the others.
+
+    The first is the one that ratios refer to.
+    """
+    methods: list[Method] = [
+        Package("vibralign batch", engine="batch"),
+        OneRun("vibralign batch, one run", engine="batch"),
+        Package("vibralign scalar", engine="scalar"),
+    ]
+    for module, name, arguments in _PEERS:
+        try:
+            peer = importlib.import_module(f"benchmarks.methods.{module}")
+            methods.append(getattr(peer, name)(*arguments))
+        except ImportError as error:
+            say(f"{' '.join((name, *arguments))}: not installed ({error})")
+    return methods

@@ -1,0 +1,81 @@
+"""scipy's ``solve_ivp`` on the right-hand side without modes; the fall is its only event."""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from benchmarks.methods.base import Method
+from benchmarks.methods.by_hand import outside_of, solve_by_hand, write_rates
+from benchmarks.problems import Floats, Problem, Solution, Verdict
+from model import Batch, Parameters
+from model.physics.compiled import called_often
+from model.physics.notation import STATE_SIZE
+
+
+class _TooManyEvaluationsError(Exception):
+    pass
+
+
+class ScipyUnlocated(Method):
+    """One of scipy's methods, with a compiled right-hand side."""
+
+    package = "scipy"
+    located = False
+
+    def __init__(self, solver: str) -> None:
+        self.name, self.solver = f"scipy {solver}", solver
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
+    ) -> Solution:
+        """As ``Method.solve``; the absolute tolerance is the relative one, as in the package."""
+        found = [self._solve_one(problem, case, resolution) for case in cases]
+        failures = [each.failure for each in found if each.failure is not None]
+        return Solution(
+            np.concatenate([each.tau_align for each in found]),
+            np.concatenate([each.states for each in found]),
+            sum(each.evaluations or 0 for each in found),
+            failures[0] if failures else None,
+        )
+
+    def _solve_one(self, problem: Problem, parameters: Parameters, resolution: float) -> Solution:
+        row = Batch.stack([parameters]).constants(problem.settings.readings)[0]
+        write, fall_of = called_often(write_rates), called_often(outside_of)
+        # A run of no steps ends where it starts.
+        at_once = replace(problem.settings, max_evaluations=1)
+        begun = solve_by_hand(Batch.stack([parameters]), "rk4", 1.0, at_once).states[0, 0]
+        counter = itertools.count(1)
+        evaluations = 0
+
+        def rates_at(moment: float, y: Floats) -> Floats:
+            nonlocal evaluations
+            evaluations = next(counter)
+            if evaluations > problem.interpreted_evaluations:
+                raise _TooManyEvaluationsError
+            dy = np.empty(STATE_SIZE)
+            write(moment, y, row, dy)
+            return dy
+
+        def fall(_: float, y: Floats) -> float:
+            return fall_of(y, row)
+
+        def ended(tau: float, state: Floats, failure: Verdict | None) -> Solution:
+            return Solution(np.array([tau]), state.reshape(1, 1, 6), evaluations, failure)
+
+        fall.terminal, fall.direction = True, -1.0  # type: ignore[attr-defined]
+        try:
+            # A solver that steps across a contact may run away: its verdict shows it.
+            with np.errstate(all="ignore"):
+                run = solve_ivp(
+                    rates_at, (0.0, problem.settings.horizon), begun, method=self.solver,
+                    rtol=resolution, atol=resolution, events=fall,
+                )  # fmt: skip
+        except _TooManyEvaluationsError:
+            return ended(math.nan, begun, Verdict.TOO_MANY_EVALUATIONS)
+        falls = run.t_events[0]
+        tau_align = float(falls[0]) if falls.size else math.nan
+        return ended(tau_align, run.y[:, -1], Verdict.FAILED if run.status < 0 else None)
