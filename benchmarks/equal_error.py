@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from time import process_time
 
-from benchmarks.methods.base import Method, NotReachedError, cpu_seconds
+from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.problems import Problem
 from model import Parameters
 
@@ -68,17 +68,17 @@ def find_setting(method: Method, problem: Problem, target: float, budget: float)
     """Find the setting of ``method`` within ``budget`` seconds of CPU time, without compilation."""
     if problem.name in method.given_up:
         return Setting(method, problem, target, math.nan, math.nan, "nor was a looser target")
-    deadline = cpu_seconds() + budget
+    deadline = process_time() + budget
 
     def error_at(step: int) -> float:
         nonlocal deadline
-        if cpu_seconds() > deadline:
+        if process_time() > deadline:
             raise NotReachedError("out of time")
         known = method.errors.get((problem.name, step))
         if known is None:
-            started = cpu_seconds()
+            started = process_time()
             method.warm(problem, tolerance_of(step))
-            deadline += cpu_seconds() - started
+            deadline += process_time() - started
             known = method.error(problem, tolerance_of(step), deadline)
             method.errors[problem.name, step] = known
         return known
@@ -149,4 +149,4 @@ def _spend(setting: Setting, cases: Sequence[Parameters]) -> tuple[float, int | 
     started = process_time()
     solution = setting.method.solve(setting.problem, cases, setting.tolerance, math.inf)
     spent = process_time() - started
-    return (spent if solution.seconds is None else solution.seconds), solution.evaluations
+    return spent, solution.evaluations

@@ -88,14 +88,12 @@ class Solution:
         states: shape (n, stops, 6), at ``Problem.stops``; NaN where not known.
         evaluations: right-hand sides of all sets together; None where a method cannot tell.
         failure: why a run ended before it aligned or reached the horizon, where one did.
-        seconds: CPU time, where it was not spent in this process.
     """
 
     tau_align: Floats
     states: Floats
     evaluations: int | None
     failure: Verdict | None = None
-    seconds: float | None = None
 
 
 @dataclass(frozen=True)
@@ -143,9 +141,7 @@ class Problem:
             return solution.states.reshape(len(solution.states), -1)
         return solution.tau_align[:, np.newaxis]
 
-    def solution(
-        self, answers: Floats, evaluations: int | None, seconds: float | None = None
-    ) -> Solution:
+    def solution(self, answers: Floats, evaluations: int | None) -> Solution:
         """Return a solution that consists of ``answers`` only; NaN for what they do not tell."""
         tau = np.full(len(answers), np.nan)
         states = np.full((len(answers), len(self.stops), 6), np.nan)
@@ -153,7 +149,7 @@ class Problem:
             states[:] = answers.reshape(states.shape)
         else:
             tau[:] = answers[:, 0]
-        return Solution(tau, states, evaluations, seconds=seconds)
+        return Solution(tau, states, evaluations)
 
     def batch(self, count: int) -> tuple[Parameters, ...]:
         """``count`` parameter sets or a few more: neighbours of every case, as many of each.

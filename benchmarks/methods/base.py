@@ -2,7 +2,6 @@
 
 import contextlib
 import math
-import os
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -10,11 +9,6 @@ import numpy as np
 
 from benchmarks.problems import Floats, Problem, Solution
 from model import Parameters
-
-
-def cpu_seconds() -> float:
-    """CPU time of this process and of those it has waited for: the clock of deadlines."""
-    return sum(os.times()[:4])
 
 
 class NotReachedError(Exception):
@@ -61,7 +55,7 @@ class Method:
         """Integrate every case as fast as the method can.
 
         Raises:
-            NotReachedError: it cannot, or not before ``deadline`` (of ``cpu_seconds``).
+            NotReachedError: it cannot, or not before ``deadline`` (of ``process_time``).
         """
         raise NotImplementedError
 

@@ -7,6 +7,7 @@ done is refilled, as long as there are trajectories.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from time import process_time
 from typing import Any
 
 import heyoka as hy
@@ -14,7 +15,7 @@ import llvmlite.binding as ll
 import numpy as np
 
 from benchmarks.equations import DEVICE_SIZE, Device, device, equations
-from benchmarks.methods.base import Method, NotReachedError, cpu_seconds
+from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.methods.restarts import BATCH, Limits, drive
 from benchmarks.modes import (
     ALIGNED,
@@ -276,7 +277,7 @@ class HeyokaBatch(Method):
             states = []
             for stop in problem.checkpoints:
                 lanes.integrator.propagate_until(stop)
-                if any(lanes.aligned) or cpu_seconds() > deadline:
+                if any(lanes.aligned) or process_time() > deadline:
                     lanes.aligned.clear()
                     raise NotReachedError("aligned where nothing aligns, or out of time")
                 states.append(lanes.state[:, : len(part)].T.copy())
@@ -295,7 +296,7 @@ class HeyokaBatch(Method):
             lanes.integrator.step()
             steps += 1
             if steps % 256 == 0:
-                if cpu_seconds() > deadline:
+                if process_time() > deadline:
                     raise NotReachedError("out of time")
                 late = np.flatnonzero(lanes.times > problem.settings.horizon).tolist()
                 lanes.aligned += [(lane, np.nan) for lane in late if running[lane] is not None]

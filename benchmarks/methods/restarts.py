@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable, Sequence
+from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.equations import device
-from benchmarks.methods.base import NotReachedError, cpu_seconds
+from benchmarks.methods.base import NotReachedError
 from benchmarks.modes import ALIGNED, EVENTS, MODES, event_in, first_mode, next_mode, start
 from benchmarks.problems import Problem, Solution
 from model import Parameters
@@ -87,7 +88,7 @@ def drive(
                     events += 1
                 if events > _MOST_EVENTS:
                     raise NotReachedError("endless events")
-                if cpu_seconds() > deadline:
+                if process_time() > deadline:
                     raise NotReachedError("out of time")
             if mode == ALIGNED:
                 aligned = t
