@@ -23,6 +23,7 @@ the loosest tolerance whose true error keeps the target, and times a trajectory 
 rounds in which all methods take turns, compiled code warmed up, on one core. Results: the table on
 the terminal, ``results/benchmarks/peers.csv`` with the same numbers, and ``machine.json``.
 
+- ``trajectories``: the problems
 - ``equal_error``: the search for the tolerance, and the times
 - ``table``: ratios
 - ``maps``: maps that follow their boundary against full grids (``--maps`` for these alone)

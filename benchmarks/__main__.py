@@ -18,8 +18,9 @@ from benchmarks import maps  # noqa: E402
 from benchmarks.equal_error import Cost, Setting, cheapest, find_setting, time_in_turn  # noqa: E402
 from benchmarks.machine import facts  # noqa: E402
 from benchmarks.methods.peers import all_methods  # noqa: E402
-from benchmarks.problems import Problem, all_problems  # noqa: E402
+from benchmarks.problems import Problem  # noqa: E402
 from benchmarks.table import rows, text, write  # noqa: E402
+from benchmarks.trajectories import all_problems  # noqa: E402
 from model.physics.compiled import kernel_fingerprint  # noqa: E402
 
 _PLAN = argparse.Namespace(

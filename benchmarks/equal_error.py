@@ -11,7 +11,7 @@ from time import process_time
 
 from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.problems import Problem
-from model import Parameters
+from model.physics.parameters import Parameters
 
 TIGHTEST, LOOSEST = -28, -4  # tolerances are 10 ** (k/2): 1e-14 to 1e-2
 _LEAST_TIME = 0.05  # seconds a timed call lasts at least, where the batch allows

@@ -1,18 +1,7 @@
-"""Problems that methods integrate: points of the study, and three trajectories of the benchmark.
-
-The problems of the benchmark stay, up to their ends, with the edge A1 on the bottom face and in
-flight, so that all peers solve the same equations with the same events. Friction is Coulomb's, with
-sticking.
-
-- W1 aligns at τ = 1.40037 by the project's criterion (contact lost: A1 passes B1, B2 in the slot).
-- W2 as W1 with ten times the tilt stiffness: some 320 events of friction, no alignment.
-- W3 lifts off 152 times, with some 630 events and no alignment, and ends in a response of four
-  periods of the excitation.
-- fig06, fig13: points drawn from the figures' own sweeps (``drawn_points``), all of which align.
-"""
+"""What methods solve: parameter sets to run, and what a method makes of them."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property
@@ -20,53 +9,21 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from model import Batch, Outcome, Parameters, Reason, Scene, Settings, align, simulate
 from model.engines.results import RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS
+from model.events.outcomes import Outcome, Reason
 from model.physics.notation import STATE_SIZE
-from model.runs.align import run_once
+from model.physics.parameters import Batch, Parameters
+from model.runs.align import align, run_once
 from model.runs.engines import scalar_engine
 from model.runs.errors import estimate
-from model.study.config import load_study, study_path
-from model.study.sweeps import sweep_of
-from verification.independent.motion import LEFT, RIGHT, Device, body
+from model.runs.settings import Settings
 
 Floats = NDArray[np.float64]
 
-W1 = Parameters(
-    half_width=1.0,
-    half_height=1.0,
-    inertia=1.0,
-    lateral_stiffness=1.0,
-    tilt_stiffness=10.0,
-    lateral_damping=0.1,
-    axial_damping=0.1,
-    tilt_damping=0.1,
-    friction=0.1,
-    press_force=2.0,
-    frequency=10.0,
-    misalignment=0.2,
-    rest_y=0.0,
-)
-W2 = W1.replace(tilt_stiffness=100.0)
-# Excitation amplitude 2 where the others have 1: lengths and forces are halved by our scaling. The
-# tilt spring is stiffer and relaxed at a tilt, and the press force higher, so that the part never
-# lands on its corner B1 (with k_φ = 12.5, φ_st = 0 and f0 = 0.1 it would, at τ = 0.73).
-W3 = W1.replace(
-    half_width=0.5,
-    half_height=0.5,
-    inertia=0.25,
-    tilt_stiffness=40.0,
-    tilt_damping=0.025,
-    rest_tilt=0.03,
-    press_force=0.15,
-    misalignment=0.1,
-)
-
 TRUE_TOLERANCE = 1e-13
-_SEED = 20070401
+SEED = 20070401  # of all that is drawn
 _SPREAD = 1e-3  # relative spread of the press force among neighbours
-_RIGHT_EDGE_ONLY = Scene("right_edge", frozenset({"edge_on_face"}))
 
 
 class Verdict(IntEnum):
@@ -208,72 +165,8 @@ def last_state(settings: Settings, rows: Floats, tolerance: Floats) -> tuple[Run
 
 def neighbours(cases: Sequence[Parameters], each: int) -> tuple[Parameters, ...]:
     """Return ``each`` neighbours of every case, itself first, their press forces a little apart."""
-    factors = 1.0 + _SPREAD * np.random.default_rng(_SEED).uniform(-1.0, 1.0, size=each)
+    factors = 1.0 + _SPREAD * np.random.default_rng(SEED).uniform(-1.0, 1.0, size=each)
     factors[:1] = 1.0
     return tuple(
         case.replace(press_force=case.press_force * factor) for factor in factors for case in cases
     )
-
-
-def only_right_edge(case: Parameters, horizon: float) -> bool:
-    """Return whether A2 never meets the bottom face, and A1 passes B1 with B2 already in the slot.
-
-    A2 cannot meet it while B2 stays right of A2; and B2 must not dip in after A1 has passed, which
-    would be one more event.
-    """
-    run = simulate(case, horizon=horizon)
-    states = run.state[run.time <= run.tau_align].T
-    device, at = Device(case), body(states)
-    to_the_end = device.depths(RIGHT, at)[2][-1]
-    in_slot = device.corner(LEFT, at).real.min() >= -case.slot_half_width
-    return bool(in_slot and abs(to_the_end) < 1e-8)
-
-
-def drawn_points(figure: str, count: int) -> tuple[Parameters, ...]:
-    """Return ``count`` points of a figure's sweep, in the order of a fixed shuffle, that qualify.
-
-    They align, without being flagged as sensitive; they do so alike if the scene declares nothing
-    but an edge under the bottom face; and they pass ``only_right_edge``.
-
-    Raises:
-        ValueError: fewer points qualify.
-    """
-    study = load_study(study_path())
-    sweep = sweep_of(study, figure)
-    order = np.random.default_rng(_SEED).permutation(int(np.prod(sweep.shape)))
-    horizon, chosen = study.settings.horizon, []
-    for first in range(0, len(order), 4 * count):
-        batch = sweep.batch(order[first : first + 4 * count])
-        for case, *_ in with_right_edge_only(batch, Settings(horizon=horizon)):
-            chosen.append(case)
-            if len(chosen) == count:
-                return tuple(chosen)
-    raise ValueError(f"{figure}: only {len(chosen)} of {count} points qualify")
-
-
-def with_right_edge_only(
-    batch: Batch, settings: Settings
-) -> Iterator[tuple[Parameters, float, float]]:
-    """Yield (set, alignment time, its error) of sets that align without a flag by A1 alone."""
-    full = align(batch, settings, cores=1)
-    edge = align(batch, settings, cores=1, scene=_RIGHT_EDGE_ONLY)
-    same = (full.outcome == Outcome.ALIGNED) & ~full.sensitive
-    same &= full.tau_align == edge.tau_align
-    for row in np.flatnonzero(same).tolist():
-        if only_right_edge(batch[row], settings.horizon):
-            yield batch[row], float(full.tau_align[row]), float(full.tau_error[row])
-
-
-def all_problems(points: int, neighbours_of_w: int) -> list[Problem]:
-    """W1 to W3 with so many neighbours each, Figs. 6 and 13 with so many points each."""
-    tens = tuple(float(time) for time in range(10, 101, 10))
-    few = max(1, neighbours_of_w // 4)
-    ends, goes_on = Settings(horizon=10.0), Settings(horizon=100.0, may_settle=False)
-    whole = Settings(horizon=load_study(study_path()).settings.horizon)
-    return [
-        Problem("W1", neighbours([W1], neighbours_of_w), ends),
-        Problem("W2", neighbours([W2], few), goes_on, tens),
-        Problem("W3", neighbours([W3], few), goes_on, tens),
-        Problem("fig06", drawn_points("fig06", points), whole),
-        Problem("fig13", drawn_points("fig13", points), whole),
-    ]

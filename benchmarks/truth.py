@@ -23,7 +23,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.problems import Problem, with_right_edge_only
+from benchmarks.problems import Problem
+from benchmarks.trajectories import with_right_edge_only
 from model import Parameters, Settings, align
 from model.study.config import load_study, study_path
 from verification.accuracy import Check, judge_estimate

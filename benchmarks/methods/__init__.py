@@ -11,7 +11,8 @@ from benchmarks.methods.by_hand import FixedSteps
 from benchmarks.methods.package import Package
 from benchmarks.methods.scipy_unlocated import ScipyUnlocated
 from benchmarks.problems import Problem
-from model import Parameters, Settings
+from model.physics.parameters import Parameters
+from model.runs.settings import Settings
 
 _TOGETHER = 16  # least batch in which the package shows its speed on one case and its neighbours
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from benchmarks.problems import Floats, Problem, Solution
-from model import Parameters
+from model.physics.parameters import Parameters
 
 
 class NotReachedError(Exception):

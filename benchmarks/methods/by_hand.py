@@ -19,7 +19,6 @@ import numpy as np
 
 from benchmarks.methods.base import Method
 from benchmarks.problems import Problem, Solution, Verdict
-from model import Batch, Parameters, Settings
 from model.engines.course import start
 from model.engines.record import constants_in
 from model.engines.scalar.step import keep_in, moved, state_of
@@ -38,7 +37,9 @@ from model.physics.forces import applied_forces
 from model.physics.geometry import bottom_corner
 from model.physics.motion import never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
+from model.physics.parameters import Batch, Parameters
 from model.physics.scenes import ALIGNMENT, START
+from model.runs.settings import Settings
 
 _EVERY_CONTACT = ALIGNMENT.declared
 

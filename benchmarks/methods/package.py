@@ -8,16 +8,18 @@ import numpy as np
 
 from benchmarks.methods.base import Method
 from benchmarks.problems import Floats, Problem, Solution, failure_of, simulated
-from model import Batch, Outcome, Parameters, Reason, Settings, align
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.batch.scheduling import integrate_all, new_many
 from model.engines.queue import new_queue
 from model.engines.record import STATE
 from model.engines.results import RunResult
+from model.events.outcomes import Outcome, Reason
 from model.physics.notation import STATE_SIZE
-from model.runs.align import run_once
+from model.physics.parameters import Batch, Parameters
+from model.runs.align import align, run_once
 from model.runs.engines import Engine, batch_engine
 from model.runs.errors import estimate
+from model.runs.settings import Settings
 
 
 class Package(Method):

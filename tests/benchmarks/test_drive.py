@@ -4,7 +4,8 @@ import pytest
 from benchmarks.methods.base import NotReachedError
 from benchmarks.methods.restarts import drive
 from benchmarks.modes import FACE_END, OPEN, SLIDE_NEGATIVE
-from benchmarks.problems import W1, Problem
+from benchmarks.problems import Problem
+from benchmarks.trajectories import W1
 from model import Settings
 
 PROBLEM = Problem("p", (W1,), Settings(horizon=10.0))

@@ -15,7 +15,8 @@ from benchmarks.equal_error import (
     tolerance_of,
 )
 from benchmarks.methods.base import Method, NotReachedError
-from benchmarks.problems import W1, W2, Problem, Solution
+from benchmarks.problems import Problem, Solution
+from benchmarks.trajectories import W1, W2
 from model import Parameters, Settings
 
 

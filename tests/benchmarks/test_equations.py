@@ -3,7 +3,7 @@ import pytest
 
 from benchmarks import modes
 from benchmarks.equations import device
-from benchmarks.problems import W1, W3
+from benchmarks.trajectories import W1, W3
 from model import Batch, Parameters, Readings
 from model.physics.compiled import kernel
 from model.physics.motion import motion

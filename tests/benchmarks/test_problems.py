@@ -2,16 +2,8 @@ import numpy as np
 import pytest
 
 from benchmarks.methods.base import typical_error
-from benchmarks.problems import (
-    W1,
-    W2,
-    W3,
-    Problem,
-    drawn_points,
-    last_state,
-    neighbours,
-    only_right_edge,
-)
+from benchmarks.problems import Problem, last_state, neighbours
+from benchmarks.trajectories import W1, W2, W3, drawn_points, only_right_edge
 from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
 from model.runs.simulate import simulate_once
 from model.study.config import load_study, study_path

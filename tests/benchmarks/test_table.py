@@ -5,8 +5,9 @@ from pathlib import Path
 
 from benchmarks.equal_error import Cost, Setting
 from benchmarks.methods.base import Method
-from benchmarks.problems import W1, Problem
+from benchmarks.problems import Problem
 from benchmarks.table import rows, text, write
+from benchmarks.trajectories import W1
 from model import Settings, simulate
 
 
