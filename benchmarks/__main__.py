@@ -21,7 +21,7 @@ from benchmarks.methods.peers import all_methods  # noqa: E402
 from benchmarks.problems import Problem  # noqa: E402
 from benchmarks.table import rows, text, write  # noqa: E402
 from benchmarks.trajectories import all_problems  # noqa: E402
-from model.physics.compiled import kernel_fingerprint  # noqa: E402
+from model.compile.cache import kernel_fingerprint  # noqa: E402
 
 _PLAN = argparse.Namespace(
     points=40, neighbours=8, targets=(1e-5, 1e-8), budget=8.0, rounds=5,

@@ -17,7 +17,7 @@ DISTRIBUTIONS = {
 }  # where the import's name differs
 STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package
-    **dict.fromkeys(("physics", "events", "engines", "runs"), ()),
+    **dict.fromkeys(("compile", "physics", "events", "engines", "runs"), ()),
     "study": STUDY,
     "tracking": STUDY,
     "show": STUDY,

@@ -31,7 +31,7 @@ from model.events.levels import (
     not_fallen_in,
     outline,
 )
-from model.physics.compiled import inlined_kernel, kernel
+from model.compile.jit import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.forces import applied_forces
 from model.physics.geometry import bottom_corner

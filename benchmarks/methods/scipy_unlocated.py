@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.methods.base import Method
 from benchmarks.methods.by_hand import outside_of, solve_by_hand, write_rates
 from benchmarks.problems import Floats, Problem, Solution, Verdict
-from model.physics.compiled import called_often
+from model.compile.jit import called_often
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 

@@ -5,7 +5,7 @@ from benchmarks import modes
 from benchmarks.equations import device
 from benchmarks.trajectories import W1, W3
 from model import Batch, Parameters, Readings
-from model.physics.compiled import kernel
+from model.compile.jit import kernel
 from model.physics.motion import motion
 from model.physics.notation import State
 from model.physics.parameters import Constants

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Parameters, Readings, Settings
+from model.compile.jit import kernel
 from model.engines.course import begin
 from model.engines.record import (
     OUTCOME,
@@ -36,7 +37,6 @@ from model.engines.scalar.step import (
 )
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
-from model.physics.compiled import kernel
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.motion import motion, side_contact, support_contact
 from model.physics.notation import LEFT_EDGE

@@ -5,8 +5,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from model.compile.jit import kernel
 from model.engines.queue import fair_share, new_queue, next_in
-from model.physics.compiled import kernel
 
 
 @kernel

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from model.cli.tables import in_columns
-from model.physics.compiled import cache_folder
+from model.compile.cache import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.readings import READING_NAMES, Readings

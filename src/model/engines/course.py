@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from model.compile.jit import kernel
 from model.engines.record import (
     CLOSEST,
     CONSTANTS,
@@ -62,7 +63,6 @@ from model.events.steady_state import (
     watched_until,
 )
 from model.events.transitions import CONTINUES
-from model.physics.compiled import kernel
 from model.physics.geometry import bottom_corner, edge_place, resting_height
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State

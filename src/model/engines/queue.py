@@ -8,7 +8,7 @@ from numba.core import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from model.physics.compiled import kernel
+from model.compile.jit import kernel
 
 Queue = NDArray[np.int64]
 

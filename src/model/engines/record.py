@@ -7,13 +7,13 @@ reached. Counts and flags are whole numbers stored as floats. The columns are th
 
 from math import isnan
 
+from model.compile.jit import inlined_kernel, kernel
+from model.compile.views import reader, writer
 from model.engines.results import RunResult
 from model.events.kernels import MOST_EVENTS
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, Mode
-from model.physics.views import reader, writer
 
 _WORKING = (
     "next_step",  # length proposed by the error estimate

@@ -16,6 +16,7 @@ from typing import Any, Generic, NamedTuple, TypeVar, dataclass_transform
 
 import numpy as np
 
+from model.compile.views import numbers
 from model.engines.tolerances import (
     Tolerance,
     by_error,
@@ -30,7 +31,6 @@ from model.events.outcomes import InSlot, Outcome, Reason, Unvibrated
 from model.physics.notation import State
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
 from model.physics.tables import entries, field_of
-from model.physics.views import numbers
 
 
 class Sensitivity(IntEnum):

@@ -1,7 +1,7 @@
 """Friction states at an instant, and removal of residual slip where contacts stick."""
 
+from model.compile.jit import inlined_kernel, kernel
 from model.events.modes import with_friction, with_slip_place
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import (
     forces_without_friction,
     is_beside,

@@ -7,6 +7,7 @@ the wall. Until alignment the two scenes have the same events.
 
 from math import sqrt
 
+from model.compile.jit import inlined_kernel, kernel
 from model.events import levels, table, transitions
 from model.events.levels import edge_inside, outline
 from model.events.modes import (
@@ -19,7 +20,6 @@ from model.events.modes import (
 from model.events.outcomes import Outcome, Reason
 from model.events.table import EVENTS, Event, Source, changed, of_contact, state_is
 from model.events.transitions import decided, edge_enters, touching
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import corner_on_wall, dot, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.motion import is_beside, is_supported, side_contact, support_contact

@@ -1,7 +1,7 @@
 """Kernels generated from a table of events: sampling, single levels, and transitions."""
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -9,17 +9,16 @@ from typing import Any, NamedTuple
 from numba.core import types
 from numba.extending import typeof_impl
 
+from model.compile.generated_kernels import GeneratedKernels
+from model.compile.jit import Symbol, inlined_kernel, kernel, python_of
+from model.compile.source import Lines, Writer
 from model.events import levels
-from model.events.kernel_set import KernelSet, generated
 from model.events.table import EVENTS, PLACES_OF_FORCES, Event, Source, Table
-from model.physics.compiled import Symbol, inlined_kernel, kernel
 from model.physics.parameters import Constants
 from model.physics.scenes import START, Declared, Scene
 
 MOST_EVENTS = 44  # capacity of records and histories
 MOST_SAMPLES = 2 * MOST_EVENTS
-
-Lines = Iterator[str]
 
 
 class SceneKernels(NamedTuple):
@@ -46,12 +45,6 @@ def in_kernels(scene: Scene) -> SceneKernels:
     """Return the scene in the form that kernels take."""
     events = kernels_of(scene.events) if scene.events else ALIGNMENT_EVENTS
     return SceneKernels(scene.declared, events)
-
-
-def python_of(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the Python function of a kernel."""
-    python: Callable[..., Any] = getattr(function, "py_func", function)
-    return python
 
 
 class _Any(Symbol):
@@ -87,49 +80,6 @@ def combined_count(table: Table) -> int:
     if len(table) > MOST_EVENTS:
         raise ValueError(f"{len(table)} events: a table may have at most {MOST_EVENTS}")
     return sum(combined)
-
-
-class Writer:
-    """Generator of kernels as Python source, which call other kernels by generated names.
-
-    Attributes:
-        known: objects that the code refers to, by name.
-        members: kernels generated so far, by name.
-        sources: files that define the called kernels.
-    """
-
-    def __init__(self, label: str, **known: Any) -> None:
-        self.label = label
-        self.known: dict[str, Any] = known
-        self.members: dict[str, Any] = {}
-        self.sources: set[str] = set()
-
-    def name(self, function: Callable[..., Any]) -> str:
-        """Return the name of a kernel in the code."""
-        for name, known in self.known.items():
-            if known is function:
-                return name
-        name = f"_{len(self.known)}_{python_of(function).__name__.lstrip('_')}"
-        self.known[name] = function
-        self.sources.add(python_of(function).__code__.co_filename)
-        return name
-
-    def write(self, compiled: Callable[..., Any], head: str, lines: Lines) -> None:
-        """Make the kernel that begins with ``head`` and has these lines."""
-        code = "\n".join([f"def {head}:", *(f"    {each}" for each in lines)])
-        name = head[: head.index("(")]
-        self.members[name] = generated(compiled, name, code, self.known, self.label)
-        self.known[name] = self.members[name]
-
-    def choose(self, head: str, choices: Iterator[tuple[int, str]], otherwise: str) -> None:
-        """Make a kernel of ``which`` that returns another expression for each event."""
-
-        def lines() -> Lines:
-            for number, expression in choices:
-                yield f"if which == {number}: return {expression}"
-            yield f"return {otherwise}"
-
-        self.write(inlined_kernel, head, lines())
 
 
 def _sample(table: Table, combined: int, write: Writer) -> Lines:
@@ -225,7 +175,7 @@ def _label(table: Table) -> str:
 
 
 @cache
-def kernels_of(table: Table) -> KernelSet:
+def kernels_of(table: Table) -> GeneratedKernels:
     """Return the kernels of a table.
 
     Members:
@@ -291,7 +241,7 @@ def kernels_of(table: Table) -> KernelSet:
         "corners_inside": names.index("corners_inside"), "face_end": names.index("face_end"),
         "inserts": int("inserted" in names),
     }  # fmt: skip
-    return KernelSet(label, write.members | numbers, write.sources)
+    return GeneratedKernels(label, write.members | numbers, write.sources)
 
 
 ALIGNMENT_EVENTS = kernels_of(EVENTS)

@@ -15,7 +15,7 @@ location searches each quantity.
 from math import pi
 from typing import NamedTuple
 
-from model.physics.compiled import inlined_kernel
+from model.compile.jit import inlined_kernel
 from model.physics.contacts import (
     contact_load,
     corner_on_flat,

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from model.physics.compiled import kernel
+from model.compile.jit import kernel
 from model.physics.scenes import CLOSED, OPEN, Mode
 
 

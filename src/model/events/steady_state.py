@@ -8,9 +8,9 @@ multiplied by five, suffices for alignment or for any event that did not happen 
 periods.
 """
 
+from model.compile.jit import inlined_kernel, kernel
 from model.events.levels import NEVER
 from model.events.table import FRICTION, LOAD
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE, State
 
 LONGEST_PERIOD = 8

@@ -6,6 +6,7 @@ and the contacts that the scene declares.
 
 from typing import Any, NamedTuple
 
+from model.compile.jit import inlined_kernel, kernel
 from model.events.friction import decide_friction, sign
 from model.events.levels import edge_inside, outline
 from model.events.modes import (
@@ -17,7 +18,6 @@ from model.events.modes import (
     with_support,
 )
 from model.events.outcomes import Outcome, Reason
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.motion import motion

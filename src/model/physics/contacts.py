@@ -13,7 +13,7 @@ printed reading the force rows differ from the kinematic ones.
 from math import sqrt
 from typing import NamedTuple
 
-from model.physics.compiled import inlined_kernel
+from model.compile.jit import inlined_kernel
 from model.physics.geometry import bottom_corner, edge_place, face_coordinate
 from model.physics.notation import LEFT_EDGE
 

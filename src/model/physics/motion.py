@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from model.physics.compiled import inlined_kernel
+from model.compile.jit import inlined_kernel
 from model.physics.contacts import (
     contact_load,
     corner_on_flat,

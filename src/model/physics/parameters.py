@@ -16,6 +16,7 @@ from typing import Any, Literal, TypeVar, dataclass_transform
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from model.compile.views import numbers
 from model.physics.quantities import (
     ANGLE,
     DAMPING,
@@ -31,7 +32,6 @@ from model.physics.quantities import (
 )
 from model.physics.readings import READING_NAMES, Readings
 from model.physics.tables import described, entries, field_of
-from model.physics.views import numbers
 
 Bound = Literal["", "> 0", ">= 0"]
 Table = TypeVar("Table")

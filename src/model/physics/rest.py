@@ -16,7 +16,7 @@ ends the path: the part topples or slides off. To first order, sticking,
 from math import isfinite
 from typing import Literal, NamedTuple
 
-from model.physics.compiled import kernel
+from model.compile.jit import kernel
 from model.physics.forces import applied_forces, excitation
 from model.physics.geometry import edge_place
 from model.physics.notation import LEFT_EDGE, State

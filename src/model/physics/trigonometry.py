@@ -7,7 +7,7 @@ Functions (1980), ch. 8; minimax polynomials on [-π/4, π/4] from fdlibm (Sun M
 
 from math import floor
 
-from model.physics.compiled import inlined_kernel
+from model.compile.jit import inlined_kernel
 
 _TWO_OVER_PI = 6.36619772367581382433e-01
 # π/2 in parts of 33 bits: n times each of the first two is exact for |n| < 2^20.

@@ -18,6 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
+from model.compile.cache import cache_folder
+from model.compile.generated_kernels import GeneratedKernels
+from model.compile.jit import kernel
+from model.compile.views import reader
+from model.compile.webassembly import NUMBERS, Function, array_at, compile_modules, whole_numbers
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.batch.scheduling import Many, Waiting, integrate_all, new_many
 from model.engines.course import Control, History
@@ -26,10 +31,8 @@ from model.engines.results import RunResult
 from model.engines.scalar.loop import Single, Workspace, new_single
 from model.engines.scalar.tableaux import DOP853
 from model.events.insertion import INSERTION
-from model.events.kernel_set import KernelSet
 from model.events.kernels import SceneKernels, in_kernels
 from model.events.table import EVENTS
-from model.physics.compiled import cache_folder, kernel
 from model.physics.parameters import (
     FIELDS,
     PARAMETER_NAMES,
@@ -39,8 +42,6 @@ from model.physics.parameters import (
     Parameters,
 )
 from model.physics.scenes import ALIGNMENT, Scene
-from model.physics.views import reader
-from model.physics.webassembly import NUMBERS, Function, array_at, compile_modules, whole_numbers
 from model.runs.settings import Settings
 from model.runs.shown import COLUMNS, integrate_shown
 
@@ -163,7 +164,7 @@ def _batch(scene: Scene) -> tuple[Function, int]:
     """
     kernels = in_vector_kernels(scene)
     members = kernels.events.members | {"fill_errors": _fill_no_errors}
-    events = KernelSet(f"{kernels.events.name}-without-errors", members, set())
+    events = GeneratedKernels(f"{kernels.events.name}-without-errors", members, set())
     kernels = kernels._replace(events=events)
     many, size = _memory_of(new_many(kernels), 8)
     lines = [
@@ -249,5 +250,5 @@ def modules() -> Modules:
 
 
 if __name__ == "__main__":
-    gc.disable()  # as in compiled.py
+    gc.disable()  # as in jit.py
     _compile(Path(sys.argv[1]))

@@ -4,6 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from model.compile.jit import kernel
+from model.compile.views import numbers, reader, writer
 from model.engines.course import begin
 from model.engines.record import (
     EVENT_COUNT,
@@ -18,12 +20,10 @@ from model.engines.results import COURSE, RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single, track_run
 from model.events.kernels import MOST_EVENTS
 from model.events.transitions import CONTINUES
-from model.physics.compiled import kernel
 from model.physics.motion import Motion, motion
 from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters
 from model.physics.scenes import Mode
-from model.physics.views import numbers, reader, writer
 from model.runs.engines import Array
 from model.runs.settings import Settings
 

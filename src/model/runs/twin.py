@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from model.compile.jit import kernel
 from model.engines.record import constants_in
 from model.engines.results import RunResult
 from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
-from model.physics.compiled import kernel
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from model.physics.rest import rest_under_press

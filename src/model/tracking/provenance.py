@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from model.physics.compiled import cache_folder
+from model.compile.cache import cache_folder
 from model.study.files import whole_file
 
 _PACKAGE = Path(__file__).resolve().parents[1]

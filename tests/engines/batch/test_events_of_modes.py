@@ -5,9 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
+from model.compile.jit import python_of
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.events.insertion import INSERTION
-from model.events.kernels import python_of
 from model.events.table import EVENTS
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Constants

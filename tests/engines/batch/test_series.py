@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from model import Settings
+from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
 from model.engines.batch.event_kernels import TERMS, in_vector_kernels
 from model.engines.batch.event_search import (
@@ -29,7 +30,7 @@ from model.engines.batch.series import (
     Watched,
     recurrences,
 )
-from model.engines.batch.series_code import series_filler
+from model.engines.batch.series_kernels import series_filler
 from model.engines.batch.series_plan import (
     ERROR_ORDER,
     FRACTIONS,
@@ -40,7 +41,6 @@ from model.engines.batch.series_plan import (
     ROWS,
     SINES,
     TILT,
-    WIDTH,
     Plan,
 )
 from model.engines.batch.step import step_all

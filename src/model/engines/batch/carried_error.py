@@ -1,7 +1,7 @@
 """The error of a run, carried through its steps by the linearised motion and through its events.
 
 Every step adds its local error, the next term of its series. Between events the error obeys the
-linearised equations of motion (``_ErrorWriter`` of series_code.py). At an event it is multiplied by
+linearised equations of motion (``ErrorWriter`` of series_code.py). At an event it is multiplied by
 the saltation matrix: a displaced run reaches the event later, and goes on in the mode before it in
 the meantime (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
 section 7.2).
@@ -9,8 +9,10 @@ section 7.2).
 
 from math import inf
 
+from model.compile.jit import inlined_kernel, kernel
+from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
-from model.engines.batch.series_plan import ERROR_ORDER, ORDER, REMAINDER, ROWS, WIDTH
+from model.engines.batch.series_plan import ERROR_ORDER, ORDER, REMAINDER, ROWS
 from model.engines.batch.workspace import COEFFICIENTS
 from model.engines.record import (
     ERROR,
@@ -24,7 +26,6 @@ from model.engines.record import (
 from model.engines.scalar.step import moved, rates_of
 from model.events.friction import hold_sticking
 from model.events.table import LENGTH
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
 from model.physics.scenes import STICKING

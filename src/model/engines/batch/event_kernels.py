@@ -13,10 +13,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from model.compile.generated_kernels import GeneratedKernels
+from model.compile.jit import inlined_kernel, kernel, python_of
+from model.compile.source import Lines, Writer
+from model.compile.vector_code import WIDTH
 from model.engines.batch import step, workspace
 from model.engines.batch.series import ALIGNMENT_KINDS, INSERTION_KINDS, Kind, Watched
-from model.engines.batch.series_code import errors_filler, series_filler, series_sampler
-from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES, WIDTH
+from model.engines.batch.series_kernels import errors_filler, series_filler, series_sampler
+from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES
 from model.engines.batch.traced import MODE, Form, P, forms_of, is_nothing, rendered
 from model.engines.batch.workspace import (
     COEFFICIENTS,
@@ -28,11 +32,9 @@ from model.engines.batch.workspace import (
     numbers_of,
     variant_in,
 )
-from model.events.kernel_set import KernelSet
-from model.events.kernels import Lines, SceneKernels, Writer, combined_count, kernels_of, python_of
+from model.events.kernels import SceneKernels, combined_count, kernels_of
 from model.events.levels import NEVER, NOTHING
 from model.events.table import EVENTS, Event, Table
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.scenes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING, Mode, Scene
 
@@ -248,7 +250,7 @@ def _masks(watched: list[WatchedEvent], kinds: int) -> NDArray[np.int64]:
 
 
 @cache
-def vector_kernels_of(table: Table) -> KernelSet:
+def vector_kernels_of(table: Table) -> GeneratedKernels:
     """Return the kernels of a table: those of ``kernels_of``, and those of the batch engine.
 
     Members:
@@ -265,7 +267,7 @@ def vector_kernels_of(table: Table) -> KernelSet:
         enter_series(which, sign, series, w, i): write the series of a level's quantities; ``sign``
             is the sign of the argument of its absolute value.
         mode_of_lane(w, i): the ``Mode`` of a lane; kind_of(mode): see ``kind_in``.
-        fill_series, fill_errors, sample_series: see series_code.py.
+        fill_series, fill_errors, sample_series: see series_kernels.py.
         takes_size(which, p, mode), is_partial(which): see ``Form`` and ``WatchedEvent``.
     """
     combined, count, base = combined_count(table), len(table), kernels_of(table)
@@ -348,11 +350,11 @@ def vector_kernels_of(table: Table) -> KernelSet:
         "fill_errors": errors_filler(kinds, inserts),
         "sample_series": series_sampler(len(quantities)),
     }
-    return KernelSet(f"{base.name}-lanes", members, write.sources)
+    return GeneratedKernels(f"{base.name}-lanes", members, write.sources)
 
 
 @cache
-def _alignment_kernels() -> KernelSet:
+def _alignment_kernels() -> GeneratedKernels:
     """Kernels of the alignment scene, cached without hashing its table at every call."""
     return vector_kernels_of(EVENTS)
 

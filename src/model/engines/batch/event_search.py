@@ -8,8 +8,10 @@ its argument.
 
 from math import inf
 
+from model.compile.jit import inlined_kernel, kernel
+from model.compile.vector_code import WIDTH
 from model.engines.batch.event_kernels import TERMS
-from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, WIDTH
+from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS
 from model.engines.batch.step import (
     TOO_FLAT_TO_TELL,
     one_stays_above,
@@ -27,7 +29,6 @@ from model.engines.scalar import location
 from model.engines.scalar.location import NO_EVENT, sample_step
 from model.events.friction import REST_SLIP
 from model.events.levels import NOTHING, ON_AN_EVENT, largest
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE, State
 
 QUANTITIES = 4  # of a level

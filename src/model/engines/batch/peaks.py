@@ -2,8 +2,17 @@
 
 from math import inf
 
+from model.compile.jit import inlined_kernel, kernel
+from model.compile.vector_code import WIDTH
 from model.engines.batch.event_search import row_at
-from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT, WIDTH
+from model.engines.batch.series_plan import (
+    FRACTIONS,
+    NODES,
+    ORDER,
+    ROWS,
+    SINES,
+    TILT,
+)
 from model.engines.batch.step import curvature_bound
 from model.engines.batch.workspace import (
     COEFFICIENTS,
@@ -16,7 +25,6 @@ from model.engines.batch.workspace import (
     VALUES,
     WALL_LOAD,
 )
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.scenes import CLOSED
 
 _SUBINTERVAL = FRACTIONS[0]

@@ -11,13 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from model.compile.jit import inlined_kernel, kernel
+from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
 from model.engines.batch.carried_error import carry_error, error_of_time, pass_event
 from model.engines.batch.event_kernels import TERMS
 from model.engines.batch.event_search import QUANTITIES, first_event, state_at
 from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import CONSISTENT, SIDE_SIGN, SUPPORT_SIGN
-from model.engines.batch.series_plan import NODES, ORDER, WIDTH
+from model.engines.batch.series_plan import NODES, ORDER
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane, lowest_bit
 from model.engines.course import (
@@ -70,7 +72,6 @@ from model.events.kernels import SceneKernels
 from model.events.levels import NEVER, ON_AN_EVENT
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE
 from model.physics.scenes import Mode
 

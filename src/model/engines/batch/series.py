@@ -15,9 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.events.kernels import python_of
+from model.compile.jit import Symbol, python_of
 from model.events.levels import outline
-from model.physics.compiled import Symbol
 from model.physics.contacts import (
     Contact,
     contact_load,

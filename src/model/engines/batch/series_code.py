@@ -4,160 +4,24 @@ The code is written for WIDTH runs, one in each lane of a vector, with the memor
 ``coefficients[order, row, lane]``.
 """
 
-from collections.abc import Callable, Sequence
 from typing import Any
 
-from llvmlite import ir
-from numba.core import types
-from numba.core.cgutils import unpack_tuple
-from numba.extending import intrinsic
-
-from model.engines.batch.series import (
-    STATES,
-    Constant,
-    Kind,
-    Row,
-    Sum,
-    recurrences,
-)
+from model.compile.vector_code import VectorWriter
+from model.engines.batch.series import STATES, Constant, Row, Sum
 from model.engines.batch.series_plan import (
     ERROR_ORDER,
-    FRACTIONS,
     FURTHER_ROWS,
-    NODES,
-    ORDER,
     ORDERS,
-    ORDERS_THERE,
     ROWS,
-    SINES,
-    STATE_ROWS,
     TILT,
-    WIDTH,
     Plan,
 )
-from model.events.kernel_set import generated
-from model.physics.compiled import call_finished, kernel
 
-_DOUBLE = ir.DoubleType()
-_POINTER = ir.VectorType(_DOUBLE, WIDTH).as_pointer()
-_VECTOR = f"<{WIDTH} x double>"
 _FIRST = "0"  # order
 _AT_ONCE = 14  # sums in a loop
-_ALIGNMENT = 64
 
 
-class _Writer:
-    """Writes a function of pointers to vectors in LLVM's language.
-
-    Vectors and whole numbers are names of values in the code, or constants. The text is written
-    here, since llvmlite takes seven times as long for it. No vector is written after it was read.
-    """
-
-    def __init__(self, name: str, pointers: int) -> None:
-        self.arguments = [f"%argument{n}" for n in range(pointers)]
-        arguments = ", ".join(f"{_POINTER} noalias {each}" for each in self.arguments)
-        self.lines = [
-            f"declare {_VECTOR} @llvm.fmuladd.v{WIDTH}f64({_VECTOR}, {_VECTOR}, {_VECTOR})",
-            f"declare {_VECTOR} @llvm.fabs.v{WIDTH}f64({_VECTOR})",
-            f"define linkonce_odr void @{name}({arguments}) nounwind {{",
-        ]
-        self.begin("entry")
-
-    def code(self) -> str:
-        """Return the code of the function and of what it calls."""
-        return "\n".join((*self.lines, "ret void", "}"))
-
-    def begin(self, block: str) -> None:
-        """Write what follows into a new block."""
-        self.block = block
-        self.bases: dict[tuple[str, str, int], str] = {}
-        self.loaded: dict[tuple[str, str | int], str] = {}
-        self.lines.append(f"{block}:")
-
-    def name(self, what: str) -> str:
-        """A name that the code does not contain yet."""
-        return f"{what}{len(self.lines)}"
-
-    def result(self, operation: str) -> str:
-        """The result of an operation."""
-        name = self.name("%v")
-        self.lines.append(f"{name} = {operation}")
-        return name
-
-    def count(self, operation: str, a: str, b: str) -> str:
-        """The result of an operation on whole numbers."""
-        return self.result(f"{operation} i64 {a}, {b}")
-
-    def do(self, operation: str, *of: str) -> str:
-        """The result of an operation on vectors."""
-        return self.result(f"{operation} {_VECTOR} {', '.join(of)}")
-
-    def call(self, function: str, *of: str) -> str:
-        """The result of a function of vectors."""
-        listed = ", ".join(f"{_VECTOR} {each}" for each in of)
-        return self.result(f"call {_VECTOR} @llvm.{function}.v{WIDTH}f64({listed})")
-
-    def fma(self, a: str, b: str, c: str) -> str:
-        """A b + c."""
-        return self.call("fmuladd", a, b, c)
-
-    def vector(self, number: float) -> str:
-        """A vector with ``number`` everywhere."""
-        return f"<{', '.join([str(ir.Constant(_DOUBLE, number))] * WIDTH)}>"
-
-    def everywhere(self, count: str) -> str:
-        """The same, of a whole number that the code computes."""
-        number = self.result(f"sitofp i64 {count} to double")
-        one = self.result(f"insertelement {_VECTOR} undef, double {number}, i64 0")
-        first = f"<{WIDTH} x i32> zeroinitializer"
-        return self.result(f"shufflevector {_VECTOR} {one}, {_VECTOR} undef, {first}")
-
-    def address(self, pointer: str, place: str | int) -> str:
-        """The address of the vector at a place."""
-        return self.result(f"getelementptr {_VECTOR}, {_POINTER} {pointer}, i64 {place}")
-
-    def base(self, pointer: str, index: str, rows: int = 1) -> str:
-        """The address of the vector at ``index`` times ``rows``, computed once in a block."""
-        key = pointer, index, rows
-        if key not in self.bases:
-            place = index if rows == 1 else self.count("mul", index, str(rows))
-            self.bases[key] = self.address(pointer, place)
-        return self.bases[key]
-
-    def load(self, pointer: str, place: str | int) -> str:
-        """The vector at a place, loaded once in a block."""
-        if (pointer, place) not in self.loaded:
-            address = self.address(pointer, place)
-            loaded = self.result(f"load {_VECTOR}, {_POINTER} {address}, align {_ALIGNMENT}")
-            self.loaded[pointer, place] = loaded
-        return self.loaded[pointer, place]
-
-    def keep(self, value: str, pointer: str, place: str | int) -> None:
-        """Write the vector at a place."""
-        address = self.address(pointer, place)
-        self.lines.append(f"store {_VECTOR} {value}, {_POINTER} {address}, align {_ALIGNMENT}")
-        self.loaded[pointer, place] = value
-
-    def repeat(self, count: str, write: Callable[..., Sequence[str]], *starts: str) -> list[str]:
-        """Write a loop: ``write(index, *carried)`` gives the values carried on; their last ones."""
-        before, body, after = self.block, self.name("loop"), self.name("after")
-        self.lines.append(f"br label %{body}")
-        self.begin(body)
-        first = len(self.lines)
-        carried = [self.result("") for _ in ("0", *starts)]
-        values = list(write(*carried))
-        following = self.count("add", carried[0], "1")
-        kinds = "i64", *[_VECTOR] * len(starts)
-        phis = zip(kinds, ("0", *starts), (following, *values), strict=True)
-        for n, (kind, start, value) in enumerate(phis, first):
-            self.lines[n] += f"phi {kind} [{start}, %{before}], [{value}, %{self.block}]"
-        goes_on = self.count("icmp slt", following, count)
-        self.lines.append(f"br i1 {goes_on}, label %{body}, label %{after}")
-        self.begin(after)
-        return values
-
-
-class _SeriesWriter(_Writer):
+class SeriesWriter(VectorWriter):
     """Writes the function (coefficients, given, last) that fills coefficients of a kind of mode.
 
     ``last`` holds the last order of the states.
@@ -181,8 +45,7 @@ class _SeriesWriter(_Writer):
 
     def _further_orders(self) -> str:
         """The number of orders behind the first from which the next one is computed."""
-        order = self.result(f"load double, {_DOUBLE.as_pointer()} {self.other}")
-        return self.count("sub", self.result(f"fptosi double {order} to i64"), "1")
+        return self.count("sub", self.whole_number(self.other), "1")
 
     def constant(self, value: Constant) -> str:
         """A constant, computed before the first order."""
@@ -299,8 +162,7 @@ class _SeriesWriter(_Writer):
         self.lines.append(f"br label %{after}")
         self.begin(after)
         for row, value in zip(rows, sums, strict=True):
-            chosen = f"[{self.vector(0.0)}, %{before}], [{value}, %{body}]"
-            self.terms[row] = self.result(f"phi {_VECTOR} {chosen}")
+            self.terms[row] = self.merged((before, self.vector(0.0)), (body, value))
         for row in filter(plan.is_ahead, rows):
             forward, backward = plan.factors[row]
             last = self._at(forward, order), self._at(backward, "1")
@@ -345,7 +207,7 @@ class _SeriesWriter(_Writer):
         return self.do("fdiv", rest, self._at(bottom, _FIRST))
 
 
-class _ErrorWriter(_SeriesWriter):
+class ErrorWriter(SeriesWriter):
     """Writes the function (errors, given, coefficients): the series of the linearised motion.
 
     ``errors`` holds the errors of the states; those of their coefficients up to ERROR_ORDER are
@@ -429,127 +291,3 @@ class _ErrorWriter(_SeriesWriter):
             values[row] = self.do("fneg", total) if row == self.plan.sines[1] else total
             if row in self.plan.place:
                 self._keep(values[row], row, order)
-
-
-class _SamplesWriter(_Writer):
-    """Writes the function (coefficients, lengths, values) that sums series at the nodes.
-
-    ``count`` is the number of watched quantities.
-    """
-
-    def __init__(self, name: str, count: int) -> None:
-        super().__init__(name, 3)
-        self.coefficients, lengths, self.values = self.arguments
-        self.length = self.load(lengths, 0)
-        self.times = [self.do("fmul", self.length, self.vector(each)) for each in FRACTIONS]
-        self.ratios = {  # of k (k - 1) h^k, from an order to the next
-            order: self.do("fmul", self.length, self.vector((order + 1.0) / (order - 1.0)))
-            for order in range(2, ORDER + 1)
-        }
-        self.repeat(str(STATE_ROWS), self._end_of_state)
-        self.repeat(str(1 + count), self._one_row)
-
-    def _coefficient(self, row: str, order: int) -> str:
-        return self.load(self.base(self.coefficients, row), order * ROWS)
-
-    def _enter(self, value: str, row: str, node: int) -> None:
-        self.keep(value, self.base(self.values, row), node * SINES)
-
-    def _end_of_state(self, row: str) -> tuple[()]:
-        """One of the states at the last node: the others are not needed."""
-        total = self.vector(0.0)
-        for order in range(ORDER, -1, -1):
-            total = self.fma(total, self.times[-1], self._coefficient(row, order))
-        self._enter(total, row, NODES - 1)
-        return ()
-
-    def _one_row(self, index: str) -> tuple[()]:
-        """Sum the tilt, or a watched quantity, at all nodes, and bound its second derivative."""
-        is_first = self.count("icmp eq", index, "0")
-        other = self.count("add", index, str(STATE_ROWS - 1))
-        row = self.result(f"select i1 {is_first}, i64 {TILT}, i64 {other}")
-        sums, bound = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
-        for order in range(ORDER, -1, -1):
-            coefficient = self._coefficient(row, order)
-            for node, last in enumerate(ORDERS_THERE):
-                if order <= last:
-                    sums[node] = self.fma(sums[node], self.times[node], coefficient)
-            if order > 1:
-                bound = self.fma(bound, self.ratios[order], self.call("fabs", coefficient))
-        square = self.do("fmul", self.length, self.length)
-        bound = self.do("fmul", bound, self.do("fmul", self.vector(2.0), square))
-        for node, value in enumerate((coefficient, *sums, bound)):
-            self._enter(value, row, node)
-        return ()
-
-
-def _written(name: str, write: Callable[[str], _Writer]) -> Any:
-    """The kernel (block, places) that calls a written function with pointers into ``block``."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        block = context.make_array(signature.args[0])(context, builder, arguments[0])
-        first = builder.bitcast(block.data, _POINTER)
-        pointers = [builder.gep(first, [place]) for place in unpack_tuple(builder, arguments[1])]
-        call_finished(context, builder, name, write(name).code(), pointers)
-        return context.get_dummy_value()
-
-    @intrinsic
-    def call(_context: Any, block: Any, places: Any) -> Any:
-        return types.void(block, places), generate
-
-    return call
-
-
-def _filler(
-    name: str, writer: type[_SeriesWriter], kinds: Sequence[Kind], inserts: bool, places: str
-) -> Any:
-    """Make the kernel (kind, block, ``places``) that calls the function written for a kind."""
-
-    def written(kind: Kind) -> Any:
-        def write(label: str) -> _Writer:
-            return writer(label, Plan(recurrences(kind, inserts)))
-
-        return _written("_".join(map(str, (name, inserts, *kind))), write)
-
-    known, lines = {}, [f"def {name}(kind, block, {places}):"]
-    for number, kind in enumerate(kinds):
-        known[f"series_{number}"] = written(kind)
-        lines.append(f"    if kind == {number}: series_{number}(block, ({places}))")
-    return generated(kernel, name, "\n".join(lines), known, f"{len(kinds)}_kinds")
-
-
-def series_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
-    """Make the kernel (kind, block, coefficients, given, last) that fills the coefficients of runs.
-
-    ``block`` holds vectors on cache lines. At the place ``coefficients`` in it stand ROWS of them
-    for each order, of which the first holds the states and sines; at ``given``, GIVEN of them; at
-    ``last`` the last order of the states. ``kind`` is an index of ``kinds``; ``inserts`` as in
-    ``recurrences``.
-    """
-    places = "coefficients, given, last"
-    return _filler("fill_series", _SeriesWriter, kinds, inserts, places)
-
-
-def errors_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
-    """Make the kernel (kind, block, errors, given, coefficients) that fills the series of errors.
-
-    The coefficients are filled. At ``errors`` stand the errors of the states, in the layout of the
-    coefficients, up to ERROR_ORDER; the first is given.
-    """
-    return _filler("fill_errors", _ErrorWriter, kinds, inserts, "errors, given, coefficients")
-
-
-def series_sampler(count: int) -> Any:
-    """Make the kernel (block, coefficients, lengths, values) that sums series at nodes of steps.
-
-    It sums the tilt and the first ``count`` watched quantities at the nodes of steps of the given
-    ``lengths``. At ``values`` stand SINES vectors for each node and, behind them, as many bounds of
-    the second derivative with respect to the fraction of the step. The other states are summed at
-    the last node only.
-    """
-    sample = _written(f"sample_{count}", lambda name: _SamplesWriter(name, count))
-    code = (
-        "def sample_series(block, coefficients, lengths, values):\n"
-        "    sample(block, (coefficients, lengths, values))"
-    )
-    return generated(kernel, "sample_series", code, {"sample": sample}, f"{count}_quantities")

@@ -9,7 +9,6 @@ from copy import copy
 
 from model.engines.batch.series import STATES, Recurrences, Row, Watched
 
-WIDTH = 8  # runs in a vector
 ORDER = 16  # of the series
 ERROR_ORDER = 8  # of the series of the linearised motion; a step may be 3 radians of a contact
 REMAINDER = 1  # further orders, which estimate what the series omits

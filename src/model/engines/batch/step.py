@@ -10,6 +10,8 @@ from math import floor
 
 import numpy as np
 
+from model.compile.jit import inlined_kernel, kernel
+from model.compile.vector_code import WIDTH
 from model.engines.batch.series_plan import (
     FRACTIONS,
     NODES,
@@ -18,7 +20,6 @@ from model.engines.batch.series_plan import (
     ROWS,
     SINES,
     TILT,
-    WIDTH,
 )
 from model.engines.batch.workspace import (
     CANDIDATES,
@@ -44,7 +45,6 @@ from model.engines.batch.workspace import (
 )
 from model.events.friction import REST_SLIP, hold_sticking
 from model.events.levels import FLAT, NEVER, ON_AN_EVENT, largest
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.scenes import CLOSED
 from model.physics.trigonometry import sine_cosine
 

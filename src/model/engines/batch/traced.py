@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from operator import mul
 from typing import Any
 
+from model.compile.jit import Symbol, python_of
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
-from model.events.kernels import python_of
 from model.events.levels import NOTHING, Outline, Touch
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
-from model.physics.compiled import Symbol
 from model.physics.motion import Motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Constants

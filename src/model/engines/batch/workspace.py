@@ -14,6 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from model.compile.jit import inlined_kernel
+from model.compile.vector_code import WIDTH
+from model.compile.views import reader
 from model.engines.batch.series import (
     BETWEEN_WALLS,
     CONSISTENT,
@@ -32,14 +35,11 @@ from model.engines.batch.series_plan import (
     ROWS,
     SINES,
     TILT,
-    WIDTH,
 )
 from model.engines.scalar.tableaux import Array
-from model.physics.compiled import inlined_kernel
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
 from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
-from model.physics.views import reader
 
 # Rows: the constants and signs of the slips, then numbers of the lanes, and of their step.
 (

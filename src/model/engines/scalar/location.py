@@ -8,9 +8,9 @@ then repeats the step up to it, so that the state at the event has the full orde
 
 import numpy as np
 
+from model.compile.jit import inlined_kernel, kernel
 from model.engines.scalar.step import interpolate, keep_in
 from model.events.levels import NEVER, ON_AN_EVENT, largest
-from model.physics.compiled import inlined_kernel, kernel
 
 NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
 NODES = len(NODE_PLACES)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from model.compile.jit import inlined_kernel, kernel
 from model.engines.course import (
     History,
     begin,
@@ -58,7 +59,6 @@ from model.events.kernels import MOST_SAMPLES
 from model.events.levels import NEVER, ON_AN_EVENT
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
-from model.physics.compiled import inlined_kernel, kernel
 from model.physics.notation import STATE_SIZE
 
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)

@@ -2,7 +2,7 @@
 
 from math import isfinite, sqrt
 
-from model.physics.compiled import inlined_kernel, kernel
+from model.compile.jit import inlined_kernel, kernel
 from model.physics.motion import motion
 from model.physics.notation import STATE_SIZE, State
 

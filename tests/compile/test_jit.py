@@ -1,4 +1,4 @@
-"""Compiled kernels: their cache folder, and the numba that they need."""
+"""Compiled kernels, and the numba that they need."""
 
 import gc
 import os
@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from model.physics import compiled
+from model.compile import jit
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -46,7 +46,7 @@ def six_times(x):
 
 @pytest.fixture
 def empty(tmp_path, monkeypatch):
-    monkeypatch.setattr(compiled, "_CACHE_FOLDER", str(tmp_path))
+    monkeypatch.setattr(jit, "_CACHE_FOLDER", str(tmp_path))
     return tmp_path
 
 
@@ -56,8 +56,8 @@ def kept(folder):
 
 
 def test_a_kernel_becomes_machine_code_where_python_calls_it(empty, monkeypatch):
-    monkeypatch.setitem(globals(), "part", compiled.kernel(halved))
-    assert compiled.kernel(quartered)(8.0) == 2.0
+    monkeypatch.setitem(globals(), "part", jit.kernel(halved))
+    assert jit.kernel(quartered)(8.0) == 2.0
     assert kept(empty) == {"quartered"}
     assert part(8.0) == 4.0
     assert kept(empty) == {"quartered", "halved"}
@@ -65,19 +65,19 @@ def test_a_kernel_becomes_machine_code_where_python_calls_it(empty, monkeypatch)
 
 @pytest.mark.usefixtures("empty")
 def test_a_kernel_called_often_searches_for_no_symbols(monkeypatch):
-    made = compiled.kernel(halved)
-    often = compiled.called_often(made)
-    monkeypatch.setattr(compiled, "_first_symbol", None)
+    made = jit.kernel(halved)
+    often = jit.called_often(made)
+    monkeypatch.setattr(jit, "_first_symbol", None)
     assert often(8.0) == 4.0
-    assert compiled.called_often(halved) is halved
+    assert jit.called_often(halved) is halved
 
 
 @pytest.mark.usefixtures("empty")
 def test_cached_machine_code_is_loaded_without_compiling(monkeypatch):
-    monkeypatch.setitem(globals(), "part", compiled.inlined_kernel(halved))
-    assert compiled.kernel(quartered)(8.0) == 2.0
+    monkeypatch.setitem(globals(), "part", jit.inlined_kernel(halved))
+    assert jit.kernel(quartered)(8.0) == 2.0
     monkeypatch.setitem(globals(), "part", None)  # compiling would fail
-    assert compiled.kernel(quartered)(12.0) == 3.0
+    assert jit.kernel(quartered)(12.0) == 3.0
 
 
 SINE = """
@@ -108,10 +108,10 @@ def test_loading_from_the_cache_sets_up_no_compiler(tmp_path):
 
 
 def test_threads_calling_a_kernel_at_once_keep_the_cache_setting_of_numba(empty, monkeypatch):
-    folders = {compiled.config.CACHE_DIR}
-    monkeypatch.setitem(globals(), "part", compiled.kernel(halved))
+    folders = {jit.config.CACHE_DIR}
+    monkeypatch.setitem(globals(), "part", jit.kernel(halved))
     for _ in range(20):
-        whole, gate = compiled.kernel(quartered), threading.Barrier(4)
+        whole, gate = jit.kernel(quartered), threading.Barrier(4)
 
         def first(each, whole=whole, gate=gate):
             gate.wait()
@@ -119,7 +119,7 @@ def test_threads_calling_a_kernel_at_once_keep_the_cache_setting_of_numba(empty,
 
         with ThreadPoolExecutor(4) as pool:
             assert list(pool.map(first, [4.0, 8.0, 12.0, 16.0])) == [1.0, 2.0, 3.0, 4.0]
-        folders.add(compiled.config.CACHE_DIR)
+        folders.add(jit.config.CACHE_DIR)
     assert len(folders) == 1
     assert kept(empty) == {"quartered"}
 
@@ -136,7 +136,7 @@ def test_kernels_use_the_widest_vectors_and_others_keep_theirs(empty):
         pytest.skip("a processor without vectors of 512 bits")
     usual = numba.njit(shifted)
     usual(np.ones(100), 2.0)
-    kernel = compiled.kernel(shifted)
+    kernel = jit.kernel(shifted)
     kernel(np.ones(100), 2.0)
     assert kept(empty) == {"shifted"}
     assert wide_registers(kernel._whole) > 0
@@ -147,72 +147,35 @@ def test_kernels_use_the_widest_vectors_and_others_keep_theirs(empty):
 
 @pytest.mark.usefixtures("empty")
 def test_constant_arguments_compile_no_further_versions(monkeypatch):
-    monkeypatch.setitem(globals(), "part", compiled.kernel(times))
-    assert compiled.kernel(six_times)(1.5) == 9.0
+    monkeypatch.setitem(globals(), "part", jit.kernel(times))
+    assert jit.kernel(six_times)(1.5) == 9.0
     assert len(part.signatures) == 1
 
 
 @pytest.mark.usefixtures("empty")
 @pytest.mark.parametrize("collects", [True, False])
 def test_the_garbage_collector_is_restored(monkeypatch, collects):
-    monkeypatch.setitem(globals(), "part", compiled.kernel(halved))
+    monkeypatch.setitem(globals(), "part", jit.kernel(halved))
     before = gc.isenabled()
     (gc.enable if collects else gc.disable)()
     try:
-        compiled.kernel(quartered)(8.0)
+        jit.kernel(quartered)(8.0)
         assert gc.isenabled() is collects
         monkeypatch.setitem(globals(), "part", None)
         with pytest.raises(TypingError):
-            compiled.kernel(quartered)(8)  # of an integer: compiled anew, and this fails
+            jit.kernel(quartered)(8)  # of an integer: compiled anew, and this fails
         assert gc.isenabled() is collects
     finally:
         (gc.enable if before else gc.disable)()
 
 
-def test_a_changed_source_opens_another_folder(tmp_path, monkeypatch):
-    for floor in compiled._KERNEL_FLOORS:
-        assert (compiled._PACKAGE / floor).is_dir()
-        (tmp_path / floor).mkdir()
-    source = tmp_path / "engines" / "scalar" / "step.py"
-    source.parent.mkdir()
-    source.write_text("x = 1\n")
-    monkeypatch.setattr(compiled, "_PACKAGE", tmp_path)
-    first = compiled.kernel_fingerprint()
-    source.write_text("x = 2\n")
-    second = compiled.kernel_fingerprint()
-    source.write_text("x = 1\n")
-    assert first != second
-    assert compiled.kernel_fingerprint() == first
-
-
-@pytest.mark.parametrize(
-    ("variable", "below"), [("VIBRALIGN_CACHE", ""), ("XDG_CACHE_HOME", "vibralign")]
-)
-def test_the_folder_can_be_moved(tmp_path, monkeypatch, variable, below):
-    monkeypatch.delenv("VIBRALIGN_CACHE", raising=False)
-    monkeypatch.setenv(variable, str(tmp_path))
-    expected = tmp_path / below / compiled.kernel_fingerprint()
-    assert compiled.cache_folder() == expected
-    assert expected.is_dir()
-
-
-def test_a_temporary_folder_replaces_one_that_cannot_be_created(tmp_path, monkeypatch):
-    blocked = tmp_path / "file"
-    blocked.write_text("")
-    monkeypatch.setenv("VIBRALIGN_CACHE", str(blocked))
-    monkeypatch.setattr(compiled.tempfile, "gettempdir", lambda: str(tmp_path / "temp"))
-    folder = compiled.cache_folder()
-    assert folder.is_dir()
-    assert Path(tmp_path / "temp") in folder.parents
-
-
 def test_a_numba_beyond_the_bound_is_refused_with_version_bound_and_remedy():
-    compiled.check_numba(numba.__version__)
-    compiled.check_numba("0.68.1")
+    jit.check_numba(numba.__version__)
+    jit.check_numba("0.68.1")
     message = r"numba 0\.69\.0rc1 is installed.*numba < 0\.69.*pip install 'numba<0\.69'"
     for version in ("0.69.0rc1", "0.100.0", "1.0.0"):
         with pytest.raises(ImportError, match=message.replace(r"0\.69\.0rc1", version)):
-            compiled.check_numba(version)
+            jit.check_numba(version)
 
 
 def test_the_import_is_refused_with_a_numba_beyond_the_bound():
@@ -225,4 +188,4 @@ def test_the_import_is_refused_with_a_numba_beyond_the_bound():
 def test_the_bound_on_numba_is_that_of_the_package():
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     (declared,) = (each for each in project["dependencies"] if each.startswith("numba"))
-    assert declared.endswith(f",<{'.'.join(map(str, compiled.NUMBA_BELOW))}")
+    assert declared.endswith(f",<{'.'.join(map(str, jit.NUMBA_BELOW))}")

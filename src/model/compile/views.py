@@ -9,7 +9,7 @@ import collections
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from model.physics.compiled import inlined_kernel
+from model.compile.jit import inlined_kernel
 
 _FROM_NUMBER = {int: "int({})", bool: "({} != 0.0)"}
 

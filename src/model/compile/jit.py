@@ -5,26 +5,19 @@ and adds wrappers for calls from Python and C. Here a kernel is compiled to inte
 and becomes machine code only as a part of a kernel that Python calls: a quarter of the compile time
 (docs/decisions/0025-compiling.md).
 
-numba's cache does not notice an edit in another file that a kernel calls. The cache folder is
-therefore named by a hash of every file that can hold a kernel.
-
 Subclasses of numba's dispatcher, compiler, code library and cache do this. numba does not promise
 to keep what they override: hence the upper bound ``NUMBA_BELOW``, which is pyproject.toml's too.
 """
 
-import contextlib
 import functools
 import gc
-import hashlib
-import os
-import tempfile
-import threading
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numba
 from llvmlite import ir
+
+from model.compile.cache import cache_folder, config, numba_cache_in
 
 NUMBA_BELOW = (0, 69)
 """First release of numba (major, minor) that these kernels have not been tried with."""
@@ -54,56 +47,7 @@ from numba.core.registry import CPUDispatcher  # noqa: E402
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-_PACKAGE = Path(__file__).resolve().parents[1]
-_KERNEL_FLOORS = ("physics", "events", "engines", "runs")
-
-# --- Cache folder -------------------------------------------------------------------------------
-
-
-def kernel_fingerprint() -> str:
-    """Hash of numba's version and every source file that can hold a kernel (16 hex digits)."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for floor in _KERNEL_FLOORS:
-        for source in sorted((_PACKAGE / floor).rglob("*.py")):
-            digest.update(source.relative_to(_PACKAGE).as_posix().encode())
-            digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def cache_folder() -> Path:
-    """Folder of the compiled kernels; ``VIBRALIGN_CACHE`` or ``XDG_CACHE_HOME`` moves it."""
-    base = os.environ.get("VIBRALIGN_CACHE")
-    if base is None:
-        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        base = str(Path(home) / "vibralign")
-    folder = Path(base) / kernel_fingerprint()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:  # a read-only home: use a temporary folder of this user's own
-        folder = Path(tempfile.gettempdir()) / f"vibralign-{os.getuid()}" / folder.name
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    return folder
-
-
 _CACHE_FOLDER = str(cache_folder())
-config: Any = numba.config  # its settings are set at import, unseen by type checkers
-_CACHE_SETTING = threading.Lock()
-
-
-@contextlib.contextmanager
-def _numba_cache_in(folder: str) -> Iterator[None]:
-    """Set numba's cache folder while a function is decorated; other users of numba keep theirs.
-
-    The lock serialises threads that call kernels first at the same time.
-    """
-    with _CACHE_SETTING:
-        previous = config.CACHE_DIR
-        config.CACHE_DIR = folder
-        try:
-            yield
-        finally:
-            config.CACHE_DIR = previous
-
 
 # --- A kernel as a part of others ---------------------------------------------------------------
 
@@ -236,7 +180,7 @@ class _Part(CPUDispatcher):
     def whole(self) -> "_Whole":
         """Return the kernel as Python calls it."""
         if self._whole is None:
-            with _numba_cache_in(_CACHE_FOLDER):
+            with numba_cache_in(_CACHE_FOLDER):
                 if self._whole is None:
                     whole: Any = _Whole(
                         self.py_func, targetoptions=self._options, pipeline_class=_WholeCompiler
@@ -373,6 +317,12 @@ def called_often(function: Function) -> Function:
     """Return a kernel for many short calls from Python, each a microsecond less: no symbols."""
     called: Any = function.whole() if isinstance(function, _Part) else function
     return called
+
+
+def python_of(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the Python function of a kernel."""
+    python: Callable[..., Any] = getattr(function, "py_func", function)
+    return python
 
 
 def options_of(forceinline: bool) -> dict[str, Any]:

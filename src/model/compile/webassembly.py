@@ -7,7 +7,7 @@ layout of structures are right from the first pass. From then on this process ca
 LLVM writes an object for a linker. One object alone is nearly a module: the addresses, indices and
 types in it are valid as they stand, and only the list of exported functions is missing.
 
-numba does not promise to keep what is replaced here: see ``NUMBA_BELOW`` in compiled.py.
+numba does not promise to keep what is replaced here: see ``NUMBA_BELOW`` in jit.py.
 """
 
 import itertools
@@ -24,7 +24,7 @@ from numba.core.registry import CPUDispatcher, cpu_target
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
-from model.physics import compiled
+from model.compile import jit
 
 _TRIPLE = "wasm32-unknown-unknown"
 _FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals,+simd128"
@@ -118,7 +118,7 @@ class _Unoptimised(_Library):
     """The code of an exported function with all that it calls; optimised in ``_object``."""
 
     def finalize(self) -> None:
-        self._linking_libraries = compiled.with_parts(self._linking_libraries)
+        self._linking_libraries = jit.with_parts(self._linking_libraries)
         super().finalize()
 
     def _finalize_final_module(self) -> None:
@@ -127,7 +127,7 @@ class _Unoptimised(_Library):
         self._finalized = True
 
 
-class _Compiler(compiled.PartCompiler):
+class _Compiler(jit.PartCompiler):
     library = _Unoptimised
 
 
@@ -159,16 +159,16 @@ def _aim_at_webassembly() -> tuple[Any, Any]:
     codegen._library_class = _Library
     context.__dict__.pop("target_data", None)
     # The series are written by kernels that run as Python.
-    part: Any = compiled._Part
+    part: Any = jit._Part
     part._compile_for_args = lambda self, *args, **_: (
-        symbol.rule_of(self.py_func) if (symbol := compiled._first_symbol(args)) else self.py_func
+        symbol.rule_of(self.py_func) if (symbol := jit._first_symbol(args)) else self.py_func
     )
     return codegen, machine
 
 
 def _object(function: Function, codegen: Any, machine: Any) -> bytes:
     """Compile one function to LLVM's object for a linker."""
-    options = compiled.options_of(forceinline=False)
+    options = jit.options_of(forceinline=False)
     without_wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     dispatcher: Any = CPUDispatcher(
         function.python, targetoptions=options | without_wrappers, pipeline_class=_Compiler
@@ -189,7 +189,7 @@ def _object(function: Function, codegen: Any, machine: Any) -> bytes:
     module.get_function(name).name = function.name
     passes, builder = codegen._module_pass_manager()
     passes.run(module, builder)
-    compiled.link_finished(module, compiled_function.library._linking_libraries)
+    jit.link_finished(module, compiled_function.library._linking_libraries)
     written: bytes = machine.emit_object(module)
     return written
 

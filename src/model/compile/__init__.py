@@ -1,0 +1,1 @@
+"""What turns Python functions into machine code: jit, generated sources, WebAssembly, cache."""

@@ -1,0 +1,155 @@
+"""Functions of vectors, written in LLVM's language."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.core.cgutils import unpack_tuple
+from numba.extending import intrinsic
+
+from model.compile.jit import call_finished
+
+WIDTH = 8  # numbers in a vector
+_DOUBLE = ir.DoubleType()
+_POINTER = ir.VectorType(_DOUBLE, WIDTH).as_pointer()
+_VECTOR = f"<{WIDTH} x double>"
+_ALIGNMENT = 64
+
+
+class VectorWriter:
+    """Writes a function of pointers to vectors in LLVM's language.
+
+    Vectors and whole numbers are names of values in the code, or constants. The text is written
+    here, since llvmlite takes seven times as long for it. No vector is written after it was read.
+    """
+
+    def __init__(self, name: str, pointers: int) -> None:
+        self.arguments = [f"%argument{n}" for n in range(pointers)]
+        arguments = ", ".join(f"{_POINTER} noalias {each}" for each in self.arguments)
+        self.lines = [
+            f"declare {_VECTOR} @llvm.fmuladd.v{WIDTH}f64({_VECTOR}, {_VECTOR}, {_VECTOR})",
+            f"declare {_VECTOR} @llvm.fabs.v{WIDTH}f64({_VECTOR})",
+            f"define linkonce_odr void @{name}({arguments}) nounwind {{",
+        ]
+        self.begin("entry")
+
+    def code(self) -> str:
+        """Return the code of the function and of what it calls."""
+        return "\n".join((*self.lines, "ret void", "}"))
+
+    def begin(self, block: str) -> None:
+        """Write what follows into a new block."""
+        self.block = block
+        self.bases: dict[tuple[str, str, int], str] = {}
+        self.loaded: dict[tuple[str, str | int], str] = {}
+        self.lines.append(f"{block}:")
+
+    def name(self, what: str) -> str:
+        """A name that the code does not contain yet."""
+        return f"{what}{len(self.lines)}"
+
+    def result(self, operation: str) -> str:
+        """The result of an operation."""
+        name = self.name("%v")
+        self.lines.append(f"{name} = {operation}")
+        return name
+
+    def count(self, operation: str, a: str, b: str) -> str:
+        """The result of an operation on whole numbers."""
+        return self.result(f"{operation} i64 {a}, {b}")
+
+    def do(self, operation: str, *of: str) -> str:
+        """The result of an operation on vectors."""
+        return self.result(f"{operation} {_VECTOR} {', '.join(of)}")
+
+    def call(self, function: str, *of: str) -> str:
+        """The result of a function of vectors."""
+        listed = ", ".join(f"{_VECTOR} {each}" for each in of)
+        return self.result(f"call {_VECTOR} @llvm.{function}.v{WIDTH}f64({listed})")
+
+    def fma(self, a: str, b: str, c: str) -> str:
+        """A b + c."""
+        return self.call("fmuladd", a, b, c)
+
+    def vector(self, number: float) -> str:
+        """A vector with ``number`` everywhere."""
+        return f"<{', '.join([str(ir.Constant(_DOUBLE, number))] * WIDTH)}>"
+
+    def everywhere(self, count: str) -> str:
+        """The same, of a whole number that the code computes."""
+        number = self.result(f"sitofp i64 {count} to double")
+        one = self.result(f"insertelement {_VECTOR} undef, double {number}, i64 0")
+        first = f"<{WIDTH} x i32> zeroinitializer"
+        return self.result(f"shufflevector {_VECTOR} {one}, {_VECTOR} undef, {first}")
+
+    def address(self, pointer: str, place: str | int) -> str:
+        """The address of the vector at a place."""
+        return self.result(f"getelementptr {_VECTOR}, {_POINTER} {pointer}, i64 {place}")
+
+    def base(self, pointer: str, index: str, rows: int = 1) -> str:
+        """The address of the vector at ``index`` times ``rows``, computed once in a block."""
+        key = pointer, index, rows
+        if key not in self.bases:
+            place = index if rows == 1 else self.count("mul", index, str(rows))
+            self.bases[key] = self.address(pointer, place)
+        return self.bases[key]
+
+    def load(self, pointer: str, place: str | int) -> str:
+        """The vector at a place, loaded once in a block."""
+        if (pointer, place) not in self.loaded:
+            address = self.address(pointer, place)
+            loaded = self.result(f"load {_VECTOR}, {_POINTER} {address}, align {_ALIGNMENT}")
+            self.loaded[pointer, place] = loaded
+        return self.loaded[pointer, place]
+
+    def keep(self, value: str, pointer: str, place: str | int) -> None:
+        """Write the vector at a place."""
+        address = self.address(pointer, place)
+        self.lines.append(f"store {_VECTOR} {value}, {_POINTER} {address}, align {_ALIGNMENT}")
+        self.loaded[pointer, place] = value
+
+    def whole_number(self, pointer: str) -> str:
+        """The number at ``pointer``, as a whole number."""
+        number = self.result(f"load double, {_DOUBLE.as_pointer()} {pointer}")
+        return self.result(f"fptosi double {number} to i64")
+
+    def merged(self, *cases: tuple[str, str]) -> str:
+        """The vector of the block from which the code came: cases (block, vector)."""
+        listed = ", ".join(f"[{value}, %{block}]" for block, value in cases)
+        return self.result(f"phi {_VECTOR} {listed}")
+
+    def repeat(self, count: str, write: Callable[..., Sequence[str]], *starts: str) -> list[str]:
+        """Write a loop: ``write(index, *carried)`` gives the values carried on; their last ones."""
+        before, body, after = self.block, self.name("loop"), self.name("after")
+        self.lines.append(f"br label %{body}")
+        self.begin(body)
+        first = len(self.lines)
+        carried = [self.result("") for _ in ("0", *starts)]
+        values = list(write(*carried))
+        following = self.count("add", carried[0], "1")
+        kinds = "i64", *[_VECTOR] * len(starts)
+        phis = zip(kinds, ("0", *starts), (following, *values), strict=True)
+        for n, (kind, start, value) in enumerate(phis, first):
+            self.lines[n] += f"phi {kind} [{start}, %{before}], [{value}, %{self.block}]"
+        goes_on = self.count("icmp slt", following, count)
+        self.lines.append(f"br i1 {goes_on}, label %{body}, label %{after}")
+        self.begin(after)
+        return values
+
+
+def vector_function(name: str, write: Callable[[str], VectorWriter]) -> Any:
+    """Return the kernel (block, places): a call of that code, with pointers into ``block``."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        block = context.make_array(signature.args[0])(context, builder, arguments[0])
+        first = builder.bitcast(block.data, _POINTER)
+        pointers = [builder.gep(first, [place]) for place in unpack_tuple(builder, arguments[1])]
+        call_finished(context, builder, name, write(name).code(), pointers)
+        return context.get_dummy_value()
+
+    @intrinsic
+    def call(_context: Any, block: Any, places: Any) -> Any:
+        return types.void(block, places), generate
+
+    return call

@@ -1,0 +1,128 @@
+"""Kernels that fill the series of runs, in every kind of mode, and sum them at the nodes."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from model.compile.jit import kernel
+from model.compile.source import generated
+from model.compile.vector_code import VectorWriter, vector_function
+from model.engines.batch.series import Kind, recurrences
+from model.engines.batch.series_code import ErrorWriter, SeriesWriter
+from model.engines.batch.series_plan import (
+    FRACTIONS,
+    NODES,
+    ORDER,
+    ORDERS_THERE,
+    ROWS,
+    SINES,
+    STATE_ROWS,
+    TILT,
+    Plan,
+)
+
+
+class _SamplesWriter(VectorWriter):
+    """Writes the function (coefficients, lengths, values) that sums series at the nodes.
+
+    ``count`` is the number of watched quantities.
+    """
+
+    def __init__(self, name: str, count: int) -> None:
+        super().__init__(name, 3)
+        self.coefficients, lengths, self.values = self.arguments
+        self.length = self.load(lengths, 0)
+        self.times = [self.do("fmul", self.length, self.vector(each)) for each in FRACTIONS]
+        self.ratios = {  # of k (k - 1) h^k, from an order to the next
+            order: self.do("fmul", self.length, self.vector((order + 1.0) / (order - 1.0)))
+            for order in range(2, ORDER + 1)
+        }
+        self.repeat(str(STATE_ROWS), self._end_of_state)
+        self.repeat(str(1 + count), self._one_row)
+
+    def _coefficient(self, row: str, order: int) -> str:
+        return self.load(self.base(self.coefficients, row), order * ROWS)
+
+    def _enter(self, value: str, row: str, node: int) -> None:
+        self.keep(value, self.base(self.values, row), node * SINES)
+
+    def _end_of_state(self, row: str) -> tuple[()]:
+        """One of the states at the last node: the others are not needed."""
+        total = self.vector(0.0)
+        for order in range(ORDER, -1, -1):
+            total = self.fma(total, self.times[-1], self._coefficient(row, order))
+        self._enter(total, row, NODES - 1)
+        return ()
+
+    def _one_row(self, index: str) -> tuple[()]:
+        """Sum the tilt, or a watched quantity, at all nodes, and bound its second derivative."""
+        is_first = self.count("icmp eq", index, "0")
+        other = self.count("add", index, str(STATE_ROWS - 1))
+        row = self.result(f"select i1 {is_first}, i64 {TILT}, i64 {other}")
+        sums, bound = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
+        for order in range(ORDER, -1, -1):
+            coefficient = self._coefficient(row, order)
+            for node, last in enumerate(ORDERS_THERE):
+                if order <= last:
+                    sums[node] = self.fma(sums[node], self.times[node], coefficient)
+            if order > 1:
+                bound = self.fma(bound, self.ratios[order], self.call("fabs", coefficient))
+        square = self.do("fmul", self.length, self.length)
+        bound = self.do("fmul", bound, self.do("fmul", self.vector(2.0), square))
+        for node, value in enumerate((coefficient, *sums, bound)):
+            self._enter(value, row, node)
+        return ()
+
+
+def _filler(
+    name: str, writer: type[SeriesWriter], kinds: Sequence[Kind], inserts: bool, places: str
+) -> Any:
+    """Make the kernel (kind, block, ``places``) that calls the function written for a kind."""
+
+    def written(kind: Kind) -> Any:
+        def write(label: str) -> VectorWriter:
+            return writer(label, Plan(recurrences(kind, inserts)))
+
+        return vector_function("_".join(map(str, (name, inserts, *kind))), write)
+
+    known, lines = {}, [f"def {name}(kind, block, {places}):"]
+    for number, kind in enumerate(kinds):
+        known[f"series_{number}"] = written(kind)
+        lines.append(f"    if kind == {number}: series_{number}(block, ({places}))")
+    return generated(kernel, name, "\n".join(lines), known, f"{len(kinds)}_kinds")
+
+
+def series_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
+    """Make the kernel (kind, block, coefficients, given, last) that fills the coefficients of runs.
+
+    ``block`` holds vectors on cache lines. At the place ``coefficients`` in it stand ROWS of them
+    for each order, of which the first holds the states and sines; at ``given``, GIVEN of them; at
+    ``last`` the last order of the states. ``kind`` is an index of ``kinds``; ``inserts`` as in
+    ``recurrences``.
+    """
+    places = "coefficients, given, last"
+    return _filler("fill_series", SeriesWriter, kinds, inserts, places)
+
+
+def errors_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
+    """Make the kernel (kind, block, errors, given, coefficients) that fills the series of errors.
+
+    The coefficients are filled. At ``errors`` stand the errors of the states, in the layout of the
+    coefficients, up to ERROR_ORDER; the first is given.
+    """
+    return _filler("fill_errors", ErrorWriter, kinds, inserts, "errors, given, coefficients")
+
+
+def series_sampler(count: int) -> Any:
+    """Make the kernel (block, coefficients, lengths, values) that sums series at nodes of steps.
+
+    It sums the tilt and the first ``count`` watched quantities at the nodes of steps of the given
+    ``lengths``. At ``values`` stand SINES vectors for each node and, behind them, as many bounds of
+    the second derivative with respect to the fraction of the step. The other states are summed at
+    the last node only.
+    """
+    sample = vector_function(f"sample_{count}", lambda name: _SamplesWriter(name, count))
+    code = (
+        "def sample_series(block, coefficients, lengths, values):\n"
+        "    sample(block, (coefficients, lengths, values))"
+    )
+    return generated(kernel, "sample_series", code, {"sample": sample}, f"{count}_quantities")

@@ -1,0 +1,44 @@
+"""The cache folder of the kernels."""
+
+from pathlib import Path
+
+import pytest
+
+from model.compile import cache
+
+
+def test_a_changed_source_opens_another_folder(tmp_path, monkeypatch):
+    for layer in cache.KERNEL_LAYERS:
+        assert (cache.PACKAGE / layer).is_dir()
+        (tmp_path / layer).mkdir()
+    source = tmp_path / "engines" / "scalar" / "step.py"
+    source.parent.mkdir()
+    source.write_text("x = 1\n")
+    monkeypatch.setattr(cache, "PACKAGE", tmp_path)
+    first = cache.kernel_fingerprint()
+    source.write_text("x = 2\n")
+    second = cache.kernel_fingerprint()
+    source.write_text("x = 1\n")
+    assert first != second
+    assert cache.kernel_fingerprint() == first
+
+
+@pytest.mark.parametrize(
+    ("variable", "below"), [("VIBRALIGN_CACHE", ""), ("XDG_CACHE_HOME", "vibralign")]
+)
+def test_the_folder_can_be_moved(tmp_path, monkeypatch, variable, below):
+    monkeypatch.delenv("VIBRALIGN_CACHE", raising=False)
+    monkeypatch.setenv(variable, str(tmp_path))
+    expected = tmp_path / below / cache.kernel_fingerprint()
+    assert cache.cache_folder() == expected
+    assert expected.is_dir()
+
+
+def test_a_temporary_folder_replaces_one_that_cannot_be_created(tmp_path, monkeypatch):
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv("VIBRALIGN_CACHE", str(blocked))
+    monkeypatch.setattr(cache.tempfile, "gettempdir", lambda: str(tmp_path / "temp"))
+    folder = cache.cache_folder()
+    assert folder.is_dir()
+    assert Path(tmp_path / "temp") in folder.parents
