@@ -1,30 +1,60 @@
-"""Kernels generated as Python source."""
+"""Functions generated as Python source, which debuggers and tracebacks show.
 
+The source of each function is a file beside the compiled kernels, and is registered with
+``linecache``. A function becomes a kernel as any other does.
+"""
+
+import contextlib
+import hashlib
+import linecache
+import os
+import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
+from model.compile.cache import cache_folder
 from model.compile.jit import inlined_kernel, python_of
 
 Lines = Iterator[str]
+_SOURCES = cache_folder() / "sources"
 
 
-def generated(
-    compiled: Callable[..., Any], name: str, code: str, known: Mapping[str, Any], label: str
-) -> Any:
-    """Return the kernel ``name`` that the Python source ``code`` defines.
+def defined(name: str, code: str, known: Mapping[str, Any], label: str = "") -> Any:
+    """Return the function ``name`` that the Python source ``code`` defines.
 
     Args:
-        compiled: ``kernel`` or ``inlined_kernel``.
         name: name of the function.
         code: source of the function.
         known: objects that the source refers to, by name.
-        label: distinguishes kernels of the same name generated for different tables.
+        label: distinguishes functions of the same name.
     """
-    namespace = dict(known)
-    exec(compile(code, __file__, "exec"), namespace)  # noqa: S102 - the source is our own
+    namespace = {"__name__": __name__, **known}
+    full_name = f"{label}.{name}" if label else name
+    exec(compile(code, _kept(full_name, code), "exec"), namespace)  # noqa: S102 - our own source
     function = namespace[name]
-    function.__qualname__, function.__module__ = f"{label}.{name}", __name__
-    return compiled(function)
+    function.__qualname__ = full_name
+    return function
+
+
+def _kept(name: str, code: str) -> str:
+    """Keep a source in a file that is named by its content, and return the path."""
+    digest = hashlib.sha256(code.encode()).hexdigest()[:16]
+    path = _SOURCES / f"{name}-{digest}.py"
+    linecache.cache[str(path)] = len(code), None, code.splitlines(keepends=True), str(path)
+    with contextlib.suppress(OSError):  # a read-only folder: linecache holds the lines
+        if not path.exists():
+            _SOURCES.mkdir(exist_ok=True)
+            with tempfile.NamedTemporaryFile("w", dir=_SOURCES, delete=False) as file:
+                file.write(code)
+            os.utime(file.name, (0, 0))  # numba compiles a file of another time anew
+            Path(file.name).replace(path)
+    return str(path)
+
+
+def is_generated(function: Callable[..., Any]) -> bool:
+    """Return whether ``defined`` has made this function or kernel."""
+    return Path(python_of(function).__code__.co_filename).parent == _SOURCES
 
 
 class Writer:
@@ -49,14 +79,15 @@ class Writer:
                 return name
         name = f"_{len(self.known)}_{python_of(function).__name__.lstrip('_')}"
         self.known[name] = function
-        self.sources.add(python_of(function).__code__.co_filename)
+        if not is_generated(function):
+            self.sources.add(python_of(function).__code__.co_filename)
         return name
 
     def write(self, compiled: Callable[..., Any], head: str, lines: Lines) -> None:
         """Make the kernel that begins with ``head`` and has these lines."""
         code = "\n".join([f"def {head}:", *(f"    {each}" for each in lines)])
         name = head[: head.index("(")]
-        self.members[name] = generated(compiled, name, code, self.known, self.label)
+        self.members[name] = compiled(defined(name, code, self.known, self.label))
         self.known[name] = self.members[name]
 
     def choose(self, head: str, choices: Iterator[tuple[int, str]], otherwise: str) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from model.compile.jit import inlined_kernel
+from model.compile.source import defined
 
 _FROM_NUMBER = {int: "int({})", bool: "({} != 0.0)"}
 
@@ -33,16 +34,17 @@ def reader(kind: Any, arguments: str, place: Callable[[int], str], **names: Any)
         _FROM_NUMBER.get(types.get(field), "{}").format(place(n))
         for n, field in enumerate(kind._fields)
     ]
-    return _made(f"return kind({', '.join(values)})", arguments, {"kind": kind, **names})
+    lines = [f"return kind({', '.join(values)})"]
+    return _made("read", kind, arguments, lines, {"kind": kind, **names})
 
 
 def writer(kind: Any, arguments: str, place: Callable[[int], str], **names: Any) -> Any:
     """Make the inlined kernel (``value``, ``arguments``) that writes a ``kind``, as ``reader``."""
     lines = [f"{place(n)} = value.{field}" for n, field in enumerate(kind._fields)]
-    return _made("; ".join(lines), f"value, {arguments}", names)
+    return _made("write", kind, f"value, {arguments}", lines, names)
 
 
-def _made(body: str, arguments: str, names: dict[str, Any]) -> Any:
-    namespace = {"__name__": __name__, **names}
-    exec(f"def view({arguments}):\n    {body}\n", namespace)  # noqa: S102 - written above
-    return inlined_kernel(namespace["view"])
+def _made(does: str, kind: Any, arguments: str, lines: list[str], names: dict[str, Any]) -> Any:
+    name = f"{does}_{kind.__name__.strip('_').lower()}"
+    code = "\n    ".join([f"def {name}({arguments}):", *lines])
+    return inlined_kernel(defined(name, f"{code}\n", names))

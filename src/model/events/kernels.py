@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Callable
 from functools import cache
 from itertools import groupby
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from numba.core import types
@@ -11,7 +12,7 @@ from numba.extending import typeof_impl
 
 from model.compile.generated_kernels import GeneratedKernels
 from model.compile.jit import Symbol, inlined_kernel, kernel, python_of
-from model.compile.source import Lines, Writer
+from model.compile.source import Lines, Writer, is_generated
 from model.events import levels
 from model.events.table import EVENTS, PLACES_OF_FORCES, Event, Source, Table
 from model.physics.parameters import Constants
@@ -152,7 +153,8 @@ def _start(table: Table) -> Lines:
 def _fingerprint(function: Callable[..., Any]) -> bytes:
     """Bytes that tell a function from others, also by the functions that it encloses."""
     code = function.__code__
-    found = repr((code.co_filename, code.co_qualname, code.co_names, code.co_consts)).encode()
+    file = Path(code.co_filename).name if is_generated(function) else code.co_filename
+    found = repr((file, code.co_qualname, code.co_names, code.co_consts)).encode()
     found += code.co_code
     cells = [each.cell_contents for each in function.__closure__ or ()]
     for each in map(python_of, cells):

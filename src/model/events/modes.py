@@ -3,15 +3,15 @@
 from typing import Any
 
 from model.compile.jit import kernel
+from model.compile.source import defined
 from model.physics.scenes import CLOSED, OPEN, Mode
 
 
 def _changing(arguments: str, **changes: str) -> Any:
     """Make the kernel (mode, ``arguments``) of the mode with other fields, given as expressions."""
     fields = ", ".join(changes.get(name, f"mode.{name}") for name in Mode._fields)
-    namespace: dict[str, Any] = {"__name__": __name__, "Mode": Mode, "OPEN": OPEN, "CLOSED": CLOSED}
-    exec(f"def changed(mode{arguments}):\n    return Mode({fields})\n", namespace)  # noqa: S102
-    return kernel(namespace["changed"])
+    code = f"def changed(mode{arguments}):\n    return Mode({fields})\n"
+    return kernel(defined("changed", code, {"Mode": Mode, "OPEN": OPEN, "CLOSED": CLOSED}))
 
 
 # (mode, edge, state): with the normal state of an edge on the bottom face, or of A1 on the right

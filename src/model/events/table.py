@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from model.compile.jit import inlined_kernel
+from model.compile.source import defined
 from model.events import friction, levels, transitions
 from model.physics.motion import is_beside, is_supported, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
@@ -197,10 +198,8 @@ def state_is(field: str, state: int, in_slot: bool | None = None, negated: bool 
     """
     condition = {None: "", True: " and mode.in_slot", False: " and not mode.in_slot"}[in_slot]
     is_it = "!=" if negated else "=="
-    namespace: dict[str, Any] = {"__name__": __name__}
     code = f"def applies(_p, mode):\n    return mode.{field} {is_it} {state}{condition}\n"
-    exec(compile(code, __file__, "exec"), namespace)  # noqa: S102 - written above
-    return inlined_kernel(namespace["applies"])
+    return inlined_kernel(defined("applies", code, {}))
 
 
 def of_contact(

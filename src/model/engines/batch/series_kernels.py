@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from model.compile.jit import kernel
-from model.compile.source import generated
+from model.compile.source import defined
 from model.compile.vector_code import VectorWriter, vector_function
 from model.engines.batch.series import Kind, recurrences
 from model.engines.batch.series_code import ErrorWriter, SeriesWriter
@@ -88,7 +88,7 @@ def _filler(
     for number, kind in enumerate(kinds):
         known[f"series_{number}"] = written(kind)
         lines.append(f"    if kind == {number}: series_{number}(block, ({places}))")
-    return generated(kernel, name, "\n".join(lines), known, f"{len(kinds)}_kinds")
+    return kernel(defined(name, "\n".join(lines), known, f"{len(kinds)}_kinds"))
 
 
 def series_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
@@ -125,4 +125,4 @@ def series_sampler(count: int) -> Any:
         "def sample_series(block, coefficients, lengths, values):\n"
         "    sample(block, (coefficients, lengths, values))"
     )
-    return generated(kernel, "sample_series", code, {"sample": sample}, f"{count}_quantities")
+    return kernel(defined("sample_series", code, {"sample": sample}, f"{count}_quantities"))

@@ -1,0 +1,63 @@
+"""Generated sources: what debuggers and tracebacks show of them."""
+
+import inspect
+import linecache
+import traceback
+from pathlib import Path
+
+import pytest
+
+from model.compile import source
+from model.compile.jit import kernel, python_of
+from model.events.kernels import ALIGNMENT_EVENTS
+
+CODE = "def inverse(x):\n    return one / x\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(source, "_SOURCES", tmp_path / "sources")
+    return tmp_path / "sources"
+
+
+def test_a_traceback_through_a_generated_function_shows_its_lines(folder):
+    inverse = source.defined("inverse", CODE, {"one": 1.0}, "numbers")
+    assert inverse(4.0) == 0.25
+    with pytest.raises(ZeroDivisionError) as caught:
+        inverse(0.0)
+    shown = "".join(traceback.format_exception(caught.value))
+    assert "in inverse\n    return one / x" in shown
+    (file,) = folder.iterdir()
+    assert file.name.startswith("numbers.inverse-")
+    assert f'File "{file}", line 2' in shown
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_debugger_finds_the_source_of_a_generated_function():
+    made = kernel(source.defined("inverse", CODE, {"one": 1.0}))
+    linecache.checkcache()
+    assert inspect.getsource(python_of(made)) == CODE
+    assert Path(inspect.getsourcefile(python_of(made))).read_text() == CODE
+    assert source.is_generated(made)
+    assert not source.is_generated(kernel)
+
+
+def test_a_debugger_finds_the_source_of_the_kernels_of_events():
+    shown = inspect.getsource(python_of(ALIGNMENT_EVENTS.adjust))
+    assert shown.startswith("def adjust(which, q, p, mode):\n    if which == ")
+
+
+def test_the_same_source_is_kept_once_and_as_it_was(folder):
+    source.defined("inverse", CODE, {"one": 1.0})
+    (file,) = folder.iterdir()
+    before = file.stat()
+    source.defined("inverse", CODE, {"one": 2.0})
+    source.defined("inverse", CODE.replace("/", "-"), {"one": 2.0})
+    assert len(list(folder.iterdir())) == 2
+    assert file.stat() == before
+
+
+def test_where_no_file_can_be_written_the_lines_are_shown_nevertheless(folder):
+    folder.write_text("not a folder")
+    inverse = source.defined("inverse", CODE, {"one": 1.0})
+    assert inspect.getsource(inverse) == CODE
