@@ -16,6 +16,8 @@ from typing import Any, Literal, TypeVar, dataclass_transform
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from model.compile.jit import inlined_kernel
+from model.compile.source import defined
 from model.compile.views import numbers
 from model.physics.quantities import (
     ANGLE,
@@ -212,8 +214,7 @@ REQUIRED_NAMES = tuple(f.name for f in dataclasses.fields(Parameters) if f.defau
 Parameters.__doc__ = described(Parameters.__doc__, FIELDS)
 _ROW = struct.Struct(f"{len(FIELDS)}d")
 
-# Kernels take the slot's half-width in place of the clearance, and the printed preload (an axial
-# spring relaxed at 0) as ``rest_y``.
+# Kernels take the slot's half-width in place of the clearance.
 _RESOLVED = {"clearance": "slot_half_width"}
 _CONSTANTS = (
     *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
@@ -230,6 +231,47 @@ class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
     """
 
     __slots__ = ()
+
+
+class Given(numbers("Given", PARAMETER_NAMES)):  # type: ignore[misc]
+    """The parameters as numbers, NaN for None."""
+
+    __slots__ = ()
+
+
+def _expression(name: str) -> str:
+    """Return a constant of the consistent readings, from the parameters ``given``, as source."""
+    if name == "slot_half_width":
+        return "given.half_width * (1.0 + given.clearance)"
+    if name == "insertion_depth":
+        relaxed = "choose(isnan(given.rest_y), 0.0, given.rest_y - given.half_height)"
+        return f"clip(0.5 * (given.press_force - {relaxed}), 0.0, given.half_width)"
+    if name not in FIELDS:
+        return "0.0"  # a printed variant
+    derived = FIELDS[name].derived
+    unset = f"choose(isnan(given.{name}), given.{derived}, given.{name})"
+    return unset if derived else f"given.{name}"
+
+
+def _resolver(**functions: Any) -> Any:
+    """Make the function (``Given``) -> ``Constants`` of numbers, or of arrays."""
+    lines = [f"    {name}={_expression(name)}," for name in _CONSTANTS]
+    code = "\n    ".join(["def resolved(given):", "return Constants(", *lines, ")"])
+    return defined("resolved", code, {"Constants": Constants, **functions})
+
+
+@inlined_kernel
+def _choose(condition, yes, no):
+    return yes if condition else no
+
+
+@inlined_kernel
+def _clip(value, low, high):
+    return min(max(value, low), high)
+
+
+resolved = inlined_kernel(_resolver(isnan=math.isnan, choose=_choose, clip=_clip))
+_resolved_arrays = _resolver(isnan=np.isnan, choose=np.where, clip=np.clip)
 
 
 @dataclass(frozen=True)
@@ -317,10 +359,8 @@ class Batch:
         It is half of the depth to which f0 presses the part against its axial spring, and at most
         the half-width.
         """
-        relaxed = self.values["rest_y"] - self.values["half_height"]
-        reach = self.values["press_force"] - np.where(np.isnan(relaxed), 0.0, relaxed)
-        found: NDArray[np.float64] = np.clip(0.5 * reach, 0.0, self.values["half_width"])
-        return found
+        depths: NDArray[np.float64] = _resolved_arrays(Given(**self.values)).insertion_depth
+        return depths
 
     def constants(
         self, readings: Readings, insertion_depth: float | None = None
@@ -329,16 +369,11 @@ class Batch:
 
         ``insertion_depth`` replaces that of ``insertion_depths``.
         """
-        columns: dict[str, Any] = dict(self.values)
-        columns["slot_half_width"] = columns["half_width"] * (1.0 + columns["clearance"])
-        for name, field in FIELDS.items():
-            if field.derived:
-                unset = np.isnan(columns[name])
-                columns[name] = np.where(unset, columns[field.derived], columns[name])
+        columns = _resolved_arrays(Given(**self.values))._asdict()
         if readings.preload == "printed":
-            columns["rest_y"] = 0.0
-        depths = self.insertion_depths() if insertion_depth is None else insertion_depth
-        columns["insertion_depth"] = depths
+            columns["rest_y"] = 0.0  # an axial spring relaxed at 0
+        if insertion_depth is not None:
+            columns["insertion_depth"] = insertion_depth
         columns |= {f"printed_{name}": readings.is_printed(name) for name in READING_NAMES}
         rows = np.empty((len(self), len(_CONSTANTS)))
         for place, name in enumerate(_CONSTANTS):

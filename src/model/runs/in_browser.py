@@ -11,7 +11,6 @@ import json
 import subprocess
 import sys
 import tempfile
-from math import isnan
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,7 +20,8 @@ from numba import types
 from model.compile.cache import cache_folder
 from model.compile.generated_kernels import GeneratedKernels
 from model.compile.jit import kernel
-from model.compile.views import reader
+from model.compile.source import defined
+from model.compile.views import reader, writer
 from model.compile.webassembly import NUMBERS, Function, array_at, compile_modules, whole_numbers
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.batch.scheduling import Many, Waiting, integrate_all, new_many
@@ -33,60 +33,23 @@ from model.engines.scalar.tableaux import DOP853
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
 from model.events.table import EVENTS
-from model.physics.parameters import (
-    FIELDS,
-    PARAMETER_NAMES,
-    REQUIRED_NAMES,
-    Batch,
-    Constants,
-    Parameters,
-)
+from model.physics.parameters import PARAMETER_NAMES, Constants, Given, resolved
 from model.physics.scenes import ALIGNMENT, Scene
 from model.runs.settings import Settings
 from model.runs.shown import COLUMNS, integrate_shown
 
 _control_in = reader(Control, "control", "control[{} + 1]".format)
+_read_given = reader(Given, "given", "given[{}]".format)
+_write_constants = writer(Constants, "row", "row[{}]".format)
 
 
 # --- Kernels ------------------------------------------------------------------------------------
 
 
-def _usual() -> dict[str, float]:
-    """Return the constants of some parameters, for those that do not follow from parameters."""
-    some = Parameters(**(dict.fromkeys(REQUIRED_NAMES, 1.0) | {"misalignment": 0.1}))
-    (row,) = Batch.stack([some]).constants(Settings().readings)
-    return dict(zip(Constants._fields, row.tolist(), strict=True))
-
-
-_USUAL = _usual()
-
-
-def _resolved(name: str) -> str:
-    """Expression of a constant of the consistent readings, from the parameters ``given``."""
-    place = {each: f"given[{n}]" for n, each in enumerate(PARAMETER_NAMES)}
-    if name == "slot_half_width":
-        return f"{place['half_width']} * (1.0 + {place['clearance']})"
-    if name == "insertion_depth":
-        relaxed = (
-            f"(0.0 if isnan({place['rest_y']}) else {place['rest_y']} - {place['half_height']})"
-        )
-        reach = f"0.5 * ({place['press_force']} - {relaxed})"
-        return f"min(max({reach}, 0.0), {place['half_width']})"
-    if name not in place:
-        return repr(_USUAL[name])
-    given, derived = place[name], FIELDS[name].derived
-    return f"{place[derived]} if isnan({given}) else {given}" if derived else given
-
-
-def _resolve() -> Any:
-    """Make the kernel that writes the ``Constants`` of the parameters ``given`` into ``row``."""
-    lines = [f"row[{n}] = {_resolved(name)}" for n, name in enumerate(Constants._fields)]
-    names: dict[str, Any] = {"isnan": isnan, "__name__": __name__}
-    exec("def resolve(given, row):\n    " + "\n    ".join(lines), names)  # noqa: S102 - written above
-    return kernel(names["resolve"])
-
-
-resolve = _resolve()
+@kernel
+def _resolve(given, row):
+    """Write the ``Constants`` of the parameters ``given`` into ``row``, consistent readings."""
+    _write_constants(resolved(_read_given(given)), row)
 
 
 # --- Exported functions -------------------------------------------------------------------------
@@ -116,7 +79,7 @@ _TUPLES: tuple[Any, ...] = (Single, Workspace, Many, History, Waiting)
 _KERNELS: tuple[Any, ...] = (
     array_at,
     whole_numbers,
-    resolve,
+    _resolve,
     integrate_shown,
     integrate_all,
     keep_result,
@@ -129,8 +92,7 @@ def _function(name: str, size: int, lines: list[str], scene: SceneKernels) -> Fu
     known |= {"scene": scene, "method": DOP853.method, "control_in": _control_in}
     head = [f"def {name}({', '.join(_ARGUMENTS)}):", f"array_at(memory, 0, ({size},))[:] = 0.0"]
     code = "\n    ".join([*head, *lines])
-    exec(code, known)  # noqa: S102 - written in this module
-    return Function(name, known[name], tuple(_ARGUMENTS.values()))
+    return Function(name, defined(name, code, known), tuple(_ARGUMENTS.values()))
 
 
 _CONSTANTS, _RESULTS, _GIVEN = len(Constants._fields), len(RunResult._fields), len(PARAMETER_NAMES)
@@ -144,7 +106,7 @@ def _scalar(scene: Scene) -> tuple[Function, int]:
     single, size = _memory_of(new_single(DOP853.method), _CONSTANTS)
     lines = [
         f"row = array_at(memory, 0, ({_CONSTANTS},))",
-        f"resolve(array_at(given, 0, ({_GIVEN},)), row)",
+        f"_resolve(array_at(given, 0, ({_GIVEN},)), row)",
         f"single, track = {single}, array_at(out, 0, (rows, {len(COLUMNS)}))",
         "integrate_shown(row, control[0], scene, method, control_in(control), track, single)",
         f"keep_result(single.runs, 0, array_at(results, 0, (1, {_RESULTS})), 0)",
@@ -172,7 +134,7 @@ def _batch(scene: Scene) -> tuple[Function, int]:
         f"constants = array_at(out, 0, (rows, {_CONSTANTS}))",
         f"tolerances = array_at(out, rows * {_CONSTANTS}, (rows,))",
         "for i in range(rows):",
-        "    resolve(sets[i], constants[i])",
+        "    _resolve(sets[i], constants[i])",
         "    tolerances[i] = control[0]",
         "queue = array_at(whole_numbers(memory), 0, (2,))",
         "queue[0], queue[1] = 0, rows",
