@@ -19,6 +19,7 @@ import numpy as np
 
 from benchmarks.methods.base import Method
 from benchmarks.problems import Problem, Solution, Verdict
+from model.compile.jit import inlined_kernel, kernel
 from model.engines.course import start
 from model.engines.record import constants_in
 from model.engines.scalar.step import keep_in, moved, state_of
@@ -31,14 +32,18 @@ from model.events.levels import (
     not_fallen_in,
     outline,
 )
-from model.compile.jit import inlined_kernel, kernel
+from model.events.scenes import (
+    ALIGNMENT,
+)
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.forces import applied_forces
 from model.physics.geometry import bottom_corner
+from model.physics.modes import (
+    START,
+)
 from model.physics.motion import never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Batch, Parameters
-from model.physics.scenes import ALIGNMENT, START
 from model.runs.settings import Settings
 
 _EVERY_CONTACT = ALIGNMENT.declared

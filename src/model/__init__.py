@@ -8,9 +8,9 @@
 
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome, Reason
+from model.events.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
-from model.physics.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
 from model.runs.align import Alignments, align
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate

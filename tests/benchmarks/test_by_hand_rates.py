@@ -11,9 +11,14 @@ from model.engines.scalar.step import state_of
 from model.events.levels import edge_inside, outline
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
+from model.physics.modes import (
+    CLOSED,
+    OPEN,
+    RELEASED,
+    START,
+)
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.scenes import CLOSED, OPEN, RELEASED, START
 
 ROUNDING = 1e-12  # relative to 1 + the largest acceleration; loads are of order 10
 STATES = 40  # of each kind

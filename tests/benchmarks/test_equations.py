@@ -6,10 +6,7 @@ from benchmarks.equations import device
 from benchmarks.trajectories import W1, W3
 from model import Batch, Parameters, Readings
 from model.compile.jit import kernel
-from model.physics.motion import motion
-from model.physics.notation import State
-from model.physics.parameters import Constants
-from model.physics.scenes import (
+from model.physics.modes import (
     CLOSED,
     OPEN,
     SLIP_NEGATIVE,
@@ -17,7 +14,12 @@ from model.physics.scenes import (
     STICKING,
     Mode,
 )
-from model.physics.scenes import RELEASED as CONTACT_RELEASED
+from model.physics.modes import (
+    RELEASED as CONTACT_RELEASED,
+)
+from model.physics.motion import motion
+from model.physics.notation import State
+from model.physics.parameters import Constants
 
 
 def project_mode(face: int, slip: int) -> Mode:

@@ -20,10 +20,10 @@ from model.engines.scalar.tableaux import DOP853
 from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
 from model.events.transitions import CONTINUES
+from model.physics.modes import CLOSED, START, Mode
 from model.physics.motion import motion
 from model.physics.notation import State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, START, Mode
 
 LOCKED = 1e12
 """An inertia with which no moment of these scenes turns the part."""

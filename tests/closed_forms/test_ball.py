@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from model import Outcome
-from model.physics.scenes import CLOSED, OPEN, RELEASED, START
+from model.physics.modes import CLOSED, OPEN, RELEASED, START
 
 FLIGHT = START._replace(face=OPEN)
 

@@ -16,8 +16,8 @@ from model.events.levels import FLAT
 from model.events.outcomes import Outcome, Reason
 from model.events.table import CORNER_END
 from model.events.transitions import CONTINUES
+from model.physics.modes import CLOSED, OPEN, START, STICKING
 from model.physics.notation import LEFT_EDGE, State
-from model.physics.scenes import CLOSED, OPEN, START, STICKING
 
 FREE = START._replace(face=OPEN)
 TOLERANCES = [1e-4, 1e-7, 1e-10, 1e-13]

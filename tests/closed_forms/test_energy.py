@@ -38,9 +38,9 @@ from model.engines.scalar.step import (
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
+from model.physics.modes import CLOSED, RELEASED
 from model.physics.motion import motion, side_contact, support_contact
 from model.physics.notation import LEFT_EDGE
-from model.physics.scenes import CLOSED, RELEASED
 from verification.fuzz import draw
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from model.physics.geometry import edge_place
+from model.physics.modes import START, STICKING
 from model.physics.notation import RIGHT_EDGE
-from model.physics.scenes import START, STICKING
 
 LOCKED = 1e12
 

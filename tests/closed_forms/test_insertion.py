@@ -15,8 +15,8 @@ from model import INSERTION, Outcome
 from model.events.levels import edge_inside, outline
 from model.events.outcomes import Reason
 from model.physics.contacts import corner_on_wall, edge_on_face, edge_on_side
+from model.physics.modes import CLOSED, OPEN, START, STICKING
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
-from model.physics.scenes import CLOSED, OPEN, START, STICKING
 
 LOCKED = 1e12  # an inertia with which nothing turns the peg
 NEVER = {"insertion_depth": 1e3}

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from model.events.outcomes import Outcome, Reason
+from model.physics.modes import CLOSED, OPEN, START
 from model.physics.notation import LEFT_EDGE
-from model.physics.scenes import CLOSED, OPEN, START
 
 TILT, DEPTH = -0.07, 0.01
 TOLERANCES = [1e-4, 1e-7, 1e-10, 1e-13]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from model.physics.scenes import CLOSED, START, STICKING
+from model.physics.modes import CLOSED, START, STICKING
 
 TILT, LOCKED = 0.1, 1e14
 

@@ -9,8 +9,8 @@ from itertools import takewhile
 import numpy as np
 import pytest
 
+from model.physics.modes import OPEN
 from model.physics.motion import is_supported
-from model.physics.scenes import OPEN
 
 FLIP = np.array([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0])  # x, φ and their rates
 

@@ -14,7 +14,7 @@ from math import acos, atan2, cos, exp, pi, sqrt
 import numpy as np
 import pytest
 
-from model.physics.scenes import OPEN, START
+from model.physics.modes import OPEN, START
 
 E, FREQUENCY, STIFFNESS = 0.5, 100.0, 1e11
 PERIOD = 2 * pi / FREQUENCY

@@ -27,9 +27,9 @@ from model.events.friction import decide_friction
 from model.events.levels import edge_inside, outline
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
+from model.physics.modes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
 from model.study.config import load_study, study_path
 from verification.independent import solve
 from verification.trials import trial_of

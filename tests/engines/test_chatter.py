@@ -7,8 +7,8 @@ from model import Batch, Readings, Reason, Settings, align
 from model.engines.course import _pass_over, begin
 from model.engines.record import EVALUATIONS, EVENTS_AT_ONCE, STATE, TIME
 from model.engines.scalar.loop import new_single
+from model.physics.modes import OPEN, START
 from model.physics.notation import STATE_SIZE
-from model.physics.scenes import OPEN, START
 from verification.fuzz import SETTINGS, draw
 
 

@@ -18,8 +18,8 @@ from model.events.table import (
 )
 from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place
+from model.physics.modes import CLOSED, OPEN, START
 from model.physics.notation import RIGHT_EDGE
-from model.physics.scenes import CLOSED, OPEN, START
 
 FLIGHT = START._replace(face=OPEN)
 H = 0.2  # a step in flight: a fortieth of the slowest period

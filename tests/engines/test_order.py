@@ -26,7 +26,7 @@ from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
 from model.events.table import EVENTS
 from model.events.transitions import CONTINUES
 from model.physics.geometry import resting_height
-from model.physics.scenes import START, Mode
+from model.physics.modes import START, Mode
 
 NAMES = [event.name.upper() for event in EVENTS]
 

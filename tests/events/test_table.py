@@ -13,9 +13,7 @@ from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
 from model.events.levels import NEVER
 from model.events.table import EVENTS
 from model.physics.contacts import contact_load, edge_on_face
-from model.physics.motion import motion
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
-from model.physics.scenes import (
+from model.physics.modes import (
     CLOSED,
     OPEN,
     RELEASED,
@@ -23,6 +21,8 @@ from model.physics.scenes import (
     SLIP_POSITIVE,
     START,
 )
+from model.physics.motion import motion
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 
 ROUNDING = 1e-13
 FREE = START._replace(face=OPEN)

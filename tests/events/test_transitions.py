@@ -22,9 +22,7 @@ from model.events.table import (
 )
 from model.events.transitions import CONTINUES
 from model.physics.contacts import edge_on_face, edge_on_side
-from model.physics.motion import motion
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
-from model.physics.scenes import (
+from model.physics.modes import (
     CLOSED,
     OPEN,
     RELEASED,
@@ -33,6 +31,8 @@ from model.physics.scenes import (
     START,
     STICKING,
 )
+from model.physics.motion import motion
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 
 FREE = START._replace(face=OPEN)
 ANY = State(0.3, 5.0, 0.1, 0.0, -0.5, 0.0)

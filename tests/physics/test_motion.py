@@ -8,9 +8,7 @@ import pytest
 
 from model import Parameters, Readings
 from model.physics.contacts import corner_on_flat, edge_on_face, edge_on_side
-from model.physics.motion import motion
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
-from model.physics.scenes import (
+from model.physics.modes import (
     CLOSED,
     OPEN,
     RELEASED,
@@ -19,6 +17,8 @@ from model.physics.scenes import (
     START,
     STICKING,
 )
+from model.physics.motion import motion
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 
 ROUNDING = 1e-13  # relative to forces of order 1 to 100, a few hundred roundings
 FREE = START._replace(face=OPEN)

@@ -14,8 +14,8 @@ import pytest
 from model import Batch, align
 from model.engines.results import COURSE, RunResult
 from model.events.insertion import INSERTION
+from model.physics.modes import CLOSED
 from model.physics.parameters import PARAMETER_NAMES
-from model.physics.scenes import CLOSED
 from model.runs.engines import Engine, engine_for
 from model.runs.errors import SENSITIVE, outcomes_differ
 from model.runs.in_browser import modules

@@ -52,7 +52,6 @@ from model.events.friction import decide_friction, hold_sticking
 from model.events.insertion import end_in_slot
 from model.events.kernels import MOST_EVENTS
 from model.events.levels import FLAT, NEVER
-from model.events.modes import with_corner, with_face
 from model.events.outcomes import Outcome, Reason
 from model.events.steady_state import (
     HISTORY,
@@ -64,10 +63,10 @@ from model.events.steady_state import (
 )
 from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place, resting_height
+from model.physics.modes import CLOSED, OPEN, START, STICKING, with_corner, with_face
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.rest import rest_under_press
-from model.physics.scenes import CLOSED, OPEN, START, STICKING
 
 _ALIGNED = int(Outcome.ALIGNED)
 _SETTLED = int(Outcome.SETTLED)

@@ -11,9 +11,9 @@ from model.compile.jit import inlined_kernel, kernel
 from model.compile.views import reader, writer
 from model.engines.results import RunResult
 from model.events.kernels import MOST_EVENTS
+from model.physics.modes import CLOSED, OPEN, Mode
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, Mode
 
 _WORKING = (
     "next_step",  # length proposed by the error estimate

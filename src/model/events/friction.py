@@ -1,7 +1,7 @@
 """Friction states at an instant, and removal of residual slip where contacts stick."""
 
 from model.compile.jit import inlined_kernel, kernel
-from model.events.modes import with_friction, with_slip_place
+from model.physics.modes import STICKING, with_friction, with_slip_place
 from model.physics.motion import (
     forces_without_friction,
     is_beside,
@@ -16,7 +16,6 @@ from model.physics.motion import (
     under_friction,
 )
 from model.physics.notation import State
-from model.physics.scenes import STICKING
 
 # A slip below this counts as zero: rounding of velocities of order one, with a margin.
 REST_SLIP = 1e-12

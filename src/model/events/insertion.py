@@ -10,21 +10,24 @@ from math import sqrt
 from model.compile.jit import inlined_kernel, kernel
 from model.events import levels, table, transitions
 from model.events.levels import edge_inside, outline
-from model.events.modes import (
+from model.events.outcomes import Outcome, Reason
+from model.events.scenes import CONTACT_NAMES, Scene
+from model.events.table import CONDITIONS, CONTACTS, Event, Source, changed, of_contact, state_is
+from model.events.transitions import decided, edge_enters, touching
+from model.physics.contacts import corner_on_wall, dot, edge_on_side
+from model.physics.geometry import bottom_corner
+from model.physics.modes import (
+    CLOSED,
+    OPEN,
+    STICKING,
     with_corner,
     with_corners_inside,
     with_face,
     with_support,
     with_wall,
 )
-from model.events.outcomes import Outcome, Reason
-from model.events.table import EVENTS, Event, Source, changed, of_contact, state_is
-from model.events.transitions import decided, edge_enters, touching
-from model.physics.contacts import corner_on_wall, dot, edge_on_side
-from model.physics.geometry import bottom_corner
 from model.physics.motion import is_beside, is_supported, side_contact, support_contact
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.scenes import CLOSED, CONTACT_NAMES, OPEN, STICKING, Scene
 
 _ALIGNED, _INSERTED = int(Outcome.ALIGNED), int(Outcome.INSERTED)
 _JAMMED, _CLIMBED_OUT = int(Outcome.JAMMED), int(Outcome.CLIMBED_OUT)
@@ -213,10 +216,9 @@ def _left_wall_depth(q, p, _mode):
 RIGHT_SIDE = Source(levels.right_side_touch, _on_right_side)
 RIGHT_WALL = Source(levels.right_wall_touch, _on_right_wall)
 LEFT_WALL = Source(levels.left_wall_touch, _on_left_wall)
-_COMBINED = 8  # events of several quantities, which come first
 
 TABLE = (
-    *EVENTS[:_COMBINED],
+    *CONDITIONS,
     Event("inserted", table.PLACES, ((_is_in, levels.not_inserted),), _inserted),
     # A bottom corner meets the slot's wall from inside.
     Event(
@@ -238,7 +240,7 @@ TABLE = (
         ((_left_corner_lands_again, levels.left_corner_over_flat),),
         transitions.left_corner_lands,
     ),
-    *EVENTS[_COMBINED:],
+    *CONTACTS,
     *of_contact(
         "right_side", "face", RIGHT_SIDE,
         transitions.of_contact(_right_side_depth, _right_side), "right", in_slot=True,

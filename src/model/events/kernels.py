@@ -14,9 +14,10 @@ from model.compile.generated_kernels import GeneratedKernels
 from model.compile.jit import Symbol, inlined_kernel, kernel, python_of
 from model.compile.source import Lines, Writer, is_generated
 from model.events import levels
+from model.events.scenes import Declared, Scene
 from model.events.table import EVENTS, PLACES_OF_FORCES, Event, Source, Table
+from model.physics.modes import START
 from model.physics.parameters import Constants
-from model.physics.scenes import START, Declared, Scene
 
 MOST_EVENTS = 44  # capacity of records and histories
 MOST_SAMPLES = 2 * MOST_EVENTS
@@ -44,8 +45,7 @@ def _type_of(scene: SceneKernels, _context: Any) -> Any:
 
 def in_kernels(scene: Scene) -> SceneKernels:
     """Return the scene in the form that kernels take."""
-    events = kernels_of(scene.events) if scene.events else ALIGNMENT_EVENTS
-    return SceneKernels(scene.declared, events)
+    return SceneKernels(scene.declared, kernels_of(scene.events))
 
 
 class _Any(Symbol):

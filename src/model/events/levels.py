@@ -24,9 +24,9 @@ from model.physics.contacts import (
     edge_on_side,
 )
 from model.physics.geometry import bottom_corner, edge_place
+from model.physics.modes import OPEN
 from model.physics.motion import is_beside, is_supported, motion, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.scenes import OPEN
 
 NEVER = 1e300  # the level of an event that does not apply
 NOTHING = -1e300  # a quantity that a condition does not have

@@ -13,9 +13,9 @@ from typing import Any
 from model.compile.jit import inlined_kernel
 from model.compile.source import defined
 from model.events import friction, levels, transitions
+from model.physics.modes import CLOSED, OPEN, RELEASED, STICKING
 from model.physics.motion import is_beside, is_supported, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 Kernel = Callable[..., Any]
 LENGTH, LOAD, FRICTION = range(3)  # kinds of levels, by their dependence on the state
@@ -36,7 +36,7 @@ class Source:
     exists: Kernel
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # an event is itself alone, so that tables hash fast
 class Event:
     """One event: the end of a mode, its level function and its transition.
 
@@ -236,7 +236,8 @@ def of_contact(
 
 # ---------------------------------------------------------------------------------------- the table
 
-EVENTS: Table = (
+# Conditions on several quantities: the largest of them is the level.
+CONDITIONS: Table = (
     # In flight: A1 beyond B1, B2 inside the slot.
     Event("aligned", PLACES, ((_falls_in, levels.not_fallen_in),), transitions.fallen_in),
     # The paper's four corner conditions.
@@ -270,6 +271,9 @@ EVENTS: Table = (
         "left_wall", PLACES, ((left_corner_meets_wall, levels.left_corner_off_wall),),
         transitions.left_wall, happens=_left_corner_first, start=-START_TOLERANCE,
     ),
+)  # fmt: skip
+
+CONTACTS: Table = (
     # The edge under the bottom face loses its load; the gap opens; the load returns before the gap
     # opens; the edge passes the face's end toward the slot, or its far end.
     *of_contact("face", "face", FACE, transitions.FACE, "support", in_slot=False),
@@ -304,6 +308,9 @@ EVENTS: Table = (
         "overturned", PLACES, ((levels.always, levels.upright),), transitions.overturned, start=0.0
     ),
 )  # fmt: skip
+
+EVENTS = CONDITIONS + CONTACTS
+"""The events of the alignment scene; conditions come first."""
 
 
 def changed(table: Table, name: str, **changes: Any) -> Table:

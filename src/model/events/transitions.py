@@ -9,7 +9,14 @@ from typing import Any, NamedTuple
 from model.compile.jit import inlined_kernel, kernel
 from model.events.friction import decide_friction, sign
 from model.events.levels import edge_inside, outline
-from model.events.modes import (
+from model.events.outcomes import Outcome, Reason
+from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
+from model.physics.geometry import bottom_corner, edge_place
+from model.physics.modes import (
+    CLOSED,
+    OPEN,
+    RELEASED,
+    STICKING,
     with_corner,
     with_drop,
     with_face,
@@ -17,12 +24,8 @@ from model.events.modes import (
     with_side,
     with_support,
 )
-from model.events.outcomes import Outcome, Reason
-from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
-from model.physics.geometry import bottom_corner, edge_place
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING
 
 # Plain integers for kernels; CONTINUES: the run continues in the returned mode.
 CONTINUES = -1

@@ -12,8 +12,8 @@ from model.physics.contacts import (
     edge_on_side,
 )
 from model.physics.forces import applied_forces
+from model.physics.modes import CLOSED, STICKING
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.scenes import CLOSED, STICKING
 
 NO_ROW = (0.0, 0.0, 0.0)
 

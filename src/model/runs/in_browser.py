@@ -32,9 +32,8 @@ from model.engines.scalar.loop import Single, Workspace, new_single
 from model.engines.scalar.tableaux import DOP853
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
-from model.events.table import EVENTS
+from model.events.scenes import ALIGNMENT, Scene
 from model.physics.parameters import PARAMETER_NAMES, Constants, Given, resolved
-from model.physics.scenes import ALIGNMENT, Scene
 from model.runs.settings import Settings
 from model.runs.shown import COLUMNS, integrate_shown
 
@@ -164,7 +163,7 @@ def interface(scene: Scene = INSERTION) -> dict[str, Any]:
         "results": RunResult._fields,
         "control": ["tolerance", *Control._fields],
         "defaults": [Settings().tolerance, *Settings().control],
-        "events": [each.name for each in scene.events or EVENTS],
+        "events": [each.name for each in scene.events],
         "constants": _CONSTANTS,
     }
 

@@ -13,10 +13,10 @@ from model.engines.scalar.tableaux import DOP853, Method
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
 from model.events.outcomes import Outcome
+from model.events.scenes import ALIGNMENT, Scene
 from model.physics.parameters import Batch, check_name
 from model.physics.readings import Readings
 from model.physics.rest import Start
-from model.physics.scenes import ALIGNMENT, Scene
 
 SCENES: dict[str, Scene] = {scene.name: scene for scene in (ALIGNMENT, INSERTION)}
 """Scenes that devices and maps may ask for, by name."""

@@ -20,10 +20,10 @@ from model.engines.results import COURSE, RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single, track_run
 from model.events.kernels import MOST_EVENTS
 from model.events.transitions import CONTINUES
+from model.physics.modes import Mode
 from model.physics.motion import Motion, motion
 from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters
-from model.physics.scenes import Mode
 from model.runs.engines import Array
 from model.runs.settings import Settings
 

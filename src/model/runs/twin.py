@@ -15,10 +15,10 @@ from model.compile.jit import kernel
 from model.engines.record import constants_in
 from model.engines.results import RunResult
 from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
+from model.events.scenes import ALIGNMENT
 from model.physics.parameters import Batch, Parameters
 from model.physics.readings import Readings
 from model.physics.rest import rest_under_press
-from model.physics.scenes import ALIGNMENT
 from model.runs.engines import engine_for
 from model.runs.settings import Settings
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from model.engines.results import TWIN
 from model.events.outcomes import Outcome, Unvibrated
+from model.events.scenes import ALIGNMENT
 from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME
-from model.physics.scenes import ALIGNMENT
 from model.physics.units import UNITS, Units
 from model.runs.settings import SCENES, Settings
 from model.study.config import CURVES, HISTORIES, Curves, Study

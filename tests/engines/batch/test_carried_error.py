@@ -10,11 +10,12 @@ from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.record import ERROR, LARGEST_ERROR, MODE, SIZE, TIME
 from model.engines.scalar.step import rates_of
 from model.events.friction import hold_sticking
+from model.events.scenes import ALIGNMENT
 from model.events.table import number_of
+from model.physics.modes import CLOSED, RELEASED, START, STICKING
 from model.physics.notation import State
 from model.physics.parameters import Batch, Constants
 from model.physics.readings import Readings
-from model.physics.scenes import ALIGNMENT, CLOSED, RELEASED, START, STICKING
 
 KERNELS = in_vector_kernels(ALIGNMENT).events
 NOW = 0.7

@@ -8,19 +8,10 @@ import pytest
 from model.compile.jit import python_of
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.events.insertion import INSERTION
-from model.events.table import EVENTS
+from model.events.scenes import ALIGNMENT, Scene
+from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, START, STICKING
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Constants
-from model.physics.scenes import (
-    ALIGNMENT,
-    CLOSED,
-    OPEN,
-    RELEASED,
-    SLIP_POSITIVE,
-    START,
-    STICKING,
-    Scene,
-)
 
 ANY, SLIPS, FLAGS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE, -SLIP_POSITIVE), (0, 1)
 FIELDS = {
@@ -31,7 +22,7 @@ FIELDS = {
 
 @pytest.mark.parametrize("scene", [ALIGNMENT, INSERTION], ids=lambda scene: scene.name)
 def test_masks_hold_every_event_that_applies(scene: Scene) -> None:
-    lanes, table = in_vector_kernels(scene).events, scene.events or EVENTS
+    lanes, table = in_vector_kernels(scene).events, scene.events
     p = Constants(*np.ones(len(Constants._fields)).tolist())
     p = p._replace(**{name: 0.0 for name in Constants._fields if name.startswith("printed_")})
     rng, held, left_out = np.random.default_rng(0), 0, 0

@@ -47,12 +47,13 @@ from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
 from model.events.insertion import INSERTION
 from model.events.levels import NEVER, Outline, outline
+from model.events.scenes import ALIGNMENT
 from model.events.table import number_of
 from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side
+from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import ALIGNMENT, CLOSED, OPEN, RELEASED, START, STICKING, Mode
 
 KINDS = FREE, SLIDES, STICKS
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from model.engines.scalar.location import NO_EVENT, NODE_PLACES, first_event, sample_step
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
 from model.events.table import OVERTURNED, RIGHT_EDGE_ENTERS
+from model.physics.modes import OPEN, START
 from model.physics.notation import State
-from model.physics.scenes import OPEN, START
 
 FREE = START._replace(face=OPEN)
 DEGREE = 7

@@ -11,8 +11,12 @@ from model.engines.scalar.step import (
     take_step,
 )
 from model.engines.scalar.tableaux import DOP853
+from model.physics.modes import (
+    OPEN,
+    SLIP_POSITIVE,
+    START,
+)
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
-from model.physics.scenes import OPEN, SLIP_POSITIVE, START
 
 FREE = START._replace(face=OPEN)
 SLIDING = START._replace(edge=RIGHT_EDGE, support_slip=SLIP_POSITIVE)

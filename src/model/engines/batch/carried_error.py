@@ -26,9 +26,9 @@ from model.engines.record import (
 from model.engines.scalar.step import moved, rates_of
 from model.events.friction import hold_sticking
 from model.events.table import LENGTH
+from model.physics.modes import STICKING
 from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
-from model.physics.scenes import STICKING
 
 _DISPLACEMENT = 1e-7  # of the state, for a derivative
 _ORIGIN = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

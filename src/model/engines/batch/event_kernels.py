@@ -34,9 +34,10 @@ from model.engines.batch.workspace import (
 )
 from model.events.kernels import SceneKernels, combined_count, kernels_of
 from model.events.levels import NEVER, NOTHING
-from model.events.table import EVENTS, Event, Table
+from model.events.scenes import Scene
+from model.events.table import Event, Table
+from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING, Mode
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.scenes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING, Mode, Scene
 
 TERMS = ORDER + 1  # of the series of each quantity
 _AT_ONCE = 8  # events in a loop over lanes: the compiler does not vectorize shorter ones
@@ -353,13 +354,6 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
     return GeneratedKernels(f"{base.name}-lanes", members, write.sources)
 
 
-@cache
-def _alignment_kernels() -> GeneratedKernels:
-    """Kernels of the alignment scene, cached without hashing its table at every call."""
-    return vector_kernels_of(EVENTS)
-
-
 def in_vector_kernels(scene: Scene) -> SceneKernels:
     """Return the scene in the form that the kernels of the batch engine take."""
-    events = vector_kernels_of(scene.events) if scene.events else _alignment_kernels()
-    return SceneKernels(scene.declared, events)
+    return SceneKernels(scene.declared, vector_kernels_of(scene.events))

@@ -25,7 +25,7 @@ from model.engines.batch.workspace import (
     VALUES,
     WALL_LOAD,
 )
-from model.physics.scenes import CLOSED
+from model.physics.modes import CLOSED
 
 _SUBINTERVAL = FRACTIONS[0]
 _PEAK_ITERATIONS = 2

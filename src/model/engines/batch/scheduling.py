@@ -72,8 +72,8 @@ from model.events.kernels import SceneKernels
 from model.events.levels import NEVER, ON_AN_EVENT
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
+from model.physics.modes import Mode
 from model.physics.notation import STATE_SIZE
-from model.physics.scenes import Mode
 
 POOL = 128  # largest number of runs that a thread has at once
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)

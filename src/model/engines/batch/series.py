@@ -24,10 +24,10 @@ from model.physics.contacts import (
     edge_on_face,
     edge_on_side,
 )
+from model.physics.modes import CLOSED, OPEN, START, STICKING, Mode
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, START, STICKING, Mode
 from model.physics.trigonometry import sine_cosine
 
 # Constant during a step: a number, a given quantity by its place, or an operation on others.

@@ -45,7 +45,7 @@ from model.engines.batch.workspace import (
 )
 from model.events.friction import REST_SLIP, hold_sticking
 from model.events.levels import FLAT, NEVER, ON_AN_EVENT, largest
-from model.physics.scenes import CLOSED
+from model.physics.modes import CLOSED
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15

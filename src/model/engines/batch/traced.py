@@ -14,10 +14,10 @@ from model.compile.jit import Symbol, python_of
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
 from model.events.levels import NOTHING, Outline, Touch
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
+from model.physics.modes import CLOSED, Mode
 from model.physics.motion import Motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, Mode
 
 Number = float | str  # or an expression of the constants of a run
 

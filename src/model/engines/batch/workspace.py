@@ -37,9 +37,9 @@ from model.engines.batch.series_plan import (
     TILT,
 )
 from model.engines.scalar.tableaux import Array
+from model.physics.modes import CLOSED, OPEN, RELEASED, STICKING, Mode
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
-from model.physics.scenes import CLOSED, OPEN, RELEASED, STICKING, Mode
 
 # Rows: the constants and signs of the slips, then numbers of the lanes, and of their step.
 (

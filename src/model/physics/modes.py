@@ -1,66 +1,10 @@
-"""Scenes and modes: the contacts that a run models, and the state of each of them.
+"""Modes: the state of every contact, and the changes of one of them."""
 
-A run that reaches an undeclared contact leaves the scene and ends; it is never continued with
-missing physics.
-"""
+from typing import Any, NamedTuple
 
-from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, get_args
-
+from model.compile.jit import kernel
+from model.compile.source import defined
 from model.physics.notation import RIGHT_EDGE
-
-ContactName = Literal["edge_on_face", "edge_on_side", "corner_on_flat", "corner_on_wall"]
-CONTACT_NAMES: tuple[ContactName, ...] = get_args(ContactName)
-
-
-@dataclass(frozen=True)
-class Scene:
-    """A named set of declared contacts.
-
-    Attributes:
-        name: name of the scene.
-        contacts: names of the declared contacts.
-        events: table of events (model.events.table); None for the table of the alignment scene.
-
-    Raises:
-        ValueError: a contact name that is not in ``CONTACT_NAMES``.
-    """
-
-    name: str
-    contacts: frozenset[ContactName]
-    events: tuple[Any, ...] | None = None
-
-    def __post_init__(self) -> None:
-        unknown = set(self.contacts) - set(CONTACT_NAMES)
-        if unknown:
-            raise ValueError(
-                f"scene {self.name!r} declares unknown contacts {sorted(unknown)}: "
-                f"valid are {', '.join(CONTACT_NAMES)}"
-            )
-
-    @property
-    def declared(self) -> "Declared":
-        """The declared contacts in the form that kernels take."""
-        return Declared(*(name in self.contacts for name in CONTACT_NAMES))
-
-
-class Declared(NamedTuple):
-    """Flags of the kinds of contact that a scene declares."""
-
-    edge_on_face: bool
-    edge_on_side: bool
-    corner_on_flat: bool
-    corner_on_wall: bool
-
-
-ALIGNMENT = Scene("alignment", frozenset(CONTACT_NAMES) - {"corner_on_wall"})
-"""The paper's scene completed: edges on bottom and side face, bottom corners on the flat base."""
-
-PRINTED_CONTACTS = Scene("printed_contacts", frozenset({"edge_on_face", "edge_on_side"}))
-"""The contacts with equations in the paper: A1 on the bottom face and A2 on the side face."""
-
-SUSPENDED = Scene("suspended", frozenset())
-"""No contact: the part on its springs."""
 
 # Normal state of a contact. RELEASED: the bodies overlap, but the base would have to pull: n = 0.
 OPEN, CLOSED, RELEASED = 0, 1, 2
@@ -117,3 +61,37 @@ class Mode(NamedTuple):
 
 START = Mode(RIGHT_EDGE, CLOSED, OPEN, 0.0, False, STICKING, OPEN, STICKING, False)
 """At rest with the bottom face touching A1."""
+
+
+def _changing(arguments: str, **changes: str) -> Any:
+    """Make the kernel (mode, ``arguments``) of the mode with other fields, given as expressions."""
+    fields = ", ".join(changes.get(name, f"mode.{name}") for name in Mode._fields)
+    code = f"def changed(mode{arguments}):\n    return Mode({fields})\n"
+    return kernel(defined("changed", code, {"Mode": Mode, "OPEN": OPEN, "CLOSED": CLOSED}))
+
+
+# (mode, edge, state): with the normal state of an edge on the bottom face, or of A1 on the right
+# side face.
+with_face = _changing(", edge, state", edge="edge", face="state")
+# (mode, edge, state, offset): with the normal state of the corner on the side of an edge.
+with_corner = _changing(
+    ", edge, state, offset", edge="edge", corner="state", corner_offset="offset"
+)
+# (mode, in_slot): with the support on the right side of the slot or, without contact, on its edges.
+with_support = _changing(", in_slot", face="OPEN", corner="OPEN", in_slot="in_slot")
+# (mode, state): with the normal state of A2 on the left side face, of B2 on the left wall.
+with_side = _changing(", state", side="state")
+with_wall = _changing(", state", wall="state")
+# (mode, support_slip, side_slip): with other friction states.
+with_friction = _changing(
+    ", support_slip, side_slip", support_slip="support_slip", side_slip="side_slip"
+)
+# (mode): of a part that has lost its contact past the corner B1, or has all corners in the slot.
+with_drop = _changing("", face="OPEN", dropped="True")
+with_corners_inside = _changing("", corners_inside="True")
+# (mode): with the slips taken at contacts that press: the same ones if possible.
+with_slip_place = _changing(
+    "",
+    slip_at_corner="mode.corner == CLOSED and (mode.slip_at_corner or mode.face != CLOSED)",
+    slip_at_wall="mode.wall == CLOSED and (mode.slip_at_wall or mode.side != CLOSED)",
+)

@@ -3,7 +3,7 @@
 import pytest
 
 from model import ALIGNMENT, INSERTION, PRINTED_CONTACTS, SUSPENDED, Scene
-from model.physics.scenes import CONTACT_NAMES
+from model.events.scenes import CONTACT_NAMES
 
 
 def test_the_insertion_scene_declares_every_kind_of_contact():
