@@ -55,6 +55,10 @@ from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 
+FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP = (
+    workspace.MODE + Mode._fields.index(name)
+    for name in ("face", "support_slip", "side", "side_slip")
+)
 KINDS = FREE, SLIDES, STICKS
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
 each_kind = pytest.mark.parametrize(
@@ -98,10 +102,10 @@ class Step:
         self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
         self.w[workspace.TIME], self.w[workspace.DEADLINE] = 0.3, 10.0
         self.w[workspace.TOLERANCE], self.w[workspace.LONGEST] = tolerance, longest
-        self.w[workspace.FACE], self.w[workspace.SIDE] = NORMAL[support], NORMAL[side]
+        self.w[FACE], self.w[SIDE] = NORMAL[support], NORMAL[side]
         signs = self.w[GIVEN - 2 : GIVEN]
-        self.w[workspace.SUPPORT_SLIP_STATE] = 0.0 if support == STICKS else signs[0]
-        self.w[workspace.SIDE_SLIP_STATE] = 0.0 if side == STICKS else signs[1]
+        self.w[SUPPORT_SLIP] = 0.0 if support == STICKS else signs[0]
+        self.w[SIDE_SLIP] = 0.0 if side == STICKS else signs[1]
         self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH)) + displacement
         self.w[workspace.ERROR : workspace.ERROR + 6] = displacement
         control = Settings().control._replace(carries_error=1.0)
@@ -121,8 +125,8 @@ class Step:
         face, slip, side, side_slip = (
             int(self.w[row, lane])
             for row in (
-                workspace.FACE, workspace.SUPPORT_SLIP_STATE, workspace.SIDE,
-                workspace.SIDE_SLIP_STATE,
+                FACE, SUPPORT_SLIP, SIDE,
+                SIDE_SLIP,
             )
         )  # fmt: skip
         return Mode(RIGHT_EDGE, face, OPEN, 0.0, False, slip, side, side_slip, False)
@@ -369,7 +373,7 @@ def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> Non
             course = np.array(
                 [step.at(theta * length, lane) for theta in np.linspace(0, until, 3001)]
             )
-            presses = [step.w[row, lane] == CLOSED for row in (workspace.FACE, workspace.SIDE)]
+            presses = [step.w[row, lane] == CLOSED for row in (FACE, SIDE)]
             forces = course[:, [CONTACTS_AT, CONTACTS_AT + 2]] * presses
             tilt, force = largest_until(EVENTS, 0.0, 0.0, until, step.w.reshape(-1), lane)
             assert tilt == pytest.approx(np.abs(course[:, TILT]).max(), rel=1e-6)

@@ -21,7 +21,7 @@ from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import CONSISTENT, SIDE_SIGN, SUPPORT_SIGN
 from model.engines.batch.series_plan import NODES, ORDER
 from model.engines.batch.step import step_all
-from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane, lowest_bit
+from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane, copy_mode, lowest_bit
 from model.engines.course import (
     History,
     begin,
@@ -81,32 +81,15 @@ _NOT_FINITE = int(Reason.NOT_FINITE)
 _FIRST_LONGEST = 1.0  # bound of a run's first step
 
 
-def _mode(name: str) -> int:
-    return MODE + Mode._fields.index(name)
-
-
-# Numbers of a run copied to its lane besides constants and state: (row of lanes, column of runs).
+# Numbers of a run copied to its lane besides constants, mode and state: (row of lanes, column of
+# runs).
 _GATHERED = (
-    (SUPPORT_SIGN, _mode("support_slip")),
-    (SIDE_SIGN, _mode("side_slip")),
+    (SUPPORT_SIGN, MODE + Mode._fields.index("support_slip")),
+    (SIDE_SIGN, MODE + Mode._fields.index("side_slip")),
     (workspace.TIME, TIME),
     (workspace.DEADLINE, DEADLINE),
     (workspace.TOLERANCE, TOLERANCE),
     (workspace.LONGEST, NEXT_STEP),
-    (workspace.FACE, _mode("face")),
-    (workspace.SUPPORT_SLIP_STATE, _mode("support_slip")),
-    (workspace.SIDE, _mode("side")),
-    (workspace.SIDE_SLIP_STATE, _mode("side_slip")),
-    (workspace.DROPPED, _mode("dropped")),
-)
-_GATHERED_IN_SLOT = (
-    (workspace.EDGE, _mode("edge")),
-    (workspace.CORNER, _mode("corner")),
-    (workspace.SLIP_AT_CORNER, _mode("slip_at_corner")),
-    (workspace.IN_SLOT, _mode("in_slot")),
-    (workspace.WALL, _mode("wall")),
-    (workspace.SLIP_AT_WALL, _mode("slip_at_wall")),
-    (workspace.CORNERS_INSIDE, _mode("corners_inside")),
 )
 
 
@@ -117,9 +100,7 @@ def _gather(events, runs, i, w, lane):
         w[place * WIDTH + lane] = runs[i, row]
     for place, row in _GATHERED:
         w[place * WIDTH + lane] = runs[i, row]
-    if events.inserts == 1:
-        for place, row in _GATHERED_IN_SLOT:
-            w[place * WIDTH + lane] = runs[i, row]
+    copy_mode(events, runs, i, MODE, w, lane)
     for n in range(STATE_SIZE):
         w[(COEFFICIENTS + n) * WIDTH + lane] = runs[i, STATE + n]
         w[(workspace.ERROR + n) * WIDTH + lane] = runs[i, ERROR + n]

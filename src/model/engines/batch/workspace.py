@@ -10,6 +10,7 @@ modes, and readings of the printed equations, are left to the reference engine.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,35 +38,24 @@ from model.engines.batch.series_plan import (
     TILT,
 )
 from model.engines.scalar.tableaux import Array
-from model.physics.modes import CLOSED, OPEN, RELEASED, STICKING, Mode
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
+from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
+from model.physics.notation import LEFT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
 
-# Rows: the constants and signs of the slips, then numbers of the lanes, and of their step.
+# Rows: constants and signs of the slips, the mode, then numbers of the lanes and of their step.
+MODE = GIVEN  # in the order of ``Mode``
 (
     TIME,
     DEADLINE,
     TOLERANCE,
     LONGEST,  # step
-    FACE,
-    SUPPORT_SLIP_STATE,
-    SIDE,
-    SIDE_SLIP_STATE,
-    DROPPED,
-    EDGE,
-    CORNER,
-    SLIP_AT_CORNER,
-    IN_SLOT,
-    WALL,
-    SLIP_AT_WALL,
-    CORNERS_INSIDE,
     LENGTH,
     APPLICABLE,  # mask of the events that may apply in the mode
     CANDIDATES,  # mask of the events that may happen in the step
     STEP_TILT,  # upper bound of |tilt| in the step
     STEP_FORCE,  # upper bound of the normal forces in the step
     LAST_ORDER,  # of the states' series
-) = range(GIVEN, GIVEN + 22)
+) = range(MODE + len(Mode._fields), MODE + len(Mode._fields) + 10)
 END = LAST_ORDER + 1
 ERROR = END + STATE_SIZE  # series of the error that a run carries, in the layout of COEFFICIENTS
 # The tilt and the watched rows at each node, and their curvature bounds.
@@ -101,44 +91,34 @@ constants_of_lane = reader(
 state_in_lane = reader(State, "w, row, i", "w[(row + {}) * WIDTH + i]".format, WIDTH=WIDTH)
 
 
-@inlined_kernel
-def mode_of_lane(w, i):
-    """Return the ``Mode`` of lane ``i``."""
-    return Mode(
-        RIGHT_EDGE,
-        int(w[FACE * WIDTH + i]),
-        OPEN,
-        0.0,
-        False,
-        int(w[SUPPORT_SLIP_STATE * WIDTH + i]),
-        int(w[SIDE * WIDTH + i]),
-        int(w[SIDE_SLIP_STATE * WIDTH + i]),
-        w[DROPPED * WIDTH + i] != 0.0,
-        False,
-        OPEN,
-        False,
-        False,
-    )
+# Fields of ``Mode`` in which lanes differ: in the alignment scene, and more in the insertion
+# scene. The others are as in ``START``.
+_VARIED = tuple(map(Mode._fields.index, ("face", "support_slip", "side", "side_slip", "dropped")))
+_FIXED = Mode._fields.index("corner_offset")
+_VARIED_IN_SLOT = tuple(n for n in range(len(Mode._fields)) if n not in (*_VARIED, _FIXED))
+
+
+def _mode_reader(varied: Sequence[int]) -> Any:
+    """Make the kernel (w, i) that reads the ``Mode`` of lane ``i``."""
+
+    def place(n: int) -> str:
+        return f"w[{MODE + n} * WIDTH + i]" if n in varied else repr(START[n])
+
+    return reader(Mode, "w, i", place, WIDTH=WIDTH)
+
+
+mode_of_lane = _mode_reader(_VARIED)
+mode_of_lane_in_slot = _mode_reader(_VARIED + _VARIED_IN_SLOT)
 
 
 @inlined_kernel
-def mode_of_lane_in_slot(w, i):
-    """Return the ``Mode`` of lane ``i`` in the insertion scene."""
-    return Mode(
-        w[EDGE * WIDTH + i],
-        int(w[FACE * WIDTH + i]),
-        int(w[CORNER * WIDTH + i]),
-        0.0,
-        w[SLIP_AT_CORNER * WIDTH + i] != 0.0,
-        int(w[SUPPORT_SLIP_STATE * WIDTH + i]),
-        int(w[SIDE * WIDTH + i]),
-        int(w[SIDE_SLIP_STATE * WIDTH + i]),
-        w[DROPPED * WIDTH + i] != 0.0,
-        w[IN_SLOT * WIDTH + i] != 0.0,
-        int(w[WALL * WIDTH + i]),
-        w[SLIP_AT_WALL * WIDTH + i] != 0.0,
-        w[CORNERS_INSIDE * WIDTH + i] != 0.0,
-    )
+def copy_mode(events, runs, i, first, w, lane):
+    """Copy the mode of run ``i``, which begins at column ``first``, into a lane."""
+    for n in _VARIED:
+        w[(MODE + n) * WIDTH + lane] = runs[i, first + n]
+    if events.inserts == 1:
+        for n in _VARIED_IN_SLOT:
+            w[(MODE + n) * WIDTH + lane] = runs[i, first + n]
 
 
 def numbers_of(kinds: Sequence[Kind]) -> NDArray[np.int64]:
