@@ -24,6 +24,7 @@ from model.compile.source import defined
 from model.compile.views import reader, writer
 from model.compile.webassembly import NUMBERS, Function, array_at, compile_modules, whole_numbers
 from model.engines.batch.event_kernels import in_vector_kernels
+from model.engines.batch.event_search import Search
 from model.engines.batch.scheduling import Many, Waiting, integrate_all, new_many
 from model.engines.course import Control, History
 from model.engines.record import keep_result
@@ -74,7 +75,7 @@ _ARGUMENTS: dict[str, Any] = dict.fromkeys(
     ("given", "control", "rows", "out", "results", "memory"), NUMBERS
 )
 _ARGUMENTS["rows"] = types.int32
-_TUPLES: tuple[Any, ...] = (Single, Workspace, Many, History, Waiting)
+_TUPLES: tuple[Any, ...] = (Single, Workspace, Many, Search, History, Waiting)
 _KERNELS: tuple[Any, ...] = (
     array_at,
     whole_numbers,

@@ -109,12 +109,14 @@ def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
 
 def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array) -> Trajectory:
     """Make the trajectory of a run from its results, by name, and its track."""
+    time, *columns = track.T
+    variables = dict(zip(COURSE, columns, strict=True))
     return Trajectory(
         parameters=parameters,
-        time=track[:, 0],
+        time=time,
         state=track[:, 1 : 1 + STATE_SIZE],
-        contact_force=track[:, 1 + STATE_SIZE],
-        side_force=track[:, 2 + STATE_SIZE],
-        right_force=track[:, 3 + STATE_SIZE],
+        contact_force=variables["contact_force"],
+        side_force=variables["side_force"],
+        right_force=variables["right_force"],
         **{name: KINDS[name].scalar(results[name]) for name in RESULTS},
     )

@@ -7,6 +7,9 @@ its argument.
 """
 
 from math import inf
+from typing import NamedTuple
+
+import numpy as np
 
 from model.compile.jit import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
@@ -27,7 +30,9 @@ from model.engines.batch.workspace import (
 from model.engines.record import STATE, TIME, constants_of, mode_of
 from model.engines.scalar import location
 from model.engines.scalar.location import NO_EVENT, sample_step
+from model.engines.scalar.location import NODES as SAMPLED
 from model.events.friction import REST_SLIP
+from model.events.kernels import MOST_SAMPLES
 from model.events.levels import NOTHING, ON_AN_EVENT, largest
 from model.physics.notation import STATE_SIZE, State
 
@@ -38,6 +43,26 @@ _MOST_PARTS = 64  # parts of a subinterval; beyond, sixteenths of the step are n
 _LEAVING = 2.0**-4  # part in which a level of one quantity that starts at zero is assumed monotonic
 _ROOT_ITERATIONS = 60
 _CLOSE = 1e-8  # distance to a root; the next iteration squares it
+
+
+class Search(NamedTuple):
+    """Memory of the search in one step.
+
+    ``series`` are those of one level's quantities; the others are as in the ``Workspace`` of the
+    reference engine, with a dense output of the order of the series.
+    """
+
+    series: np.ndarray
+    y: np.ndarray
+    dense: np.ndarray
+    nodes: np.ndarray
+    samples: np.ndarray
+
+
+def new_search() -> Search:
+    """Return a ``Search``."""
+    shapes = (STATE_SIZE,), (STATE_SIZE, ORDER), (SAMPLED, STATE_SIZE), (SAMPLED, MOST_SAMPLES)
+    return Search(np.zeros(QUANTITIES * TERMS), *map(np.zeros, shapes))
 
 
 @inlined_kernel
@@ -280,19 +305,20 @@ def crossing(events, which, until, series, w, lane):
 
 
 @kernel
-def _searched(events, w, lane, runs, work, i):
+def _searched(events, w, lane, runs, search, i):
     """(which, θ) of the first event, by the reference engine's location on the dense output."""
     time, h = runs[i, TIME], w[LENGTH * WIDTH + lane]
     p, mode = constants_of(runs, i), mode_of(runs, i)
     for n in range(STATE_SIZE):
-        work.y[n] = runs[i, STATE + n]
+        search.y[n] = runs[i, STATE + n]
         power = 1.0
         for order in range(1, ORDER + 1):
             coefficient = w[(COEFFICIENTS + order * ROWS + n) * WIDTH + lane]
-            work.dense[n, order - 1] = power * coefficient
+            search.dense[n, order - 1] = power * coefficient
             power *= h
-    sample_step(events, time, h, 1.0, work.y, work.dense, p, mode, work.nodes, work.samples)
-    return location.first_event(events, time, h, work.y, work.dense, p, mode, work.samples)
+    _, y, dense, nodes, samples = search
+    sample_step(events, time, h, 1.0, y, dense, p, mode, nodes, samples)
+    return location.first_event(events, time, h, y, dense, p, mode, samples)
 
 
 @inlined_kernel
@@ -317,9 +343,9 @@ def _is_met(events, which, theta, w, lane):
 
 
 @kernel
-def first_event(events, w, lane, runs, work, series, i):
+def first_event(events, w, lane, runs, search, i):
     """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none."""
-    first, which_first, search = NO_EVENT, -1, False
+    first, which_first, is_open, series = NO_EVENT, -1, False, search.series
     candidates = int(w[CANDIDATES * WIDTH + lane])
     while candidates != 0:
         which = lowest_bit(candidates)
@@ -329,13 +355,13 @@ def first_event(events, w, lane, runs, work, series, i):
             theta == NO_EVENT or not _is_met(events, which, theta, w, lane)
         ):
             may_be_flat = theta != NO_EVENT or _is_flat(events, which, first, series, w, lane)
-            search = search or may_be_flat
+            is_open = is_open or may_be_flat
         elif events.is_conditional(which):
-            search = search or theta != NO_EVENT
+            is_open = is_open or theta != NO_EVENT
         elif theta < first:
             first, which_first = theta, which
-    if search:
-        which, theta = _searched(events, w, lane, runs, work, i)
+    if is_open:
+        which, theta = _searched(events, w, lane, runs, search, i)
         if theta < first and which < events.combined:
             first, which_first = theta, which
     return which_first, first

@@ -15,8 +15,7 @@ from model.compile.jit import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
 from model.engines.batch.carried_error import carry_error, error_of_time, pass_event
-from model.engines.batch.event_kernels import TERMS
-from model.engines.batch.event_search import QUANTITIES, first_event, state_at
+from model.engines.batch.event_search import Search, first_event, new_search, state_at
 from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import CONSISTENT, SIDE_SIGN, SUPPORT_SIGN
 from model.engines.batch.series_plan import NODES, ORDER
@@ -227,7 +226,7 @@ def _continue(scene, method, control, many, lane, i):
     else:
         which, theta = -1, NO_EVENT
         if w[workspace.CANDIDATES * WIDTH + lane] != 0.0:
-            which, theta = first_event(scene.events, w, lane, runs, many.search, many.quantities, i)
+            which, theta = first_event(scene.events, w, lane, runs, many.search, i)
         if theta == NO_EVENT:
             _accept_step(scene, history, control, w, lane, runs, i)
         else:
@@ -255,8 +254,7 @@ class Many(NamedTuple):
     runs: np.ndarray
     history: History
     work: Workspace
-    search: Workspace  # its dense output has the order of the series
-    quantities: np.ndarray  # series of the quantities of one level; see event_search.py
+    search: Search
     waiting: Waiting
     together: np.ndarray  # shape (WIDTH,), the runs of the step
 
@@ -264,13 +262,11 @@ class Many(NamedTuple):
 def new_many(scene: SceneKernels, may_settle: bool = True) -> Many:
     """Return a ``Many`` without runs, and without histories unless runs ``may_settle``."""
     work, w = new_workspace(DOP853.method), workspace.new_workspace(scene.events.rows)
-    search = work._replace(dense=np.zeros((STATE_SIZE, ORDER)))
-    runs, quantities = np.zeros((POOL, SIZE)), np.zeros(QUANTITIES * TERMS)
     kinds = scene.events.kinds
     waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
     together = np.zeros(WIDTH, np.int64)
     history = new_history(POOL if may_settle else 1, scene.events.count)
-    return Many(w, runs, history, work, search, quantities, waiting, together)
+    return Many(w, np.zeros((POOL, SIZE)), history, work, new_search(), waiting, together)
 
 
 @inlined_kernel
