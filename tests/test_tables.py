@@ -172,7 +172,12 @@ print(json.dumps({
 """
 
 SERIES = """
-from model.engines.batch.series import ALIGNMENT_KINDS, recurrences
+from model.engines.batch.kinds import (
+    ALIGNMENT_KINDS,
+)
+from model.engines.batch.series import (
+    recurrences,
+)
 from model.physics.parameters import Constants
 
 place = Constants._fields.index("side_pull")

@@ -13,13 +13,10 @@ from model.engines.batch.event_search import (
     first_crossing,
     values_at,
 )
-from model.engines.batch.peaks import largest_until
-from model.engines.batch.series import (
+from model.engines.batch.kinds import (
     ALIGNMENT_KINDS,
     BETWEEN_WALLS,
-    CONSISTENT,
     FREE,
-    GIVEN,
     INSERTION_KINDS,
     ON_LEFT_EDGE,
     ON_RIGHT_EDGE,
@@ -27,6 +24,11 @@ from model.engines.batch.series import (
     SLIDES,
     STICKS,
     Kind,
+)
+from model.engines.batch.peaks import largest_until
+from model.engines.batch.series import (
+    CONSISTENT,
+    GIVEN,
     Watched,
     recurrences,
 )

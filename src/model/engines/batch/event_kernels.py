@@ -7,7 +7,6 @@ time; the code is therefore generated, a line for each event, from the forms of 
 
 from collections.abc import Iterator
 from functools import cache, cached_property
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,69 +17,34 @@ from model.compile.jit import inlined_kernel, kernel, python_of
 from model.compile.source import Lines, Writer
 from model.compile.vector_code import WIDTH
 from model.engines.batch import step, workspace
-from model.engines.batch.series import ALIGNMENT_KINDS, INSERTION_KINDS, Kind, Watched
+from model.engines.batch.kinds import (
+    VARIANTS,
+    held_modes,
+    kind_in,
+    kinds_of,
+    numbers_of,
+    variant_in,
+)
+from model.engines.batch.series import (
+    Watched,
+)
 from model.engines.batch.series_kernels import errors_filler, series_filler, series_sampler
 from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES
-from model.engines.batch.traced import MODE, Form, P, forms_of, is_nothing, rendered
+from model.engines.batch.traced import Form, P, forms_of, is_nothing, rendered
 from model.engines.batch.workspace import (
     COEFFICIENTS,
     EVENT_ROWS,
     ROW,
     VALUES,
-    VARIANTS,
-    kind_in,
-    numbers_of,
-    variant_in,
 )
 from model.events.kernels import SceneKernels, combined_count, kernels_of
 from model.events.levels import NEVER, NOTHING
 from model.events.scenes import Scene
 from model.events.table import Event, Table
-from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, STICKING, Mode
-from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 TERMS = ORDER + 1  # of the series of each quantity
 _AT_ONCE = 8  # events in a loop over lanes: the compiler does not vectorize shorter ones
 _CORNERS = "corner_load", "wall_load"  # the last quantities, of the insertion scene
-_STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
-_FALLS = (False, False, False), (True, False, False), (True, True, False), (True, True, True)
-
-
-def kinds_of(inserts: bool) -> tuple[Kind, ...]:
-    """Return the kinds of modes that lanes hold."""
-    return INSERTION_KINDS if inserts else ALIGNMENT_KINDS
-
-
-class HeldMode(NamedTuple):
-    """A mode that lanes hold, and its place among them: the numbers of its kind and variant."""
-
-    mode: Mode
-    place: tuple[int, int]
-
-
-@cache
-def _held(inserts: bool) -> list[HeldMode]:
-    """Modes that lanes hold, of friction coefficients and slips that suffice for all events."""
-    within = _STATES if inserts else (OPEN,)
-    edges = (RIGHT_EDGE, LEFT_EDGE) if inserts else (RIGHT_EDGE,)
-    modes = [
-        # The symbol in an unused field makes kernels called with it run as Python.
-        MODE._replace(
-            edge=edge, face=face, corner=corner, side=side, wall=wall, support_slip=slip,
-            side_slip=side_slip, slip_at_corner=at_corner, slip_at_wall=at_wall,
-            dropped=dropped, in_slot=in_slot, corners_inside=inside,
-        )
-        for edge, face, corner, side, wall in product(edges, _STATES, within, _STATES, within)
-        for at_corner in {corner == CLOSED, CLOSED == corner != face}
-        for at_wall in {wall == CLOSED, CLOSED == wall != side}
-        for slip in _SLIPS[: 2 if CLOSED in (face, corner) else 1]
-        for side_slip in _SLIPS[: 2 if CLOSED in (side, wall) else 1]
-        for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
-    ]  # fmt: skip
-    numbers = numbers_of(kinds_of(inserts))
-    kind_of, variant_of = python_of(kind_in), python_of(variant_in)
-    places = ((kind_of(numbers, mode), variant_of(mode)) for mode in modes)
-    return [HeldMode(*each) for each in zip(modes, places, strict=True) if each[1][0] >= 0]
 
 
 _RUBS = P._replace(friction=1.0)
@@ -102,7 +66,7 @@ class WatchedEvent:
         self.places: set[tuple[int, int]] = set()
         for applies, level in event.level:
             here = python_of(applies)
-            places = {place for mode, place in _held(inserts) if here(_RUBS, mode)}
+            places = {place for mode, place in held_modes(inserts) if here(_RUBS, mode)}
             if not places:
                 continue
             forms = forms_of(event.source, level, inserts)

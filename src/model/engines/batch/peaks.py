@@ -16,14 +16,11 @@ from model.engines.batch.series_plan import (
 from model.engines.batch.step import curvature_bound
 from model.engines.batch.workspace import (
     COEFFICIENTS,
-    CORNER_LOAD,
-    FACE_LOAD,
     LENGTH,
-    SIDE_LOAD,
     STEP_FORCE,
     STEP_TILT,
     VALUES,
-    WALL_LOAD,
+    loads_of,
 )
 from model.physics.modes import CLOSED
 
@@ -104,13 +101,12 @@ def _add(row, to, w, lane):
 
 
 @inlined_kernel
-def _highest_force(edge_load, corner_load, states, until, known, w, lane):
-    """``_highest`` of the normal force on one side, from the rows of its edge and its corner.
+def _highest_force(loads, until, known, w, lane):
+    """``_highest`` of the normal force on one side; see ``loads_of``.
 
-    ``states`` are their normal states. If both press, the sum of their loads takes the place of the
-    corner's.
+    If edge and corner press, the sum of their loads takes the place of the corner's.
     """
-    edge, corner = states
+    (edge_load, edge), (corner_load, corner) = loads
     if edge == CLOSED and corner == CLOSED:
         _add(edge_load, corner_load, w, lane)
     if corner == CLOSED:
@@ -124,12 +120,11 @@ def largest_until(events, tilt, force, until, w, lane):
 
     ``tilt`` and ``force`` are the largest values so far.
     """
-    mode = events.mode_of_lane(w, lane)
     if w[STEP_TILT * WIDTH + lane] > tilt:
         tilt = _highest(TILT, 1.0, until, tilt, w, lane)
         tilt = _highest(TILT, -1.0, until, tilt, w, lane)
     if w[STEP_FORCE * WIDTH + lane] > force:
-        right, left = (mode.face, mode.corner), (mode.side, mode.wall)
-        force = _highest_force(FACE_LOAD, CORNER_LOAD, right, until, force, w, lane)
-        force = _highest_force(SIDE_LOAD, WALL_LOAD, left, until, force, w, lane)
+        support, side = loads_of(events.mode_of_lane(w, lane))
+        force = _highest_force(support, until, force, w, lane)
+        force = _highest_force(side, until, force, w, lane)
     return tilt, force

@@ -8,14 +8,14 @@ product, a quotient, a sum, or the rate of another row. Recurrences as in Moore,
 generates kernels from them.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from model.compile.jit import Symbol, python_of
+from model.engines.batch.kinds import PRESSING, Kind, mode_of_kind
 from model.events.levels import outline
 from model.physics.contacts import (
     Contact,
@@ -24,7 +24,6 @@ from model.physics.contacts import (
     edge_on_face,
     edge_on_side,
 )
-from model.physics.modes import CLOSED, OPEN, START, STICKING, Mode
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
@@ -231,72 +230,6 @@ class Recurrences(NamedTuple):
     watched: tuple[Sum, ...]
 
 
-# Where the support is: A1 or A2 under the bottom face, or A1 and B1 on the right side of the slot.
-ON_RIGHT_EDGE, ON_LEFT_EDGE, BETWEEN_WALLS = range(3)
-FREE, SLIDES, STICKS = range(3)  # states of an edge alone; see ``PRESSING``
-
-
-class Pressing(NamedTuple):
-    """Contacts that press on one side, where their slip counts, and whether it is zero."""
-
-    edge: bool
-    corner: bool
-    slip_at_corner: bool
-    sticks: bool
-
-
-_WHERE = (True, False, False), (False, True, True), (True, True, False), (True, True, True)
-PRESSING = (
-    Pressing(False, False, False, False),
-    *(Pressing(*where, sticks) for where in _WHERE for sticks in (False, True)),
-)
-"""Every ``Pressing`` that occurs; the number of one is its index, FREE if nothing presses."""
-
-
-class Kind(NamedTuple):
-    """A kind of mode: the place of the support, and the numbers of what presses on either side."""
-
-    place: int
-    support: int
-    side: int
-
-
-_EDGE, _CORNER, _BOTH = (FREE, SLIDES, STICKS), (3, 4), (5, 6, 7, 8)
-
-
-def _kinds(place: int, supports: Iterable[int], sides: Iterable[int]) -> tuple[Kind, ...]:
-    return tuple(Kind(place, *pair) for pair in product(supports, sides))
-
-
-ALIGNMENT_KINDS = _kinds(ON_RIGHT_EDGE, _EDGE, _EDGE)
-INSERTION_KINDS = (
-    *ALIGNMENT_KINDS,
-    *_kinds(ON_RIGHT_EDGE, (FREE,), _CORNER + _BOTH),
-    *_kinds(ON_LEFT_EDGE, _EDGE, (FREE,)),
-    *_kinds(BETWEEN_WALLS, _EDGE + _CORNER + _BOTH, _EDGE),
-    *_kinds(BETWEEN_WALLS, _EDGE, _CORNER),
-    *_kinds(BETWEEN_WALLS, (FREE,), _BOTH),
-)
-"""Kinds of modes that lanes hold, in the order of their numbers."""
-
-
-def _mode_of(kind: Kind) -> Mode:
-    """Return a mode of this kind; its slips are symbols."""
-    support, side = PRESSING[kind.support], PRESSING[kind.side]
-    slips: list[Any] = [
-        STICKING if each.sticks or not (each.edge or each.corner) else _given(sign)
-        for each, sign in ((support, SUPPORT_SIGN), (side, SIDE_SIGN))
-    ]
-    return START._replace(
-        edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
-        in_slot=kind.place == BETWEEN_WALLS,
-        face=CLOSED if support.edge else OPEN, corner=CLOSED if support.corner else OPEN,
-        slip_at_corner=support.slip_at_corner, support_slip=slips[0],
-        side=CLOSED if side.edge else OPEN, wall=CLOSED if side.corner else OPEN,
-        slip_at_wall=side.slip_at_corner, side_slip=slips[1],
-    )  # fmt: skip
-
-
 def _load(contact: Contact, q: State, p: Constants) -> Any:
     return contact_load(contact.depth, contact.closing_rate, q, p)
 
@@ -311,7 +244,8 @@ def recurrences(kind: Kind, inserts: bool = False) -> Recurrences:
     constants: list[Any] = [_given(places[row]) if row in places else 0.0 for row in fields]
     p = Constants(*constants)
     states: list[Any] = [_of(row) for row in STATES]
-    q, mode = State(*states), _mode_of(kind)
+    q = State(*states)
+    mode = mode_of_kind(kind, (_given(SUPPORT_SIGN), _given(SIDE_SIGN)))
     at = motion(_of(TIME_ROW), q, p, mode)
     edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else edge_on_face(mode.edge, q, p)
     left_edge = edge_on_side(LEFT_EDGE, q, p)

@@ -6,7 +6,12 @@ from typing import Any
 from model.compile.jit import kernel
 from model.compile.source import defined
 from model.compile.vector_code import VectorWriter, vector_function
-from model.engines.batch.series import Kind, recurrences
+from model.engines.batch.kinds import (
+    Kind,
+)
+from model.engines.batch.series import (
+    recurrences,
+)
 from model.engines.batch.series_code import ErrorWriter, SeriesWriter
 from model.engines.batch.series_plan import (
     FRACTIONS,

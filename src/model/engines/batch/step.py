@@ -25,22 +25,19 @@ from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
-    CORNER_LOAD,
     DEADLINE,
     END,
     ERROR,
-    FACE_LOAD,
     LAST_ORDER,
     LENGTH,
     LONGEST,
-    SIDE_LOAD,
     STEP_FORCE,
     STEP_TILT,
     TIME,
     TOLERANCE,
     VALUES,
-    WALL_LOAD,
     constants_of_lane,
+    loads_of,
     state_in_lane,
 )
 from model.events.friction import REST_SLIP, hold_sticking
@@ -259,18 +256,24 @@ def _at_most(row, w, i):
     return max(ends, inner) + curvature_bound(row, w, i)
 
 
+@inlined_kernel
+def _force_at_most(events, loads, w, i):
+    """Upper bound of the normal force on one side in the step; see ``loads_of``."""
+    (edge_load, edge), (corner_load, corner) = loads
+    force = _at_most(edge_load, w, i) if edge == CLOSED else 0.0
+    if events.inserts == 1:
+        force += _at_most(corner_load, w, i) if corner == CLOSED else 0.0
+    return force
+
+
 @kernel
 def _enter_largest(events, w):
     """Enter upper bounds of |tilt| and of normal forces in the step."""
     for i in range(WIDTH):
-        mode = events.mode_of_lane(w, i)
+        support, side = loads_of(events.mode_of_lane(w, i))
         w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
-        support = _at_most(FACE_LOAD, w, i) if mode.face == CLOSED else 0.0
-        side = _at_most(SIDE_LOAD, w, i) if mode.side == CLOSED else 0.0
-        if events.inserts == 1:
-            support += _at_most(CORNER_LOAD, w, i) if mode.corner == CLOSED else 0.0
-            side += _at_most(WALL_LOAD, w, i) if mode.wall == CLOSED else 0.0
-        w[STEP_FORCE * WIDTH + i] = max(support, side)
+        forces = _force_at_most(events, support, w, i), _force_at_most(events, side, w, i)
+        w[STEP_FORCE * WIDTH + i] = max(forces[0], forces[1])
 
 
 @kernel

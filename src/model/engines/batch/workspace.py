@@ -13,20 +13,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from model.compile.jit import inlined_kernel
 from model.compile.vector_code import WIDTH
 from model.compile.views import reader
 from model.engines.batch.series import (
-    BETWEEN_WALLS,
     CONSISTENT,
-    FREE,
     GIVEN,
-    ON_LEFT_EDGE,
-    ON_RIGHT_EDGE,
-    PRESSING,
-    Kind,
     Watched,
 )
 from model.engines.batch.series_plan import (
@@ -38,8 +31,8 @@ from model.engines.batch.series_plan import (
     TILT,
 )
 from model.engines.scalar.tableaux import Array
-from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
-from model.physics.notation import LEFT_EDGE, STATE_SIZE, State
+from model.physics.modes import START, Mode
+from model.physics.notation import STATE_SIZE, State
 from model.physics.parameters import Constants
 
 # Rows: constants and signs of the slips, the mode, then numbers of the lanes and of their step.
@@ -68,6 +61,17 @@ FACE_LOAD, SIDE_LOAD, CORNER_LOAD, WALL_LOAD = (
     ROW[f"{contact}_load"] for contact in ("face", "side", "corner", "wall")
 )
 CONTACTS_AT = FACE_LOAD  # the first row that is neither a state nor a place
+
+
+@inlined_kernel
+def loads_of(mode):
+    """Return for either side (row of the load, normal state) of its edge and of its corner."""
+    return (
+        ((FACE_LOAD, mode.face), (CORNER_LOAD, mode.corner)),
+        ((SIDE_LOAD, mode.side), (WALL_LOAD, mode.wall)),
+    )
+
+
 _CACHE_LINE = 64  # bytes
 
 
@@ -119,50 +123,6 @@ def copy_mode(events, runs, i, first, w, lane):
     if events.inserts == 1:
         for n in _VARIED_IN_SLOT:
             w[(MODE + n) * WIDTH + lane] = runs[i, first + n]
-
-
-def numbers_of(kinds: Sequence[Kind]) -> NDArray[np.int64]:
-    """Return the index of each kind of mode in ``kinds``, -1 for others; shape of all kinds."""
-    numbers = np.full((3, len(PRESSING), len(PRESSING)), -1)
-    for number, kind in enumerate(kinds):
-        numbers[kind] = number
-    return numbers
-
-
-@inlined_kernel
-def _pressing(edge, corner, slip_at_corner, slip):
-    """Return the number of what presses on one side; see ``PRESSING``."""
-    where = 0
-    if corner == CLOSED:
-        where = 2 + int(slip_at_corner) if edge == CLOSED else 1
-    presses = edge == CLOSED or corner == CLOSED
-    return 1 + 2 * where + int(slip == STICKING) if presses else FREE
-
-
-@inlined_kernel
-def kind_in(numbers, mode):
-    """Return the number of the kind of a mode, -1 if lanes cannot hold it; see ``numbers_of``."""
-    if mode.corner != OPEN and not mode.in_slot:
-        return -1
-    place = ON_RIGHT_EDGE
-    if mode.in_slot:
-        place = BETWEEN_WALLS
-    elif mode.edge == LEFT_EDGE and mode.face != OPEN:
-        place = ON_LEFT_EDGE
-    support = _pressing(mode.face, mode.corner, mode.slip_at_corner, mode.support_slip)
-    side = _pressing(mode.side, mode.wall, mode.slip_at_wall, mode.side_slip)
-    return numbers[place, support, side]
-
-
-VARIANTS = 32  # of a kind of mode
-
-
-@inlined_kernel
-def variant_in(mode):
-    """Return the number of a mode in its kind: which contacts are released, and whether it fell."""
-    right = int(mode.face == RELEASED) + 2 * int(mode.corner == RELEASED)
-    left = int(mode.side == RELEASED) + 2 * int(mode.wall == RELEASED)
-    return right + 4 * left + 16 * int(mode.dropped)
 
 
 @inlined_kernel

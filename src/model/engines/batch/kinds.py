@@ -1,0 +1,166 @@
+"""The modes that lanes hold, and their kinds: those of a kind have the same series.
+
+What a further contact changes in the modes of lanes is in this file.
+"""
+
+from collections.abc import Iterable, Sequence
+from functools import cache
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.compile.jit import inlined_kernel, python_of
+from model.engines.batch.traced import MODE
+from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, START, STICKING, Mode
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+
+_STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
+_FALLS = (False, False, False), (True, False, False), (True, True, False), (True, True, True)
+
+# Where the support is: A1 or A2 under the bottom face, or A1 and B1 on the right side of the slot.
+ON_RIGHT_EDGE, ON_LEFT_EDGE, BETWEEN_WALLS = range(3)
+FREE, SLIDES, STICKS = range(3)  # states of an edge alone; see ``PRESSING``
+
+
+class Pressing(NamedTuple):
+    """Contacts that press on one side, where their slip counts, and whether it is zero."""
+
+    edge: bool
+    corner: bool
+    slip_at_corner: bool
+    sticks: bool
+
+
+_WHERE = (True, False, False), (False, True, True), (True, True, False), (True, True, True)
+PRESSING = (
+    Pressing(False, False, False, False),
+    *(Pressing(*where, sticks) for where in _WHERE for sticks in (False, True)),
+)
+"""Every ``Pressing`` that occurs; the number of one is its index, FREE if nothing presses."""
+
+
+class Kind(NamedTuple):
+    """A kind of mode: the place of the support, and the numbers of what presses on either side."""
+
+    place: int
+    support: int
+    side: int
+
+
+_EDGE, _CORNER, _BOTH = (FREE, SLIDES, STICKS), (3, 4), (5, 6, 7, 8)
+
+
+def _kinds(place: int, supports: Iterable[int], sides: Iterable[int]) -> tuple[Kind, ...]:
+    return tuple(Kind(place, *pair) for pair in product(supports, sides))
+
+
+ALIGNMENT_KINDS = _kinds(ON_RIGHT_EDGE, _EDGE, _EDGE)
+INSERTION_KINDS = (
+    *ALIGNMENT_KINDS,
+    *_kinds(ON_RIGHT_EDGE, (FREE,), _CORNER + _BOTH),
+    *_kinds(ON_LEFT_EDGE, _EDGE, (FREE,)),
+    *_kinds(BETWEEN_WALLS, _EDGE + _CORNER + _BOTH, _EDGE),
+    *_kinds(BETWEEN_WALLS, _EDGE, _CORNER),
+    *_kinds(BETWEEN_WALLS, (FREE,), _BOTH),
+)
+"""Kinds of modes that lanes hold, in the order of their numbers."""
+
+
+def kinds_of(inserts: bool) -> tuple[Kind, ...]:
+    """Return the kinds of modes that lanes hold."""
+    return INSERTION_KINDS if inserts else ALIGNMENT_KINDS
+
+
+def mode_of_kind(kind: Kind, slips: Sequence[Any]) -> Mode:
+    """Return a mode of this kind, with the ``slips`` of support and side where those slide."""
+    support, side = PRESSING[kind.support], PRESSING[kind.side]
+    support_slip, side_slip = (
+        STICKING if each.sticks or not (each.edge or each.corner) else slip
+        for each, slip in zip((support, side), slips, strict=True)
+    )
+    return START._replace(
+        edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
+        in_slot=kind.place == BETWEEN_WALLS,
+        face=CLOSED if support.edge else OPEN, corner=CLOSED if support.corner else OPEN,
+        slip_at_corner=support.slip_at_corner, support_slip=support_slip,
+        side=CLOSED if side.edge else OPEN, wall=CLOSED if side.corner else OPEN,
+        slip_at_wall=side.slip_at_corner, side_slip=side_slip,
+    )  # fmt: skip
+
+
+def numbers_of(kinds: Sequence[Kind]) -> NDArray[np.int64]:
+    """Return the index of each kind of mode in ``kinds``, -1 for others; shape of all kinds."""
+    numbers = np.full((3, len(PRESSING), len(PRESSING)), -1)
+    for number, kind in enumerate(kinds):
+        numbers[kind] = number
+    return numbers
+
+
+@inlined_kernel
+def _pressing(edge, corner, slip_at_corner, slip):
+    """Return the number of what presses on one side; see ``PRESSING``."""
+    where = 0
+    if corner == CLOSED:
+        where = 2 + int(slip_at_corner) if edge == CLOSED else 1
+    presses = edge == CLOSED or corner == CLOSED
+    return 1 + 2 * where + int(slip == STICKING) if presses else FREE
+
+
+@inlined_kernel
+def kind_in(numbers, mode):
+    """Return the number of the kind of a mode, -1 if lanes cannot hold it; see ``numbers_of``."""
+    if mode.corner != OPEN and not mode.in_slot:
+        return -1
+    place = ON_RIGHT_EDGE
+    if mode.in_slot:
+        place = BETWEEN_WALLS
+    elif mode.edge == LEFT_EDGE and mode.face != OPEN:
+        place = ON_LEFT_EDGE
+    support = _pressing(mode.face, mode.corner, mode.slip_at_corner, mode.support_slip)
+    side = _pressing(mode.side, mode.wall, mode.slip_at_wall, mode.side_slip)
+    return numbers[place, support, side]
+
+
+VARIANTS = 32  # of a kind of mode
+
+
+@inlined_kernel
+def variant_in(mode):
+    """Return the number of a mode in its kind: which contacts are released, and whether it fell."""
+    right = int(mode.face == RELEASED) + 2 * int(mode.corner == RELEASED)
+    left = int(mode.side == RELEASED) + 2 * int(mode.wall == RELEASED)
+    return right + 4 * left + 16 * int(mode.dropped)
+
+
+class HeldMode(NamedTuple):
+    """A mode that lanes hold, and its place among them: the numbers of its kind and variant."""
+
+    mode: Mode
+    place: tuple[int, int]
+
+
+@cache
+def held_modes(inserts: bool) -> list[HeldMode]:
+    """Modes that lanes hold, of friction coefficients and slips that suffice for all events."""
+    within = _STATES if inserts else (OPEN,)
+    edges = (RIGHT_EDGE, LEFT_EDGE) if inserts else (RIGHT_EDGE,)
+    modes = [
+        # The symbol in an unused field makes kernels called with it run as Python.
+        MODE._replace(
+            edge=edge, face=face, corner=corner, side=side, wall=wall, support_slip=slip,
+            side_slip=side_slip, slip_at_corner=at_corner, slip_at_wall=at_wall,
+            dropped=dropped, in_slot=in_slot, corners_inside=inside,
+        )
+        for edge, face, corner, side, wall in product(edges, _STATES, within, _STATES, within)
+        for at_corner in {corner == CLOSED, CLOSED == corner != face}
+        for at_wall in {wall == CLOSED, CLOSED == wall != side}
+        for slip in _SLIPS[: 2 if CLOSED in (face, corner) else 1]
+        for side_slip in _SLIPS[: 2 if CLOSED in (side, wall) else 1]
+        for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
+    ]  # fmt: skip
+    numbers = numbers_of(kinds_of(inserts))
+    kind_of, variant_of = python_of(kind_in), python_of(variant_in)
+    places = ((kind_of(numbers, mode), variant_of(mode)) for mode in modes)
+    return [HeldMode(*each) for each in zip(modes, places, strict=True) if each[1][0] >= 0]
