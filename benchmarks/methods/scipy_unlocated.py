@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.methods.base import Method
 from benchmarks.methods.by_hand import outside_of, solve_by_hand, write_rates
 from benchmarks.problems import Floats, Problem, Solution, Verdict
-from model.compile.jit import called_often
+from model.compile.jit import entry_point
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 
@@ -44,7 +44,7 @@ class ScipyUnlocated(Method):
 
     def _solve_one(self, problem: Problem, parameters: Parameters, resolution: float) -> Solution:
         row = Batch.stack([parameters]).constants(problem.settings.readings)[0]
-        write, fall_of = called_often(write_rates), called_often(outside_of)
+        write, fall_of = entry_point(write_rates), entry_point(outside_of)
         # A run of no steps ends where it starts.
         at_once = replace(problem.settings, max_evaluations=1)
         begun = solve_by_hand(Batch.stack([parameters]), "rk4", 1.0, at_once).states[0, 0]

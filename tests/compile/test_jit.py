@@ -66,10 +66,10 @@ def test_a_kernel_becomes_machine_code_where_python_calls_it(empty, monkeypatch)
 @pytest.mark.usefixtures("empty")
 def test_a_kernel_called_often_searches_for_no_symbols(monkeypatch):
     made = jit.kernel(halved)
-    often = jit.called_often(made)
+    often = jit.entry_point(made)
     monkeypatch.setattr(jit, "_first_symbol", None)
     assert often(8.0) == 4.0
-    assert jit.called_often(halved) is halved
+    assert jit.entry_point(halved) is halved
 
 
 @pytest.mark.usefixtures("empty")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from model import Batch, Readings, Reason, Settings, align
-from model.engines.course import _pass_over, begin
+from model.engines.course import begin, skip_chatter
 from model.engines.record import EVALUATIONS, EVENTS_AT_ONCE, STATE, TIME
 from model.engines.scalar.loop import new_single
 from model.physics.modes import OPEN, START
@@ -51,7 +51,7 @@ def test_a_moment_passes_if_it_makes_no_difference_which_mode_holds(
 ):
     runs = standing(at_once)
     state = runs[0, STATE : STATE + STATE_SIZE].copy()
-    _pass_over(before, runs, 0)
+    skip_chatter(before, runs, 0)
     assert runs[0, TIME] == pytest.approx(moment, rel=1e-12)
     assert np.array_equal(runs[0, STATE : STATE + STATE_SIZE], state) is (moment == 0.0)
     assert runs[0, EVALUATIONS] < 20

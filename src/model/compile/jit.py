@@ -313,7 +313,7 @@ def inlined_kernel(function: Function) -> Function:
     return _compiled(function, forceinline=True)
 
 
-def called_often(function: Function) -> Function:
+def entry_point(function: Function) -> Function:
     """Return a kernel for many short calls from Python, each a microsecond less: no symbols."""
     called: Any = function.whole() if isinstance(function, _Part) else function
     return called

@@ -284,7 +284,7 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
 
 
 @kernel
-def _pass_over(before, runs, i):
+def skip_chatter(before, runs, i):
     """Advance by a moment without event location, if the two modes agree within the tolerance.
 
     On a hard base the rounding of a length causes a load: a contact or a slip near zero then
@@ -338,7 +338,7 @@ def make_event(which, length, step, scene, control, runs, i):
     if outcome != CONTINUES:
         _end(scene, runs, i, outcome, reason)
     elif runs[i, EVENTS_AT_ONCE] > _SEVERAL_AT_ONCE:
-        _pass_over(before, runs, i)
+        skip_chatter(before, runs, i)
 
 
 @kernel

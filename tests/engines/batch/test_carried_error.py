@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from model.engines.batch.carried_error import error_of_time, pass_event
+from model.engines.batch.carried_error import apply_saltation, error_of_time
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.record import ERROR, LARGEST_ERROR, MODE, SIZE, TIME
 from model.engines.scalar.step import rates_of
@@ -80,7 +80,7 @@ def test_an_error_passes_an_event_as_a_displaced_run_does(event, before, after, 
     ]
     assert bound == pytest.approx(np.abs(alone).sum(), rel=1e-3)
     assert bound >= abs(late) * (1.0 - 1e-3)
-    pass_event(KERNELS, which, State(*start), before, runs, 0)
+    apply_saltation(KERNELS, which, State(*start), before, runs, 0)
     found = runs[0, ERROR : ERROR + 6]
     np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(expected).max())
     # Accelerations jump where a slip changes, and are continuous where a load vanishes.

@@ -93,7 +93,7 @@ def _is_continuous(kind, before, after):
 
 
 @kernel
-def pass_event(events, which, q, before, runs, i):
+def apply_saltation(events, which, q, before, runs, i):
     """Carry the error of run ``i`` through the event ``which``, which has just changed its mode.
 
     ``q`` and ``before`` are its state and mode at the event.

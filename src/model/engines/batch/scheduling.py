@@ -14,7 +14,7 @@ import numpy as np
 from model.compile.jit import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
-from model.engines.batch.carried_error import carry_error, error_of_time, pass_event
+from model.engines.batch.carried_error import apply_saltation, carry_error, error_of_time
 from model.engines.batch.event_search import Search, first_event, new_search, state_at
 from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import CONSISTENT, SIDE_SIGN, SUPPORT_SIGN
@@ -204,7 +204,7 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
             if aligns or runs[i, OUTCOME] != CONTINUES:
                 error = error_of_time(scene.events, which, q, before, runs, i)
                 runs[i, TIME_ERROR if aligns else END_ERROR] = error
-            pass_event(scene.events, which, q, before, runs, i)
+            apply_saltation(scene.events, which, q, before, runs, i)
         if runs[i, EVENTS_AT_ONCE] == 0.0:
             runs[i, NEXT_STEP] *= MOST_GROWTH
         end_step(scene, False, history, control, runs, i)
