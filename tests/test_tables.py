@@ -41,12 +41,12 @@ EDITS = [
         '    first_height: Real = entry("height of the centre at the start", LENGTH)\n',
     ),
     (
-        "engines/course.py",
+        "engines/lifecycle.py",
         "    q, mode = start(p, scene.declared)\n",
         "    runs[i, FIRST_HEIGHT] = q.y\n",
     ),
     (
-        "engines/course.py",
+        "engines/lifecycle.py",
         "\n_FIRST_STEP = 1e-2\n",
         'from model.engines.record import column\nFIRST_HEIGHT = column("first_height")\n',
     ),

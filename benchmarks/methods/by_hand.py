@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.methods.base import Method
 from benchmarks.problems import Problem, Solution, Verdict
 from model.compile.jit import inlined_kernel, kernel
-from model.engines.course import start
+from model.engines.lifecycle import start
 from model.engines.record import constants_in
 from model.engines.scalar.step import keep_in, moved, state_of
 from model.events.levels import (

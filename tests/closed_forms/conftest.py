@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from model import ALIGNMENT, Batch, Parameters, Readings, Scene
-from model.engines.course import NOISE, Control, begin
+from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single
 from model.engines.scalar.step import dense_output, interpolate, right_hand_side, take_step

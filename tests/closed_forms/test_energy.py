@@ -16,7 +16,7 @@ import pytest
 
 from model import Batch, Outcome, Parameters, Readings, Settings
 from model.compile.jit import kernel
-from model.engines.course import begin
+from model.engines.lifecycle import begin
 from model.engines.record import (
     OUTCOME,
     REASON,

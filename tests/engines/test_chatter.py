@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from model import Batch, Readings, Reason, Settings, align
-from model.engines.course import begin, skip_chatter
+from model.engines.lifecycle import begin, skip_chatter
 from model.engines.record import EVALUATIONS, EVENTS_AT_ONCE, STATE, TIME
 from model.engines.scalar.loop import new_single
 from model.physics.modes import OPEN, START

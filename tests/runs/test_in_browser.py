@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from model import Batch, align
-from model.engines.results import COURSE, RunResult
+from model.engines.results import TRACK_VARIABLES, RunResult
 from model.events.insertion import INSERTION
 from model.physics.modes import CLOSED
 from model.physics.parameters import PARAMETER_NAMES
@@ -160,7 +160,7 @@ settings = Settings(scene=SCENES[scene])
 rows = settings.rows(Batch(dict(zip(PARAMETER_NAMES, sets.T.copy()))))
 results = engine_for(settings, name)(rows, np.full(len(rows), settings.tolerance))
 run = simulate_once(load_study(study_path()).parameters("fig05"), settings)
-np.savez(found, results=results, time=run.time, **run.course)
+np.savez(found, results=results, time=run.time, **run.track_variables)
 """
 
 
@@ -183,7 +183,7 @@ def test_every_field_is_equal_to_the_bit_without_fused_multiply_add(
     subprocess.run(command, check=True, env=os.environ | {"NUMBA_CPU_NAME": "generic"})
     with np.load(found) as python:
         np.testing.assert_array_equal(ran[engine], python["results"])
-        for name in ("time", *COURSE) if engine == "scalar" else ():
+        for name in ("time", *TRACK_VARIABLES) if engine == "scalar" else ():
             np.testing.assert_array_equal(shown[name], python[name])
 
 

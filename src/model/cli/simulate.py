@@ -17,7 +17,7 @@ from model.cli.arguments import (
 )
 from model.cli.files import check_file, check_picture, save_picture
 from model.cli.tables import print_json
-from model.engines.results import COURSE, RESULTS
+from model.engines.results import RESULTS, TRACK_VARIABLES
 from model.engines.scalar.tableaux import DOP853
 from model.events.outcomes import Outcome, Unvibrated
 from model.physics.notation import State
@@ -151,8 +151,10 @@ def _report(run: Trajectory, units: Units | None) -> list[str]:
     end = in_words(float(run.time[-1]), TIME, units) if units else f"τ = {run.time[-1]:.9g}"
     rows.append(("final state", f"at {end}"))
     for name, number in _final_state(run).items():
-        words = in_words(number, COURSE[name].quantity, units) if units else f"{number: .9g}"
-        rows.append((f"  {COURSE[name].meaning if units else name}", words))
+        words = (
+            in_words(number, TRACK_VARIABLES[name].quantity, units) if units else f"{number: .9g}"
+        )
+        rows.append((f"  {TRACK_VARIABLES[name].meaning if units else name}", words))
     width = max(20, *(2 + len(name) for name, _ in rows))
     return [f"{name:<{width}}{value}" for name, value in rows] + _sensitive(run)
 
@@ -175,7 +177,7 @@ def _in_si(run: Trajectory, units: Units) -> dict[str, Any]:
         "results": {n: getattr(run, n) * units.of(quantity) for n, quantity in physical.items()},
         "final_time": float(run.time[-1]) * units.time,
         "final_state": {
-            name: value * units.of(COURSE[name].quantity)
+            name: value * units.of(TRACK_VARIABLES[name].quantity)
             for name, value in _final_state(run).items()
         },
     }

@@ -238,7 +238,7 @@ class RunResult(
 
 
 # Variables of a trajectory besides the time: the columns of a track.
-COURSE: Mapping[str, Result] = {
+TRACK_VARIABLES: Mapping[str, Result] = {
     "x": Result("abscissa of the mass centre", LENGTH, "x"),
     "y": Result("ordinate of the mass centre", LENGTH, "y"),
     "tilt": Result("tilt", ANGLE, "φ"),
@@ -249,4 +249,4 @@ COURSE: Mapping[str, Result] = {
     "side_force": Result("normal force of A2 on the side face", FORCE),
     "right_force": Result("normal force on the right side of the slot", FORCE, stored=False),
 }
-assert tuple(COURSE)[: len(State._fields)] == State._fields  # noqa: S101 - of this table
+assert tuple(TRACK_VARIABLES)[: len(State._fields)] == State._fields  # noqa: S101 - of this table

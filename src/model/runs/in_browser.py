@@ -26,7 +26,7 @@ from model.compile.webassembly import NUMBERS, Function, array_at, compile_modul
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.batch.event_search import Search
 from model.engines.batch.scheduling import Many, Waiting, integrate_all, new_many
-from model.engines.course import Control, History
+from model.engines.lifecycle import Control, History
 from model.engines.record import keep_result
 from model.engines.results import RunResult
 from model.engines.scalar.loop import Single, Workspace, new_single

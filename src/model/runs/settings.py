@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.course import NOISE, Control
+from model.engines.lifecycle import NOISE, Control
 from model.engines.scalar.tableaux import DOP853, Method
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels

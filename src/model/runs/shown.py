@@ -6,7 +6,7 @@ import numpy as np
 
 from model.compile.jit import kernel
 from model.compile.views import numbers, reader, writer
-from model.engines.course import begin
+from model.engines.lifecycle import begin
 from model.engines.record import (
     EVENT_COUNT,
     MADE,
@@ -16,7 +16,7 @@ from model.engines.record import (
     keep_result,
     mode_of,
 )
-from model.engines.results import COURSE, RunResult
+from model.engines.results import TRACK_VARIABLES, RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single, track_run
 from model.events.kernels import MOST_EVENTS
 from model.events.transitions import CONTINUES
@@ -33,10 +33,10 @@ _EVENT = TRACK_COLUMNS
 _FIRST_MODE = _EVENT + 1
 _FIRST_FORCE = _FIRST_MODE + len(Mode._fields)
 COLUMNS = (
-    "time", *COURSE, "event",
+    "time", *TRACK_VARIABLES, "event",
     *(f"mode_{name}" for name in Mode._fields), *(f"at_{name}" for name in _FORCES._fields),
 )  # fmt: skip
-"""Columns of a track: time, course, number of the event that led there from 1, mode, forces."""
+"""Columns of a track: time, variables, number of the event that led there from 1, mode, forces."""
 
 _USUAL_TRACK = 4096  # rows; a longer one is run again with enough rows
 _keep_mode = writer(Mode, "track, row", lambda n: f"track[row, {_FIRST_MODE + n}]")

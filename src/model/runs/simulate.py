@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import COURSE, KINDS, RESULTS, Results, RunResult, results_table
+from model.engines.results import KINDS, RESULTS, TRACK_VARIABLES, Results, RunResult, results_table
 from model.engines.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.notation import STATE_SIZE
@@ -39,10 +39,10 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
     right_force: NDArray[np.float64]
 
     @property
-    def course(self) -> dict[str, NDArray[np.float64]]:
-        """Variables of the trajectory by the names of ``COURSE``, each of shape (n,)."""
+    def track_variables(self) -> dict[str, NDArray[np.float64]]:
+        """Variables of the trajectory by the names of ``TRACK_VARIABLES``, each of shape (n,)."""
         columns = *self.state.T, self.contact_force, self.side_force, self.right_force
-        return dict(zip(COURSE, columns, strict=True))
+        return dict(zip(TRACK_VARIABLES, columns, strict=True))
 
     @property
     def depth(self) -> NDArray[np.float64]:
@@ -110,7 +110,7 @@ def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
 def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array) -> Trajectory:
     """Make the trajectory of a run from its results, by name, and its track."""
     time, *columns = track.T
-    variables = dict(zip(COURSE, columns, strict=True))
+    variables = dict(zip(TRACK_VARIABLES, columns, strict=True))
     return Trajectory(
         parameters=parameters,
         time=time,

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from model.engines.results import COURSE
+from model.engines.results import TRACK_VARIABLES
 from model.events.outcomes import Outcome
 from model.physics.quantities import ANGLE, LENGTH
 from model.physics.units import Units
@@ -39,13 +39,15 @@ def history(dataset: "xr.Dataset") -> Figure:
 def trajectory(run: "Trajectory", units: Units | None = None) -> Figure:
     """Draw the figure of ``history`` for a run that was not stored; in SI units with ``units``."""
     if units is None:
-        return _draw(run.time, run.course, run.outcome, run.tau_align)
-    scales = {name: units.of(COURSE[name].quantity) for name in run.course}
-    lengths = {name: 1e3 for name in scales if COURSE[name].quantity is LENGTH}
-    course = {n: values * scales[n] * lengths.get(n, 1.0) for n, values in run.course.items()}
+        return _draw(run.time, run.track_variables, run.outcome, run.tau_align)
+    scales = {name: units.of(TRACK_VARIABLES[name].quantity) for name in run.track_variables}
+    lengths = {name: 1e3 for name in scales if TRACK_VARIABLES[name].quantity is LENGTH}
+    course = {
+        n: values * scales[n] * lengths.get(n, 1.0) for n, values in run.track_variables.items()
+    }
     suffixes = {
         name: "" if each is ANGLE else " (mm)" if each is LENGTH else f" ({each.unit})"
-        for name, each in ((name, COURSE[name].quantity) for name in _PANELS)
+        for name, each in ((name, TRACK_VARIABLES[name].quantity) for name in _PANELS)
     }
     time, align = run.time * units.time, run.tau_align * units.time
     return _draw(time, course, run.outcome, align, suffixes)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.engines.results import COURSE, IN_SLOT, KINDS, RESULTS, TWIN, Result
+from model.engines.results import IN_SLOT, KINDS, RESULTS, TRACK_VARIABLES, TWIN, Result
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS, Batch
 from model.physics.quantities import ANGLE
@@ -70,7 +70,7 @@ VARIABLES: Mapping[str, dict[str, Any]] = {
     if result.stored
 }
 HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
-    name: _attributes(result) for name, result in COURSE.items() if result.stored
+    name: _attributes(result) for name, result in TRACK_VARIABLES.items() if result.stored
 }
 
 
@@ -126,7 +126,8 @@ def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
     """Return one trajectory over time, with its results as scalars."""
     run = simulate(sweep.baseline, sweep.settings.settings)
     variables: dict[str, Any] = {
-        name: ("time", run.course[name], known) for name, known in HISTORY_VARIABLES.items()
+        name: ("time", run.track_variables[name], known)
+        for name, known in HISTORY_VARIABLES.items()
     }
     batch, settings = Batch.stack([sweep.baseline]), sweep.settings.settings
     columns = twin_results(batch, settings)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import COURSE, RESULTS, TWIN
+from model.engines.results import RESULTS, TRACK_VARIABLES, TWIN
 from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
 from model.study.config import FIGURES, SCHEMATICS
@@ -137,7 +137,7 @@ def _numbers(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
 
 def _courses(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
     old, new = common_points(reference, built)
-    for name in (name for name, each in COURSE.items() if each.stored):
+    for name in (name for name, each in TRACK_VARIABLES.items() if each.stored):
         extent = float(np.ptp(reference[name].values)) or 1.0
         change = change_of(old[name], new[name], "")
         if change.largest > COURSE_TOLERANCE * extent:

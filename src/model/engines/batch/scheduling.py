@@ -21,7 +21,7 @@ from model.engines.batch.series import CONSISTENT, SIDE_SIGN, SUPPORT_SIGN
 from model.engines.batch.series_plan import NODES, ORDER
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane, copy_mode, lowest_bit
-from model.engines.course import (
+from model.engines.lifecycle import (
     History,
     begin,
     end_period,

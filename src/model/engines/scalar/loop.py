@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from model.compile.jit import inlined_kernel, kernel
-from model.engines.course import (
+from model.engines.lifecycle import (
     History,
     begin,
     end_step,
@@ -35,7 +35,7 @@ from model.engines.record import (
     mode_of,
     state_in,
 )
-from model.engines.results import COURSE
+from model.engines.results import TRACK_VARIABLES
 from model.engines.scalar.location import NO_EVENT, NODE_PLACES, NODES, first_event, sample_step
 from model.engines.scalar.step import (
     CAUTION,
@@ -64,7 +64,7 @@ from model.physics.notation import STATE_SIZE
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
 _NOT_FINITE = int(Reason.NOT_FINITE)
 
-TRACK_COLUMNS = 1 + len(COURSE)  # time and the course
+TRACK_COLUMNS = 1 + len(TRACK_VARIABLES)  # time and the variables
 _MOST_SECANTS = 6
 EVENT_RESOLUTION = 3e-3  # last correction of an event's time over sqrt(tolerance)
 

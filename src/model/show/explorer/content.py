@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import COURSE
+from model.engines.results import TRACK_VARIABLES
 from model.events.outcomes import (
     OUTCOME_TEXT,
     REASON_TEXT,
@@ -204,9 +204,10 @@ def _model(
         "panels": [
             {
                 "curves": [
-                    {"name": n, "label": label or COURSE[n].symbol} for n, label in panel.items()
+                    {"name": n, "label": label or TRACK_VARIABLES[n].symbol}
+                    for n, label in panel.items()
                 ],
-                **scales.shown(COURSE[next(iter(panel))].quantity),
+                **scales.shown(TRACK_VARIABLES[next(iter(panel))].quantity),
             }
             for panel in _PANELS
         ],

@@ -1,4 +1,4 @@
-"""The course of a run between its steps: start, events, excitation periods and end.
+"""The lifecycle of a run between its steps: start, events, excitation periods and end.
 
 Both engines use it.
 """
