@@ -7,8 +7,8 @@ from model import INSERTION, Batch, Outcome, Settings, align, simulate
 from model.events.outcomes import InSlot, Reason
 from model.runs.align import run_once
 from model.runs.errors import outcomes_differ
-from model.runs.shown import shown_run
 from model.runs.slot import ends_in_slot
+from model.runs.trace import trace_run
 
 SETS = 96
 
@@ -107,7 +107,7 @@ def test_a_deeper_insertion_than_the_press_reaches_is_no_insertion(device):
 
 def test_a_part_is_inserted_at_the_depth_that_is_set(device):
     settings = Settings(scene=INSERTION, insertion_depth=0.2)
-    run, shown = simulate(device, settings), shown_run(device, settings)
+    run, shown = simulate(device, settings), trace_run(device, settings)
     assert run.depth[-1] == pytest.approx(0.2, rel=1e-9)
     assert shown.track[-1, 0] == pytest.approx(run.time[-1], abs=1e-9)
     usual = simulate(device, scene=INSERTION)

@@ -20,8 +20,8 @@ from model.runs.engines import Engine, engine_for
 from model.runs.errors import SENSITIVE, outcomes_differ
 from model.runs.in_browser import modules
 from model.runs.settings import Settings
-from model.runs.shown import COLUMNS
 from model.runs.simulate import simulate_once
+from model.runs.trace import COLUMNS
 from model.study.config import Study, load_study, study_path
 from verification.trials import trial_of
 

@@ -92,13 +92,13 @@ def _animate(
 ) -> bool:
     # Imported here: what only a page needs.
     from model.runs.in_browser import interface  # noqa: PLC0415
-    from model.runs.shown import shown_run  # noqa: PLC0415
+    from model.runs.trace import trace_run  # noqa: PLC0415
     from model.show.explorer.animation import run_page  # noqa: PLC0415
     from model.show.explorer.content import device_model  # noqa: PLC0415
 
     table = interface(settings.scene)
     model = device_model(parameters, units, file, settings, table, first)
-    page = run_page(model, shown_run(parameters, settings))
+    page = run_page(model, trace_run(parameters, settings))
     try:
         with whole_file(path) as part:
             part.write_bytes(page.encode())

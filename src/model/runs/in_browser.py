@@ -36,7 +36,7 @@ from model.events.kernels import SceneKernels, in_kernels
 from model.events.scenes import ALIGNMENT, Scene
 from model.physics.parameters import PARAMETER_NAMES, Constants, Given, resolved
 from model.runs.settings import Settings
-from model.runs.shown import COLUMNS, integrate_shown
+from model.runs.trace import COLUMNS, integrate_trace
 
 _control_in = reader(Control, "control", "control[{} + 1]".format)
 _read_given = reader(Given, "given", "given[{}]".format)
@@ -80,7 +80,7 @@ _KERNELS: tuple[Any, ...] = (
     array_at,
     whole_numbers,
     _resolve,
-    integrate_shown,
+    integrate_trace,
     integrate_all,
     keep_result,
 )
@@ -108,7 +108,7 @@ def _scalar(scene: Scene) -> tuple[Function, int]:
         f"row = array_at(memory, 0, ({_CONSTANTS},))",
         f"_resolve(array_at(given, 0, ({_GIVEN},)), row)",
         f"single, track = {single}, array_at(out, 0, (rows, {len(COLUMNS)}))",
-        "integrate_shown(row, control[0], scene, method, control_in(control), track, single)",
+        "integrate_trace(row, control[0], scene, method, control_in(control), track, single)",
         f"keep_result(single.runs, 0, array_at(results, 0, (1, {_RESULTS})), 0)",
     ]
     return _function("run_one", size, lines, in_kernels(scene)), size

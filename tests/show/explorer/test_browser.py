@@ -16,8 +16,8 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
 from model.runs.align import run_once
 from model.runs.in_browser import interface, modules
-from model.runs.shown import shown_run
 from model.runs.simulate import simulate
+from model.runs.trace import trace_run
 from model.show.explorer.animation import run_page
 from model.show.explorer.content import device_model, study_model
 from model.show.explorer.page import build_page
@@ -434,7 +434,7 @@ def test_every_control_has_a_name(page: Page) -> None:
 def test_a_run_as_a_page(started: Page, tmp_path: Path) -> None:
     parameters, settings = STUDY.parameters("fig05"), STUDY.settings.settings
     model = device_model(parameters, None, "", settings, interface(), ["press_force"])
-    made = run_page(model, shown_run(parameters, settings))
+    made = run_page(model, trace_run(parameters, settings))
     file = tmp_path / "run.html"
     file.write_text(made, encoding="utf-8")
     started.errors.clear()

@@ -16,7 +16,7 @@ from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.runs.in_browser import Modules, interface
 from model.runs.settings import Settings
-from model.runs.shown import COLUMNS, Shown
+from model.runs.trace import COLUMNS, Trace
 from model.show.explorer import page as module
 from model.show.explorer.animation import run_page
 from model.show.explorer.content import device_model, study_model
@@ -135,7 +135,7 @@ def test_a_run_page_holds_its_track_and_no_engine(rows: int) -> None:
     track[rows - 3, COLUMNS.index("event")] = 1.0
     results = dict.fromkeys(INTERFACE["results"], 1.0) | {"tau_align": np.nan, "tracked": rows}
     model = device_model(STUDY.baseline, None, "", Settings(), INTERFACE, ["press_force"])
-    found = model_in(run_page(model, Shown(results, track)))
+    found = model_in(run_page(model, Trace(results, track)))
     assert "modules" not in found
     assert found["run"]["results"]["tau_align"] is None
     stored = np.frombuffer(unpacked(found["run"]["track"])).reshape(-1, len(COLUMNS))

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from model.runs.shown import COLUMNS, Shown
+from model.runs.trace import COLUMNS, Trace
 from model.show.explorer.page import build_page, packed
 
 _MOST_ROWS = 20_000  # of a track in a page; events are kept
 
 
-def run_page(model: Mapping[str, Any], run: Shown) -> str:
+def run_page(model: Mapping[str, Any], run: Trace) -> str:
     """Return the page of one run; ``model`` is that of its device."""
     track = _thinned(run.track)
     results = {name: None if np.isnan(value) else value for name, value in run.results.items()}

@@ -71,7 +71,7 @@ def _next_event(runs, i):
 
 
 @kernel
-def integrate_shown(row, tolerance, scene, method, control, track, single):
+def integrate_trace(row, tolerance, scene, method, control, track, single):
     """Integrate as ``integrate`` does, with event, mode and forces in the track; see ``COLUMNS``.
 
     An event's row is that after it; the row before it has the same time.
@@ -93,24 +93,24 @@ def integrate_shown(row, tolerance, scene, method, control, track, single):
         _note_modes(before, 0.0, track, first, end, p)
 
 
-class Shown(NamedTuple):
+class Trace(NamedTuple):
     """Results of a run by name, and its track, shape (rows, columns); see ``COLUMNS``."""
 
     results: dict[str, float]
     track: Array
 
 
-def shown_run(parameters: Parameters, settings: Settings) -> Shown:
+def trace_run(parameters: Parameters, settings: Settings) -> Trace:
     """Run one parameter set once, without an estimate of the error; dimensionless."""
     (row,) = settings.rows(Batch.stack([parameters]))
     scene, method, control = settings.for_kernels
     rows = _USUAL_TRACK
     while True:
         single, track = new_single(method), np.empty((rows, len(COLUMNS)))
-        integrate_shown(row, settings.tolerance, scene, method, control, track, single)
+        integrate_trace(row, settings.tolerance, scene, method, control, track, single)
         results = np.empty((1, len(RunResult._fields)))
         keep_result(single.runs, 0, results, 0)
         found = RunResult(*results[0].tolist())
         if found.tracked <= rows:
-            return Shown(found._asdict(), track[: int(found.tracked)])
+            return Trace(found._asdict(), track[: int(found.tracked)])
         rows = int(found.tracked)
