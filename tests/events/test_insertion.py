@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from model import INSERTION, Batch, Outcome, Settings, align, simulate
-from model.events.outcomes import InSlot, Reason
+from model.events.outcomes import InsertionOutcome, Reason
 from model.runs.align import run_once
 from model.runs.errors import outcomes_differ
-from model.runs.slot import ends_in_slot
+from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.trace import trace_run
 
 SETS = 96
@@ -78,11 +78,11 @@ def test_the_alignment_is_that_of_the_alignment_scene(batch):
 def test_aligned_runs_are_followed_into_the_slot(batch, by_engine):
     settings = Settings(horizon=80.0)
     outcome = run_once(batch, settings)["outcome"]
-    ends, (_, followed) = ends_in_slot(batch, outcome, settings), by_engine
+    ends, (_, followed) = insertion_outcomes(batch, outcome, settings), by_engine
     aligned = outcome == Outcome.ALIGNED
-    assert ((ends == InSlot.NOT_ALIGNED) == ~aligned).all()
+    assert ((ends == InsertionOutcome.NOT_ALIGNED) == ~aligned).all()
     assert (ends == followed.outcome)[aligned].all()
-    assert set(np.unique(ends)) <= set(InSlot)
+    assert set(np.unique(ends)) <= set(InsertionOutcome)
 
 
 def test_depth_and_forces_over_time(device):

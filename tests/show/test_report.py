@@ -12,7 +12,7 @@ from markupsafe import escape
 from benchmarks.plans import HARD_PICTURES, PICTURES
 from benchmarks.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
 from benchmarks.report.work_precision_plots import CAPTIONS, advice
-from model.events.outcomes import InSlot, Outcome, Reason, Unvibrated
+from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.readings import READING_NAMES
 from model.show.report import background
@@ -179,8 +179,8 @@ def test_the_page_opens_with_numbers_from_the_datasets(rendered, datasets, refin
     judged = [line.verdict for line in lines if line.verdict != "not checkable"]
     assert f"{judged.count('reproduced')} of {len(judged)} claims of the paper" in text
     ends = [each["insertion"].values for each in datasets.values()]
-    inserted = sum((each == InSlot.INSERTED).sum() for each in ends)
-    followed = sum((each != InSlot.NOT_ALIGNED).sum() for each in ends)
+    inserted = sum((each == InsertionOutcome.INSERTED).sum() for each in ends)
+    followed = sum((each != InsertionOutcome.NOT_ALIGNED).sum() for each in ends)
     assert f"{percent(inserted / followed)} of what aligns goes in" in text
     assert "of what aligns rests on the edge unless it is vibrated" in text
 

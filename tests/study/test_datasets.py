@@ -10,7 +10,7 @@ import xarray as xr
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES
 from model.runs.align import align
-from model.runs.slot import ends_in_slot
+from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.twin import twin_results
 from model.study.config import load_study, study_path
 from model.study.datasets import (
@@ -51,7 +51,7 @@ def test_a_merged_grid_is_the_batch(sweep: Sweep, dataset: xr.Dataset) -> None:
     batch, settings = sweep.batch(np.arange(45)), sweep.settings.settings
     found = align(batch, settings)
     whole = vars(found) | twin_results(batch, settings)
-    whole["insertion"] = ends_in_slot(batch, found.outcome, settings)
+    whole["insertion"] = insertion_outcomes(batch, found.outcome, settings)
     for name in VARIABLES:
         expected = whole[name].reshape(5, 9)
         np.testing.assert_array_equal(dataset[name].values, expected, err_msg=name)

@@ -27,7 +27,7 @@ from model.engines.tolerances import (
     of_sampled_tilt,
     of_share,
 )
-from model.events.outcomes import InSlot, Outcome, Reason, Unvibrated
+from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.notation import State
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
 from model.physics.tables import entries, field_of
@@ -198,10 +198,12 @@ TWIN: Mapping[str, Result] = {
         tolerance=of_rest,
     ),
 }
-# The end in the slot of an aligned run (runs/slot.py), which the datasets of figures hold. Not
+# The end in the slot of an aligned run (runs/insertion_outcome.py), which the datasets of figures hold. Not
 # compared: a run that is regular up to alignment may be sensitive after it.
 IN_SLOT: Mapping[str, Result] = {
-    "insertion": Result("how an aligned run ends in the insertion scene", flags=InSlot, line=None)
+    "insertion": Result(
+        "how an aligned run ends in the insertion scene", flags=InsertionOutcome, line=None
+    )
 }
 KINDS |= {
     name: _KINDS[OutcomeT if each.flags else Real] for name, each in {**TWIN, **IN_SLOT}.items()

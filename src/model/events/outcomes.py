@@ -16,7 +16,7 @@ class Outcome(IntEnum):
     CLIMBED_OUT = 7
 
 
-class InSlot(IntEnum):
+class InsertionOutcome(IntEnum):
     """End of an aligned run in the insertion scene, as ``Outcome``; NOT_ALIGNED: it was not run."""
 
     NOT_ALIGNED = -1

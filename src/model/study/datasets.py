@@ -19,9 +19,9 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS, Batch
 from model.physics.quantities import ANGLE
 from model.runs.align import align
+from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
-from model.runs.slot import ends_in_slot
 from model.runs.twin import twin_results
 from model.study.files import whole_file
 from model.study.sweeps import Sweep
@@ -86,7 +86,7 @@ def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.D
     batch, settings = sweep.batch(points), sweep.settings.settings
     found = align(batch, settings, cores=cores)
     results = vars(found) | twin_results(batch, settings, cores)
-    results["insertion"] = ends_in_slot(batch, found.outcome, settings, cores)
+    results["insertion"] = insertion_outcomes(batch, found.outcome, settings, cores)
     return xr.Dataset(
         {name: (POINT, results[name].astype(KINDS[name].stored)) for name in VARIABLES},
         coords={POINT: points},
@@ -131,7 +131,7 @@ def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
     }
     batch, settings = Batch.stack([sweep.baseline]), sweep.settings.settings
     columns = twin_results(batch, settings)
-    columns["insertion"] = ends_in_slot(batch, np.array([run.outcome], np.int8), settings)
+    columns["insertion"] = insertion_outcomes(batch, np.array([run.outcome], np.int8), settings)
     results = vars(run) | {name: column[0] for name, column in columns.items()}
     for name, attributes in VARIABLES.items():
         value = np.asarray(results[name])

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.events.insertion import INSERTION
-from model.events.outcomes import InSlot, Outcome
+from model.events.outcomes import InsertionOutcome, Outcome
 from model.physics.parameters import Batch
 from model.runs.align import run_once
 from model.runs.settings import Settings
 
 
-def ends_in_slot(
+def insertion_outcomes(
     batch: Batch, outcome: NDArray[np.int8], settings: Settings, cores: int = 1
 ) -> NDArray[np.int8]:
     """Return how the aligned runs of ``batch`` end in the insertion scene, shape (n,).
@@ -24,9 +24,9 @@ def ends_in_slot(
         cores: number of threads.
 
     Returns:
-        Values of ``InSlot``, from one run each without an estimate of its error.
+        Values of ``InsertionOutcome``, from one run each without an estimate of its error.
     """
-    found = np.full(outcome.shape, InSlot.NOT_ALIGNED, dtype=np.int8)
+    found = np.full(outcome.shape, InsertionOutcome.NOT_ALIGNED, dtype=np.int8)
     aligned = np.flatnonzero(outcome == Outcome.ALIGNED)
     if aligned.size:
         rows = Batch({name: values[aligned] for name, values in batch.values.items()})
