@@ -148,8 +148,8 @@ def added_one(queue):  # uncompiled, as all kernels here
 
 model.engines.queue._added_one = added_one
 # The twin takes the batch engine, which runs compiled only.
-model.cli.simulate.twin_words = lambda *_: ""
-model.cli.simulate.twin_record = lambda *_: {}
+model.cli.simulate.unvibrated_words = lambda *_: ""
+model.cli.simulate.unvibrated_record = lambda *_: {}
 base = baseline()
 pulled = base.replace(side_pull=0.5)
 peg = load_device(pathlib.Path("docs/peg.yaml"), {"side_pull": 2.0})

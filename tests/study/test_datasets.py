@@ -11,7 +11,7 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES
 from model.runs.align import align
 from model.runs.insertion_outcome import insertion_outcomes
-from model.runs.twin import twin_results
+from model.runs.unvibrated import unvibrated_results
 from model.study.config import load_study, study_path
 from model.study.datasets import (
     VARIABLES,
@@ -50,7 +50,7 @@ def test_a_merged_grid_is_the_batch(sweep: Sweep, dataset: xr.Dataset) -> None:
     assert dataset.sizes == {"tilt_stiffness": 5, "press_force": 9}
     batch, settings = sweep.batch(np.arange(45)), sweep.settings.settings
     found = align(batch, settings)
-    whole = vars(found) | twin_results(batch, settings)
+    whole = vars(found) | unvibrated_results(batch, settings)
     whole["insertion"] = insertion_outcomes(batch, found.outcome, settings)
     for name in VARIABLES:
         expected = whole[name].reshape(5, 9)

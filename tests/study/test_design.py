@@ -8,7 +8,7 @@ import pytest
 
 from model import Settings
 from model.events.outcomes import Unvibrated
-from model.runs.twin import Unvibrations
+from model.runs.unvibrated import Unvibrations
 from model.study import design as designs
 from model.study.assessment.yields import Devices
 from model.study.datasets import write_dataset
@@ -68,11 +68,11 @@ def test_a_margin_is_known_to_an_eighth_of_a_tolerance(monkeypatch):
 def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
     oracle(monkeypatch)
 
-    def twins(batch, *_):  # a dimensionless press force of 4 is one of 12 N
+    def controls(batch, *_):  # a dimensionless press force of 4 is one of 12 N
         aligns = batch.values["press_force"] > 4.0
         return Unvibrations(np.where(aligns, Unvibrated.ALIGNS, Unvibrated.RESTS), None)
 
-    monkeypatch.setattr(designs, "unvibrated", twins)
+    monkeypatch.setattr(designs, "unvibrated", controls)
     needed, not_needed = (
         search({"vibration": share, "contact_force": 40.0}).run(8, 12) for share in (1.0, 0.0)
     )

@@ -1,4 +1,4 @@
-"""The regime of a figure: of its aligned points, from made-up twins."""
+"""The regime of a figure: of its aligned points, from made-up controls."""
 
 import numpy as np
 import pytest

@@ -19,14 +19,14 @@ from model.cli.arguments import (
     stated_device,
 )
 from model.cli.files import check_file, check_picture
-from model.cli.simulate import twin_record
+from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, labelled, print_json
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.simulate import simulate
-from model.runs.twin import twin_words
+from model.runs.unvibrated import unvibrated_words
 from model.show.si import in_words, quantity_of, range_words, scale, si_list, si_words
 from model.study.config import load_study, study_path
 
@@ -97,14 +97,14 @@ def _assess(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(
             _record(found, units)
-            | twin_record(device, settings)
+            | unvibrated_record(device, settings)
             | {"yield": drawn and _yield_record(drawn, nearest, stated, settings)}
         )
         return int(not met)
     shown = None if arguments.dimensionless else units
     verb = SUCCESS_TEXT[settings.success]
     groups = {"Verdict": _report(found, shown, stated, verb)}
-    groups["Verdict"].append(twin_words(device, settings))
+    groups["Verdict"].append(unvibrated_words(device, settings))
     if found.failing_start is not None:
         run = simulate(device.replace(**found.failing_start), settings)
         failing = ", ".join(f"{name} = {value:.4g}" for name, value in found.failing_start.items())

@@ -26,7 +26,7 @@ from model.physics.quantities import PLAIN, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
-from model.runs.twin import twin_results, twin_words
+from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.si import in_words
 from model.study.config import load_study, study_path
 from model.study.files import whole_file
@@ -67,7 +67,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
         print_json(_record(run, settings) | ({"si": _in_si(run, units)} if units else {}))
     else:
         lines = _report(run, units)
-        lines.append(twin_words(parameters, settings))
+        lines.append(unvibrated_words(parameters, settings))
         if units and arguments.dimensionless:
             lines += ["", "dimensionless:", *_report(run, None)[1:], _units_line(units)]
         print("\n".join(lines))
@@ -192,9 +192,9 @@ def _final_state(run: Trajectory) -> dict[str, float]:
     return dict(zip(State._fields, run.state[-1].tolist(), strict=True))
 
 
-def twin_record(parameters: Parameters, settings: Settings) -> dict[str, Any]:
-    """Return the end of the unvibrated twin, for --json."""
-    found = twin_results(Batch.stack([parameters]), settings)
+def unvibrated_record(parameters: Parameters, settings: Settings) -> dict[str, Any]:
+    """Return the end of the unvibrated control, for --json."""
+    found = unvibrated_results(Batch.stack([parameters]), settings)
     values = {name: column[0].item() for name, column in found.items()}
     return values | {"unvibrated": _name(Unvibrated(values["unvibrated"]))}
 
@@ -207,7 +207,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "reason": _name(run.reason),
         "message": run.message,
         "remedy": run.remedy,
-        **twin_record(run.parameters, settings),
+        **unvibrated_record(run.parameters, settings),
         "final_time": float(run.time[-1]),
         "final_state": _final_state(run),
         "parameters": asdict(run.parameters),

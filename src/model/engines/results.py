@@ -1,11 +1,11 @@
 """Results of a run: the one table of their names, types, meanings, quantities and tolerances.
 
-The fields of ``Results`` are the table, with ``TWIN`` for the unvibrated twin of a run. The
-following are derived from it: the columns in which
-engines write results (record.py) and ``RunResult``, which reads them; ``Alignments`` and
-``Trajectory``; the variables of datasets with their attributes; the lines that the command line
-prints; the tolerances of comparisons with the reference. To add a result, add a field here, and
-compute it in a kernel or in the comparison of runs (runs/errors.py).
+The fields of ``Results`` are the table, with ``UNVIBRATED_CONTROL`` for the unvibrated control of a
+run. The following are derived from it: the columns in which engines write results (record.py) and
+``RunResult``, which reads them; ``Alignments`` and ``Trajectory``; the variables of datasets with
+their attributes; the lines that the command line prints; the tolerances of comparisons with the
+reference. To add a result, add a field here, and compute it in a kernel or in the comparison of
+runs (runs/errors.py).
 """
 
 import math
@@ -184,8 +184,8 @@ KINDS: dict[str, Kind] = {
     for f in fields(Results)
 }
 
-# Results of the unvibrated twin of a run (runs/twin.py), which the datasets of the study hold.
-TWIN: Mapping[str, Result] = {
+# Results of the unvibrated control of a run (runs/unvibrated.py), in the datasets of the study.
+UNVIBRATED_CONTROL: Mapping[str, Result] = {
     "unvibrated": Result(
         "how the same run ends without vibration", tolerance=equal, flags=Unvibrated, line=None
     ),
@@ -198,7 +198,7 @@ TWIN: Mapping[str, Result] = {
         tolerance=of_rest,
     ),
 }
-# The end in the slot of an aligned run (runs/insertion_outcome.py), which the datasets of figures hold. Not
+# The end in the slot of an aligned run (runs/insertion_outcome.py), in the datasets of figures. Not
 # compared: a run that is regular up to alignment may be sensitive after it.
 IN_SLOT: Mapping[str, Result] = {
     "insertion": Result(
@@ -206,7 +206,8 @@ IN_SLOT: Mapping[str, Result] = {
     )
 }
 KINDS |= {
-    name: _KINDS[OutcomeT if each.flags else Real] for name, each in {**TWIN, **IN_SLOT}.items()
+    name: _KINDS[OutcomeT if each.flags else Real]
+    for name, each in {**UNVIBRATED_CONTROL, **IN_SLOT}.items()
 }
 
 # Further numbers of a run from its engine; see ``RunResult``.

@@ -14,7 +14,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.engines.results import IN_SLOT, KINDS, RESULTS, TRACK_VARIABLES, TWIN, Result
+from model.engines.results import (
+    IN_SLOT,
+    KINDS,
+    RESULTS,
+    TRACK_VARIABLES,
+    UNVIBRATED_CONTROL,
+    Result,
+)
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS, Batch
 from model.physics.quantities import ANGLE
@@ -22,7 +29,7 @@ from model.runs.align import align
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
-from model.runs.twin import twin_results
+from model.runs.unvibrated import unvibrated_results
 from model.study.files import whole_file
 from model.study.sweeps import Sweep
 
@@ -66,7 +73,7 @@ def _attributes(result: Result) -> dict[str, Any]:
 # Attributes of the results that datasets hold, and of the course of a trajectory.
 VARIABLES: Mapping[str, dict[str, Any]] = {
     name: _attributes(result)
-    for name, result in {**RESULTS, **TWIN, **IN_SLOT}.items()
+    for name, result in {**RESULTS, **UNVIBRATED_CONTROL, **IN_SLOT}.items()
     if result.stored
 }
 HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
@@ -85,7 +92,7 @@ def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.D
     points = sweep.points_of_chunk(chunk, chunks)
     batch, settings = sweep.batch(points), sweep.settings.settings
     found = align(batch, settings, cores=cores)
-    results = vars(found) | twin_results(batch, settings, cores)
+    results = vars(found) | unvibrated_results(batch, settings, cores)
     results["insertion"] = insertion_outcomes(batch, found.outcome, settings, cores)
     return xr.Dataset(
         {name: (POINT, results[name].astype(KINDS[name].stored)) for name in VARIABLES},
@@ -130,7 +137,7 @@ def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
         for name, known in HISTORY_VARIABLES.items()
     }
     batch, settings = Batch.stack([sweep.baseline]), sweep.settings.settings
-    columns = twin_results(batch, settings)
+    columns = unvibrated_results(batch, settings)
     columns["insertion"] = insertion_outcomes(batch, np.array([run.outcome], np.int8), settings)
     results = vars(run) | {name: column[0] for name, column in columns.items()}
     for name, attributes in VARIABLES.items():

@@ -22,7 +22,7 @@ from scipy import optimize, stats
 from model.events.outcomes import Unvibrated
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
-from model.runs.twin import unvibrated
+from model.runs.unvibrated import unvibrated
 from model.study.assessment.yields import Floats, batch_of, run_devices
 from model.study.devices import StatedDevice, Tolerance
 from model.study.starts import Starts
@@ -252,8 +252,8 @@ class Search:
         margin = self._nearest_failure(points, lines, goes_in[:, -len(lines) :], margin)
         needs = np.full(len(points), np.nan)
         if "vibration" in self.stated.limits:
-            twins = unvibrated(batch_of(self.stated, values), self.run_settings, self.cores)
-            needs = (twins.outcome != Unvibrated.ALIGNS).reshape(shape).mean(axis=1)
+            controls = unvibrated(batch_of(self.stated, values), self.run_settings, self.cores)
+            needs = (controls.outcome != Unvibrated.ALIGNS).reshape(shape).mean(axis=1)
         measures = [
             np.fmax.reduce(each.reshape(shape), axis=1)
             for each in (found.time, found.force, found.tilt)

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.engines.results import TWIN
+from model.engines.results import UNVIBRATED_CONTROL
 from model.events.outcomes import Outcome, Unvibrated
 from model.events.scenes import ALIGNMENT
 from model.physics.parameters import FIELDS
@@ -39,7 +39,7 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
         "long_name": "a start displaced by the tolerance ends differently, where computed",
         **_NO_YES,
     },
-    **{name: VARIABLES[name] for name in TWIN},
+    **{name: VARIABLES[name] for name in UNVIBRATED_CONTROL},
     "flagged": {
         "long_name": "the outcome may be another",
         "comment": f"sensitive, or filled within {BESIDE} nodes of another outcome, within "

@@ -20,7 +20,7 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.runs.engines import engine_for, error_carrying_engine
 from model.runs.errors import estimate
-from model.runs.twin import twin_results
+from model.runs.unvibrated import unvibrated_results
 from model.study.config import (
     MAPS,
     Axis,
@@ -122,7 +122,7 @@ class MapPlan(Plan):
 
     def layers(self, cores: int = 1) -> list[Layer]:
         """Return the layers "paper", "twin" and, with an ensemble, "ensemble"."""
-        layers = [_paper_layer(self, cores), _twin_layer(self, cores)]
+        layers = [_paper_layer(self, cores), _unvibrated_layer(self, cores)]
         return layers if self.ensemble is None else [*layers, ensemble_layer(self, cores)]
 
 
@@ -206,12 +206,12 @@ def _paper_layer(plan: MapPlan, cores: int) -> Layer:
     return Layer("paper", plan.lattice, PAPER, compute, compare)
 
 
-def _twin_layer(plan: MapPlan, cores: int) -> Layer:
+def _unvibrated_layer(plan: MapPlan, cores: int) -> Layer:
     """The end without vibration, and the rest under a slow press, without errors."""
     settings, base = plan.settings.settings, plan.baseline
 
     def compute(rows: Ints, columns: Ints, _: Known) -> Columns:
-        return twin_results(Batch.of(base, **plan.swept(rows, columns)), settings, cores)
+        return unvibrated_results(Batch.of(base, **plan.swept(rows, columns)), settings, cores)
 
     def compare(rows: Ints, _: Ints, found: Columns) -> tuple[Ints, Floats]:
         kind = 2 * found["unvibrated"].astype(np.int64) + np.isfinite(found["slow_tilt"])

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS, TRACK_VARIABLES, TWIN
+from model.engines.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL
 from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
 from model.study.config import FIGURES, SCHEMATICS
@@ -119,7 +119,7 @@ def _numbers(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
     outcome = _values(reference, "outcome")
     error = _values(reference, "tau_error").astype(np.float64)
     same_end = _regular(reference) & (outcome == _values(built, "outcome"))
-    for name, result in {**RESULTS, **TWIN}.items():
+    for name, result in {**RESULTS, **UNVIBRATED_CONTROL}.items():
         if result.tolerance is None or not result.stored:
             continue
         old, new = (_values(each, name).astype(np.float64) for each in (reference, built))

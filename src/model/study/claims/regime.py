@@ -19,7 +19,7 @@ class Regime(NamedTuple):
 
     Attributes:
         aligned: share of all points that align, of the curve where it is least (claim M9).
-        static: share whose unvibrated twin aligns too.
+        static: share whose unvibrated control aligns too.
         not_resting: share whose twin does not come to rest on A1, slightly tilted (M4b).
         tilt: median magnitude of the tilt at alignment in radians (M2d).
         tilt_largest: largest one.
@@ -40,7 +40,7 @@ def regime_of(data: Data, figure: str) -> Regime:
     """Return the regime of a figure.
 
     Raises:
-        MissingDataError: no dataset, or one without the twins.
+        MissingDataError: no dataset, or one without the controls.
     """
 
     def number(claim: str) -> float:

@@ -1,4 +1,4 @@
-"""The unvibrated twin of a run: how it ends, against one run of the reference engine."""
+"""The unvibrated control of a run: how it ends, against one run of the reference engine."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from model.events.outcomes import Outcome, Unvibrated
 from model.physics.parameters import Batch, Parameters
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
-from model.runs.twin import unvibrated
+from model.runs.unvibrated import unvibrated
 from model.study.config import baseline
 
 SETTINGS = Settings(tolerance=1e-8)

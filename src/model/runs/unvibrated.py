@@ -1,8 +1,9 @@
-"""The unvibrated twin of a run: the same part pressed the same way, but not vibrated.
+"""The unvibrated control of a run: the same part pressed the same way, but not vibrated.
 
-A run is vibratory alignment if its twin comes to rest on the edge A1 (paper, sect. 1: the part
-"gets tilted and takes stable equilibrium position"; then vibration moves it). The twin is pressed
-at once, as the run; where only its overshoot makes it fall in, it rests if it is pressed slowly.
+A run is vibratory alignment if its control comes to rest on the edge A1 (paper, sect. 1: the part
+"gets tilted and takes stable equilibrium position"; then vibration moves it). The control is
+pressed at once, as the run; where only its overshoot makes it fall in, it rests if it is pressed
+slowly.
 """
 
 from dataclasses import replace
@@ -48,8 +49,8 @@ def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> Unvibrations
         cores: number of threads.
     """
     still = np.zeros(len(batch))
-    twins = Batch({**batch.values, "frequency": still, "phase": still})
-    rows, which = np.unique(twins.constants(settings.readings), axis=0, return_inverse=True)
+    controls = Batch({**batch.values, "frequency": still, "phase": still})
+    rows, which = np.unique(controls.constants(settings.readings), axis=0, return_inverse=True)
     scene = ALIGNMENT if settings.success is Outcome.INSERTED else settings.scene
     changes: dict[str, Any] = {"insertion_depth": None, "alignment_only": True}
     settings = replace(settings, scene=scene, start="simultaneous", **changes)
@@ -73,8 +74,8 @@ def slow_tilt(batch: Batch, settings: Settings) -> Array:
     return tilts
 
 
-def twin_results(batch: Batch, settings: Settings, cores: int = 1) -> dict[str, NDArray[Any]]:
-    """Return the results in ``TWIN`` of the sets of ``batch``, each of shape (n,)."""
+def unvibrated_results(batch: Batch, settings: Settings, cores: int = 1) -> dict[str, NDArray[Any]]:
+    """Return the results in ``UNVIBRATED_CONTROL`` of the sets of ``batch``, each of shape (n,)."""
     found = unvibrated(batch, settings, cores)
     return {
         "unvibrated": found.outcome,
@@ -83,9 +84,9 @@ def twin_results(batch: Batch, settings: Settings, cores: int = 1) -> dict[str, 
     }
 
 
-def twin_words(parameters: Parameters, settings: Settings) -> str:
-    """Return the end of the unvibrated twin in a line of words."""
-    found = twin_results(Batch.stack([parameters]), settings)
+def unvibrated_words(parameters: Parameters, settings: Settings) -> str:
+    """Return the end of the unvibrated control in a line of words."""
+    found = unvibrated_results(Batch.stack([parameters]), settings)
     outcome, tilt, slow = (column[0] for column in found.values())
     words = UNVIBRATED_TEXT[Unvibrated(outcome)]
     if outcome == Unvibrated.RESTS:
