@@ -26,11 +26,11 @@ from model.engines.scalar.step import keep_in, moved, state_of
 from model.events.levels import (
     FLAT,
     LARGEST_TILT,
+    corner_positions,
     corners_outside,
     edge_inside,
     largest,
     not_fallen_in,
-    outline,
 )
 from model.events.scenes import (
     ALIGNMENT,
@@ -66,7 +66,7 @@ def _force(contact, depth, q, p):
 @inlined_kernel
 def _force_beside(edge, q, p):
     """Force on one side of the slot: at its edge, and on the part's corner over the flat."""
-    bottom, left, right, top = edge_inside(edge, outline(q, p), p)
+    bottom, left, right, top = edge_inside(edge, corner_positions(q, p), p)
     inside = min(min(bottom, left), min(right, top)) > 0.0
     on_face = inside and (edge == RIGHT_EDGE or bottom <= left)
     x, y, moment = 0.0, 0.0, 0.0
@@ -97,14 +97,14 @@ def rates(time, q, p):
 def outside(q, p):
     """Positive until the part has fallen in, by the selected alignment criterion (R8)."""
     if p.printed_alignment_criterion != 0.0:
-        return largest(corners_outside(outline(q, p), p, START))[0]
-    return largest(not_fallen_in(outline(q, p), p, START))[0]
+        return largest(corners_outside(corner_positions(q, p), p, START))[0]
+    return largest(not_fallen_in(corner_positions(q, p), p, START))[0]
 
 
 @inlined_kernel
 def _has_left(q, p):
     """Return whether the part is off the edge A1, away from the slot, or overturned."""
-    _, left, _, _ = edge_inside(RIGHT_EDGE, outline(q, p), p)
+    _, left, _, _ = edge_inside(RIGHT_EDGE, corner_positions(q, p), p)
     return left < 0.0 or abs(q.tilt) > LARGEST_TILT or not isfinite(q.x + q.y + q.tilt)
 
 

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.methods import by_hand
 from model import Readings
 from model.engines.scalar.step import state_of
-from model.events.levels import edge_inside, outline
+from model.events.levels import corner_positions, edge_inside
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.modes import (
@@ -82,7 +82,7 @@ def overlaps(y, p):
     """Contacts that overlap the base, found from the geometry anew."""
     q = state_of(y)
     found = set()
-    right, left = (edge_inside(edge, outline(q, p), p) for edge in (RIGHT_EDGE, LEFT_EDGE))
+    right, left = (edge_inside(edge, corner_positions(q, p), p) for edge in (RIGHT_EDGE, LEFT_EDGE))
     if min(right) > 0.0:
         found.add("right_face")
     if min(left) > 0.0:
@@ -112,7 +112,9 @@ def located_mode(kinds, y, p):
     if "right_corner" in kinds:
         contact = corner_on_flat(RIGHT_EDGE, q, p)
         # The corner has begun to press where the tilt changed sign: as deep as the edge then was.
-        offset = edge_inside(RIGHT_EDGE, outline(q, p), p)[0] if "right_face" in kinds else 0.0
+        offset = (
+            edge_inside(RIGHT_EDGE, corner_positions(q, p), p)[0] if "right_face" in kinds else 0.0
+        )
         pulls = contact_load(contact.depth - offset, contact.closing_rate, q, p) <= 0.0
         mode = mode._replace(
             edge=RIGHT_EDGE, corner=RELEASED if pulls else CLOSED, corner_offset=offset,

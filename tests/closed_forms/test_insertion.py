@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from model import INSERTION, Outcome
-from model.events.levels import edge_inside, outline
+from model.events.levels import corner_positions, edge_inside
 from model.events.outcomes import Reason
 from model.physics.contacts import corner_on_wall, edge_on_face, edge_on_side
 from model.physics.modes import CLOSED, OPEN, START, STICKING
@@ -63,7 +63,9 @@ def test_two_point_contact_depth(course, peg, side, degrees, clearance):
     mode, q = run.steps[-1].end_mode, State(*run.state[-1])
     assert (mode.side if side == RIGHT_EDGE else mode.face) == CLOSED  # opposite of the corner
     assert mode.in_slot == (side == LEFT_EDGE)
-    assert edge_inside(-side, outline(q, run.p), run.p)[0] == pytest.approx(depth, rel=1e-9)
+    assert edge_inside(-side, corner_positions(q, run.p), run.p)[0] == pytest.approx(
+        depth, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize(("friction", "clearance"), [(0.1, 2e-3), (0.3, 2e-3), (0.3, 2e-2)])

@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 
 from model import Outcome, Parameters, simulate
 from model.events.friction import decide_friction
-from model.events.levels import edge_inside, outline
+from model.events.levels import corner_positions, edge_inside
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.modes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
@@ -118,7 +118,7 @@ def test_two_point_contact_depth(course, hole, clearance, degrees):
 
     meets = brentq(lambda time: far(time) - depth(time), 0.0, 20.0, xtol=1e-14)
     assert step.end == pytest.approx(meets, rel=1e-9)
-    assert edge_inside(-RIGHT_EDGE, outline(q, scene.p), scene.p)[0] == pytest.approx(
+    assert edge_inside(-RIGHT_EDGE, corner_positions(q, scene.p), scene.p)[0] == pytest.approx(
         depth(meets), rel=1e-9
     )
 

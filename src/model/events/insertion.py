@@ -9,7 +9,7 @@ from math import sqrt
 
 from model.compile.jit import inlined_kernel, kernel
 from model.events import levels, table, transitions
-from model.events.levels import edge_inside, outline
+from model.events.levels import corner_positions, edge_inside
 from model.events.outcomes import Outcome, Reason
 from model.events.scenes import CONTACT_NAMES, Scene
 from model.events.table import CONDITIONS, CONTACTS, Event, Source, changed, of_contact, state_is
@@ -136,7 +136,7 @@ def _against_right(mode):
 @kernel
 def _right_edge_enters(time, q, p, mode, declared):
     """Begin the contact of A1 with the right side face, or as ``edge_enters``."""
-    bottom, left, right, top = edge_inside(RIGHT_EDGE, outline(q, p), p)
+    bottom, left, right, top = edge_inside(RIGHT_EDGE, corner_positions(q, p), p)
     if not mode.dropped or bottom <= min(left, min(right, top)):
         return edge_enters(RIGHT_EDGE, time, q, p, mode, declared)
     if right > min(left, top):
@@ -178,7 +178,7 @@ def _left_corner_touches(time, q, p, mode, _declared):
 @kernel
 def _right_side_ends(time, q, p, mode, _declared):
     """Open the contact at the corner of the side face, or leave the scene over its top."""
-    bottom, _, _, top = edge_inside(RIGHT_EDGE, outline(q, p), p)
+    bottom, _, _, top = edge_inside(RIGHT_EDGE, corner_positions(q, p), p)
     if top < bottom:
         return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
     return decided(time, q, p, _right_side(mode, OPEN), False, False)
@@ -213,9 +213,9 @@ def _left_wall_depth(q, p, _mode):
 
 # ---------------------------------------------------------------------------------------- the table
 
-RIGHT_SIDE = Source(levels.right_side_touch, _on_right_side)
-RIGHT_WALL = Source(levels.right_wall_touch, _on_right_wall)
-LEFT_WALL = Source(levels.left_wall_touch, _on_left_wall)
+RIGHT_SIDE = Source(levels.right_side_state, _on_right_side)
+RIGHT_WALL = Source(levels.right_wall_state, _on_right_wall)
+LEFT_WALL = Source(levels.left_wall_state, _on_left_wall)
 
 TABLE = (
     *CONDITIONS,

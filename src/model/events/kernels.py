@@ -66,7 +66,7 @@ def _is_combined(event: Event) -> bool:
 
 
 _ANY: Any = _Any()
-_ANY_PLACES = levels.Outline(*[_ANY] * len(levels.Outline._fields))
+_ANY_PLACES = levels.CornerPositions(*[_ANY] * len(levels.CornerPositions._fields))
 
 
 def combined_count(table: Table) -> int:
@@ -216,7 +216,7 @@ def kernels_of(table: Table) -> GeneratedKernels:
         (
             (
                 k,
-                f"{write.name(each.happens)}({write.name(levels.outline)}(q, p), p, mode)",
+                f"{write.name(each.happens)}({write.name(levels.corner_positions)}(q, p), p, mode)",
             )
             for k, each in events
             if each.happens

@@ -52,7 +52,7 @@ def largest(quantities):
 # -------------------------------------------------------------------------------------- quantities
 
 
-class Outline(NamedTuple):
+class CornerPositions(NamedTuple):
     """Places of the edges in the frame of the part, and of the bottom corners beside the slot.
 
     ``along_face`` and ``along_axis`` as in ``EdgePlace``, depth of A2 behind the left side under
@@ -73,7 +73,7 @@ class Outline(NamedTuple):
     left_corner_rise: float
 
 
-class Touch(NamedTuple):
+class ContactState(NamedTuple):
     """One contact: its depth, its load, and its place along the touched face or the base."""
 
     depth: float
@@ -82,8 +82,8 @@ class Touch(NamedTuple):
 
 
 @inlined_kernel
-def outline(q, p):
-    """The ``Outline`` for the state ``q``."""
+def corner_positions(q, p):
+    """The ``CornerPositions`` for the state ``q``."""
     right = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     left = edge_place(LEFT_EDGE, q.x, q.y, q.tilt, p)
     behind_side = left.along_face + p.half_width
@@ -91,7 +91,7 @@ def outline(q, p):
         behind_side = edge_on_side(LEFT_EDGE, q, p).depth
     right_x, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     left_x, left_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
-    return Outline(
+    return CornerPositions(
         right.along_face, right.along_axis, left.along_face, left.along_axis, behind_side,
         right_x, right_y, left_x, left_y, q.tilt,
         q.y_rate + q.tilt_rate * (right_x - q.x), q.y_rate + q.tilt_rate * (left_x - q.x),
@@ -100,65 +100,65 @@ def outline(q, p):
 
 @inlined_kernel
 def places(_time, q, p, _mode):
-    """The ``Outline``, as the source of levels."""
-    return outline(q, p)
+    """The ``CornerPositions``, as the source of levels."""
+    return corner_positions(q, p)
 
 
 @inlined_kernel
-def face_touch(_time, q, p, mode):
-    """``Touch`` of the supporting edge on the bottom face."""
+def face_state(_time, q, p, mode):
+    """``ContactState`` of the supporting edge on the bottom face."""
     face = edge_on_face(mode.edge, q, p)
     load = contact_load(face.depth, face.closing_rate, q, p)
-    return Touch(face.depth, load, edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face)
+    return ContactState(face.depth, load, edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face)
 
 
 @inlined_kernel
-def _edge_touch(edge, q, p):
+def _edge_state(edge, q, p):
     side = edge_on_side(edge, q, p)
     load = contact_load(side.depth, side.closing_rate, q, p)
-    return Touch(side.depth, load, edge_place(edge, q.x, q.y, q.tilt, p).along_axis)
+    return ContactState(side.depth, load, edge_place(edge, q.x, q.y, q.tilt, p).along_axis)
 
 
 @inlined_kernel
-def side_touch(_time, q, p, _mode):
-    """``Touch`` of A2 on the left side face."""
-    return _edge_touch(LEFT_EDGE, q, p)
+def side_state(_time, q, p, _mode):
+    """``ContactState`` of A2 on the left side face."""
+    return _edge_state(LEFT_EDGE, q, p)
 
 
 @inlined_kernel
-def corner_touch(_time, q, p, mode):
-    """``Touch`` of the corner on the supporting side on the flat base."""
+def corner_state(_time, q, p, mode):
+    """``ContactState`` of the corner on the supporting side on the flat base."""
     corner = corner_on_flat(mode.edge, q, p)
     depth = corner.depth - mode.corner_offset
     load = contact_load(depth, corner.closing_rate, q, p)
     corner_x, _ = bottom_corner(mode.edge, q.x, q.y, q.tilt, p)
-    return Touch(depth, load, corner_x)
+    return ContactState(depth, load, corner_x)
 
 
 @inlined_kernel
-def right_side_touch(_time, q, p, _mode):
-    """``Touch`` of A1 on the right side face."""
-    return _edge_touch(RIGHT_EDGE, q, p)
+def right_side_state(_time, q, p, _mode):
+    """``ContactState`` of A1 on the right side face."""
+    return _edge_state(RIGHT_EDGE, q, p)
 
 
 @inlined_kernel
-def _wall_touch(side, q, p):
+def _wall_state(side, q, p):
     corner = corner_on_wall(side, q, p)
     load = contact_load(corner.depth, corner.closing_rate, q, p)
     _, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    return Touch(corner.depth, load, corner_y)
+    return ContactState(corner.depth, load, corner_y)
 
 
 @inlined_kernel
-def right_wall_touch(_time, q, p, _mode):
-    """``Touch`` of B1 on the right wall."""
-    return _wall_touch(RIGHT_EDGE, q, p)
+def right_wall_state(_time, q, p, _mode):
+    """``ContactState`` of B1 on the right wall."""
+    return _wall_state(RIGHT_EDGE, q, p)
 
 
 @inlined_kernel
-def left_wall_touch(_time, q, p, _mode):
-    """``Touch`` of B2 on the left wall."""
-    return _wall_touch(LEFT_EDGE, q, p)
+def left_wall_state(_time, q, p, _mode):
+    """``ContactState`` of B2 on the left wall."""
+    return _wall_state(LEFT_EDGE, q, p)
 
 
 # -------------------------------------------------------------------------- modes of the quantities

@@ -48,7 +48,7 @@ class Event:
             value is the largest of them.
         follow: transition (time, q, p, mode, declared) -> (mode, outcome, reason).
         adjust: (q, p, mode) -> initial state of the next mode; the state at the event by default.
-        happens: (``Outline``, p, mode) -> True if a zero of the level is the event; always by
+        happens: (``CornerPositions``, p, mode) -> True if a zero of the level is the event; always by
             default.
         kind: kind of the level: LENGTH (also for a velocity), LOAD or FRICTION.
         force_on: one of ``PLACES_OF_FORCES`` if the level is the normal force there.
@@ -69,9 +69,9 @@ class Event:
 Table = tuple[Event, ...]
 
 PLACES = Source(levels.places, levels.always)
-FACE = Source(levels.face_touch, levels.on_face)
-SIDE = Source(levels.side_touch, levels.on_left_side)
-CORNER = Source(levels.corner_touch, levels.on_corner)
+FACE = Source(levels.face_state, levels.on_face)
+SIDE = Source(levels.side_state, levels.on_left_side)
+CORNER = Source(levels.corner_state, levels.on_corner)
 FORCES = Source(levels.forces, levels.rubs)
 
 
@@ -215,7 +215,7 @@ def of_contact(
     Args:
         name: name of the contact.
         field: field of the mode that holds its normal state.
-        source: ``Touch`` of the contact.
+        source: ``ContactState`` of the contact.
         follow: what follows.
         force_on: see ``Event``.
         in_slot: see ``state_is``.

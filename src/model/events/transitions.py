@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from model.compile.jit import inlined_kernel, kernel
 from model.events.friction import decide_friction, sign
-from model.events.levels import edge_inside, outline
+from model.events.levels import corner_positions, edge_inside
 from model.events.outcomes import Outcome, Reason
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
@@ -131,7 +131,7 @@ def _on_edges(mode):
 @kernel
 def edge_enters(edge, time, q, p, mode, declared):
     """Begin the contact of an edge with the face behind which it is least deep in the part."""
-    bottom, left, right, top = edge_inside(edge, outline(q, p), p)
+    bottom, left, right, top = edge_inside(edge, corner_positions(q, p), p)
     if bottom <= min(left, min(right, top)):
         if not declared.edge_on_face:
             return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
@@ -286,7 +286,7 @@ def face_ends(time, q, p, mode, _declared):
 @kernel
 def side_ends(time, q, p, mode, _declared):
     """Open the contact at the corner of the side face, or leave the scene over its top."""
-    bottom, _, _, top = edge_inside(LEFT_EDGE, outline(q, p), p)
+    bottom, _, _, top = edge_inside(LEFT_EDGE, corner_positions(q, p), p)
     if top < bottom:
         return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
     return decided(time, q, p, with_side(mode, OPEN), False, False)

@@ -48,7 +48,7 @@ from model.engines.batch.series_plan import (
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
 from model.events.insertion import INSERTION
-from model.events.levels import NEVER, Outline, outline
+from model.events.levels import NEVER, CornerPositions, corner_positions
 from model.events.scenes import ALIGNMENT
 from model.events.table import number_of
 from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side
@@ -80,7 +80,7 @@ def kind_of(support: int, side: int) -> int:
 
 
 WATCHED = [k for k in range(EVENTS.count) if f"enter_{k}" in EVENTS.members]
-PLACES = [name for name in Watched._fields if name in Outline._fields]
+PLACES = [name for name in Watched._fields if name in CornerPositions._fields]
 
 
 class Step:
@@ -276,7 +276,7 @@ def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: in
         for time in (0.0, 1e-3):
             values = step.at(time, lane)
             q, p, mode = State(*values[:6].tolist()), step.constants(lane), step.mode(lane)
-            places = [getattr(outline(q, p), name) for name in PLACES]
+            places = [getattr(corner_positions(q, p), name) for name in PLACES]
             assert values[6 : 6 + len(PLACES)] == pytest.approx(places, rel=1e-11, abs=1e-11)
             at = motion(0.3 + time, q, p, mode)
             face, beside = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)

@@ -16,7 +16,7 @@ import numpy as np
 
 from model.compile.jit import Symbol, python_of
 from model.engines.batch.kinds import PRESSING, Kind, mode_of_kind
-from model.events.levels import outline
+from model.events.levels import corner_positions
 from model.physics.contacts import (
     Contact,
     contact_load,
@@ -201,7 +201,7 @@ def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
 class Watched(NamedTuple):
     """Quantities of which levels of events are functions, in modes that lanes hold.
 
-    Places as in ``Outline``; the loads of the edge and of the corner on either side; for either
+    Places as in ``CornerPositions``; the loads of the edge and of the corner on either side; for either
     side the slip or, while the contact sticks, the friction force. The loads of the corners are
     those of the insertion scene.
     """
@@ -253,7 +253,7 @@ def recurrences(kind: Kind, inserts: bool = False) -> Recurrences:
     support, side = PRESSING[kind.support], PRESSING[kind.side]
     support_slip = (corner if support.slip_at_corner else edge).slip
     side_slip = (left_corner if side.slip_at_corner else left_edge).slip
-    places = outline(q, p)._asdict()
+    places = corner_positions(q, p)._asdict()
     watched = Watched(
         **{name: place for name, place in places.items() if name in Watched._fields},
         face_load=_load(edge, q, p),

@@ -12,7 +12,7 @@ from typing import Any
 
 from model.compile.jit import Symbol, python_of
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
-from model.events.levels import NOTHING, Outline, Touch
+from model.events.levels import NOTHING, ContactState, CornerPositions
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
 from model.physics.modes import CLOSED, Mode
 from model.physics.motion import Motion
@@ -147,8 +147,8 @@ def _quantities(inserts: bool) -> dict[Source, Any]:
     These are the contacts of the edges and, if the scene ``inserts``, of the corners with the
     walls, and places of all edges and corners. Without insertion the support is A1.
     """
-    places = {name: _row(name) for name in Outline._fields if not name.endswith("_rise")}
-    unknown = dict.fromkeys(Outline._fields, UNKNOWN)
+    places = {name: _row(name) for name in CornerPositions._fields if not name.endswith("_rise")}
+    unknown = dict.fromkeys(CornerPositions._fields, UNKNOWN)
     forces: dict[str, Any] = dict.fromkeys(Motion._fields, UNKNOWN)
     sides = ("support", "face", "corner"), ("side", "side", "wall")
     for place, edge, corner in sides:
@@ -166,21 +166,23 @@ def _quantities(inserts: bool) -> dict[Source, Any]:
         along_face = right * along_face + left * places["left_along_face"]
         along_axis = right * along_axis + left * places["left_along_axis"]
     found = {
-        PLACES: Outline(**(unknown | places)),
-        FACE: Touch(P.half_height + along_axis, _row("face_load"), along_face),
-        SIDE: Touch(places["left_behind_side"], _row("side_load"), places["left_along_axis"]),
+        PLACES: CornerPositions(**(unknown | places)),
+        FACE: ContactState(P.half_height + along_axis, _row("face_load"), along_face),
+        SIDE: ContactState(
+            places["left_behind_side"], _row("side_load"), places["left_along_axis"]
+        ),
         FORCES: Motion(**forces),
     }
     return found if not inserts else found | {
-        RIGHT_SIDE: Touch(
+        RIGHT_SIDE: ContactState(
             P.half_width - places["right_along_face"], _row("face_load"),
             places["right_along_axis"],
         ),
-        RIGHT_WALL: Touch(
+        RIGHT_WALL: ContactState(
             places["right_corner_x"] - P.slot_half_width, _row("corner_load"),
             places["right_corner_y"],
         ),
-        LEFT_WALL: Touch(
+        LEFT_WALL: ContactState(
             -places["left_corner_x"] - P.slot_half_width, _row("wall_load"),
             places["left_corner_y"],
         ),
