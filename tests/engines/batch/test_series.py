@@ -20,7 +20,7 @@ from model.engines.batch.kinds import (
     INSERTION_KINDS,
     ON_LEFT_EDGE,
     ON_RIGHT_EDGE,
-    PRESSING,
+    SIDE_CONTACTS,
     SLIDES,
     STICKS,
     Kind,
@@ -29,7 +29,7 @@ from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import (
     CONSISTENT,
     GIVEN,
-    Watched,
+    EventQuantities,
     recurrences,
 )
 from model.engines.batch.series_kernels import series_filler
@@ -80,7 +80,7 @@ def kind_of(support: int, side: int) -> int:
 
 
 WATCHED = [k for k in range(EVENTS.count) if f"enter_{k}" in EVENTS.members]
-PLACES = [name for name in Watched._fields if name in CornerPositions._fields]
+PLACES = [name for name in EventQuantities._fields if name in CornerPositions._fields]
 
 
 class Step:
@@ -190,7 +190,7 @@ def test_the_series_solve_the_equations_of_motion_to_their_order(support: int, s
 
 def mode_of(kind: Kind, signs: np.ndarray) -> Mode:
     """Return a mode of a kind, with these signs of the slips."""
-    support, side = PRESSING[kind.support], PRESSING[kind.side]
+    support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     slips = np.where([support.sticks, side.sticks], 0, signs).astype(int).tolist()
     without_load = RELEASED if kind.place == ON_LEFT_EDGE else OPEN
     return START._replace(
@@ -229,7 +229,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
     # B2 and A2 where both press.
     a, b = w[row["half_width"]], w[row["half_height"]]
     state[0] = w[row["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
-    if PRESSING[kind.side].edge and PRESSING[kind.side].corner:
+    if SIDE_CONTACTS[kind.side].edge and SIDE_CONTACTS[kind.side].corner:
         state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[row["slot_half_width"]] - 0.1
     w[COEFFICIENTS : COEFFICIENTS + 6] = state
     angle = w[row["frequency"]] * 0.3 + w[row["phase"]]
@@ -261,9 +261,9 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
             (corners[0] if mode.slip_at_corner else edges[0]).slip,
             (corners[1] if mode.slip_at_wall else edges[1]).slip,
         ]
-        if PRESSING[kind.support].sticks:
+        if SIDE_CONTACTS[kind.support].sticks:
             slips[0] = at.support_friction
-        if PRESSING[kind.side].sticks:
+        if SIDE_CONTACTS[kind.side].sticks:
             slips[1] = at.side_friction
         frictions = [workspace.ROW[f"{each}_friction"] for each in ("support", "side")]
         assert found[frictions] == pytest.approx(slips, rel=1e-9)

@@ -26,11 +26,11 @@ from model.engines.batch.kinds import (
     variant_in,
 )
 from model.engines.batch.series import (
-    Watched,
+    EventQuantities,
 )
 from model.engines.batch.series_kernels import errors_filler, series_filler, series_sampler
 from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES
-from model.engines.batch.traced import Form, P, forms_of, is_nothing, rendered
+from model.engines.batch.traced import LinearForm, P, forms_of, is_nothing, rendered
 from model.engines.batch.workspace import (
     COEFFICIENTS,
     EVENT_ROWS,
@@ -54,10 +54,10 @@ class Case(NamedTuple):
     """Case of a level: ``applies`` (p, mode) -> bool, and its quantities as forms."""
 
     applies: Any
-    forms: tuple[Form, ...]
+    forms: tuple[LinearForm, ...]
 
 
-class WatchedEvent:
+class LaneEvent:
     """Event that has a level in some mode of the lanes."""
 
     def __init__(self, number: int, event: Event, inserts: bool) -> None:
@@ -81,24 +81,24 @@ class WatchedEvent:
         return any(not form.is_known for case in self.cases for form in case.forms)
 
 
-def _loads(forms: tuple[Form, ...], row: str, scale: str = "") -> Lines:
+def _loads(forms: tuple[LinearForm, ...], row: str, scale: str = "") -> Lines:
     """Lines that load the rows of forms, from ``row`` on."""
     names = dict.fromkeys(name for form in forms for name in form.factors)
     for name in names:
         yield f"{name} = {scale}w[({row} + {ROW[name]}) * {WIDTH} + i]"
 
 
-def _value(form: Form, size: str = "abs({})") -> str:
+def _value(form: LinearForm, size: str = "abs({})") -> str:
     """Expression of a quantity, from loaded rows."""
     return rendered(form, str, size) if form.is_known else "NOTHING"
 
 
-def _constant(form: Form) -> str:
+def _constant(form: LinearForm) -> str:
     """Expression of a quantity where all rows are zero."""
     return rendered(form, lambda _: "0.0") if form.is_known else "NOTHING"
 
 
-def _bound(form: Form) -> str:
+def _bound(form: LinearForm) -> str:
     """Expression of the curvature bound of a quantity, from the bounds of rows."""
     terms = []
     for name, factor in form.factors.items():
@@ -107,11 +107,11 @@ def _bound(form: Form) -> str:
     return " + ".join(terms) if form.is_known and terms else "0.0"
 
 
-def _all_forms(events: list[WatchedEvent]) -> tuple[Form, ...]:
+def _all_forms(events: list[LaneEvent]) -> tuple[LinearForm, ...]:
     return tuple(form for event in events for case in event.cases for form in case.forms)
 
 
-def _selected(event: WatchedEvent, texts: list[str], otherwise: str, write: Writer) -> str:
+def _selected(event: LaneEvent, texts: list[str], otherwise: str, write: Writer) -> str:
     """Expression that selects the case that applies."""
     text = otherwise
     for case, each in zip(reversed(event.cases), reversed(texts), strict=True):
@@ -119,7 +119,7 @@ def _selected(event: WatchedEvent, texts: list[str], otherwise: str, write: Writ
     return text
 
 
-def _in_loops(events: list[WatchedEvent]) -> Iterator[tuple[str, list[WatchedEvent]]]:
+def _in_loops(events: list[LaneEvent]) -> Iterator[tuple[str, list[LaneEvent]]]:
     """Yield events for one loop over lanes, with the condition that one of them may apply."""
     for first in range(0, len(events), _AT_ONCE):
         group = events[first : first + _AT_ONCE]
@@ -129,7 +129,7 @@ def _in_loops(events: list[WatchedEvent]) -> Iterator[tuple[str, list[WatchedEve
 _LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
 
 
-def _sample_lanes(singles: list[WatchedEvent], samples: int, count: int, write: Writer) -> Lines:
+def _sample_lanes(singles: list[LaneEvent], samples: int, count: int, write: Writer) -> Lines:
     """Levels of one quantity at every node, with constant offsets for each node.
 
     The loop over lanes is a kernel inlined for each node: numba takes 4 s longer for five of them.
@@ -148,7 +148,7 @@ def _sample_lanes(singles: list[WatchedEvent], samples: int, count: int, write: 
             yield f"    sample_{number}({row}, {sample}, w)"
 
 
-def _enter_bounds(singles: list[WatchedEvent], bounds: int, write: Writer) -> Lines:
+def _enter_bounds(singles: list[LaneEvent], bounds: int, write: Writer) -> Lines:
     """Curvature bounds of levels of one quantity."""
     row, factor = str(VALUES + NODES * SINES), f"{step._CURVATURE!r} * "
     for condition, events in _in_loops(singles):
@@ -162,7 +162,7 @@ def _enter_bounds(singles: list[WatchedEvent], bounds: int, write: Writer) -> Li
         yield from (f"        {each}" for each in lines)
 
 
-def _of_four(combined: list[WatchedEvent], row: str, scale: str, text: Any, missing: str) -> Lines:
+def _of_four(combined: list[LaneEvent], row: str, scale: str, text: Any, missing: str) -> Lines:
     """Choice of the four quantities of an event, or of their bounds."""
     yield "p, mode = constants_of_lane(w, i), mode_of_lane(w, i)"
     for event in combined:
@@ -176,7 +176,7 @@ def _of_four(combined: list[WatchedEvent], row: str, scale: str, text: Any, miss
         yield f"    return {', '.join(values)}"
 
 
-def _screen(several: list[WatchedEvent], singles: list[WatchedEvent]) -> Lines:
+def _screen(several: list[LaneEvent], singles: list[LaneEvent]) -> Lines:
     """Screening of the events that may apply."""
     for condition, events in _in_loops(singles):
         yield f"if {condition}:"
@@ -187,7 +187,7 @@ def _screen(several: list[WatchedEvent], singles: list[WatchedEvent]) -> Lines:
         yield f"if applicable & {1 << each.number}: screen_combined(events, {each.number}, w)"
 
 
-def _enter(event: WatchedEvent, write: Writer) -> Lines:
+def _enter(event: LaneEvent, write: Writer) -> Lines:
     """Series of the quantities of one event, in the fraction of the step."""
     yield "p, mode, length = constants_of_lane(w, i), mode_of_lane(w, i), w[LENGTH * WIDTH + i]"
     for case in event.cases:
@@ -205,7 +205,7 @@ def _enter(event: WatchedEvent, write: Writer) -> Lines:
         yield "    return"
 
 
-def _masks(watched: list[WatchedEvent], kinds: int) -> NDArray[np.int64]:
+def _masks(watched: list[LaneEvent], kinds: int) -> NDArray[np.int64]:
     """Return the masks of the events that may apply in each variant of each kind of mode."""
     masks = np.zeros((kinds, VARIANTS), np.int64)
     for event in watched:
@@ -233,13 +233,13 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
             is the sign of the argument of its absolute value.
         mode_of_lane(w, i): the ``Mode`` of a lane; kind_of(mode): see ``kind_in``.
         fill_series, fill_errors, sample_series: see series_kernels.py.
-        takes_size(which, p, mode), is_partial(which): see ``Form`` and ``WatchedEvent``.
+        takes_size(which, p, mode), is_partial(which): see ``LinearForm`` and ``LaneEvent``.
     """
     combined, count, base = combined_count(table), len(table), kernels_of(table)
     inserts = base.inserts == 1
     kinds = kinds_of(inserts)
     mode_of_lane = workspace.mode_of_lane_in_slot if inserts else workspace.mode_of_lane
-    quantities = Watched._fields if inserts else Watched._fields[: -len(_CORNERS)]
+    quantities = EventQuantities._fields if inserts else EventQuantities._fields[: -len(_CORNERS)]
     samples = EVENT_ROWS
     bounds = samples + NODES * count
     subintervals = bounds + count
@@ -248,7 +248,7 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
         "rows": subintervals + count, "kinds": len(kinds),
     }  # fmt: skip
     watched = [
-        each for k, event in enumerate(table) if (each := WatchedEvent(k, event, inserts)).cases
+        each for k, event in enumerate(table) if (each := LaneEvent(k, event, inserts)).cases
     ]
     several = [each for each in watched if each.number < combined]
     singles = [each for each in watched if each.number >= combined]

@@ -1,7 +1,7 @@
 """Event search inside the step of one lane: the first event, and its state.
 
-Every level is a constant plus multiples of watched quantities, or the largest of four such sums.
-The series of its quantities therefore follow from the series of the watched quantities, and its
+Every level is a constant plus multiples of event quantities, or the largest of four such sums.
+The series of its quantities therefore follow from the series of the event quantities, and its
 zeros are located on them. A level with an absolute value is searched twice, once for each sign of
 its argument.
 """
@@ -67,7 +67,7 @@ def new_search() -> Search:
 
 @inlined_kernel
 def row_at(row, theta, w, lane):
-    """A state variable or watched quantity at the fraction ``theta`` of the step.
+    """A state variable or event quantity at the fraction ``theta`` of the step.
 
     Even and odd orders are summed separately, which doubles instruction-level parallelism.
     """

@@ -21,10 +21,10 @@ _FALLS = (False, False, False), (True, False, False), (True, True, False), (True
 
 # Where the support is: A1 or A2 under the bottom face, or A1 and B1 on the right side of the slot.
 ON_RIGHT_EDGE, ON_LEFT_EDGE, BETWEEN_WALLS = range(3)
-FREE, SLIDES, STICKS = range(3)  # states of an edge alone; see ``PRESSING``
+FREE, SLIDES, STICKS = range(3)  # states of an edge alone; see ``SIDE_CONTACTS``
 
 
-class Pressing(NamedTuple):
+class SideContacts(NamedTuple):
     """Contacts that press on one side, where their slip counts, and whether it is zero."""
 
     edge: bool
@@ -34,11 +34,11 @@ class Pressing(NamedTuple):
 
 
 _WHERE = (True, False, False), (False, True, True), (True, True, False), (True, True, True)
-PRESSING = (
-    Pressing(False, False, False, False),
-    *(Pressing(*where, sticks) for where in _WHERE for sticks in (False, True)),
+SIDE_CONTACTS = (
+    SideContacts(False, False, False, False),
+    *(SideContacts(*where, sticks) for where in _WHERE for sticks in (False, True)),
 )
-"""Every ``Pressing`` that occurs; the number of one is its index, FREE if nothing presses."""
+"""Every ``SideContacts`` that occurs; the number of one is its index, FREE if nothing presses."""
 
 
 class Kind(NamedTuple):
@@ -75,7 +75,7 @@ def kinds_of(inserts: bool) -> tuple[Kind, ...]:
 
 def mode_of_kind(kind: Kind, slips: Sequence[Any]) -> Mode:
     """Return a mode of this kind, with the ``slips`` of support and side where those slide."""
-    support, side = PRESSING[kind.support], PRESSING[kind.side]
+    support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     support_slip, side_slip = (
         STICKING if each.sticks or not (each.edge or each.corner) else slip
         for each, slip in zip((support, side), slips, strict=True)
@@ -92,15 +92,15 @@ def mode_of_kind(kind: Kind, slips: Sequence[Any]) -> Mode:
 
 def numbers_of(kinds: Sequence[Kind]) -> NDArray[np.int64]:
     """Return the index of each kind of mode in ``kinds``, -1 for others; shape of all kinds."""
-    numbers = np.full((3, len(PRESSING), len(PRESSING)), -1)
+    numbers = np.full((3, len(SIDE_CONTACTS), len(SIDE_CONTACTS)), -1)
     for number, kind in enumerate(kinds):
         numbers[kind] = number
     return numbers
 
 
 @inlined_kernel
-def _pressing(edge, corner, slip_at_corner, slip):
-    """Return the number of what presses on one side; see ``PRESSING``."""
+def _side_contacts(edge, corner, slip_at_corner, slip):
+    """Return the number of what presses on one side; see ``SIDE_CONTACTS``."""
     where = 0
     if corner == CLOSED:
         where = 2 + int(slip_at_corner) if edge == CLOSED else 1
@@ -118,8 +118,8 @@ def kind_in(numbers, mode):
         place = BETWEEN_WALLS
     elif mode.edge == LEFT_EDGE and mode.face != OPEN:
         place = ON_LEFT_EDGE
-    support = _pressing(mode.face, mode.corner, mode.slip_at_corner, mode.support_slip)
-    side = _pressing(mode.side, mode.wall, mode.slip_at_wall, mode.side_slip)
+    support = _side_contacts(mode.face, mode.corner, mode.slip_at_corner, mode.support_slip)
+    side = _side_contacts(mode.side, mode.wall, mode.slip_at_wall, mode.side_slip)
     return numbers[place, support, side]
 
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from model.compile.jit import Symbol, python_of
-from model.engines.batch.kinds import PRESSING, Kind, mode_of_kind
+from model.engines.batch.kinds import SIDE_CONTACTS, Kind, mode_of_kind
 from model.events.levels import corner_positions
 from model.physics.contacts import (
     Contact,
@@ -65,7 +65,7 @@ def _inverse(a: Constant) -> Constant:
     return 1.0 / a if isinstance(a, float) else ("/", 1.0, a)
 
 
-class Row(NamedTuple):
+class TaylorSeries(NamedTuple):
     """One series: its kind, and the rows or the sum from which it is computed."""
 
     kind: str  # "state", "time", "sine", "cosine", "product", "quotient", "sum" or "rate"
@@ -84,7 +84,7 @@ class Sum(Symbol):
     """
 
     constant: Constant
-    terms: dict[Row, Constant]
+    terms: dict[TaylorSeries, Constant]
     multiple: "tuple[Constant, Sum] | None" = None
 
     def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -126,11 +126,11 @@ class Sum(Symbol):
         if not self.terms:
             return other.times(self.constant)
         (a, f, row), (b, g, other_row) = self._as_row(), other._as_row()
-        both = Row("product", tuple(sorted((row, other_row), key=repr)))
+        both = TaylorSeries("product", tuple(sorted((row, other_row), key=repr)))
         found = Sum(_product(a, b), {both: _product(f, g)})
         return found + Sum(0.0, {other_row: _product(a, g)}) + Sum(0.0, {row: _product(b, f)})
 
-    def _as_row(self) -> tuple[Constant, Constant, Row]:
+    def _as_row(self) -> tuple[Constant, Constant, TaylorSeries]:
         """Return (constant, factor, row): this sum as a constant and a multiple of one row."""
         if len(self.terms) == 1:
             ((row, factor),) = self.terms.items()
@@ -138,15 +138,15 @@ class Sum(Symbol):
         factor, origin = self.multiple or (1.0, self)
         return 0.0, factor, origin.as_row()
 
-    def as_row(self) -> Row:
+    def as_row(self) -> TaylorSeries:
         """This sum as a row of its own."""
-        return Row("sum", (self.constant, tuple(self.terms.items())))
+        return TaylorSeries("sum", (self.constant, tuple(self.terms.items())))
 
     def __truediv__(self, other: "Sum | float") -> "Sum":
         other = _as_sum(other)
         if not other.terms:
             return self.times(_inverse(other.constant))
-        return Sum(0.0, {Row("quotient", (self.as_row(), other.as_row())): 1.0})
+        return Sum(0.0, {TaylorSeries("quotient", (self.as_row(), other.as_row())): 1.0})
 
     def __neg__(self) -> "Sum":
         return self.times(-1.0)
@@ -171,34 +171,34 @@ def _given(place: int) -> Sum:
     return Sum(("given", place), {})
 
 
-def _of(row: Row) -> Sum:
+def _of(row: TaylorSeries) -> Sum:
     return Sum(0.0, {row: 1.0})
 
 
-STATES = tuple(Row("state", (n,)) for n in range(len(State._fields)))
-TIME_ROW = Row("time", ())
+STATES = tuple(TaylorSeries("state", (n,)) for n in range(len(State._fields)))
+TIME_ROW = TaylorSeries("time", ())
 
 
 def _with_rates(contact: Contact) -> Contact:
     """Return the contact with closing rate and slip as rates of its depth and place."""
     depth: Any = contact.depth
     along: Any = contact.along
-    deep, far = (Row("sum", (0.0, tuple(each.terms.items()))) for each in (depth, along))
-    closing_rate, slip = _of(Row("rate", (deep,))), -_of(Row("rate", (far,)))
+    deep, far = (TaylorSeries("sum", (0.0, tuple(each.terms.items()))) for each in (depth, along))
+    closing_rate, slip = _of(TaylorSeries("rate", (deep,))), -_of(TaylorSeries("rate", (far,)))
     depth = Sum(depth.constant, {deep: 1.0})
     return contact._replace(depth=depth, closing_rate=closing_rate, slip=slip)  # type: ignore
 
 
 def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
     key = (angle.constant, tuple(angle.terms.items()))
-    return _of(Row("sine", key)), _of(Row("cosine", key))
+    return _of(TaylorSeries("sine", key)), _of(TaylorSeries("cosine", key))
 
 
 def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
     return load / (load + load_of_edge) if isinstance(load_of_edge, Sum) else 1.0
 
 
-class Watched(NamedTuple):
+class EventQuantities(NamedTuple):
     """Quantities of which levels of events are functions, in modes that lanes hold.
 
     Places as in ``CornerPositions``; the loads of the edge and of the corner on either side; for either
@@ -224,7 +224,7 @@ class Watched(NamedTuple):
 
 
 class Recurrences(NamedTuple):
-    """The series of one kind of mode: accelerations, and the quantities of ``Watched``."""
+    """The series of one kind of mode: accelerations, and the quantities of ``EventQuantities``."""
 
     accelerations: tuple[Sum, Sum, Sum]
     watched: tuple[Sum, ...]
@@ -250,12 +250,12 @@ def recurrences(kind: Kind, inserts: bool = False) -> Recurrences:
     edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else edge_on_face(mode.edge, q, p)
     left_edge = edge_on_side(LEFT_EDGE, q, p)
     corner, left_corner = corner_on_wall(RIGHT_EDGE, q, p), corner_on_wall(LEFT_EDGE, q, p)
-    support, side = PRESSING[kind.support], PRESSING[kind.side]
+    support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     support_slip = (corner if support.slip_at_corner else edge).slip
     side_slip = (left_corner if side.slip_at_corner else left_edge).slip
     places = corner_positions(q, p)._asdict()
-    watched = Watched(
-        **{name: place for name, place in places.items() if name in Watched._fields},
+    watched = EventQuantities(
+        **{name: place for name, place in places.items() if name in EventQuantities._fields},
         face_load=_load(edge, q, p),
         support_friction=at.support_friction if support.sticks else support_slip,
         side_load=_load(left_edge, q, p),

@@ -7,7 +7,7 @@ The code is written for WIDTH runs, one in each lane of a vector, with the memor
 from typing import Any
 
 from model.compile.vector_code import VectorWriter
-from model.engines.batch.series import STATES, Constant, Row, Sum
+from model.engines.batch.series import STATES, Constant, Sum, TaylorSeries
 from model.engines.batch.series_plan import (
     ERROR_ORDER,
     FURTHER_ROWS,
@@ -37,8 +37,8 @@ class SeriesWriter(VectorWriter):
             for each in (total.constant, *total.terms.values()):
                 self.constant(each)
         self.constant(plan.rate)
-        self.terms: dict[Row, str] = {}
-        self.ahead: dict[Row, str] = {}
+        self.terms: dict[TaylorSeries, str] = {}
+        self.ahead: dict[TaylorSeries, str] = {}
         self._write_stages(_FIRST, ahead=True)
         self._one_order(_FIRST)
         self.repeat(self._further_orders(), self._one_more)
@@ -60,17 +60,17 @@ class SeriesWriter(VectorWriter):
                 self.known[value] = self.do(operation, *map(self.constant, of))
         return self.known[value]
 
-    def _place(self, memory: str, row: Row, order: str) -> tuple[str, int]:
+    def _place(self, memory: str, row: TaylorSeries, order: str) -> tuple[str, int]:
         """Return the address of an order's rows, and the place of a row from there on."""
         place, rows, first = self.plan.place[row], ROWS, 0
         if place >= ROWS:
             place, rows, first = place - ROWS, FURTHER_ROWS, ORDERS * ROWS
         return self.base(memory, order, rows), first + place
 
-    def _at(self, row: Row, order: str) -> str:
+    def _at(self, row: TaylorSeries, order: str) -> str:
         return self.load(*self._place(self.memory, row, order))
 
-    def _keep(self, value: str, row: Row, order: str) -> None:
+    def _keep(self, value: str, row: TaylorSeries, order: str) -> None:
         self.keep(value, *self._place(self.memory, row, order))
 
     def _one_more(self, index: str) -> tuple[()]:
@@ -127,9 +127,9 @@ class SeriesWriter(VectorWriter):
     def _total(
         self,
         constant: Constant,
-        terms: tuple[tuple[Row, Constant], ...],
+        terms: tuple[tuple[TaylorSeries, Constant], ...],
         order: str,
-        values: dict[Row, str],
+        values: dict[TaylorSeries, str],
     ) -> str:
         """A constant and multiples of rows; those that ``values`` lacks are in memory."""
         total = self.constant(constant) if order == _FIRST and constant != 0.0 else None
@@ -138,7 +138,7 @@ class SeriesWriter(VectorWriter):
             total = self.do("fmul", *term) if total is None else self.fma(*term, total)
         return self.vector(0.0) if total is None else total
 
-    def _newest(self, row: Row, order: str, values: dict[Row, str]) -> str:
+    def _newest(self, row: TaylorSeries, order: str, values: dict[TaylorSeries, str]) -> str:
         """The coefficient of a row at ``order``, which ``values`` hold or memory."""
         if row not in values:
             values[row] = self._at(row, order)
@@ -168,7 +168,7 @@ class SeriesWriter(VectorWriter):
             last = self._at(forward, order), self._at(backward, "1")
             self.terms[row] = self.fma(*last, self.terms[row])
 
-    def _sum_some(self, rows: list[Row], order: str) -> list[str]:
+    def _sum_some(self, rows: list[TaylorSeries], order: str) -> list[str]:
         """Σ_j a_j b_(k-j) over 0 < j < ``order``."""
 
         def add_terms(index: str, *sums: str) -> list[str]:
@@ -187,7 +187,9 @@ class SeriesWriter(VectorWriter):
         count = self.count("sub", order, "1")
         return self.repeat(count, add_terms, *(self.vector(0.0) for _ in rows))
 
-    def _complete(self, products: list[Row], order: str, values: dict[Row, str]) -> None:
+    def _complete(
+        self, products: list[TaylorSeries], order: str, values: dict[TaylorSeries, str]
+    ) -> None:
         """Enter the products of a stage at ``order``, with the terms of their newest factors."""
         for row in products:
             one, other = row.of if row.kind == "product" else (row, row.of[1])
@@ -200,7 +202,7 @@ class SeriesWriter(VectorWriter):
             if row in self.plan.place:
                 self._keep(values[row], row, order)
 
-    def _finished(self, quotient: Row, others: str, order: str) -> str:
+    def _finished(self, quotient: TaylorSeries, others: str, order: str) -> str:
         """q_k = (a_k - Σ_(j<k) q_j b_(k-j)) / b_0."""
         top, bottom = quotient.of
         rest = self.do("fsub", self._at(top, order), others)
@@ -228,7 +230,7 @@ class ErrorWriter(SeriesWriter):
                 total = self.fma(self._at(one, order), self._coefficient(other, "1"), total)
             self.terms[row] = total
 
-    def _rows(self) -> list[Row]:
+    def _rows(self) -> list[TaylorSeries]:
         """All rows with pairs."""
         return [*self.plan.sines[:2], *self.plan.products(True), *self.plan.products(False)]
 
@@ -237,12 +239,14 @@ class ErrorWriter(SeriesWriter):
             self._complete(self.plan.sines[:2], order, self.ahead)
         super()._write_stages(order, ahead)
 
-    def _total(self, _: Constant, terms: tuple[tuple[Row, Constant], ...], *at: Any) -> str:
+    def _total(
+        self, _: Constant, terms: tuple[tuple[TaylorSeries, Constant], ...], *at: Any
+    ) -> str:
         """The error of a sum; the excitation has none."""
         excitation = self.plan.sines[2:]
         return super()._total(0.0, tuple(each for each in terms if each[0] not in excitation), *at)
 
-    def _pairs(self, row: Row) -> tuple[tuple[Row, Row], ...]:
+    def _pairs(self, row: TaylorSeries) -> tuple[tuple[TaylorSeries, TaylorSeries], ...]:
         """Pairs (a, b) of rows; Σ_j (error of a)_j b_(k-j) makes the error of ``row``."""
         sine, cosine = self.plan.sines[:2]
         if row in (sine, cosine):
@@ -250,7 +254,7 @@ class ErrorWriter(SeriesWriter):
         one, other = row.of if row.kind == "product" else (row, row.of[1])
         return (one, other), (other, one)
 
-    def _coefficient(self, row: Row, order: str) -> str:
+    def _coefficient(self, row: TaylorSeries, order: str) -> str:
         return self.load(*self._place(self.other, row, order))
 
     def _sum_known(self, order: str) -> None:
@@ -260,7 +264,7 @@ class ErrorWriter(SeriesWriter):
             some = rows[first : first + _AT_ONCE]
             self.terms |= zip(some, self._sum_some(some, order), strict=True)
 
-    def _sum_some(self, rows: list[Row], order: str) -> list[str]:
+    def _sum_some(self, rows: list[TaylorSeries], order: str) -> list[str]:
         """Σ_j (error of a)_j b_(k-j) over j < ``order``, of all pairs of each row."""
 
         def add_terms(j: str, *sums: str) -> list[str]:
@@ -276,7 +280,9 @@ class ErrorWriter(SeriesWriter):
 
         return self.repeat(order, add_terms, *(self.vector(0.0) for _ in rows))
 
-    def _complete(self, rows: list[Row], order: str, values: dict[Row, str]) -> None:
+    def _complete(
+        self, rows: list[TaylorSeries], order: str, values: dict[TaylorSeries, str]
+    ) -> None:
         """Enter the errors of rows at ``order``, with the terms of the newest errors."""
         for row in rows:
             total = self.terms.get(row, self.vector(0.0))

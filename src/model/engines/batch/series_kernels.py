@@ -29,7 +29,7 @@ from model.engines.batch.series_plan import (
 class _SamplesWriter(VectorWriter):
     """Writes the function (coefficients, lengths, values) that sums series at the nodes.
 
-    ``count`` is the number of watched quantities.
+    ``count`` is the number of event quantities.
     """
 
     def __init__(self, name: str, count: int) -> None:
@@ -59,7 +59,7 @@ class _SamplesWriter(VectorWriter):
         return ()
 
     def _one_row(self, index: str) -> tuple[()]:
-        """Sum the tilt, or a watched quantity, at all nodes, and bound its second derivative."""
+        """Sum the tilt, or a event quantity, at all nodes, and bound its second derivative."""
         is_first = self.count("icmp eq", index, "0")
         other = self.count("add", index, str(STATE_ROWS - 1))
         row = self.result(f"select i1 {is_first}, i64 {TILT}, i64 {other}")
@@ -120,7 +120,7 @@ def errors_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
 def series_sampler(count: int) -> Any:
     """Make the kernel (block, coefficients, lengths, values) that sums series at nodes of steps.
 
-    It sums the tilt and the first ``count`` watched quantities at the nodes of steps of the given
+    It sums the tilt and the first ``count`` event quantities at the nodes of steps of the given
     ``lengths``. At ``values`` stand SINES vectors for each node and, behind them, as many bounds of
     the second derivative with respect to the fraction of the step. The other states are summed at
     the last node only.

@@ -1,13 +1,13 @@
 """Layout of series in memory, and the order in which their rows are computed.
 
-Memory holds for every order the rows that later orders need: the state, the watched quantities, the
+Memory holds for every order the rows that later orders need: the state, the event quantities, the
 sine and cosine rows, and factors of products and quotients. All other rows stay in registers.
 """
 
 from collections.abc import Iterator
 from copy import copy
 
-from model.engines.batch.series import STATES, Recurrences, Row, Watched
+from model.engines.batch.series import STATES, EventQuantities, Recurrences, TaylorSeries
 
 ORDER = 16  # of the series
 ERROR_ORDER = 8  # of the series of the linearised motion; a step may be 3 radians of a contact
@@ -15,7 +15,9 @@ REMAINDER = 1  # further orders, which estimate what the series omits
 ORDERS = ORDER + REMAINDER + 1  # in memory
 STATE_ROWS = len(STATES)
 TILT = 2  # row of the tilt
-SINES = STATE_ROWS + len(Watched._fields)  # sine and cosine of the tilt, and of the excitation
+SINES = STATE_ROWS + len(
+    EventQuantities._fields
+)  # sine and cosine of the tilt, and of the excitation
 _OTHERS = SINES + 4
 ROWS = _OTHERS + 16  # as many as the modes on the edges need
 FURTHER_ROWS = 12  # of modes in the slot; they follow the last order
@@ -25,7 +27,7 @@ NODES = len(FRACTIONS) + 1
 ORDERS_THERE = (10, 13, ORDER, ORDER)
 
 
-def _made_of(row: Row) -> tuple[Row, ...]:
+def _made_of(row: TaylorSeries) -> tuple[TaylorSeries, ...]:
     """Return the rows whose coefficients of the same order a coefficient of ``row`` needs."""
     if row.kind in ("product", "quotient", "rate"):
         return row.of
@@ -46,7 +48,7 @@ class Plan:
         self.sines = self._pairs()
         self.place = {row: n for n, row in enumerate((*STATES, *self.watched))}
         self.place |= {row: SINES + n for n, row in enumerate(self.sines)}
-        self.stage: dict[Row, int] = {}
+        self.stage: dict[TaylorSeries, int] = {}
         for total in self.series.accelerations:
             for row in total.terms:
                 self._visit(row)
@@ -67,7 +69,7 @@ class Plan:
         self.factors = self._oriented()
 
     def of_accelerations(self) -> "Plan":
-        """Return the plan without rows that only watched quantities need; places stay."""
+        """Return the plan without rows that only event quantities need; places stay."""
         plan = copy(self)
         plan.stage = {}
         for total in self.series.accelerations:
@@ -78,22 +80,24 @@ class Plan:
     def _next_place(self) -> int:
         return max(self.place.values()) + 1
 
-    def _pairs(self) -> list[Row]:
+    def _pairs(self) -> list[TaylorSeries]:
         tilt = (0.0, ((STATES[2], 1.0),))
-        pair = Row("sine", tilt), Row("cosine", tilt)
-        self.turning = [Row("product", tuple(sorted((STATES[5], each), key=repr))) for each in pair]
+        pair = TaylorSeries("sine", tilt), TaylorSeries("cosine", tilt)
+        self.turning = [
+            TaylorSeries("product", tuple(sorted((STATES[5], each), key=repr))) for each in pair
+        ]
         found = [row for total in self.series.accelerations for row in total.terms]
         (sine,) = [row for row in found if row.kind == "sine" and row != pair[0]]
         self.rate = sine.of[1][0][1]  # of the excitation's angle
-        return [*pair, sine, Row("cosine", sine.of)]
+        return [*pair, sine, TaylorSeries("cosine", sine.of)]
 
-    def _oriented(self) -> dict[Row, tuple[Row, Row]]:
+    def _oriented(self) -> dict[TaylorSeries, tuple[TaylorSeries, TaylorSeries]]:
         """Factors of all products and quotients: the one read forward, and the one read backward.
 
         They are chosen so that products share loads: sines and cosines are read forward; of a
         quotient, the quotient itself is read forward and its divisor backward.
         """
-        taken: set[tuple[Row, bool | None]] = set()  # None: forward
+        taken: set[tuple[TaylorSeries, bool | None]] = set()  # None: forward
         factors = {}
         for row in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
             ahead = self.is_ahead(row)
@@ -109,13 +113,13 @@ class Plan:
             factors[row] = forward, backward
         return factors
 
-    def _visit(self, row: Row) -> int:
+    def _visit(self, row: TaylorSeries) -> int:
         if row not in self.stage:
             before = max((self._visit(each) for each in _made_of(row)), default=0)
             self.stage[row] = before + (row.kind in ("product", "quotient"))
         return self.stage[row]
 
-    def is_ahead(self, row: Row) -> bool:
+    def is_ahead(self, row: TaylorSeries) -> bool:
         """Return whether a row depends on positions alone."""
         if row.kind == "state":
             return bool(row.of[0] < len(STATES) // 2)
@@ -124,7 +128,7 @@ class Plan:
         made = _made_of(row)
         return row.kind != "rate" and all(map(self.is_ahead, made))
 
-    def stages(self, ahead: bool) -> Iterator[tuple[list[Row], list[Row]]]:
+    def stages(self, ahead: bool) -> Iterator[tuple[list[TaylorSeries], list[TaylorSeries]]]:
         """Yield for each stage its products and quotients, and its other rows in their order."""
         for stage in range(max(self.stage.values()) + 1):
             rows = [row for row, each in self.stage.items() if each == stage]
@@ -132,6 +136,6 @@ class Plan:
             products = [row for row in rows if row.kind in ("product", "quotient")]
             yield products, [row for row in rows if row.kind in ("sum", "rate")]
 
-    def products(self, ahead: bool) -> list[Row]:
+    def products(self, ahead: bool) -> list[TaylorSeries]:
         """Return all products and quotients, of positions alone or all others."""
         return [row for products, _ in self.stages(ahead) for row in products]

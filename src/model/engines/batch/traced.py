@@ -29,7 +29,7 @@ def _times(a: Number, b: Number) -> Number:
 
 
 @dataclass(frozen=True, eq=False)
-class Form(Symbol):
+class LinearForm(Symbol):
     """A constant plus multiples of rows, or of the absolute value of such a sum.
 
     Attributes:
@@ -44,35 +44,35 @@ class Form(Symbol):
     takes_size: bool = False
     is_known: bool = True
 
-    def _with(self, operation: str, other: Any, factors: dict[str, Number]) -> "Form":
-        return Form(
+    def _with(self, operation: str, other: Any, factors: dict[str, Number]) -> "LinearForm":
+        return LinearForm(
             (operation, self.tree, other.tree), factors, self.takes_size or other.takes_size,
             self.is_known and other.is_known,
         )  # fmt: skip
 
-    def _sum(self, operation: str, other: Any) -> "Form":
+    def _sum(self, operation: str, other: Any) -> "LinearForm":
         other = _as_form(other)
         factors = dict(self.factors)
         for row, factor in other.factors.items():
             factors[row] = f"({factors[row]} + {factor})" if row in factors else factor
         return self._with(operation, other, factors)
 
-    def __add__(self, other: Any) -> "Form":
+    def __add__(self, other: Any) -> "LinearForm":
         return self._sum("+", other)
 
-    def __sub__(self, other: Any) -> "Form":
+    def __sub__(self, other: Any) -> "LinearForm":
         return self._sum("-", other)
 
-    def __rsub__(self, other: Any) -> "Form":
+    def __rsub__(self, other: Any) -> "LinearForm":
         return _as_form(other) - self
 
-    def __radd__(self, other: Any) -> "Form":
+    def __radd__(self, other: Any) -> "LinearForm":
         return _as_form(other) + self
 
-    def __rmul__(self, other: Any) -> "Form":
+    def __rmul__(self, other: Any) -> "LinearForm":
         return _as_form(other) * self
 
-    def __mul__(self, other: Any) -> "Form":
+    def __mul__(self, other: Any) -> "LinearForm":
         other = _as_form(other)
         if self.factors and other.factors:
             return UNKNOWN
@@ -83,11 +83,13 @@ class Form(Symbol):
         factors = {row: _times(factor, by) for row, factor in one.factors.items()}
         return self._with("*", other, factors)
 
-    def __neg__(self) -> "Form":
-        return Form(("neg", self.tree), self.factors, self.takes_size, self.is_known)
+    def __neg__(self) -> "LinearForm":
+        return LinearForm(("neg", self.tree), self.factors, self.takes_size, self.is_known)
 
-    def __abs__(self) -> "Form":
-        return Form(("abs", self.tree), self.factors, True, self.is_known and not self.takes_size)
+    def __abs__(self) -> "LinearForm":
+        return LinearForm(
+            ("abs", self.tree), self.factors, True, self.is_known and not self.takes_size
+        )
 
     def __eq__(self, other: object) -> bool:
         raise TypeError("a level must not branch on its quantities: state another case")
@@ -95,22 +97,22 @@ class Form(Symbol):
     __hash__ = None  # type: ignore[assignment]
 
 
-UNKNOWN = Form(("constant", "NOTHING"), {}, is_known=False)
+UNKNOWN = LinearForm(("constant", "NOTHING"), {}, is_known=False)
 
 
-def _as_form(value: Any) -> Form:
-    return value if isinstance(value, Form) else Form(("constant", float(value)), {})
+def _as_form(value: Any) -> LinearForm:
+    return value if isinstance(value, LinearForm) else LinearForm(("constant", float(value)), {})
 
 
 def _constant(text: str) -> Any:
-    return Form(("constant", text), {})
+    return LinearForm(("constant", text), {})
 
 
 def _row(name: str) -> Any:
-    return Form(("row", name), {name: 1.0})
+    return LinearForm(("row", name), {name: 1.0})
 
 
-def rendered(form: Form, row: Callable[[str], str], size: str = "abs({})") -> str:
+def rendered(form: LinearForm, row: Callable[[str], str], size: str = "abs({})") -> str:
     """Return the expression with other texts for rows and absolute values."""
 
     def text(tree: tuple[Any, ...]) -> str:
@@ -192,7 +194,9 @@ def _quantities(inserts: bool) -> dict[Source, Any]:
 QUANTITIES = {inserts: _quantities(inserts) for inserts in (False, True)}
 
 
-def forms_of(source: Source, level: Callable[..., Any], inserts: bool) -> tuple[Form, ...] | None:
+def forms_of(
+    source: Source, level: Callable[..., Any], inserts: bool
+) -> tuple[LinearForm, ...] | None:
     """Return the quantities of a level as forms; None if the workspace does not hold its source.
 
     A missing quantity of a level of several is NOTHING, and so is one that is not known.
@@ -204,6 +208,6 @@ def forms_of(source: Source, level: Callable[..., Any], inserts: bool) -> tuple[
     return tuple(map(_as_form, found if isinstance(found, tuple) else (found,)))
 
 
-def is_nothing(form: Form) -> bool:
+def is_nothing(form: LinearForm) -> bool:
     """Return whether a level of several quantities does not have this one."""
     return form.tree == ("constant", NOTHING)

@@ -20,7 +20,7 @@ from model.compile.views import reader
 from model.engines.batch.series import (
     CONSISTENT,
     GIVEN,
-    Watched,
+    EventQuantities,
 )
 from model.engines.batch.series_plan import (
     FURTHER_ROWS,
@@ -51,12 +51,12 @@ MODE = GIVEN  # in the order of ``Mode``
 ) = range(MODE + len(Mode._fields), MODE + len(Mode._fields) + 10)
 END = LAST_ORDER + 1
 ERROR = END + STATE_SIZE  # series of the error that a run carries, in the layout of COEFFICIENTS
-# The tilt and the watched rows at each node, and their curvature bounds.
+# The tilt and the event quantities at each node, and their curvature bounds.
 VALUES = ERROR + ORDERS * (ROWS + FURTHER_ROWS)
 COEFFICIENTS = VALUES + (NODES + 1) * SINES
 EVENT_ROWS = COEFFICIENTS + ORDERS * (ROWS + FURTHER_ROWS)  # rows of the events follow
 
-ROW = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(Watched._fields)}
+ROW = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(EventQuantities._fields)}
 FACE_LOAD, SIDE_LOAD, CORNER_LOAD, WALL_LOAD = (
     ROW[f"{contact}_load"] for contact in ("face", "side", "corner", "wall")
 )
