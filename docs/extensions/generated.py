@@ -77,7 +77,11 @@ def _says(kernel: Any) -> str:
 
 def _events() -> str:
     rows = (
-        (f"`{event.name}`", " ".join(_says(level) for _, level in event.level), _says(event.follow))
+        (
+            f"`{event.name}`",
+            " ".join(_says(level) for _, level in event.level),
+            _says(event.transition),
+        )
         for event in EVENTS
     )
     return _table(("event", "level", "what follows"), rows)

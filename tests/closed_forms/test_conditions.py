@@ -104,7 +104,7 @@ def test_a_corner_that_slides_into_the_slot_past_the_edge_aligns(device, constan
     for off in (-1e-16, 0.0, 1e-16):
         x = p.half_width * cos(tilt) - p.half_height * sin(tilt) - p.slot_half_width + off
         q = State(x, p.half_height - 2e-3, tilt, 1.0, -0.1, 0.0)
-        after, outcome, reason = ALIGNMENT_EVENTS.follow(
+        after, outcome, reason = ALIGNMENT_EVENTS.transition(
             CORNER_END, 0.1, q, p, mode, ALIGNMENT.declared
         )
         assert (outcome, reason) == (Outcome.ALIGNED, Reason.NONE)

@@ -43,8 +43,8 @@ def test_a_debugger_finds_the_source_of_a_generated_function():
 
 
 def test_a_debugger_finds_the_source_of_the_kernels_of_events():
-    shown = inspect.getsource(python_of(ALIGNMENT_EVENTS.adjust))
-    assert shown.startswith("def adjust(which, q, p, mode):\n    if which == ")
+    shown = inspect.getsource(python_of(ALIGNMENT_EVENTS.reset))
+    assert shown.startswith("def reset(which, q, p, mode):\n    if which == ")
 
 
 def test_the_same_source_is_kept_once_and_as_it_was(folder):

@@ -123,8 +123,8 @@ def through(flight, y, mode, until):
             y, time = flight.state(y, until - time, mode), until
         else:
             y, time = (flight.state(y, when, mode) if when > 0.0 else y), time + when
-            q = ALIGNMENT_EVENTS.adjust(which, state_of(y), flight.p, mode)
-            mode, outcome, _ = ALIGNMENT_EVENTS.follow(
+            q = ALIGNMENT_EVENTS.reset(which, state_of(y), flight.p, mode)
+            mode, outcome, _ = ALIGNMENT_EVENTS.transition(
                 which, time, q, flight.p, mode, ALIGNMENT.declared
             )
             assert outcome == CONTINUES

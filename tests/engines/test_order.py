@@ -96,8 +96,8 @@ class FixedSteps:
                     if theta > 0.0:
                         length, y = self.to_switch(which, theta, time, length, y, mode)
                         time += length
-                    q = ALIGNMENT_EVENTS.adjust(which, state_of(y), self.p, mode)
-                    after, outcome, _ = ALIGNMENT_EVENTS.follow(
+                    q = ALIGNMENT_EVENTS.reset(which, state_of(y), self.p, mode)
+                    after, outcome, _ = ALIGNMENT_EVENTS.transition(
                         which, time, q, self.p, mode, ALIGNMENT.declared
                     )
                     assert len(met) < 1000, met[-3:]

@@ -45,7 +45,7 @@ def p(device, constants):
 
 def follows(which, q, p, mode, scene=ALIGNMENT):
     """(mode, outcome, reason) after a switch at τ = 0."""
-    return ALIGNMENT_EVENTS.follow(which, 0.0, q, p, mode, scene.declared)
+    return ALIGNMENT_EVENTS.transition(which, 0.0, q, p, mode, scene.declared)
 
 
 def pressed(p, tilt=0.0, x=0.3, depth=0.02, **rates):

@@ -324,8 +324,8 @@ def make_event(which, length, step, scene, control, runs, i):
     # If no time passes, the step was too long for the accuracy of its dense output (for instance
     # where the friction force only just reaches its limit).
     runs[i, NEXT_STEP] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
-    q = scene.events.adjust(which, state_in(runs, STATE, i), p, before)
-    mode, outcome, reason = scene.events.follow(which, time, q, p, before, scene.declared)
+    q = scene.events.reset(which, state_in(runs, STATE, i), p, before)
+    mode, outcome, reason = scene.events.transition(which, time, q, p, before, scene.declared)
     if outcome == CONTINUES and is_counted(before, p) and _opened(before, mode):
         runs[i, LIFT_OFFS] += 1.0
     keep_state(hold_sticking(q, p, mode), runs, i)

@@ -261,9 +261,9 @@ TABLE = (
     Event("left_wall_end", LEFT_WALL, ((_on_left_wall, levels.below_plane),), _left_wall_ends),
 )  # fmt: skip
 TABLE = changed(
-    TABLE, "corners_inside", level=((_has_fallen_in, levels.corners_outside),), follow=_inside
+    TABLE, "corners_inside", level=((_has_fallen_in, levels.corners_outside),), transition=_inside
 )
-TABLE = changed(TABLE, "right_edge_enters", follow=_right_edge_enters)
+TABLE = changed(TABLE, "right_edge_enters", transition=_right_edge_enters)
 TABLE = changed(
     TABLE, "right_corner_lands", level=((_right_corner_lands, levels.right_corner_above),)
 )

@@ -169,9 +169,9 @@ def _label(table: Table) -> str:
     digest = hashlib.sha256()
     for event in table:
         cases = (each for case in event.level for each in case)
-        parts = event.source.of, event.source.exists, *cases, event.follow, event.adjust
+        parts = event.source.of, event.source.exists, *cases, event.transition, event.reset
         digest.update(repr((event.name, event.kind, event.force_on, event.start)).encode())
-        for part in filter(None, (*parts, event.happens)):
+        for part in filter(None, (*parts, event.guard)):
             digest.update(_fingerprint(python_of(part)))
     return f"table-{digest.hexdigest()[:16]}"
 
@@ -188,9 +188,9 @@ def kernels_of(table: Table) -> GeneratedKernels:
         sample_into(time, q, p, mode, out): writes the sample into ``out``.
         level(which, time, q, p, mode), quantities(which, time, q, p, mode): level and quantities of
             one event.
-        happens(which, time, q, p, mode): True if a zero of its level is the event.
-        is_conditional(which): True if ``happens`` may be False.
-        adjust(which, q, p, mode), follow(which, time, q, p, mode, declared): see ``Event``.
+        guard(which, time, q, p, mode): True if a zero of its level is the event.
+        is_conditional(which): True if ``guard`` may be False.
+        reset(which, q, p, mode), transition(which, time, q, p, mode, declared): see ``Event``.
         kind(which): LENGTH, LOAD or FRICTION.
         start_is_impossible(q, p, mode), support_force(sample), side_force(sample),
             right_force(sample).
@@ -212,29 +212,32 @@ def kernels_of(table: Table) -> GeneratedKernels:
     for place in PLACES_OF_FORCES:
         write.write(inlined_kernel, f"{place}_force(sample)", _force(table, place))
     write.choose(
-        "happens(which, time, q, p, mode)",
+        "guard(which, time, q, p, mode)",
         (
             (
                 k,
-                f"{write.name(each.happens)}({write.name(levels.corner_positions)}(q, p), p, mode)",
+                f"{write.name(each.guard)}({write.name(levels.corner_positions)}(q, p), p, mode)",
             )
             for k, each in events
-            if each.happens
+            if each.guard
         ),
         "True",
     )
     write.choose(
-        "is_conditional(which)", ((k, "True") for k, each in events if each.happens), "False"
+        "is_conditional(which)", ((k, "True") for k, each in events if each.guard), "False"
     )
     write.choose(
-        "adjust(which, q, p, mode)",
-        ((k, f"{write.name(each.adjust)}(q, p, mode)") for k, each in events if each.adjust),
+        "reset(which, q, p, mode)",
+        ((k, f"{write.name(each.reset)}(q, p, mode)") for k, each in events if each.reset),
         "q",
     )
     write.choose(
-        "follow(which, time, q, p, mode, declared)",
-        ((k, f"{write.name(each.follow)}(time, q, p, mode, declared)") for k, each in events[:-1]),
-        f"{write.name(table[-1].follow)}(time, q, p, mode, declared)",
+        "transition(which, time, q, p, mode, declared)",
+        (
+            (k, f"{write.name(each.transition)}(time, q, p, mode, declared)")
+            for k, each in events[:-1]
+        ),
+        f"{write.name(table[-1].transition)}(time, q, p, mode, declared)",
     )
     write.choose("kind(which)", ((k, str(each.kind)) for k, each in events if each.kind), "0")
     names = [each.name for each in table]

@@ -46,9 +46,9 @@ class Event:
         level: cases (applies, level): where ``applies(p, mode)`` holds, the event happens at a
             down-crossing of ``level(quantities, p, mode)``. If a level returns four quantities, its
             value is the largest of them.
-        follow: transition (time, q, p, mode, declared) -> (mode, outcome, reason).
-        adjust: (q, p, mode) -> initial state of the next mode; the state at the event by default.
-        happens: (``CornerPositions``, p, mode) -> True if a zero of the level is the event; always by
+        transition: transition (time, q, p, mode, declared) -> (mode, outcome, reason).
+        reset: (q, p, mode) -> initial state of the next mode; the state at the event by default.
+        guard: (``CornerPositions``, p, mode) -> True if a zero of the level is the event; always by
             default.
         kind: kind of the level: LENGTH (also for a velocity), LOAD or FRICTION.
         force_on: one of ``PLACES_OF_FORCES`` if the level is the normal force there.
@@ -58,9 +58,9 @@ class Event:
     name: str
     source: Source
     level: tuple[tuple[Kernel, Kernel], ...]
-    follow: Kernel
-    adjust: Kernel | None = None
-    happens: Kernel | None = None
+    transition: Kernel
+    reset: Kernel | None = None
+    guard: Kernel | None = None
     kind: int = LENGTH
     force_on: str | None = None
     start: float | None = None
@@ -206,7 +206,7 @@ def of_contact(
     name: str,
     field: str,
     source: Source,
-    follow: transitions.OfContact,
+    transition: transitions.OfContact,
     force_on: str,
     in_slot: bool | None = None,
 ) -> Table:
@@ -216,19 +216,19 @@ def of_contact(
         name: name of the contact.
         field: field of the mode that holds its normal state.
         source: ``ContactState`` of the contact.
-        follow: what follows.
+        transition: what follows.
         force_on: see ``Event``.
         in_slot: see ``state_is``.
     """
     presses, is_released = (state_is(field, state, in_slot) for state in (CLOSED, RELEASED))
     return (
         Event(
-            f"{name}_load", source, ((presses, levels.load),), follow.unloaded, kind=LOAD,
+            f"{name}_load", source, ((presses, levels.load),), transition.unloaded, kind=LOAD,
             force_on=force_on,
         ),
-        Event(f"{name}_gap", source, ((is_released, levels.depth),), follow.opens),
+        Event(f"{name}_gap", source, ((is_released, levels.depth),), transition.opens),
         Event(
-            f"{name}_reload", source, ((is_released, levels.missing_load),), follow.reloaded,
+            f"{name}_reload", source, ((is_released, levels.missing_load),), transition.reloaded,
             kind=LOAD,
         ),
     )  # fmt: skip
@@ -265,11 +265,11 @@ CONDITIONS: Table = (
     # A bottom corner meets the slot's wall from inside.
     Event(
         "right_wall", PLACES, ((_right_corner_meets_wall, levels.right_corner_off_wall),),
-        transitions.right_wall, happens=_right_corner_first,
+        transitions.right_wall, guard=_right_corner_first,
     ),
     Event(
         "left_wall", PLACES, ((left_corner_meets_wall, levels.left_corner_off_wall),),
-        transitions.left_wall, happens=_left_corner_first, start=-START_TOLERANCE,
+        transitions.left_wall, guard=_left_corner_first, start=-START_TOLERANCE,
     ),
 )  # fmt: skip
 
@@ -297,12 +297,12 @@ CONTACTS: Table = (
     Event(
         "support_slip", FORCES,
         ((_support_sticks, levels.support_reserve), (_support_slides, levels.support_slip)),
-        transitions.support_turns, adjust=friction.at_rest_on_support, kind=FRICTION,
+        transitions.support_turns, reset=friction.at_rest_on_support, kind=FRICTION,
     ),
     Event(
         "side_slip", FORCES,
         ((_side_sticks, levels.side_reserve), (_side_slides, levels.side_slip)),
-        transitions.side_turns, adjust=friction.at_rest_on_side, kind=FRICTION,
+        transitions.side_turns, reset=friction.at_rest_on_side, kind=FRICTION,
     ),
     Event(
         "overturned", PLACES, ((levels.always, levels.upright),), transitions.overturned, start=0.0

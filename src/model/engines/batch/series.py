@@ -201,9 +201,9 @@ def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
 class EventQuantities(NamedTuple):
     """Quantities of which levels of events are functions, in modes that lanes hold.
 
-    Places as in ``CornerPositions``; the loads of the edge and of the corner on either side; for either
-    side the slip or, while the contact sticks, the friction force. The loads of the corners are
-    those of the insertion scene.
+    Places as in ``CornerPositions``; the loads of the edge and of the corner on either side; for
+    either side the slip or, while the contact sticks, the friction force. The loads of the corners
+    are those of the insertion scene.
     """
 
     right_along_face: Any

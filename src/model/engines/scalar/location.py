@@ -217,11 +217,11 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
 
 
 @kernel
-def _happens(events, which, theta, time, h, y, dense, p, mode):
+def _passes_guard(events, which, theta, time, h, y, dense, p, mode):
     """Return whether a zero of level ``which`` at θ is the event."""
     if not events.is_conditional(which):
         return True
-    return events.happens(which, time + theta * h, interpolate(theta, h, y, dense), p, mode)
+    return events.guard(which, time + theta * h, interpolate(theta, h, y, dense), p, mode)
 
 
 @inlined_kernel
@@ -237,7 +237,7 @@ def first_event(events, time, h, y, dense, p, mode, samples):
             theta = _down_crossing(events, i, which, time, h, y, dense, p, mode, samples)
             if theta == NO_EVENT:
                 continue
-            if _happens(events, which, theta, time, h, y, dense, p, mode):
+            if _passes_guard(events, which, theta, time, h, y, dense, p, mode):
                 if theta < first:
                     first, which_first = theta, which
                 break
