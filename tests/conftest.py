@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from model import Batch, Parameters, Readings, align, simulate
+from model import Batch, Parameters, Variants, align, simulate
 from model.physics.parameters import Constants
 from model.study.config import (
     Curves,
@@ -26,7 +26,7 @@ from model.study.datasets import write_dataset
 from model.tracking.invocation import Invocation
 from model.tracking.provenance import INVOCATION, Job
 
-CONSISTENT = Readings.consistent()
+CONSISTENT = Variants.consistent()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -72,7 +72,7 @@ def device() -> Parameters:
 def constants() -> Callable[..., Constants]:
     """Constants that kernels take: ``constants(parameters, readings)``."""
 
-    def make(parameters: Parameters, readings: Readings = CONSISTENT) -> Constants:
+    def make(parameters: Parameters, readings: Variants = CONSISTENT) -> Constants:
         return Constants(*Batch.stack([parameters]).constants(readings)[0].tolist())
 
     return make

@@ -132,7 +132,7 @@ from model import Batch, simulate
 from model.cli import main as cli
 from model.physics.notation import State
 from model.physics.parameters import Constants
-from model.physics.readings import Readings
+from model.physics.variants import Variants
 from model.study.config import baseline
 from model.study.datasets import VARIABLES, parameter_attributes
 from model.study.devices import load_device
@@ -153,7 +153,7 @@ model.cli.simulate.unvibrated_record = lambda *_: {}
 base = baseline()
 pulled = base.replace(side_pull=0.5)
 peg = load_device(pathlib.Path("docs/peg.yaml"), {"side_pull": 2.0})
-rows = Batch.of(base, side_pull=[0.0, 0.5]).constants(Readings())
+rows = Batch.of(base, side_pull=[0.0, 0.5]).constants(Variants())
 short = "--horizon", "1e-3", "--set", "side_pull=0.5"
 place = Constants._fields.index("side_pull")
 runs = [simulate(each, horizon=1e-3) for each in (base, pulled)]

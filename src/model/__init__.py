@@ -10,12 +10,14 @@ from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome, Reason
 from model.events.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
 from model.physics.parameters import Batch, Parameters
-from model.physics.readings import Readings
+from model.physics.variants import Variants
 from model.runs.align import Alignments, align
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.study.assessment import reliable_at
 from model.study.devices import StatedDevice, load_device, read_device
+
+Readings = Variants  # the name in the API
 
 __all__ = [
     "ALIGNMENT",
@@ -32,6 +34,7 @@ __all__ = [
     "Settings",
     "StatedDevice",
     "Trajectory",
+    "Variants",
     "align",
     "load_device",
     "read_device",

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.hard_cases import read_judged
 from benchmarks.work_precision import read_timings
-from model import Batch, Parameters, Readings, Scene, Settings, align, simulate
+from model import Batch, Parameters, Scene, Settings, Variants, align, simulate
 from model.study.csv_tables import TableError
 from model.study.datasets import DatasetError, read_dataset
 from verification.accuracy import read_tables
@@ -55,7 +55,7 @@ CALLS = {
     "half a core": (lambda p: align([p], cores=0.5), ["cores = 0.5"]),
     "an engine that is none": (lambda p: align([p], engine="fast"), ["'fast'", "'batch'"]),
     "lanes for printed readings": (
-        lambda p: align([p], readings=Readings.printed(), engine="batch"), ["batch", "scalar"],
+        lambda p: align([p], readings=Variants.printed(), engine="batch"), ["batch", "scalar"],
     ),
     "something else than parameters": (lambda _: align([{"friction": 0.1}]), ["Parameters"]),
     "one set in place of many": (align, ["Parameters"]),
@@ -70,7 +70,7 @@ CALLS = {
     "a tolerance in words": (lambda p: simulate(p, tolerance="fine"), ["tolerance", "'fine'"]),
     "no evaluation": (lambda p: simulate(p, max_evaluations=0), ["max_evaluations = 0", ">= 1"]),
     "readings that are none": (lambda p: simulate(p, readings="printed"), ["readings", "Readings"]),
-    "a reading that is none": (lambda _: Readings(preload="both"), ["preload", "'both'"]),
+    "a reading that is none": (lambda _: Variants(preload="both"), ["preload", "'both'"]),
     "a contact that is none": (
         lambda _: Scene("mine", frozenset({"edge"})), ["'edge'", "edge_on_face"],
     ),

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.methods.by_hand import outside_of, solve_by_hand
 from benchmarks.methods.scipy_unlocated import ScipyUnlocated
 from benchmarks.problems import Problem, Verdict
-from model import Batch, Readings, Settings, align
+from model import Batch, Settings, Variants, align
 
 COST = {"rk4": 4, "semi_implicit_euler": 1}
 schemes = pytest.mark.parametrize("scheme", COST)
@@ -19,7 +19,7 @@ def solved(case, scheme, step, **changes):
 
 
 def outside(case, solution):
-    return outside_of(solution.states[0, 0], Batch.stack([case]).constants(Readings())[0])
+    return outside_of(solution.states[0, 0], Batch.stack([case]).constants(Variants())[0])
 
 
 @pytest.fixture(scope="module")
@@ -85,10 +85,10 @@ def test_a_batch_is_its_runs_one_by_one(device):
 
 @schemes
 def test_readings_are_read(scheme, slow):
-    printed = Readings(normal_sign="printed")
+    printed = Variants(normal_sign="printed")
     ends = [
         solved(slow, scheme, 0.01, horizon=0.2, readings=readings).states[0, 0]
-        for readings in (Readings(), printed)
+        for readings in (Variants(), printed)
     ]
     assert np.abs(ends[0] - ends[1]).max() > 1e-4
 

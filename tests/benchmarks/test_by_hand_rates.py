@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.methods import by_hand
-from model import Readings
+from model import Variants
 from model.engines.scalar.step import state_of
 from model.events.levels import corner_positions, edge_inside
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
@@ -26,7 +26,7 @@ STATES = 40  # of each kind
 
 @pytest.fixture(scope="module", params=["consistent", "printed"])
 def p(request, device, constants):
-    return constants(device, getattr(Readings, request.param)())
+    return constants(device, getattr(Variants, request.param)())
 
 
 def rates(time, y, p):
@@ -180,13 +180,13 @@ def test_at_rest_there_is_no_friction(device, constants):
 
 
 def test_outside_falls_through_zero_with_the_criterion_in_force(device, constants):
-    aligned = Readings()
+    aligned = Variants()
     p = constants(device, aligned)
     before = np.array([*standing(RIGHT_EDGE, p.half_width - 1e-3, 0.02, 0.1, p), 0.1, 0, 0, 0])
     after = np.array([*standing(RIGHT_EDGE, p.half_width + 1e-3, 0.02, 0.1, p), 0.1, 0, 0, 0])
     assert outside(before, p) > 0.0
     assert outside(after, p) < 0.0
-    printed = constants(device, Readings(alignment_criterion="printed"))
+    printed = constants(device, Variants(alignment_criterion="printed"))
     assert outside(after, printed) > 0.0, "B1 has not passed the edge yet"
 
 

@@ -4,7 +4,7 @@ import pytest
 from benchmarks import modes
 from benchmarks.equations import device
 from benchmarks.trajectories import W1, W3
-from model import Batch, Parameters, Readings
+from model import Batch, Parameters, Variants
 from model.compile.jit import kernel
 from model.physics.modes import (
     CLOSED,
@@ -46,7 +46,7 @@ def project_motion(time, q, p, mode):
 def test_the_peers_motion_is_the_projects_in_every_mode(mode: int, case: Parameters) -> None:
     generator = np.random.default_rng(mode)
     p = np.array(device(case))
-    constants = Constants(*Batch.stack([case]).constants(Readings())[0].tolist())
+    constants = Constants(*Batch.stack([case]).constants(Variants())[0].tolist())
     rates, functions = np.empty(modes.STATE_SIZE), np.empty(modes.EVENT_COUNT)
     for _ in range(50):
         y = modes.start(case) + generator.normal(scale=0.1, size=modes.STATE_SIZE)

@@ -18,7 +18,7 @@ from model.cli import main as cli
 from model.cli import simulate as simulate_command
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
-from model.physics.readings import READING_NAMES, Readings
+from model.physics.variants import VARIANT_NAMES, Variants
 from model.runs.simulate import simulate
 from model.study.config import baseline, load_study, study_path
 from model.study.devices import load_device
@@ -221,7 +221,7 @@ class TestRefusals:
 
     def test_an_unknown_reading_with_the_valid_ones(self, capsys):
         line = refused(capsys, "--reading", "friction=printed")
-        assert all(name in line for name in ("'friction'", *READING_NAMES))
+        assert all(name in line for name in ("'friction'", *VARIANT_NAMES))
 
     def test_an_unknown_value_of_a_reading_with_the_valid_ones(self, capsys):
         line = refused(capsys, "--reading", "friction_law=tanh")
@@ -338,7 +338,7 @@ def test_the_study_and_the_command_line_start_from_the_same(capsys, settings):
     cli.main(["simulate", "--horizon", "0.1", "--json"])
     record = json.loads(capsys.readouterr().out)
     assert record["parameters"] == asdict(baseline())
-    assert record["readings"] == asdict(settings.readings) == asdict(Readings())
+    assert record["readings"] == asdict(settings.readings) == asdict(Variants())
 
 
 def test_as_a_command():

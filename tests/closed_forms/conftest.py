@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model import ALIGNMENT, Batch, Parameters, Readings, Scene
+from model import ALIGNMENT, Batch, Parameters, Scene, Variants
 from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single
@@ -60,7 +60,7 @@ class Course:
         tau_align: float = np.nan,
         **changes: float,
     ) -> None:
-        row = Batch.stack([parameters]).constants(Readings.consistent())[0]
+        row = Batch.stack([parameters]).constants(Variants.consistent())[0]
         self.p = Constants(*row.tolist())._replace(**changes)
         row = np.array(self.p)
         self.parameters, self.steps = parameters, []

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Parameters, Readings, Settings
+from model import Batch, Outcome, Parameters, Settings, Variants
 from model.compile.jit import kernel
 from model.engines.lifecycle import begin
 from model.engines.record import (
@@ -147,7 +147,7 @@ def balance_of(
 def balance(
     parameters: Parameters, settings: Settings, judged: Parameters | None = None
 ) -> Balance:
-    rows = Batch.stack([parameters, judged or parameters]).constants(Readings.consistent())
+    rows = Batch.stack([parameters, judged or parameters]).constants(Variants.consistent())
     scene, method, control = settings.for_kernels
     track, single = np.empty((0, TRACK_COLUMNS)), new_single(method)
     return Balance(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model import Batch, Readings, Reason, Settings, align
+from model import Batch, Reason, Settings, Variants, align
 from model.engines.lifecycle import begin, skip_chatter
 from model.engines.record import EVALUATIONS, EVENTS_AT_ONCE, STATE, TIME
 from model.engines.scalar.loop import new_single
@@ -29,7 +29,7 @@ def standing(device):
         settings = Settings(horizon=1.0)
         scene, method, control = settings.for_kernels
         runs = new_single(method).runs
-        row = Batch.stack([device]).constants(Readings())[0]
+        row = Batch.stack([device]).constants(Variants())[0]
         begin(row, settings.tolerance, scene, control, runs, 0)
         runs[0, EVENTS_AT_ONCE] = at_once
         return runs

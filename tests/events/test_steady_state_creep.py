@@ -15,7 +15,7 @@ from model.events.steady_state import (
 )
 from model.events.table import ALIGNED
 from model.physics.parameters import Batch, Constants
-from model.physics.readings import Readings
+from model.physics.variants import Variants
 
 # Stick-slip that moves the part 2e-5 toward the slot in each period, a little more each time.
 CREEPING = Parameters(
@@ -46,7 +46,7 @@ CREEPING_UNDER_ITS_TRANSIENT = Parameters(
 @pytest.fixture(scope="module")
 def settled(device):
     """(count, period) at which a sequence of states, shape (n, 6), is first called settled."""
-    p = Constants(*Batch.stack([device]).constants(Readings())[0].tolist())
+    p = Constants(*Batch.stack([device]).constants(Variants())[0].tolist())
 
     def make(sequence, distance):
         states, lowest = (

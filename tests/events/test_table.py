@@ -120,11 +120,11 @@ def test_one_function_alone_is_as_in_the_sample(device, constants, random_states
 
 
 def test_printed_friction_never_switches(device, constants):
-    from model import Readings  # noqa: PLC0415
+    from model import Variants  # noqa: PLC0415
 
     out = np.empty(MOST_SAMPLES)
     q = State(0.2, device.half_height - 0.01, 0.0, 0.1, 0.0, 0.0)
-    p = constants(device, Readings(friction_law="printed"))
+    p = constants(device, Variants(friction_law="printed"))
     ALIGNMENT_EVENTS.sample_into(0.0, q, p, START._replace(support_slip=SLIP_NEGATIVE), out)
     assert out[INDEX["SUPPORT_SLIP"]] == NEVER
 

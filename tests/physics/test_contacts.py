@@ -10,7 +10,7 @@ from math import cos, hypot, sin, tan
 import numpy as np
 import pytest
 
-from model import Readings
+from model import Variants
 from model.physics.contacts import contact_load, corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 
@@ -228,7 +228,7 @@ def test_load_is_stiffness_times_depth_plus_damping_times_closing_rate(device, c
 
 def test_printed_load_is_damped_by_the_centres_speed(device, constants):
     changed = device.replace(contact_stiffness=50.0, contact_damping=4.0)
-    p = constants(changed, Readings(contact_damping_law="printed"))
+    p = constants(changed, Variants(contact_damping_law="printed"))
     q = State(0.0, 0.0, 0.0, 3.0, 4.0, 9.0)  # speed 5, whatever the closing rate
     for closing_rate in (0.25, -0.25):
         assert contact_load(2.0, closing_rate, q, p) == pytest.approx(100.0 - 20.0, rel=ROUNDING)
@@ -258,7 +258,7 @@ def test_printed_d1_is_the_depth_with_the_other_sign(p, random_states):
 
 
 def test_printed_n_is_made_of_printed_d1_and_the_speed(device, constants, random_states):
-    p = constants(device, Readings.printed())
+    p = constants(device, Variants.printed())
     for state in random_states(20):
         contact = edge_on_face(RIGHT_EDGE, State(*state), p)
         speed = np.sqrt(state[4] ** 2 + state[3] ** 2)
@@ -268,7 +268,7 @@ def test_printed_n_is_made_of_printed_d1_and_the_speed(device, constants, random
 
 
 def test_printed_d2_is_the_side_gap_as_printed_and_no_distance(device, constants, random_states):
-    p = constants(device, Readings(side_gap="printed"))
+    p = constants(device, Variants(side_gap="printed"))
     furthest = 0.0
     for state in random_states(20):
         depth = edge_on_side(LEFT_EDGE, State(*state), p).depth
@@ -278,7 +278,7 @@ def test_printed_d2_is_the_side_gap_as_printed_and_no_distance(device, constants
 
 
 def test_printed_side_gap_closes_at_its_own_rate(device, constants, random_states):
-    p = constants(device, Readings(side_gap="printed"))
+    p = constants(device, Variants(side_gap="printed"))
     for state in random_states(20):
         gaps = [-printed_d2(Part(along(state, time), p)) for time in (STEP, -STEP)]
         rate = (gaps[0] - gaps[1]) / (2 * STEP)
@@ -288,7 +288,7 @@ def test_printed_side_gap_closes_at_its_own_rate(device, constants, random_state
 
 
 def test_printed_u1_u2_u3_are_the_rows_of_the_sliding_contact(device, constants, random_states):
-    p = constants(device, Readings.printed())
+    p = constants(device, Variants.printed())
     mu, b, length = p.friction, p.half_height, p.slot_half_width
     for state in random_states(20):
         x, tilt = state[0], state[2]
@@ -306,13 +306,13 @@ def test_each_printed_row_comes_from_its_own_switch(device, constants, random_st
         x, tilt = state[0], state[2]
         q = (length - x) / cos(tilt) - b * tan(tilt)
         mended = edge_on_face(RIGHT_EDGE, State(*state), constants(device))
-        p = constants(device, Readings(normal_sign="printed"))
+        p = constants(device, Variants(normal_sign="printed"))
         signs = edge_on_face(RIGHT_EDGE, State(*state), p)
         u1 = signs.normal[0] + mu * signs.tangent[0]
         assert u1 == pytest.approx(sin(tilt) - mu * cos(tilt), abs=ROUNDING)
         assert signs.normal[1:] == mended.normal[1:]
         assert signs.tangent[1:] == mended.tangent[1:]
-        p = constants(device, Readings(moment_arms="printed"))
+        p = constants(device, Variants(moment_arms="printed"))
         arms = edge_on_face(RIGHT_EDGE, State(*state), p)
         assert (arms.normal[2], arms.tangent[2]) == pytest.approx((q, b), abs=ROUNDING)
         assert arms.normal[:2] == mended.normal[:2]
@@ -327,7 +327,7 @@ def test_each_printed_row_comes_from_its_own_switch(device, constants, random_st
 def test_printed_side_force_enters_as_at_a1_with_the_mirrored_q(
     device, constants, random_states, sign
 ):
-    p = constants(device, Readings(side_force="printed", normal_sign=sign))
+    p = constants(device, Variants(side_force="printed", normal_sign=sign))
     flip = 1.0 if sign == "consistent" else -1.0
     for state in random_states(20):
         x, tilt = state[0], state[2]

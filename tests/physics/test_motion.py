@@ -6,7 +6,7 @@ from math import copysign, cos, hypot, pi, sin, tan
 import numpy as np
 import pytest
 
-from model import Parameters, Readings
+from model import Parameters, Variants
 from model.physics.contacts import corner_on_flat, edge_on_face, edge_on_side
 from model.physics.modes import (
     CLOSED,
@@ -29,7 +29,7 @@ NOTHING = Parameters(
     frequency=0.0, clearance=0.1, misalignment=0.2, rest_y=5.0,
 )  # fmt: skip
 """No force at y = 5: k_y = 1 by scaling, so the axial spring can only be relaxed."""
-EVENT_COUNT = [field.name for field in fields(Readings)]
+EVENT_COUNT = [field.name for field in fields(Variants)]
 
 
 def accelerations(at):
@@ -234,9 +234,9 @@ def slip_sign(reading, slip):
 
 
 READINGS = {
-    "consistent": Readings.consistent(),
-    "printed": Readings.printed(),
-    **{name: Readings(**{name: "printed"}) for name in EVENT_COUNT},
+    "consistent": Variants.consistent(),
+    "printed": Variants.printed(),
+    **{name: Variants(**{name: "printed"}) for name in EVENT_COUNT},
 }
 every_reading = pytest.mark.parametrize("readings", READINGS.values(), ids=list(READINGS))
 
@@ -364,7 +364,7 @@ def test_sticking_keeps_the_slip_acceleration_zero(
         at = motion(0.6, State(*state), p, mode)
         assert slip_acceleration(slip(p), state, at) == pytest.approx(0.0, abs=1e-5)
         # The force that does it acts like friction: the sliding sum with T in place of ∓μ n.
-        here = Reference(0.6, state, device, Readings())
+        here = Reference(0.6, state, device, Variants())
         edge = mode.edge
         load, _, force = here.face(edge) if name != "corner" else here.corner(edge)
         total = here.suspension() + force(load, at.support_friction)
@@ -376,7 +376,7 @@ def test_sticking_keeps_the_slip_acceleration_zero(
 def test_two_contacts_sticking_keep_both_slips(device, constants, random_states, side_slides):
     p = constants(device)
     for state in random_states(20, seed=6):
-        here = Reference(0.6, state, device, Readings())
+        here = Reference(0.6, state, device, Variants())
         side_slip = here.side()[1]
         side_state = slip_sign(here.readings, side_slip) if side_slides else STICKING
         mode = START._replace(side=CLOSED, side_slip=side_state)

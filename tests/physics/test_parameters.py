@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from model import Batch, Parameters, Readings
+from model import Batch, Parameters, Variants
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Constants
 
 POSITIVE = ["half_width", "half_height", "clearance", "inertia", "contact_stiffness"]
@@ -159,20 +159,20 @@ def test_rests_default_to_the_start_and_the_half_height(device, constants):
 
 def test_rests_follow_a_sweep_of_what_they_are_derived_from(device):
     batch = Batch.of(device, misalignment=[0.1, 0.3], half_height=[3.0, 4.0], clearance=[0.1, 0.2])
-    rows = [Constants(*row) for row in batch.constants(Readings())]
+    rows = [Constants(*row) for row in batch.constants(Variants())]
     assert [row.rest_x for row in rows] == [0.1, 0.3]
     assert [row.rest_y for row in rows] == [3.0, 4.0]
     assert [row.slot_half_width for row in rows] == [1.0476 * 1.1, 1.0476 * 1.2]
 
 
 def test_printed_preload_relaxes_the_axial_spring_at_zero(device, constants):
-    p = constants(device.replace(rest_y=2.0), Readings(preload="printed"))
+    p = constants(device.replace(rest_y=2.0), Variants(preload="printed"))
     assert (p.rest_x, p.rest_y) == (device.misalignment, 0.0)
 
 
 def test_constants_carry_each_parameter_and_switch_in_its_own_place(constants):
     distinct = {name: 1.0 + 0.01 * i for i, name in enumerate(PARAMETER_NAMES)}
-    p = constants(Parameters(**distinct), Readings(side_gap="printed"))
+    p = constants(Parameters(**distinct), Variants(side_gap="printed"))
     for name, value in distinct.items():
         if name != "clearance":
             assert getattr(p, name) == value

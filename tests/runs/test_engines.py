@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Readings, Settings, align
+from model import Batch, Outcome, Settings, Variants, align
 from model.engines.batch.scheduling import POOL
 from model.engines.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
@@ -105,7 +105,7 @@ def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(
 
 
 def test_one_run_meets_the_same_switches_in_both(batch):
-    rows = batch.constants(Readings())
+    rows = batch.constants(Variants())
     tolerances = np.full(len(rows), 1e-10)
     scalar, lanes = (engine(SETTINGS)(rows, tolerances) for engine in (scalar_engine, batch_engine))
     for name in ("outcome", "reason", "events", "separations"):
@@ -122,7 +122,7 @@ def test_one_run_meets_the_same_switches_in_both(batch):
 
 @pytest.mark.parametrize("count", [1, POOL - 1, POOL, POOL + 1])
 def test_a_run_does_not_depend_on_its_neighbours(batch, count):
-    rows = batch.constants(Readings())
+    rows = batch.constants(Variants())
     run = batch_engine(SETTINGS)
     tolerances = np.full(len(rows), 1e-10)
     whole = run(rows, tolerances)
@@ -135,7 +135,7 @@ def test_an_engine_that_does_not_fit_is_refused(device):
     with pytest.raises(ValueError, match="must be 'batch', 'scalar', or None"):
         align([device], engine="stiff")
     with pytest.raises(ValueError, match="needs the consistent readings"):
-        align([device], engine="batch", readings=Readings.printed())
+        align([device], engine="batch", readings=Variants.printed())
 
 
 def test_a_set_less_accurate_than_promised_is_run_again(device):

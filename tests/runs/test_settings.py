@@ -2,12 +2,12 @@
 
 import pytest
 
-from model import ALIGNMENT, SUSPENDED, Readings, Settings, simulate
+from model import ALIGNMENT, SUSPENDED, Settings, Variants, simulate
 
 
 def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
     settings = Settings()
-    assert settings.readings == Readings.consistent()
+    assert settings.readings == Variants.consistent()
     assert settings.scene is ALIGNMENT
     assert settings.tolerance == 1e-10
     assert settings.control.settling_noise == pytest.approx(1e-8)
@@ -25,7 +25,7 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
         ({"max_evaluations": 0}, "max_evaluations = 0: must be >= 1"),
         ({"start": "press"}, "unknown start 'press'. Did you mean 'pressed'"),
         ({"start": "pressed", "scene": SUSPENDED}, "'suspended' must declare edge_on_face"),
-        ({"start": "pressed", "readings": Readings.printed()}, "needs the consistent readings"),
+        ({"start": "pressed", "readings": Variants.printed()}, "needs the consistent readings"),
     ],
 )
 def test_values_outside_their_range_are_refused(device, change, message):

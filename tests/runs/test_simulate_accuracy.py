@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model import PRINTED_CONTACTS, Batch, Outcome, Readings, Reason, Settings, align, simulate
+from model import PRINTED_CONTACTS, Batch, Outcome, Reason, Settings, Variants, align, simulate
 from model.engines.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
 
@@ -41,7 +41,7 @@ def mean_errors(batch, tolerances, engine):
     exact, means = align(batch, tolerance=1e-14), []
     assert set(exact.outcome) == {Outcome.ALIGNED}
     for tolerance in tolerances:
-        endings = engine(batch.constants(Readings()), np.full(len(batch), tolerance))
+        endings = engine(batch.constants(Variants()), np.full(len(batch), tolerance))
         error = np.abs(endings[:, RunResult._fields.index("tau_align")] - exact.tau_align)
         means.append(np.exp(np.mean(np.log(np.maximum(error, 1e-15)))))  # rounding of times
     return np.array(means)

@@ -13,9 +13,9 @@ from model import (
     Batch,
     Outcome,
     Parameters,
-    Readings,
     Reason,
     Scene,
+    Variants,
     align,
     simulate,
 )
@@ -171,7 +171,7 @@ def search(device, **changes):
 
 
 @pytest.mark.parametrize(
-    "readings", [Readings.consistent(), Readings.printed()], ids=["mended", "printed"]
+    "readings", [Variants.consistent(), Variants.printed()], ids=["mended", "printed"]
 )
 def test_every_run_of_a_wide_cloud_ends_with_a_consistent_word(device, readings):
     result = search(device, readings=readings)
@@ -229,7 +229,7 @@ def test_every_word_is_there():
 
 
 def test_printed_criterion_is_the_four_corner_conditions(device):
-    run = simulate(device, readings=Readings(alignment_criterion="printed"))
+    run = simulate(device, readings=Variants(alignment_criterion="printed"))
     other = simulate(device)
     assert run.outcome is Outcome.ALIGNED
     assert run.tau_align == run.tau_corners_inside
@@ -251,7 +251,7 @@ def test_a_run_may_end_at_alignment(device, engine):
 
 
 def test_alignment_by_the_printed_criterion_is_that_of_all_corners(device):
-    printed = Readings(alignment_criterion="printed")
+    printed = Variants(alignment_criterion="printed")
     runs = align([device], readings=printed, alignment_only=True)
     assert runs.tau_align[0] == runs.tau_corners_inside[0]
 
@@ -260,14 +260,14 @@ def test_printed_sign_pushes_away_from_the_slot(device):
     # The print's U1 belongs to the mirror image: without friction the tilted face pushes to +x.
     p = device.replace(friction=0.0, initial_tilt=0.1, frequency=0.5)
     mended = simulate(p, horizon=2.0)
-    printed = simulate(p, readings=Readings(normal_sign="printed"), horizon=2.0)
+    printed = simulate(p, readings=Variants(normal_sign="printed"), horizon=2.0)
     assert mended.state[-1, 0] < p.misalignment < printed.state[-1, 0]
 
 
 def test_printed_preload_raises_the_press_force_axis_by_the_half_height(device):
     # -(y - 0) - f0 = -(y - b) - (f0 + b): the two readings are each other at shifted f0.
     printed = simulate(device.replace(press_force=3.0 - device.half_height),
-                       readings=Readings(preload="printed"))  # fmt: skip
+                       readings=Variants(preload="printed"))  # fmt: skip
     mended = simulate(device)
     assert printed.outcome is mended.outcome
     assert printed.tau_align == pytest.approx(mended.tau_align, abs=1e-9)
@@ -278,7 +278,7 @@ def test_printed_preload_raises_the_press_force_axis_by_the_half_height(device):
 )
 def test_each_switch_changes_the_run(device, name):
     mended = simulate(device, horizon=40.0)
-    printed = simulate(device, readings=Readings(**{name: "printed"}), horizon=40.0)
+    printed = simulate(device, readings=Variants(**{name: "printed"}), horizon=40.0)
     assert (printed.outcome, printed.tau_align) != (mended.outcome, mended.tau_align)
 
 
@@ -286,7 +286,7 @@ def test_each_switch_changes_the_run(device, name):
 def test_each_switch_of_the_side_changes_a_run_that_meets_the_side(device, name):
     p = device.replace(frequency=0.5)
     mended = simulate(p, horizon=40.0)
-    printed = simulate(p, readings=Readings(**{name: "printed"}), horizon=40.0)
+    printed = simulate(p, readings=Variants(**{name: "printed"}), horizon=40.0)
     assert (printed.outcome, printed.tau_align) != (mended.outcome, mended.tau_align)
 
 
@@ -316,7 +316,7 @@ def test_any_device_ends_in_time_with_finite_numbers(
     values = {name: getattr(device, name) * factor for name, factor in factors.items()}
     values["misalignment"] = place * values["half_width"] * (2.0 + values["clearance"])
     p = device.replace(**values, press_force=press_force, initial_tilt=initial_tilt)
-    readings = Readings.printed() if printed else Readings.consistent()
+    readings = Variants.printed() if printed else Variants.consistent()
     budget = 400_000
     run = simulate(p, readings=readings, horizon=30.0, max_evaluations=budget, tolerance=1e-8)
     assert np.isfinite(run.state).all()
@@ -343,7 +343,7 @@ def test_printed_criterion_keeps_the_horizon_after_the_contact_is_lost():
         contact_damping=2.8,
     )  # fmt: skip
     assert simulate(p, horizon=60.0).tau_align == pytest.approx(2.86, abs=0.01)
-    printed = simulate(p, readings=Readings(alignment_criterion="printed"), horizon=60.0)
+    printed = simulate(p, readings=Variants(alignment_criterion="printed"), horizon=60.0)
     assert printed.outcome is Outcome.HORIZON_REACHED
     assert printed.time[-1] == 60.0
 

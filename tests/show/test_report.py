@@ -14,7 +14,7 @@ from benchmarks.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
 from benchmarks.report.work_precision_plots import CAPTIONS, advice
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
-from model.physics.readings import READING_NAMES
+from model.physics.variants import VARIANT_NAMES
 from model.show.report import background
 from model.show.report.background import READING_WORDS
 from model.show.report.figures import HEAD, Counts, _ranges
@@ -352,8 +352,8 @@ def test_every_file_that_the_page_shows_is_an_input(study, root):
 
 
 def test_every_switch_of_the_readings_is_explained(rendered):
-    assert set(READING_WORDS) == set(READING_NAMES)
-    assert all(f"<code>{name}</code>" in rendered for name in READING_NAMES)
+    assert set(READING_WORDS) == set(VARIANT_NAMES)
+    assert all(f"<code>{name}</code>" in rendered for name in VARIANT_NAMES)
 
 
 def test_words_from_the_configuration_are_escaped(study, root):

@@ -14,9 +14,9 @@ from model.cli.tables import in_columns
 from model.compile.cache import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import LENGTH, TIME, Quantity
-from model.physics.readings import READING_NAMES, Readings
 from model.physics.rest import Start
 from model.physics.units import UNITS, Units
+from model.physics.variants import VARIANT_NAMES, Variants
 from model.runs.settings import SCENES, Settings
 from model.study.config import FIGURES, load_study, study_path
 from model.study.devices import StatedDevice, read_device
@@ -89,7 +89,7 @@ def add_model_options(parser: Any, scene: str = "alignment") -> None:
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
     words = "variant of all disputed equations of the paper (default: as in the study)"
     add("--readings", choices=_READINGS, help=words)
-    names = ", ".join(READING_NAMES)
+    names = ", ".join(VARIANT_NAMES)
     words = f"variant of one equation, consistent or printed; may be repeated: {names}"
     add(
         "--reading",
@@ -189,9 +189,9 @@ def settings_of(
     """
     switches: dict[str, Any] = asdict(of_study.readings)
     if arguments.readings:
-        switches = dict.fromkeys(READING_NAMES, arguments.readings)
+        switches = dict.fromkeys(VARIANT_NAMES, arguments.readings)
     for name, value in pairs(arguments.switches, "--reading").items():
-        check_name(name, READING_NAMES, "reading")
+        check_name(name, VARIANT_NAMES, "reading")
         switches[name] = value
     horizon, tolerance = of_study.horizon, of_study.tolerance
     if arguments.horizon is not None:
@@ -202,7 +202,7 @@ def settings_of(
     if arguments.tolerance is not None:
         tolerance = number("tolerance", arguments.tolerance)
     return Settings(
-        readings=Readings(**switches),
+        readings=Variants(**switches),
         scene=SCENES[arguments.scene],
         start=arguments.start or start or of_study.start,
         insertion_depth=depth,

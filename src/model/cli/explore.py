@@ -15,7 +15,7 @@ from model.cli.arguments import (
     stated_device,
 )
 from model.cli.files import check_file
-from model.physics.readings import Readings
+from model.physics.variants import Variants
 from model.study.config import load_study, study_path
 from model.study.devices import StatedDevice
 from model.study.devices.base import SOURCES
@@ -47,7 +47,7 @@ def _explore(arguments: argparse.Namespace) -> int:
     else:
         (units, parameters), start = stated.device, stated.start
     settings = settings_of(study.settings.settings, arguments, units, start)
-    if settings.readings != Readings.consistent():
+    if settings.readings != Variants.consistent():
         raise ValueError(
             "explore: the page runs the consistent readings only; leave out --readings and "
             "--reading, or use vibralign simulate --animate"

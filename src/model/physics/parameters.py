@@ -32,8 +32,8 @@ from model.physics.quantities import (
     TILT_STIFFNESS,
     Quantity,
 )
-from model.physics.readings import READING_NAMES, Readings
 from model.physics.tables import described, entries, field_of
+from model.physics.variants import VARIANT_NAMES, Variants
 
 Bound = Literal["", "> 0", ">= 0"]
 Table = TypeVar("Table")
@@ -219,7 +219,7 @@ _RESOLVED = {"clearance": "slot_half_width"}
 _CONSTANTS = (
     *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
     "insertion_depth",
-    *(f"printed_{name}" for name in READING_NAMES if name != "preload"),
+    *(f"printed_{name}" for name in VARIANT_NAMES if name != "preload"),
 )
 
 
@@ -227,7 +227,7 @@ class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
     """Numbers that kernels compute with: defaults resolved, readings as 0.0 or 1.0.
 
     Parameters keep their names, but ``slot_half_width`` replaces the clearance; ``insertion_depth``
-    is that of the settings, and ``printed_*`` are the fields of ``Readings``.
+    is that of the settings, and ``printed_*`` are the fields of ``Variants``.
     """
 
     __slots__ = ()
@@ -363,7 +363,7 @@ class Batch:
         return depths
 
     def constants(
-        self, readings: Readings, insertion_depth: float | None = None
+        self, readings: Variants, insertion_depth: float | None = None
     ) -> NDArray[np.float64]:
         """Return the ``Constants`` of each parameter set as a row, shape (n, constants).
 
@@ -374,7 +374,7 @@ class Batch:
             columns["rest_y"] = 0.0  # an axial spring relaxed at 0
         if insertion_depth is not None:
             columns["insertion_depth"] = insertion_depth
-        columns |= {f"printed_{name}": readings.is_printed(name) for name in READING_NAMES}
+        columns |= {f"printed_{name}": readings.is_printed(name) for name in VARIANT_NAMES}
         rows = np.empty((len(self), len(_CONSTANTS)))
         for place, name in enumerate(_CONSTANTS):
             rows[:, place] = columns[name]

@@ -13,7 +13,7 @@ from model.engines.queue import Queue, new_queue
 from model.engines.results import RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_single
 from model.engines.scalar.tableaux import DOP853
-from model.physics.readings import Readings
+from model.physics.variants import Variants
 from model.runs.settings import Settings
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = Fa
 
 def batch_engine_fits(settings: Settings) -> bool:
     """Return whether the batch engine runs these settings."""
-    return settings.readings == Readings.consistent()
+    return settings.readings == Variants.consistent()
 
 
 def error_carrying_engine(

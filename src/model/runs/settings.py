@@ -15,8 +15,8 @@ from model.events.kernels import SceneKernels, in_kernels
 from model.events.outcomes import Outcome
 from model.events.scenes import ALIGNMENT, Scene
 from model.physics.parameters import Batch, check_name
-from model.physics.readings import Readings
 from model.physics.rest import Start
+from model.physics.variants import Variants
 
 SCENES: dict[str, Scene] = {scene.name: scene for scene in (ALIGNMENT, INSERTION)}
 """Scenes that devices and maps may ask for, by name."""
@@ -50,7 +50,7 @@ class Settings:
         ValueError: a setting out of range.
     """
 
-    readings: Readings = field(default_factory=Readings)
+    readings: Variants = field(default_factory=Variants)
     scene: Scene = ALIGNMENT
     start: Start = "simultaneous"
     insertion_depth: float | None = None
@@ -64,12 +64,13 @@ class Settings:
         for name in ("horizon", "tolerance", "max_evaluations"):
             if not isinstance(getattr(self, name), numbers.Real):
                 raise TypeError(f"{name} = {getattr(self, name)!r}: must be a number")
-        kinds = {"readings": Readings, "scene": Scene}
+        kinds = {"readings": Variants, "scene": Scene}
         for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
-                raise TypeError(f"{name} = {getattr(self, name)!r}: must be a {kind.__name__}")
+                called = "Readings" if kind is Variants else kind.__name__  # as the API calls them
+                raise TypeError(f"{name} = {getattr(self, name)!r}: must be a {called}")
         check_name(self.start, get_args(Start), "start")
-        if self.start == "pressed" and self.readings != Readings.consistent():
+        if self.start == "pressed" and self.readings != Variants.consistent():
             raise ValueError(
                 "start = 'pressed': needs the consistent readings; choose them or 'simultaneous'"
             )

@@ -18,8 +18,8 @@ from model.engines.results import RunResult
 from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
 from model.events.scenes import ALIGNMENT
 from model.physics.parameters import Batch, Parameters
-from model.physics.readings import Readings
 from model.physics.rest import rest_under_press
+from model.physics.variants import Variants
 from model.runs.engines import engine_for
 from model.runs.settings import Settings
 
@@ -69,7 +69,7 @@ def slow_tilt(batch: Batch, settings: Settings) -> Array:
     NaN as well unless the readings are consistent, since physics/rest.py knows no others.
     """
     tilts = np.full(len(batch), np.nan)
-    if settings.readings == Readings.consistent():
+    if settings.readings == Variants.consistent():
         _rest_of_each(batch.constants(settings.readings), tilts)
     return tilts
 

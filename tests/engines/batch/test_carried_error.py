@@ -15,7 +15,7 @@ from model.events.table import number_of
 from model.physics.modes import CLOSED, RELEASED, START, STICKING
 from model.physics.notation import State
 from model.physics.parameters import Batch, Constants
-from model.physics.readings import Readings
+from model.physics.variants import Variants
 
 KERNELS = in_vector_kernels(ALIGNMENT).events
 NOW = 0.7
@@ -34,7 +34,7 @@ def flow(state, since, until, p, mode):
 
 @pytest.fixture
 def p(device):
-    return Constants(*Batch.stack([device]).constants(Readings.consistent())[0])
+    return Constants(*Batch.stack([device]).constants(Variants.consistent())[0])
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from model.engines.scalar.tableaux import DOP853
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
-from model.physics.readings import READING_NAMES
+from model.physics.variants import VARIANT_NAMES
 from model.show.report.section import (
     Results,
     Section,
@@ -21,7 +21,7 @@ from model.show.words import figure_title, number
 from model.study.config import COMPUTED
 from model.tracking.provenance import file_hash, versions
 
-# Number and subject of every disputed equation; model.physics.readings says what each value does.
+# Number and subject of every disputed equation; model.physics.variants says what each value does.
 READING_WORDS: Mapping[str, tuple[str, str]] = {
     "normal_sign": ("R1", "sign of the horizontal component of the contact force"),
     "friction_law": ("R2", "Coulomb friction with sticking, or one fixed direction"),
@@ -76,7 +76,7 @@ def equations(results: Results) -> Section:
     """Return the section on the variants of the equations that the figures use."""
     settings = results.study.settings.settings
     rows = []
-    for name in READING_NAMES:
+    for name in VARIANT_NAMES:
         index, words = READING_WORDS[name]
         rows.append((index, _CODE.format(name), words, getattr(settings.readings, name)))
     lead = (

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from model.physics import geometry
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Batch, Constants, Parameters
-from model.physics.readings import Readings
+from model.physics.variants import Variants
 
 Point = NDArray[np.float64]
 
@@ -97,5 +97,5 @@ def resting_pose(parameters: Parameters) -> Pose:
     """Return the start of the model with the drawing's tilt: the bottom face touches A1, d = 0."""
     tilt = drawing_tilt(parameters)
     batch = Batch.stack([parameters.replace(initial_tilt=tilt)])
-    constants = Constants(*(float(value) for value in batch.constants(Readings.consistent())[0]))
+    constants = Constants(*(float(value) for value in batch.constants(Variants.consistent())[0]))
     return Pose(parameters.misalignment, geometry.resting_height(constants), tilt, constants)

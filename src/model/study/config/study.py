@@ -7,8 +7,8 @@ from pydantic import Field, model_validator
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import Parameters, check_name
-from model.physics.readings import READING_NAMES, Readings
 from model.physics.rest import Start
+from model.physics.variants import VARIANT_NAMES, Variants
 from model.runs.settings import SCENES, Settings
 from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Strict, Text, Tolerance
@@ -45,7 +45,7 @@ class RunSettings(Strict):
     def _fit_together(self) -> "RunSettings":
         if isinstance(self.readings, dict):
             for name in self.readings:
-                check_name(name, READING_NAMES, "reading")
+                check_name(name, VARIANT_NAMES, "reading")
         _ = self.settings  # a pressed start needs the consistent readings, a depth its scene
         return self
 
@@ -65,9 +65,9 @@ class RunSettings(Strict):
     def settings(self) -> Settings:
         """Settings as ``simulate`` and ``align`` take them."""
         if isinstance(self.readings, dict):
-            readings = Readings(**self.readings)
+            readings = Variants(**self.readings)
         else:
-            readings = getattr(Readings, self.readings)()
+            readings = getattr(Variants, self.readings)()
         return Settings(
             readings=readings,
             scene=SCENES[self.scene],

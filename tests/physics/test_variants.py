@@ -4,8 +4,8 @@ import dataclasses
 
 import pytest
 
-from model import Readings
-from model.physics.readings import READING_NAMES
+from model import Variants
+from model.physics.variants import VARIANT_NAMES
 
 # The table of the readings, R1 to R9 without R7, which cannot be run.
 TABLE = {
@@ -15,27 +15,27 @@ TABLE = {
 
 
 def test_every_row_of_the_table_is_a_switch():
-    assert set(READING_NAMES) == TABLE
+    assert set(VARIANT_NAMES) == TABLE
 
 
 def test_consistent_is_the_default_and_printed_is_all_printed():
-    assert Readings() == Readings.consistent()
-    assert set(dataclasses.asdict(Readings()).values()) == {"consistent"}
-    assert set(dataclasses.asdict(Readings.printed()).values()) == {"printed"}
+    assert Variants() == Variants.consistent()
+    assert set(dataclasses.asdict(Variants()).values()) == {"consistent"}
+    assert set(dataclasses.asdict(Variants.printed()).values()) == {"printed"}
 
 
 @pytest.mark.parametrize("name", sorted(TABLE))
 def test_each_switch_is_set_by_name_alone(name):
-    readings = Readings(**{name: "printed"})
+    readings = Variants(**{name: "printed"})
     assert [other for other in TABLE if readings.is_printed(other)] == [name]
 
 
 @pytest.mark.parametrize("value", ["print", "", True, None])
 def test_another_value_is_refused(value):
     with pytest.raises(ValueError, match=r"readings\.preload = .* 'consistent' or 'printed'"):
-        Readings(preload=value)
+        Variants(preload=value)
 
 
 def test_another_switch_is_refused():
     with pytest.raises(TypeError, match="normal_signs"):
-        Readings(normal_signs="printed")
+        Variants(normal_signs="printed")

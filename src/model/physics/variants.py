@@ -7,12 +7,12 @@ and the documentation; R7 of that list (F1 must be an amplitude) cannot be run e
 from dataclasses import dataclass, fields
 from typing import Literal, get_args
 
-Reading = Literal["consistent", "printed"]
+Variant = Literal["consistent", "printed"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Readings:
-    """Readings of the paper's equations; each value is ``"consistent"`` or ``"printed"``.
+class Variants:
+    """Variants of the paper's equations; each value is ``"consistent"`` or ``"printed"``.
 
     Attributes:
         normal_sign: R1. Sign of the contact's horizontal component U1. Printed: that of the mirror
@@ -34,32 +34,32 @@ class Readings:
         ValueError: a value that is neither ``"consistent"`` nor ``"printed"``.
     """
 
-    normal_sign: Reading = "consistent"
-    friction_law: Reading = "consistent"
-    contact_damping_law: Reading = "consistent"
-    side_gap: Reading = "consistent"
-    side_force: Reading = "consistent"
-    preload: Reading = "consistent"
-    alignment_criterion: Reading = "consistent"
-    moment_arms: Reading = "consistent"
+    normal_sign: Variant = "consistent"
+    friction_law: Variant = "consistent"
+    contact_damping_law: Variant = "consistent"
+    side_gap: Variant = "consistent"
+    side_force: Variant = "consistent"
+    preload: Variant = "consistent"
+    alignment_criterion: Variant = "consistent"
+    moment_arms: Variant = "consistent"
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if value not in get_args(Reading):
+            if value not in get_args(Variant):
                 raise ValueError(
                     f"readings.{field.name} = {value!r}: must be 'consistent' or 'printed'"
                 )
 
     @classmethod
-    def consistent(cls) -> "Readings":
+    def consistent(cls) -> "Variants":
         """Return the variant with every misprint corrected (the default)."""
         return cls()
 
     @classmethod
-    def printed(cls) -> "Readings":
+    def printed(cls) -> "Variants":
         """Return the equations as printed in the paper."""
-        printed: dict[str, Reading] = dict.fromkeys(READING_NAMES, "printed")
+        printed: dict[str, Variant] = dict.fromkeys(VARIANT_NAMES, "printed")
         return cls(**printed)
 
     def is_printed(self, name: str) -> float:
@@ -67,4 +67,4 @@ class Readings:
         return float(getattr(self, name) == "printed")
 
 
-READING_NAMES: tuple[str, ...] = tuple(field.name for field in fields(Readings))
+VARIANT_NAMES: tuple[str, ...] = tuple(field.name for field in fields(Variants))
