@@ -127,7 +127,6 @@ VIEWS = """
 import contextlib, io, json, pathlib
 
 import model.cli.simulate
-import model.engines.queue
 from model import Batch, simulate
 from model.cli import main as cli
 from model.physics.notation import State
@@ -142,11 +141,6 @@ def printed(*arguments):
         assert cli.main(["simulate", *arguments]) == cli.DONE
     return out.getvalue()
 
-def added_one(queue):  # uncompiled, as all kernels here
-    queue[0] += 1
-    return queue[0] - 1
-
-model.engines.queue._added_one = added_one
 # The twin takes the batch engine, which runs compiled only.
 model.cli.simulate.unvibrated_words = lambda *_: ""
 model.cli.simulate.unvibrated_record = lambda *_: {}
@@ -172,12 +166,8 @@ print(json.dumps({
 """
 
 SERIES = """
-from model.engines.batch.kinds import (
-    ALIGNMENT_KINDS,
-)
-from model.engines.batch.series import (
-    recurrences,
-)
+from model.engines.batch.kinds import ALIGNMENT_KINDS
+from model.engines.batch.series import recurrences
 from model.physics.parameters import Constants
 
 place = Constants._fields.index("side_pull")

@@ -2,6 +2,10 @@
 
 import inspect
 import linecache
+import os
+import re
+import subprocess
+import sys
 import traceback
 from pathlib import Path
 
@@ -45,6 +49,39 @@ def test_a_debugger_finds_the_source_of_a_generated_function():
 def test_a_debugger_finds_the_source_of_the_kernels_of_events():
     shown = inspect.getsource(python_of(ALIGNMENT_EVENTS.reset))
     assert shown.startswith("def reset(which, q, p, mode):\n    if which == ")
+
+
+RUN = """
+from model.study.config import baseline
+from model.runs.settings import Settings
+from model.runs.simulate import simulate_once
+simulate_once(baseline(), Settings(horizon=1e-3))
+"""
+# The first sample is that of the track's first row, the second is taken by the event location.
+COMMANDS = """
+from model.events.kernels import ALIGNMENT_EVENTS
+b ALIGNMENT_EVENTS.sample_into
+c
+c
+step
+next
+where
+q
+"""
+
+
+def test_a_debugger_steps_through_event_location_in_a_run_without_compiling(tmp_path):
+    script = tmp_path / "run.py"
+    script.write_text(RUN)
+    settings = {"NUMBA_DISABLE_JIT": "1", "VIBRALIGN_CACHE": str(tmp_path)}
+    debugged = subprocess.run(
+        [sys.executable, "-m", "pdb", script], input=COMMANDS.strip(), env=os.environ | settings,
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    _, located, shown = debugged.partition("scalar/location.py")
+    assert located, debugged
+    assert re.search(r"sources/alignment\.sample_into-\w+\.py\(2\)\S+\n-> found = sample\(", shown)
+    assert re.search(r"sources/alignment\.sample-\w+\.py\(2\)sample\(\)\n-> f0 = NEVER", shown)
 
 
 def test_the_same_source_is_kept_once_and_as_it_was(folder):

@@ -8,6 +8,7 @@ from numba.core import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from model.compile.cache import config
 from model.compile.jit import kernel
 
 Queue = NDArray[np.int64]
@@ -30,10 +31,19 @@ def _added_one(_context: Any, queue: Any) -> Any:
     return types.int64(queue), generate
 
 
+def _added_one_in_python(queue: Queue) -> Any:
+    """``_added_one`` where nothing is compiled, for one thread."""
+    queue[0] += 1
+    return queue[0] - 1
+
+
+_take = _added_one_in_python if config.DISABLE_JIT else _added_one
+
+
 @kernel
 def next_in(queue):
     """Take and return the row of the next parameter set; beyond the last if none waits."""
-    return _added_one(queue)  # type: ignore[call-arg]
+    return _take(queue)  # type: ignore[call-arg]
 
 
 @kernel
