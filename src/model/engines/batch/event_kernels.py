@@ -18,12 +18,12 @@ from model.compile.source import Lines, Writer
 from model.compile.vector_code import WIDTH
 from model.engines.batch import step, workspace
 from model.engines.batch.kinds import (
-    VARIANTS,
+    MODES_OF_A_KIND,
     held_modes,
     kind_in,
     kinds_of,
+    mode_in_kind,
     numbers_of,
-    variant_in,
 )
 from model.engines.batch.series import (
     EventQuantities,
@@ -206,8 +206,8 @@ def _enter(event: LaneEvent, write: Writer) -> Lines:
 
 
 def _masks(watched: list[LaneEvent], kinds: int) -> NDArray[np.int64]:
-    """Return the masks of the events that may apply in each variant of each kind of mode."""
-    masks = np.zeros((kinds, VARIANTS), np.int64)
+    """Return the masks of the events that may apply in each mode of each kind."""
+    masks = np.zeros((kinds, MODES_OF_A_KIND), np.int64)
     for event in watched:
         for place in event.places:
             masks[place] |= 1 << event.number
@@ -304,9 +304,9 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
     )
     write.known |= {"NUMBERS": numbers_of(kinds), "kind_in": kind_in}
     write.write(inlined_kernel, "kind_of(mode)", iter(("return kind_in(NUMBERS, mode)",)))
-    write.known |= {"MASKS": _masks(watched, len(kinds)), "variant_in": variant_in}
+    write.known |= {"MASKS": _masks(watched, len(kinds)), "mode_in_kind": mode_in_kind}
     write.write(
-        inlined_kernel, "applicable(kind, mode)", iter(("return MASKS[kind, variant_in(mode)]",))
+        inlined_kernel, "applicable(kind, mode)", iter(("return MASKS[kind, mode_in_kind(mode)]",))
     )
     members = base.members | write.members | numbers
     members |= {

@@ -123,11 +123,11 @@ def kind_in(numbers, mode):
     return numbers[place, support, side]
 
 
-VARIANTS = 32  # of a kind of mode
+MODES_OF_A_KIND = 32  # of a kind of mode
 
 
 @inlined_kernel
-def variant_in(mode):
+def mode_in_kind(mode):
     """Return the number of a mode in its kind: which contacts are released, and whether it fell."""
     right = int(mode.face == RELEASED) + 2 * int(mode.corner == RELEASED)
     left = int(mode.side == RELEASED) + 2 * int(mode.wall == RELEASED)
@@ -135,7 +135,7 @@ def variant_in(mode):
 
 
 class HeldMode(NamedTuple):
-    """A mode that lanes hold, and its place among them: the numbers of its kind and variant."""
+    """A mode that lanes hold, and its place among them: the numbers of its kind and in it."""
 
     mode: Mode
     place: tuple[int, int]
@@ -161,6 +161,6 @@ def held_modes(inserts: bool) -> list[HeldMode]:
         for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
     ]  # fmt: skip
     numbers = numbers_of(kinds_of(inserts))
-    kind_of, variant_of = python_of(kind_in), python_of(variant_in)
-    places = ((kind_of(numbers, mode), variant_of(mode)) for mode in modes)
+    kind_of, mode_in = python_of(kind_in), python_of(mode_in_kind)
+    places = ((kind_of(numbers, mode), mode_in(mode)) for mode in modes)
     return [HeldMode(*each) for each in zip(modes, places, strict=True) if each[1][0] >= 0]
