@@ -1,4 +1,4 @@
-# make            the environment and every result of the study (also the command to restart with)
+# make            the environment and every result of the study: `snakemake -c2`; also to restart with
 # make fig06      one figure
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
@@ -49,13 +49,9 @@ unexport PYTHONHOME PYTHONPATH
 
 # --------------------------------------------------------------------------------------- the study
 
-# $(call run_study,OPTIONS AND TARGETS), under a lock of our own; see workflow/settle.py. The caller's
-# options come last: one that takes several values would take the targets for some.
-run_study = @$(call hold,refuse,.make-study.lock) /bin/sh -ec ' \
-	export $(in_env); \
-	run="snakemake $(1) --workflow-profile profiles/$(PROFILE) $(cores_of_study) $(SNAKEMAKE_FLAGS)"; \
-	python workflow/settle.py $$run; \
-	exec $$run'
+# $(call run_study,OPTIONS AND TARGETS). The caller's options come last: one that takes several
+# values would take the targets for some.
+run_study = $(in_env) snakemake $(1) --workflow-profile profiles/$(PROFILE) $(cores_of_study) $(SNAKEMAKE_FLAGS)
 
 all: environment
 	$(call run_study,)
@@ -78,12 +74,9 @@ yields: environment
 
 SETS ?= 10000
 SCENE ?= alignment
-fuzzed = {\"fuzz\":{\"sets\":$(SETS),\"scene\":\"$(SCENE)\"}}# its comma would end an argument of call
+fuzzed = '{"fuzz":{"sets":$(SETS),"scene":"$(SCENE)"}}'# its comma would end an argument of call
 fuzz: environment
 	$(call run_study,fuzz --config accuracy=$(fuzzed))
-
-# $(call hold,wait|refuse,FILE) COMMAND: run COMMAND holding a lock on FILE.
-hold = $(PYTHON) workflow/hold.py $(1) $(2)
 
 # --------------------------------------------------------------------------------------- the checks
 
@@ -154,14 +147,17 @@ truth: environment-bench
 # stamp is written last: an environment whose building was interrupted does not count.
 TAG := $(shell $(PYTHON) -c 'import sys; print("%d.%d.%d" % sys.version_info[:3])' 2>/dev/null)
 
-# One make at a time; the one that waited finds the environment complete.
+# One make at a time, by a lock that the system drops with the process; the one that waited finds the
+# environment complete.
+hold = $(PYTHON) -c 'import fcntl, os, sys; \
+	lock = os.open(".make-environment.lock", os.O_RDWR | os.O_CREAT, 0o644); \
+	fcntl.flock(lock, fcntl.LOCK_EX); os.set_inheritable(lock, True); os.execvp(sys.argv[1], sys.argv[1:])'
+
 environment: python
-	@$(call hold,wait,.make-environment.lock) \
-		$(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
+	@$(hold) $(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
 
 environment-bench: python
-	@$(call hold,wait,.make-environment.lock) \
-		$(MAKE) --silent --no-print-directory .venv-bench/.complete-$(TAG)
+	@$(hold) $(MAKE) --silent --no-print-directory .venv-bench/.complete-$(TAG)
 
 # With this package, as the checkout holds it.
 .venv/.complete-$(TAG): requirements.lock pyproject.toml
@@ -212,8 +208,9 @@ pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproj
 	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)
 
 clean:
-	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m model.tracking.cluster
-	rm -rf results results-* .snakemake build dist site
+	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m model.tracking.slurm
+	find results -mindepth 1 ! -name README.md -delete
+	rm -rf results-* .snakemake build dist site
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean

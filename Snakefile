@@ -2,33 +2,37 @@
 
 from pathlib import Path
 
+from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 from model.study.config import COMPUTED, FIGURES, GRIDDED, HISTORIES, MAPS, SCHEMATICS
 from model.study.config import ConfigError, check_study, study_files
+from model.tracking.invocation import begin
 
-min_version("9.0")
+min_version("9.14")
 
 
 report: "workflow/report/study.rst"
 
 
-include: "workflow/rules/recording.smk"
+container: "vibralign.sif"  # for `--sdm apptainer` only: docs/howto/run-on-a-cluster.md
 
 
-for file in study_files(Path("config/config.yaml")):
+for file in study_files(Path(workflow.basedir, "config/config.yaml")):
 
     configfile: file
 
 
+invocation = begin(config)
 try:
     study = check_study(config, "config")
 except ConfigError as fault:
-    unread = f"the configuration breaks a rule\n{fault}"
-    raise WorkflowError(unread)
-
-root = invocation.root = Path(study.results_root)
+    raise WorkflowError(f"the configuration breaks a rule\n{fault}")
 invocation.state(study=study.model_dump(mode="json"))
+
+
+pathvars:
+    results=study.results_root,
 
 
 wildcard_constraints:
@@ -37,24 +41,18 @@ wildcard_constraints:
     map="|".join(study.map_names),
 
 
-include: "workflow/rules/job.smk"
+include: "workflow/rules/common.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/maps.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/accuracy.smk"
-include: "workflow/rules/fuzz.smk"
+include: "workflow/rules/recording.smk"
 
 
 rule all:
     default_target: True
     input:
-        root / "report.html",
-        root / "runs.csv",
-        page_files,
-
-
-if workflow.is_main_process:
-    announce(study_hash, codes)
-unread = None  # the rules are, from here
+        "<results>/report.html",
+    localrule: True

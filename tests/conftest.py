@@ -1,7 +1,9 @@
 """Shared fixtures. Floating-point accidents are errors: no test may pass on a silent NaN."""
 
 import json
-from collections.abc import Callable, Iterator
+import os
+from collections.abc import Callable, Iterator, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +26,7 @@ from model.study.config import (
 )
 from model.study.datasets import write_dataset
 from model.tracking.invocation import Invocation
-from model.tracking.provenance import INVOCATION, Job
+from model.tracking.job import INVOCATION, write_sidecar
 
 CONSISTENT = Variants.consistent()
 
@@ -159,9 +161,16 @@ class RecordedStudy:
 
     def invocation(self) -> Invocation:
         made = Invocation(self.root)
-        made.announce()
-        made.start()
+        os.environ[INVOCATION] = made.name
+        made.record()
         return made
+
+    def sidecar(
+        self, run: str, files: Sequence[Path], inputs: Sequence[Path] = (), **facts: Any
+    ) -> None:
+        """The sidecar of a job, beside the first of its files."""
+        record = files[0].with_suffix(".run.json")
+        write_sidecar(record, run, files, inputs, {"code": "0", **facts}, datetime.now(UTC))
 
     def log(self, run: str, text: str = "") -> None:
         path = self.root / "logs" / f"{run}.log"
@@ -172,33 +181,30 @@ class RecordedStudy:
         """Files that the job "merge" of a figure leaves."""
         self.log(f"merge/{figure}")
         path = self.root / "data" / f"{figure}.nc"
-        job = Job("merge", figure)
         write_dataset(_dataset(shift, figure), path)
         stated = {"parameters": _PARAMETERS, "dimensions": _DIMENSIONS, "counts": _COUNTS, **facts}
-        job.finish(path.with_suffix(".run.json"), [path], **stated)
+        self.sidecar(f"merge/{figure}", [path], **stated)
 
     def compare(self, seconds: str = "") -> None:
         """Files that a job leaves in two folders."""
         data, times = self.root / "data/precision.nc", self.root / "benchmarks/precision.csv"
         times.parent.mkdir(parents=True, exist_ok=True)
-        job = Job("precision")
         write_dataset(_dataset(), data)
         times.write_text(f"method,seconds\n{seconds}", encoding="utf-8")
-        job.finish(data.with_suffix(".run.json"), [data, times])
+        self.sidecar("precision", [data, times])
 
     def claims(self) -> None:
         """Files of a job whose output is in the results root itself."""
-        job, path = Job("claims"), self.root / "claims.csv"
+        path = self.root / "claims.csv"
         path.write_text("id,verdict\nF6a,reproduced\n", encoding="utf-8")
         data = sorted((self.root / "data").glob("fig*.nc"))
-        job.finish(path.with_suffix(".run.json"), [path], data)
+        self.sidecar("claims", [path], data)
 
     def fixed_steps(self, shift: float = 0.0) -> None:
         """A dataset with the name of a figure's, in another folder."""
         path = self.root / "data/fixed_steps/fig06.nc"
-        job = Job("fixed_steps", "fig06")
         write_dataset(_dataset(shift), path)
-        job.finish(path.with_suffix(".run.json"), [path])
+        self.sidecar("fixed_steps/fig06", [path])
 
     def fail(self, run: str, text: str) -> None:
         """Files of a job that raises: a log, and nothing else."""

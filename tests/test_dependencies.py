@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OWN = {"model", "benchmarks", "verification", "tests", "hold"}  # workflow/hold.py
+OWN = {"model", "benchmarks", "verification", "tests"}
 DISTRIBUTIONS = {
     "yaml": "pyyaml",
 }  # where the import's name differs

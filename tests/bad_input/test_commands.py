@@ -13,7 +13,7 @@ from model import simulate
 from model.cli import main as cli
 from model.study.config import ConfigError, baseline, load_study, study_path
 from model.study.datasets import read_dataset, write_dataset
-from model.tracking.provenance import Job, write_text
+from model.study.files import write_json, write_text
 
 COMMAND = [sys.executable, "-m", "model.cli.main"]
 
@@ -167,7 +167,7 @@ def test_printing_to_a_full_disk():
 WRITERS = {
     "a dataset": lambda path, make: write_dataset(make(), path),
     "a table": lambda path, _make: write_text("x" * 10_000, path),
-    "a record": lambda path, _make: Job("trial").finish(path, [], parameters={"x": "y" * 10_000}),
+    "a record": lambda path, _make: write_json({"x": "y" * 10_000}, path),
 }
 
 

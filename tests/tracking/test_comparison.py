@@ -11,10 +11,10 @@ import pytest
 import xarray as xr
 
 from model.study.datasets import write_dataset
-from model.tracking import comparison, invocation
+from model.tracking import TrackingError, comparison, invocation
 from model.tracking.comparison import change_of, common_points, compare
+from model.tracking.history import kept_result
 from model.tracking.invocation import Invocation
-from model.tracking.records import TrackingError, kept_result
 from model.tracking.snapshot import snapshot
 
 
@@ -119,7 +119,7 @@ def test_a_commit_stands_for_the_last_invocation_at_it(recorded, monkeypatch) ->
     with pytest.raises(TrackingError, match="git worktree add"):
         snapshot("cccc3333", recorded.root)
     monkeypatch.setattr(invocation, "git_state", lambda: {"commit": "dddd4444", "dirty": False})
-    Invocation(recorded.root).pass_by("failed", None, "the configuration breaks a rule")
+    Invocation(recorded.root).pass_by("failed", "the configuration breaks a rule")
     with pytest.raises(TrackingError, match="'dddd' is no results folder"):
         snapshot("dddd", recorded.root)
 

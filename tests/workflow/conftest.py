@@ -72,7 +72,7 @@ PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snak
 # Snakemake for runs that start no job. What it and the package import from elsewhere, most of its
 # time, is loaded once; each run is a fork with the sources that it is given.
 PRELOADED = """
-import atexit, json, os, sys
+import json, os, sys
 import netCDF4, numba, pydantic, scipy.ndimage, scipy.special, xarray
 from snakemake.cli import main
 
@@ -92,9 +92,7 @@ for line in sys.stdin:
         except SystemExit as ended:
             code = ended.code or 0
         except BaseException:  # as the interpreter does with what nobody catches
-            sys.last_type = sys.exc_info()[0]
             sys.excepthook(*sys.exc_info())
-        atexit._run_exitfuncs()
         sys.stdout.flush(), sys.stderr.flush()
         os._exit(code)
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
@@ -139,8 +137,7 @@ class Workspace:
 
     def _make_environment(self) -> None:
         """Stand-in for .venv with the Python that runs the tests, and the package."""
-        suffix = "-slurm" if self.profile == "slurm" else ""
-        tools = self.folder / f".venv{suffix}" / "bin"
+        tools = self.folder / ".venv" / "bin"
         tools.mkdir(parents=True)
         run = f'PYTHONPATH="{self.sources}" exec "{sys.executable}"'
         for name, words in {"python": "", "snakemake": "-m snakemake"}.items():
@@ -159,17 +156,36 @@ class Workspace:
         kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_INV" not in name}
         return {**kept, "PYTHONPATH": self.sources, **self.added}
 
-    def snakemake(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
+    def command(self, *arguments: str, cores: int = 2) -> list[str]:
+        """Snakemake for some targets of the tiny study."""
+        profile = f"profiles/{self.profile}"
+        words = [sys.executable, "-m", "snakemake", f"-c{cores}", "--workflow-profile", profile]
+        return [*words, *arguments, *STUDY]
+
+    def snakemake(
+        self, *arguments: str, cores: int = 2, **options: Any
+    ) -> subprocess.CompletedProcess[str]:
         """Run Snakemake to its end."""
-        command = [sys.executable, "-m", "snakemake", f"-c{cores}", *arguments, *STUDY]
         return subprocess.run(
-            command,
+            self.command(*arguments, cores=cores),
             cwd=self.folder,
             env=self.environment,
             capture_output=True,
             text=True,
             timeout=PATIENCE,
             check=False,
+            **options,
+        )
+
+    def start(self, *arguments: str) -> subprocess.Popen[bytes]:
+        """Start Snakemake in a process group of its own."""
+        return subprocess.Popen(
+            self.command(*arguments),
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
         )
 
     def dry_run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -190,11 +206,10 @@ class Workspace:
     def make_command(self, *targets: str) -> list[str]:
         """`make`, the documented command, for some targets of the tiny study."""
         flags = " ".join([*targets, *STUDY])
-        old = [f"--old-file=environment{suffix}" for suffix in ("", "-slurm")]
-        made = [*old, f"PYTHON={sys.executable}", f"PROFILE={self.profile}"]
+        made = ["--old-file=environment", f"PYTHON={sys.executable}", f"PROFILE={self.profile}"]
         return ["make", "--no-print-directory", *made, f"SNAKEMAKE_FLAGS={flags}"]
 
-    def make(self, *targets: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    def make(self, *targets: str) -> subprocess.CompletedProcess[str]:
         """Run `make` to its end."""
         return subprocess.run(
             self.make_command(*targets),
@@ -204,18 +219,6 @@ class Workspace:
             text=True,
             timeout=PATIENCE,
             check=False,
-            **options,
-        )
-
-    def start_make(self, *targets: str) -> subprocess.Popen[bytes]:
-        """Start `make` in a process group of its own."""
-        return subprocess.Popen(
-            self.make_command(*targets),
-            cwd=self.folder,
-            env=self.environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
         )
 
     def kill(self, process: subprocess.Popen[bytes]) -> None:
@@ -301,12 +304,12 @@ def make_workspace() -> type[Workspace]:
 
 @pytest.fixture(scope="session")
 def touched(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """Every output of the tiny study as an empty file that Snakemake takes for made."""
+    """Every output of the tiny study as a file that Snakemake takes for made."""
     made = Workspace(tmp_path_factory.mktemp("touched"))
     for _, output in made.planned():
         path = made.folder / output
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.touch()
+        path.write_text("{}", encoding="utf-8")  # a sidecar that says nothing of its outputs
     run = made.snakemake("--touch", "--forceall", "--no-hooks")
     assert run.returncode == 0, run.stderr
     return made

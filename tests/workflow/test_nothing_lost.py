@@ -1,4 +1,4 @@
-"""Whatever happens to a build, `make` afterwards gives the bytes of a clean one.
+"""Whatever happens to a build, `snakemake` afterwards gives the bytes of a clean one.
 
 VIBRALIGN_KILLS is the number of moments at which a build is killed or interrupted: 4 in the default
 run, 50 in `make nightly`.
@@ -6,6 +6,7 @@ run, 50 in `make nightly`.
 
 import contextlib
 import csv
+import fcntl
 import json
 import os
 import resource
@@ -43,8 +44,8 @@ def outcomes(workspace: Any) -> list[str]:
 
 
 def is_clean(workspace: Any, built: Any, targets: Sequence[str] = FEW) -> None:
-    """`make` ends well, with the bytes of a clean build, and leaves no half file."""
-    run = workspace.make(*targets)
+    """`snakemake` ends well, with the bytes of a clean build, and leaves no half file."""
+    run = workspace.snakemake(*targets)
     assert run.returncode == 0, run.stdout + run.stderr
     chunks = [f"tiny/data/chunks/fig13/{i}.nc" for i in range(3)]
     assert workspace.sha256(*targets, *chunks) == built.sha256(*targets, *chunks)
@@ -58,13 +59,13 @@ def is_clean(workspace: Any, built: Any, targets: Sequence[str] = FEW) -> None:
 
 def victims(process: subprocess.Popen[bytes], kind: str) -> list[int]:
     """Process ids to kill: the running jobs' Python, or Snakemake."""
-    found = []
-    for child in psutil.Process(process.pid).children(recursive=True):
+    found, own = [], psutil.Process(process.pid)
+    for child in (own, *own.children(recursive=True)):
         try:
             words = " ".join(child.cmdline())
         except psutil.Error:
             continue
-        is_job = "workflow/run.py" in words and words.startswith(sys.executable)
+        is_job = "/.snakemake/scripts/" in words and words.startswith(sys.executable)
         is_snakemake = "-m snakemake" in words
         if (kind == "job" and is_job) or (kind == "snakemake" and is_snakemake):
             found.append(child.pid)
@@ -103,7 +104,7 @@ def test_a_killed_build_ends_with_the_bytes_of_a_clean_one(
     targets = FEW if (trial + 1) % 5 else (*built.DATA, *built.BESIDE)
     rng, hits = np.random.default_rng(trial), 0
     for _ in range(int(rng.integers(1, 3))):  # once or twice, before anybody has mended it
-        process = workspace.start_make(*targets)
+        process = workspace.start(*targets)
         let_begin(process, workspace, int(rng.integers(0, 6)))
         time.sleep(float(rng.uniform(0.0, 1.0)))
         if process.poll() is not None:
@@ -122,6 +123,51 @@ def test_a_killed_build_ends_with_the_bytes_of_a_clean_one(
     print(f"{kind}: survived {hits} times")  # noqa: T201  (`pytest -rP` shows it)
 
 
+# --- Two at a time -------------------------------------------------------------------------------
+
+
+def test_a_second_snakemake_in_the_same_folder_is_refused(copy_of_built: Any) -> None:
+    (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
+    with (copy_of_built.folder / ".snakemake/run.lock").open("w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        listed = copy_of_built.dry_run(*FEW)
+        assert listed.returncode == 0, "a dry run is allowed beside it"
+        run = copy_of_built.snakemake(*FEW)
+    assert run.returncode != 0
+    assert "another Snakemake runs the study in this directory" in run.stderr
+    assert not (copy_of_built.folder / "tiny/data/fig05.nc").exists()
+    assert outcomes(copy_of_built)[-1] == "failed"
+
+
+def test_a_snakemake_that_is_just_dying_is_waited_for(copy_of_built: Any) -> None:
+    (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
+    lock = (copy_of_built.folder / ".snakemake/run.lock").open("w", encoding="utf-8")
+    fcntl.flock(lock, fcntl.LOCK_EX)
+    process = copy_of_built.start(*FEW)
+    time.sleep(4.0)
+    lock.close()
+    assert process.wait(timeout=600) == 0
+
+
+def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(workspace: Any, built: Any) -> None:
+    script = workspace.folder / "workflow/scripts/history.py"
+    text = script.read_text(encoding="utf-8")
+    stall = "\n    Path('begun').touch(); __import__('time').sleep(5.0); Path('ended').touch()\n"
+    script.write_text(text.replace(" as facts:\n", f" as facts:{stall}"), encoding="utf-8")
+    process = workspace.start(FEW[0])
+    while not (workspace.folder / "begun").exists():
+        assert process.poll() is None
+        time.sleep(0.05)
+    kill_when_there(process, "snakemake")
+    assert not (workspace.folder / "ended").exists()
+    script.write_text(text, encoding="utf-8")
+    run = workspace.snakemake(FEW[0])
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "waiting for jobs of an interrupted run to end" in run.stderr
+    assert (workspace.folder / "ended").exists()
+    assert workspace.sha256(FEW[0]) == built.sha256(FEW[0])
+
+
 # --- A disk that is full ------------------------------------------------------------------------
 
 
@@ -135,7 +181,7 @@ def test_a_file_that_cannot_be_written_whole_is_not_taken_for_good(
 ) -> None:
     for path in FEW:
         assert (built.folder / path).stat().st_size > 30_000
-    run = workspace.make(*FEW, preexec_fn=small_files)
+    run = workspace.snakemake(*FEW, preexec_fn=small_files)
     assert run.returncode != 0
     assert not any((workspace.folder / path).exists() for path in FEW)
     is_clean(workspace, built)
@@ -150,7 +196,7 @@ def test_a_full_disk_loses_nothing(workspace: Any, built: Any, kilobytes: int) -
     if subprocess.run(mount, capture_output=True, check=False).returncode:
         pytest.skip("mounting a small disk is not allowed here")
     try:
-        run = workspace.make(*built.DATA)
+        run = workspace.snakemake(*built.DATA)
         assert run.returncode != 0
         told = run.stdout + run.stderr
         assert "No space left" in told or "kB left on the disk" in told
@@ -179,7 +225,8 @@ def of_another_study(path: Path) -> None:
     import xarray as xr  # noqa: PLC0415
 
     from model.study.datasets import write_dataset  # noqa: PLC0415
-    from model.tracking.provenance import file_hash, write_json  # noqa: PLC0415
+    from model.study.files import write_json  # noqa: PLC0415
+    from model.tracking.job import file_hash  # noqa: PLC0415
 
     with xr.open_dataset(path) as stored:
         foreign = stored.load().assign_attrs(sweep="0123456789abcdef")
@@ -198,11 +245,26 @@ def test_damaged_files_are_made_again(copy_of_built: Any, built: Any) -> None:
     is_clean(copy_of_built, built)
 
 
+def test_a_forged_dataset_is_not_drawn(copy_of_built: Any, built: Any) -> None:
+    """Not even one that is as old as the true one, so that Snakemake sees nothing to do."""
+    data, picture = "tiny/data/fig11.nc", "tiny/figures/fig11.png"
+    path = copy_of_built.folder / data
+    times = path.stat().st_atime_ns, path.stat().st_mtime_ns
+    shutil.copy(copy_of_built.folder / "tiny/data/fig13.nc", path)
+    os.utime(path, ns=times)
+    planned = copy_of_built.dry_run(data, picture)
+    assert "Nothing to be done" in planned.stdout + planned.stderr, "a dry run touches nothing"
+    run = copy_of_built.snakemake(data, picture)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert f"{data}: not as its job left it, will be made anew" in run.stderr
+    assert copy_of_built.sha256(data, picture) == built.sha256(data, picture)
+
+
 def test_a_foreign_chunk_fails_its_figure_only_and_says_why(copy_of_built: Any, built: Any) -> None:
     fig11 = "tiny/data/fig11.nc"
     of_another_study(copy_of_built.folder / "tiny/data/chunks/fig13/1.nc")
     (copy_of_built.folder / fig11).unlink()
-    run = copy_of_built.make("--keep-going", *FEW, fig11)
+    run = copy_of_built.snakemake("--keep-going", *FEW, fig11)
     assert run.returncode != 0
     reason = "1.nc: is not chunk 1 of this sweep"
     last_lines = "\n".join((run.stdout + run.stderr).splitlines()[-12:])

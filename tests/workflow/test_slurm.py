@@ -18,7 +18,7 @@ import numpy as np
 import psutil
 import pytest
 
-from model.tracking.records import sidecars
+from model.tracking.history import sidecars
 from tests.workflow.slurm import Slurm, missing, running
 from tests.workflow.test_nothing_lost import FEW, failed_runs, outcomes
 

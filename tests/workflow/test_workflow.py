@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from model.tracking.history import load_history
-from model.tracking.records import sidecars
+from model.tracking.history import load_history, sidecars
 
 
 def test_a_fault_in_the_configuration_stops_before_anything_is_made(
@@ -35,7 +34,8 @@ def test_a_refused_configuration_is_recorded_with_the_rule_that_it_breaks(
 
 
 def test_an_interruption_before_the_first_job_is_recorded_as_one(workspace: Any) -> None:
-    (workspace.folder / "workflow/rules/accuracy.smk").write_text("raise KeyboardInterrupt\n")
+    rules = workspace.folder / "workflow/rules/accuracy.smk"
+    rules.write_text("raise KeyboardInterrupt\n", encoding="utf-8")
     assert workspace.snakemake_without_jobs().returncode
     (record,) = load_history(workspace.folder / "tiny")
     assert record["outcome"] == "interrupted"
@@ -76,7 +76,7 @@ def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) ->
 
 def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> None:
     """Not even where something else is missing and the kernels have to be compiled anew."""
-    for script in copy_of_built.folder.glob("workflow/jobs/*.py"):
+    for script in copy_of_built.folder.glob("workflow/scripts/*.py"):
         text = script.read_text(encoding="utf-8")
         script.write_text(f"{text}\nEDITED = True\n", encoding="utf-8")
     (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
@@ -123,7 +123,7 @@ def test_another_folder_order_and_number_of_cores_give_the_same_bytes(
     assert workspace.sha256(*targets) == built.sha256(*targets)
 
 
-THREADED = ("history", "merge", "map", "claims_runs", "claims", "jamming", "plot")  # fmt: skip
+THREADED = ("history", "merge", "map", "claims_runs", "claims", "jamming", "plot")
 
 
 def build_whole(made: Any, cores: int, first: str | None) -> list[str]:

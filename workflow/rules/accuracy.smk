@@ -1,35 +1,121 @@
-"""The integrator's accuracy on random sets: `snakemake -c2 accuracy`, apart from the study."""
+"""The integrator on random sets, apart from the study: `snakemake -c2 accuracy` and `make fuzz`."""
 
+from verification.fuzz_campaign import HOLDS
 from verification.trials import trial_of
 
+
+localrules:
+    judge,
+    accuracy,
+    fuzz_summary,
+    fuzz,
+
+
 trial_chunks = {"error": study.accuracy.chunks, "settled": study.accuracy.settled.chunks}
+campaign = study.accuracy.fuzz
 
-job(
-    "trial",
-    dict(table=root / "accuracy/{trial}/{chunk}.csv"),
-    after_kernels,
-    dict(
-        trial=lambda wildcards: trial_of(study, wildcards.trial),
-        chunk=lambda wildcards: int(wildcards.chunk),
+
+rule trial:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        table="<results>/accuracy/{trial}/{chunk}.csv",
+        record="<results>/accuracy/{trial}/{chunk}.run.json",
+    log:
+        "<results>/logs/trial/{trial}/{chunk}.log",
+    wildcard_constraints:
+        trial="|".join(trial_chunks),
+    params:
+        *code("trial"),
+        trial=lambda wildcards: stated(trial_of(study, wildcards.trial)),
         chunks=lambda wildcards: trial_chunks[wildcards.trial],
-    ),
-    wildcards=dict(trial="|".join(trial_chunks)),
-    message="{wildcards.trial}: computing chunk {wildcards.chunk}",
-)
+    message:
+        "{wildcards.trial}: computing chunk {wildcards.chunk}"
+    script:
+        "../scripts/trial.py"
 
-job(
-    "judge",
-    dict(
-        tables=expand(root / "accuracy/{trial}.csv", trial=trial_chunks),
-        text=root / "accuracy/summary.txt",
-    ),
-    {
-        trial: expand(root / f"accuracy/{trial}/{{chunk}}.csv", chunk=range(chunks))
-        for trial, chunks in trial_chunks.items()
-    },
-    record=root / "accuracy/judge.run.json",
-    message="judging the trials",
-    local=True,
-)
 
-printed("accuracy", root / "accuracy/summary.txt", "the result of the trials")
+rule judge:
+    input:
+        **{
+            trial: expand(f"<results>/accuracy/{trial}/{{chunk}}.csv", chunk=range(chunks))
+            for trial, chunks in trial_chunks.items()
+        },
+    output:
+        tables=expand("<results>/accuracy/{trial}.csv", trial=trial_chunks),
+        text="<results>/accuracy/summary.txt",
+        record="<results>/accuracy/judge.run.json",
+    log:
+        "<results>/logs/judge.log",
+    params:
+        *code("judge"),
+    message:
+        "judging the trials"
+    script:
+        "../scripts/judge.py"
+
+
+# More sets add parts: those that are there stay.
+rule fuzz_part:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        found="<results>/accuracy/fuzz/{scene}/{size}/{chunk}.json",
+        record="<results>/accuracy/fuzz/{scene}/{size}/{chunk}.run.json",
+    log:
+        "<results>/logs/fuzz_part/{scene}/{size}/{chunk}.log",
+    params:
+        *code("fuzz_part"),
+        numbers=numbers_of_part,
+    message:
+        "fuzz: trying part {wildcards.chunk}"
+    script:
+        "../scripts/fuzz_part.py"
+
+
+rule fuzz_summary:
+    input:
+        expand(
+            "<results>/accuracy/fuzz/{{scene}}/{size}/{part}.json",
+            size=campaign.sets_a_job,
+            part=range(-(-campaign.sets // campaign.sets_a_job)),
+        ),
+    output:
+        text="<results>/accuracy/fuzz_{scene}.txt",
+        record="<results>/accuracy/fuzz_{scene}.run.json",
+    log:
+        "<results>/logs/fuzz_summary/{scene}.log",
+    params:
+        *code("fuzz_summary"),
+        seed=campaign.seed,
+    message:
+        "fuzz: adding up its parts"
+    script:
+        "../scripts/fuzz_summary.py"
+
+
+# These print, also where nothing had to be computed. Their logs are no run's.
+rule accuracy:
+    input:
+        rules.judge.output.text,
+    log:
+        "<results>/accuracy/printed.log",
+    params:
+        must_end="",
+    message:
+        "the result of the trials"
+    script:
+        "../scripts/print_result.py"
+
+
+rule fuzz:
+    input:
+        f"<results>/accuracy/fuzz_{campaign.scene}.txt",
+    log:
+        "<results>/accuracy/printed.log",
+    params:
+        must_end=HOLDS,
+    message:
+        "the result of the fuzz"
+    script:
+        "../scripts/print_result.py"

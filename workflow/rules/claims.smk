@@ -1,53 +1,105 @@
-"""The claims ledger: the paper's claims, judged by the figures' data, by more runs; jamming."""
+"""The claims ledger: the paper's claims, judged by the figures' data and by more runs; jamming."""
 
 from model.study.jamming import jamming_sweep
 from model.study.sweeps import claim_sweep
 
-claims_data = expand(root / "data/claims/{run}.nc", run=study.claims_runs)
 
-job(
-    "claims_runs",
-    dict(data=claims_data),
-    after_kernels,
-    dict(
-        sweeps={name: claim_sweep(study, name) for name in study.claims_runs},
+localrules:
+    claims,
+    draw_claims,
+    draw_jamming,
+
+
+claims_data = expand("<results>/data/claims/{run}.nc", run=study.claims_runs)
+
+
+# One job, because a start of Python costs as much as most of these runs.
+rule claims_runs:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        data=claims_data,
+        record="<results>/data/claims/runs.run.json",
+    log:
+        "<results>/logs/claims_runs.log",
+    params:
+        *code("claims_runs"),
+        sweeps={name: stated(claim_sweep(study, name)) for name in study.claims_runs},
         titles={name: run.title for name, run in study.claims_runs.items()},
-    ),
-    record=root / "data/claims/runs.run.json",
-    message="computing the runs that only the claims ledger needs",
-)
+    message:
+        "computing the runs that only the claims ledger needs"
+    script:
+        "../scripts/claims_runs.py"
 
-job(
-    "claims",
-    dict(table=root / "claims.csv"),
-    dict(figures=expand(root / "data/{figure}.nc", figure=COMPUTED), runs=claims_data),
-    message="judging the claims of the paper",
-    reported=("Claims", "claims"),
-    local=True,
-)
 
-job(
-    "draw_claims",
-    dict(pictures=pictures(root / "figures/claims")),
-    dict(data=claims_data),
-    message="drawing the runs that only the claims ledger needs",
-    reported=("Claims", "claims_runs"),
-    local=True,
-)
+rule claims:
+    input:
+        expand("<results>/data/{figure}.nc", figure=COMPUTED),
+        claims_data,
+    output:
+        table=report("<results>/claims.csv", caption="../report/claims.rst", category="Claims"),
+        record="<results>/claims.run.json",
+    log:
+        "<results>/logs/claims.log",
+    params:
+        *code("claims"),
+    message:
+        "judging the claims of the paper"
+    script:
+        "../scripts/claims.py"
 
-job(
-    "jamming",
-    dict(data=root / "data/jamming.nc"),
-    after_kernels,
-    dict(sweep=jamming_sweep(study), title=study.jamming.title),
-    message="following parts into the slot",
-)
 
-job(
-    "draw_jamming",
-    dict(pictures=pictures(root / "figures/jamming")),
-    dict(data=root / "data/jamming.nc"),
-    message="drawing jamming in the slot",
-    reported=("Claims", "jamming"),
-    local=True,
-)
+rule draw_claims:
+    input:
+        claims_data,
+    output:
+        multiext("<results>/figures/claims", ".svg", ".pdf"),
+        png=report(
+            "<results>/figures/claims.png", caption="../report/claims_runs.rst", category="Claims"
+        ),
+        record="<results>/figures/claims.run.json",
+    log:
+        "<results>/logs/draw_claims.log",
+    params:
+        *code("draw_claims"),
+    message:
+        "drawing the runs that only the claims ledger needs"
+    script:
+        "../scripts/draw_claims.py"
+
+
+rule jamming:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        data="<results>/data/jamming.nc",
+        record="<results>/data/jamming.run.json",
+    log:
+        "<results>/logs/jamming.log",
+    params:
+        *code("jamming"),
+        sweep=stated(jamming_sweep(study)),
+        title=study.jamming.title,
+    message:
+        "following parts into the slot"
+    script:
+        "../scripts/jamming.py"
+
+
+rule draw_jamming:
+    input:
+        "<results>/data/jamming.nc",
+    output:
+        multiext("<results>/figures/jamming", ".svg", ".pdf"),
+        png=report(
+            "<results>/figures/jamming.png", caption="../report/jamming.rst", category="Claims"
+        ),
+        record="<results>/figures/jamming.run.json",
+    log:
+        "<results>/logs/draw_jamming.log",
+    params:
+        *code("draw_jamming"),
+    message:
+        "drawing jamming in the slot"
+    script:
+        "../scripts/draw_jamming.py"

@@ -1,96 +1,142 @@
 """The figures: compiled kernels, chunks of each sweep, one dataset a figure, and its pictures."""
 
-from model.study.sweeps import sweep_of
 
-wording = dict(
-    title=lambda wildcards: study.figures[wildcards.figure].title,
-    caption=lambda wildcards: study.figures[wildcards.figure].caption,
-)
-sweep = dict(sweep=lambda wildcards: sweep_of(study, wildcards.figure))
+localrules:
+    merge,
+    schematic,
+    plot,
 
 
 # Compiled once, before the jobs that would otherwise all compile at the same time. Its output holds
 # the hash of the kernels' code, and is taken as `ancient` by none of them: Snakemake does not look at
 # the params of a job below one that must run, so that an edit of the physics would run this rule only.
-job(
-    "kernels",
-    dict(data=root / "data/kernels.json"),
-    params=dict(code=code("kernels")),
-    message="compiling the kernels",
-    mem_mb=4000,
-    priority=3,
-)
-after_kernels = dict(after=root / "data/kernels.json")
+rule kernels:
+    output:
+        data="<results>/data/kernels.json",
+        record="<results>/data/kernels.run.json",
+    log:
+        "<results>/logs/kernels.log",
+    priority: 3
+    resources:
+        mem_mb=lambda wildcards, attempt: 4000 * 2 ** (attempt - 1),
+    params:
+        *code("kernels"),
+    message:
+        "compiling the kernels"
+    script:
+        "../scripts/kernels.py"
 
-job(
-    "chunk",
-    dict(data=root / "data/chunks/{figure}/{chunk}.nc"),
-    after_kernels,
-    dict(
-        **sweep,
-        chunk=lambda wildcards: int(wildcards.chunk),
+
+rule chunk:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        data="<results>/data/chunks/{figure}/{chunk}.nc",
+        record="<results>/data/chunks/{figure}/{chunk}.run.json",
+    log:
+        "<results>/logs/chunk/{figure}/{chunk}.log",
+    priority: 1
+    params:
+        *code("chunk"),
+        sweep=sweep,
         chunks=lambda wildcards: study.figures[wildcards.figure].chunks,
-    ),
-    message="{wildcards.figure}: computing chunk {wildcards.chunk}",
-    priority=1,
-)
+    message:
+        "{wildcards.figure}: computing chunk {wildcards.chunk}"
+    script:
+        "../scripts/chunk.py"
 
-job(
-    "merge",
-    dict(data=root / "data/{figure}.nc"),
-    dict(
-        parts=lambda wildcards: expand(
-            root / "data/chunks/{figure}/{chunk}.nc",
+
+rule merge:
+    input:
+        lambda wildcards: expand(
+            "<results>/data/chunks/{figure}/{chunk}.nc",
             figure=wildcards.figure,
             chunk=range(study.figures[wildcards.figure].chunks),
-        )
-    ),
-    {**sweep, **wording},
-    wildcards=dict(figure="|".join(GRIDDED)),
-    message="{wildcards.figure}: merging its chunks",
-    local=True,
-    priority=1,
-)
-
-job(
-    "history",
-    dict(data=root / "data/{figure}.nc"),
-    after_kernels,
-    {**sweep, **wording},
-    wildcards=dict(figure="|".join(HISTORIES)),
-    message="{wildcards.figure}: computing the trajectory",
-)
-
-job(
-    "schematic",
-    dict(pictures=pictures(root / "figures/{figure}")),
-    params=dict(
-        figure=lambda wildcards: wildcards.figure,
-        parameters=lambda wildcards: study.parameters(wildcards.figure).given(),
-    ),
-    wildcards=dict(figure="|".join(SCHEMATICS)),
-    message="{wildcards.figure}: drawing the model",
-    reported=("Figures of the paper", "figure"),
-    local=True,
-)
-
-# Of a figure that is a map, the refined map is shown.
-job(
-    "plot",
-    dict(pictures=pictures(root / "figures/{figure}")),
-    dict(
-        data=lambda wildcards: root
-        / ("data/maps" if wildcards.figure in MAPS else "data")
-        / f"{wildcards.figure}.nc",
-        coarse=lambda wildcards: (
-            [root / f"data/{wildcards.figure}.nc"] if wildcards.figure in MAPS else []
         ),
-    ),
-    wildcards=dict(figure="|".join(COMPUTED)),
-    message="{wildcards.figure}: plotting",
-    reported=("Figures of the paper", "figure"),
-    local=True,
-)
+    output:
+        data="<results>/data/{figure}.nc",
+        record="<results>/data/{figure}.run.json",
+    log:
+        "<results>/logs/merge/{figure}.log",
+    wildcard_constraints:
+        figure="|".join(GRIDDED),
+    priority: 1
+    params:
+        *code("merge"),
+        sweep=sweep,
+        words=words,
+    message:
+        "{wildcards.figure}: merging its chunks"
+    script:
+        "../scripts/merge.py"
+
+
+rule history:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        data="<results>/data/{figure}.nc",
+        record="<results>/data/{figure}.run.json",
+    log:
+        "<results>/logs/history/{figure}.log",
+    wildcard_constraints:
+        figure="|".join(HISTORIES),
+    params:
+        *code("history"),
+        sweep=sweep,
+        words=words,
+    message:
+        "{wildcards.figure}: computing the trajectory"
+    script:
+        "../scripts/history.py"
+
+
+rule schematic:
+    output:
+        multiext("<results>/figures/{figure}", ".svg", ".pdf"),
+        png=report(
+            "<results>/figures/{figure}.png",
+            caption="../report/figure.rst",
+            category="Figures of the paper",
+        ),
+        record="<results>/figures/{figure}.run.json",
+    log:
+        "<results>/logs/schematic/{figure}.log",
+    wildcard_constraints:
+        figure="|".join(SCHEMATICS),
+    params:
+        *code("schematic"),
+        parameters=lambda wildcards: study.parameters(wildcards.figure).given(),
+    message:
+        "{wildcards.figure}: drawing the model"
+    script:
+        "../scripts/schematic.py"
+
+
+# Of a figure that is a map, the refined map is shown, with the figure's own points.
+rule plot:
+    input:
+        lambda wildcards: (["<results>/data/maps/{figure}.nc"] if wildcards.figure in MAPS else []),
+        "<results>/data/{figure}.nc",
+    output:
+        multiext("<results>/figures/{figure}", ".svg", ".pdf"),
+        png=report(
+            "<results>/figures/{figure}.png",
+            caption="../report/figure.rst",
+            category="Figures of the paper",
+        ),
+        record="<results>/figures/{figure}.run.json",
+    log:
+        "<results>/logs/plot/{figure}.log",
+    wildcard_constraints:
+        figure="|".join(COMPUTED),
+    params:
+        *code("plot"),
+    message:
+        "{wildcards.figure}: plotting"
+    script:
+        "../scripts/plot.py"
+
 
 # `snakemake -c2 fig06` builds one figure.
 for name in FIGURES:
@@ -99,4 +145,4 @@ for name in FIGURES:
         name:
             name
         input:
-            pictures(root / f"figures/{name}"),
+            pictures(f"figures/{name}"),

@@ -1,52 +1,74 @@
 """Stability maps that follow their boundary: those of Figs. 13 and 14, and `snakemake -c2 maps`."""
 
 from model.study.map_datasets import marks_of
-from model.study.maps import map_plan
 
-WITH_VIBRATION = ("fig13", "friction_press_force")  # of these, what vibration adds is drawn
 
-plan = dict(plan=lambda wildcards: map_plan(study, wildcards.map))
+localrules:
+    map,
+    draw_map,
 
-job(
-    "map_part",
-    dict(data=root / "data/maps/{map}/{chunk}.nc"),
-    after_kernels,
-    dict(**plan, part=lambda wildcards: int(wildcards.chunk), parts=study.maps.chunks),
-    message="map {wildcards.map}: computing part {wildcards.chunk}",
-    priority=1,
-)
 
-job(
-    "map",
-    dict(data=root / "data/maps/{map}.nc"),
-    dict(parts=expand(root / "data/maps/{{map}}/{n}.nc", n=range(study.maps.chunks))),
-    dict(
-        **plan,
-        title=lambda wildcards: study.plane(wildcards.map).title,
-        caption=lambda wildcards: study.plane(wildcards.map).caption,
+rule map_part:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        data="<results>/data/maps/{map}/{chunk}.nc",
+        record="<results>/data/maps/{map}/{chunk}.run.json",
+    log:
+        "<results>/logs/map_part/{map}/{chunk}.log",
+    priority: 1
+    params:
+        *code("map_part"),
+        plan=plan,
+        parts=study.maps.chunks,
+    message:
+        "map {wildcards.map}: computing part {wildcards.chunk}"
+    script:
+        "../scripts/map_part.py"
+
+
+# `marks` are the operating points of other figures, in a map of outcomes.
+rule map:
+    input:
+        expand("<results>/data/maps/{{map}}/{n}.nc", n=range(study.maps.chunks)),
+    output:
+        data="<results>/data/maps/{map}.nc",
+        record="<results>/data/maps/{map}.run.json",
+    log:
+        "<results>/logs/map/{map}.log",
+    params:
+        *code("map"),
+        plan=plan,
+        words=lambda wildcards: wording(study.plane(wildcards.map)),
         marks=lambda wildcards: marks_of(study, wildcards.map),
-    ),
-    message="map {wildcards.map}: assembling its parts",
-    local=True,
-)
+    message:
+        "map {wildcards.map}: assembling its parts"
+    script:
+        "../scripts/map.py"
 
-job(
-    "draw_vibration",
-    dict(pictures=pictures(root / "figures/maps/{map}_vibration")),
-    dict(data=root / "data/maps/{map}.nc"),
-    wildcards=dict(map="|".join(WITH_VIBRATION)),
-    message="map {wildcards.map}: plotting what vibration adds",
-    reported=("Stability maps", "vibration"),
-    local=True,
-)
 
-job(
-    "draw_map",
-    dict(pictures=pictures(root / "figures/maps/{map}")),
-    dict(data=root / "data/maps/{map}.nc"),
-    runs="plot",
-    run="plot/{map}",
-    message="map {wildcards.map}: plotting",
-    reported=("Stability maps", "map"),
-    local=True,
-)
+rule draw_map:
+    input:
+        "<results>/data/maps/{map}.nc",
+    output:
+        multiext("<results>/figures/maps/{map}", ".svg", ".pdf"),
+        png=report(
+            "<results>/figures/maps/{map}.png",
+            caption="../report/map.rst",
+            category="Stability maps",
+        ),
+        record="<results>/figures/maps/{map}.run.json",
+    log:
+        "<results>/logs/draw_map/{map}.log",
+    params:
+        *code("plot"),
+    message:
+        "map {wildcards.map}: plotting"
+    script:
+        "../scripts/plot.py"
+
+
+# Every map that is not a figure of the paper: those are part of the study.
+rule maps:
+    input:
+        pictures(*(f"figures/maps/{map}" for map in study.map_names if map not in MAPS)),

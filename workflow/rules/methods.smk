@@ -4,81 +4,140 @@ Errors and evaluations are data, the same in every build. CPU times are not: the
 benchmarks/, and nothing under data/ or figures/ is made from them.
 """
 
-from benchmarks.plans import HARD_PICTURES, PICTURES
 from benchmarks.plans import fixed_step_plan, hard_cases_plan, precision_plan
 
-# Apart from the other kernels, so that an edit of what only these jobs run reruns no figure.
-job(
-    "unlocated_kernels",
-    dict(data=root / "data/unlocated_kernels.json"),
-    after_kernels,
-    dict(code=code("unlocated_kernels")),
-    message="compiling the kernels without event location",
-    priority=3,
+
+localrules:
+    draw_precision,
+    draw_hard_cases,
+
+
+fixed_steps = expand(
+    "<results>/data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
 )
-after_unlocated = dict(after=root / "data/unlocated_kernels.json")
+drawn_from = {
+    "evaluations": ["<results>/data/precision.nc"],
+    "times": ["<results>/benchmarks/precision.csv"],
+    "wrong_points": fixed_steps,
+}
+
+
+# Apart from the other kernels, so that an edit of what only these jobs run reruns no figure.
+rule unlocated_kernels:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        data="<results>/data/unlocated_kernels.json",
+        record="<results>/data/unlocated_kernels.run.json",
+    log:
+        "<results>/logs/unlocated_kernels.log",
+    priority: 3
+    params:
+        *code("unlocated_kernels"),
+    message:
+        "compiling the kernels without event location"
+    script:
+        "../scripts/unlocated_kernels.py"
+
 
 # One job for both outputs, so that the most expensive runs are made once. It has one thread, of
 # which Snakemake tells the linear algebra under scipy's Radau: with more, that rounds otherwise.
-job(
-    "precision",
-    dict(data=root / "data/precision.nc", times=root / "benchmarks/precision.csv"),
-    after_unlocated,
-    dict(plan=precision_plan(study)),
-    message="comparing the methods: error, evaluations and CPU time",
-    priority=2,
-)
+rule precision:
+    input:
+        "<results>/data/unlocated_kernels.json",
+    output:
+        data="<results>/data/precision.nc",
+        times="<results>/benchmarks/precision.csv",
+        record="<results>/data/precision.run.json",
+    log:
+        "<results>/logs/precision.log",
+    priority: 2
+    params:
+        *code("precision"),
+        plan=stated(precision_plan(study)),
+    message:
+        "comparing the methods: error, evaluations and CPU time"
+    script:
+        "../scripts/precision.py"
 
-job(
-    "hard_cases",
-    dict(data=root / "data/hard_cases.csv", times=root / "benchmarks/hard_cases.csv"),
-    after_unlocated,
-    dict(plan=hard_cases_plan(study)),
-    message="every method on every hard case",
-    priority=2,
-)
 
-job(
-    "fixed_steps",
-    dict(data=root / "data/fixed_steps/{figure}.nc"),
-    dict(**after_unlocated, located=root / "data/{figure}.nc"),
-    dict(plan=lambda wildcards: fixed_step_plan(study, wildcards.figure)),
-    wildcards=dict(figure="|".join(study.precision.fixed_steps.figures)),
-    message="{wildcards.figure}: computing it anew with fixed steps",
-    priority=2,
-)
-fixed_steps = expand(
-    root / "data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
-)
+rule hard_cases:
+    input:
+        "<results>/data/unlocated_kernels.json",
+    output:
+        data="<results>/data/hard_cases.csv",
+        times="<results>/benchmarks/hard_cases.csv",
+        record="<results>/data/hard_cases.run.json",
+    log:
+        "<results>/logs/hard_cases.log",
+    priority: 2
+    params:
+        *code("hard_cases"),
+        plan=stated(hard_cases_plan(study)),
+    message:
+        "every method on every hard case"
+    script:
+        "../scripts/hard_cases.py"
 
-drawn_from = {
-    "evaluations": [root / "data/precision.nc"],
-    "times": [root / "benchmarks/precision.csv"],
-    "wrong_points": fixed_steps,
-}
-for picture, sources in drawn_from.items():
-    job(
-        f"draw_{picture}",
-        dict(pictures=pictures(root / PICTURES[picture])),
-        dict(sources=sources),
-        dict(
-            picture=picture,
-            titles={name: case.title for name, case in study.precision.cases.items()},
-        ),
-        runs="draw_precision",
-        message=f"speed against error: drawing {picture}",
-        reported=("Methods", "methods"),
-        local=True,
-    )
 
-for picture, place in HARD_PICTURES.items():
-    job(
-        f"draw_{picture}",
-        dict(pictures=pictures(root / place)),
-        dict(judged=root / "data/hard_cases.csv"),
-        dict(picture=picture, spec=study.hard_cases),
-        runs="draw_hard_cases",
-        message=f"hard cases: drawing {picture}",
-        reported=("Methods", "hard_cases"),
-        local=True,
-    )
+rule fixed_steps:
+    input:
+        "<results>/data/unlocated_kernels.json",
+        located="<results>/data/{figure}.nc",
+    output:
+        data="<results>/data/fixed_steps/{figure}.nc",
+        record="<results>/data/fixed_steps/{figure}.run.json",
+    log:
+        "<results>/logs/fixed_steps/{figure}.log",
+    wildcard_constraints:
+        figure="|".join(study.precision.fixed_steps.figures),
+    priority: 2
+    params:
+        *code("fixed_steps"),
+        plan=lambda wildcards: stated(fixed_step_plan(study, wildcards.figure)),
+    message:
+        "{wildcards.figure}: computing it anew with fixed steps"
+    script:
+        "../scripts/fixed_steps.py"
+
+
+rule draw_precision:
+    input:
+        lambda wildcards: drawn_from[picture_at(wildcards)],
+    output:
+        multiext("<results>/{place}", ".svg", ".pdf"),
+        png=report("<results>/{place}.png", caption="../report/methods.rst", category="Methods"),
+        record="<results>/{place}.run.json",
+    log:
+        "<results>/logs/draw_precision/{place}.log",
+    wildcard_constraints:
+        place="|".join(PICTURES.values()),
+    params:
+        *code("draw_precision"),
+        picture=picture_at,
+        titles={name: case.title for name, case in study.precision.cases.items()},
+    message:
+        "speed against error: drawing {wildcards.place}"
+    script:
+        "../scripts/draw_precision.py"
+
+
+rule draw_hard_cases:
+    input:
+        "<results>/data/hard_cases.csv",
+    output:
+        multiext("<results>/{place}", ".svg", ".pdf"),
+        png=report("<results>/{place}.png", caption="../report/hard_cases.rst", category="Methods"),
+        record="<results>/{place}.run.json",
+    log:
+        "<results>/logs/draw_hard_cases/{place}.log",
+    wildcard_constraints:
+        place="|".join(HARD_PICTURES.values()),
+    params:
+        *code("draw_hard_cases"),
+        picture=picture_at,
+        spec=stated(study.hard_cases),
+    message:
+        "hard cases: drawing {wildcards.place}"
+    script:
+        "../scripts/draw_hard_cases.py"

@@ -27,7 +27,7 @@ from model.cli import (
     simulate,
     verify,
 )
-from model.tracking.provenance import version
+from model.tracking.job import version
 
 # In the order of the help; each module has ``add(commands)``.
 COMMANDS = (

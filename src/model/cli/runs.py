@@ -8,9 +8,8 @@ from model.cli.arguments import add_command, add_json, add_root, figure_name
 from model.cli.tables import print_json, table
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES, check_name
-from model.tracking.history import load_history, select_invocations
-from model.tracking.index import RUN_STATUS, load_runs, select_runs
-from model.tracking.records import Record
+from model.tracking.history import Record, load_history, select_invocations
+from model.tracking.runs import RUN_STATUS, load_runs, select_runs
 
 _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])

@@ -19,7 +19,7 @@ from model.study.files import whole_file
 from model.study.map_datasets import in_si, map_dataset
 from model.study.map_parts import nothing_known
 from model.study.maps import plan_of
-from model.tracking.provenance import version
+from model.tracking.job import version
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, if the file frees no two quantities
 _SPAN = 2.5  # of the map, either way, if the file states no range

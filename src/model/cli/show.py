@@ -6,9 +6,9 @@ from typing import Any
 from model.cli.arguments import add_command, add_json, add_root
 from model.cli.runs import commit_of, run_line
 from model.cli.tables import cell, pairs, print_json, table
-from model.tracking.history import find_invocation, load_history
-from model.tracking.index import find_run, load_runs
-from model.tracking.records import Record, TrackingError
+from model.tracking import TrackingError
+from model.tracking.history import Record, find_invocation, load_history
+from model.tracking.runs import find_run, load_runs
 
 
 def add(commands: Any) -> None:

@@ -30,7 +30,7 @@ from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.si import in_words
 from model.study.config import load_study, study_path
 from model.study.files import whole_file
-from model.tracking.provenance import version
+from model.tracking.job import version
 
 _SUCCESSES = (Outcome.ALIGNED, Outcome.INSERTED)
 

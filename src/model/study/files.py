@@ -1,9 +1,11 @@
 """Write files that appear whole or not at all."""
 
 import contextlib
+import json
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 
 @contextlib.contextmanager
@@ -27,3 +29,14 @@ def whole_file(target: Path) -> Iterator[Path]:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def write_text(text: str, path: Path) -> None:
+    """Write ``text``, whole or not at all."""
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def write_json(record: Mapping[str, Any], path: Path) -> None:
+    """Write ``record`` as JSON, whole or not at all."""
+    write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", path)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.tracking.records import KEPT, PARTS, Record, TrackingError
+from model.tracking import TrackingError
+from model.tracking.history import Record, kept_outputs
 from model.tracking.snapshot import CLAIMS, Snapshot
 
 if TYPE_CHECKING:  # the command line works without xarray until data are compared
@@ -93,15 +94,20 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
         TrackingError: a dataset that cannot be read, or xarray missing.
     """
     comparison = Comparison(first.label, second.label, claims=None)
+    code_differences: list[Difference] = []
     for before, after in _pairs(first, second, comparison.not_compared):
         where = after["figure"] or after["run"]
         counts = (each.get("counts", {}) for each in (before, after))
-        code = ({"code": each["code"], **each["versions"]} for each in (before, after))
+        code = (
+            {**each.get("sources", {"code": each["code"]}), **each["versions"]}
+            for each in (before, after)
+        )
         comparison.parameters.extend(_differences(where, _stated(before), _stated(after)))
         comparison.metrics.extend(_differences(where, *counts))
-        comparison.code.extend(_differences(after["run"], *code))
-        if after["rule"] not in KEPT:
+        code_differences.extend(_differences(after["run"], *code))
+        if not kept_outputs(after):
             comparison.other_data.extend(_other_bytes(before, after))
+    comparison.code.extend(_by_file(code_differences))
     for name in sorted(set(first.files) | set(second.files)):
         if name not in first.files or name not in second.files:
             holder = first if name in first.files else second
@@ -115,6 +121,15 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
             f"{name}: no copy is kept of what {each.label} made" for name in each.lost
         )
     return comparison
+
+
+def _by_file(differences: list[Difference]) -> Iterator[Difference]:
+    """Yield one difference for each file or package, which many runs may share."""
+    runs: dict[Difference, list[str]] = {}
+    for each in differences:
+        runs.setdefault(replace(each, where=""), []).append(each.where)
+    for each, where in runs.items():
+        yield replace(each, where=where[0] if len(where) == 1 else f"{len(where)} runs")
 
 
 def _claims(first: Snapshot, second: Snapshot, not_compared: list[str]) -> list[Difference] | None:
@@ -137,7 +152,7 @@ def _pairs(
         yield next(iter(first.runs.values())), next(iter(second.runs.values()))
         return
     wholes = [
-        {name: run for name, run in each.runs.items() if run["rule"] not in PARTS}
+        {name: run for name, run in each.runs.items() if not run.get("part")}
         for each in (first, second)
     ]
     if not all(wholes):

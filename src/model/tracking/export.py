@@ -11,8 +11,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from model.tracking.provenance import file_hash, write_json
-from model.tracking.records import PARTS, Record, kept_result
+from model.study.files import write_json
+from model.tracking.history import Record, kept_result
+from model.tracking.job import file_hash
 
 _SQLITE = "sqlite:///"
 
@@ -29,9 +30,11 @@ def results_of(record: Record, root: Path) -> dict[str, Path]:
     """
     found = {}
     for run in record["runs"]:
-        if run["rule"] in PARTS | {"kernels", "unlocated_kernels"}:
+        if run.get("part"):
             continue
         for name, sha256 in run["outputs"].items():
+            if name.endswith(".json"):  # of compiled code
+                continue
             place = os.path.normpath(Path(run["folder"], name))
             for file in (kept_result(root, name, sha256), root / place):
                 if file.is_file() and file_hash(file) == sha256:

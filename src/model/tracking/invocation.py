@@ -1,4 +1,9 @@
-"""Invocations of Snakemake: one record each, written when it starts and again when it ends."""
+"""Invocations of Snakemake: one record each, written when it starts and again when it ends.
+
+The Snakefile's handlers tell when jobs start and end. What Snakemake calls no handler for (nothing
+to do, or a stop before the first job), and whether it only plans, tells its interface for loggers:
+see ``src/snakemake_logger_plugin_vibralign``.
+"""
 
 import contextlib
 import fcntl
@@ -6,25 +11,33 @@ import io
 import os
 import platform
 import secrets
+import shlex
 import shutil
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from model.study.files import whole_file
-from model.tracking.history import completed, history_folder, invocation_records, is_running
-from model.tracking.index import write_index
-from model.tracking.provenance import INVOCATION, git_state, versions, write_json
-from model.tracking.records import (
-    KEPT,
+from model.study.files import whole_file, write_json
+from model.tracking import TrackingError
+from model.tracking.history import (
     Record,
-    TrackingError,
+    completed,
+    discard_damaged,
+    history_folder,
+    invocation_records,
+    is_running,
     iso,
+    kept_outputs,
     kept_result,
-    sidecars,
 )
+from model.tracking.job import INVOCATION, git_state, versions
+from model.tracking.lock import hold_folder
+from model.tracking.runs import write_index
+from model.tracking.slurm import refuse_held_jobs
+
+_PATIENCE = 5.0  # seconds: a process that was just killed may hold its lock for a moment
 
 
 class Invocation:
@@ -35,15 +48,17 @@ class Invocation:
 
     Args:
         root: the results root.
+        plans: True if it only plans; nothing is written then.
     """
 
-    def __init__(self, root: Path) -> None:
-        self.root = root
+    def __init__(self, root: Path, *, plans: bool = False) -> None:
+        self.root, self.plans = root, plans
         self._begun = datetime.now(UTC)
         self.name = f"{self._begun:%Y%m%dT%H%M%SZ}-{secrets.token_hex(2)}"
         self._facts: Record = {}
         self._record: Record = {}
         self._lock: io.TextIOWrapper | None = None
+        self._held = False
 
     @property
     def _path(self) -> Path:
@@ -53,11 +68,32 @@ class Invocation:
         """Add facts to record, such as the study's configuration; before the start."""
         self._facts |= facts
 
-    def announce(self) -> None:
-        """Pass the name of this invocation to jobs started from this process."""
-        os.environ[INVOCATION] = self.name
+    def recover(self, patience: float = 0.0) -> None:
+        """Make the folder ready after an interruption, and hold it for this invocation.
+
+        Deletes files that are not as their job left them, for Snakemake to make them anew.
+
+        Raises:
+            TrackingError: another Snakemake runs here, or Slurm holds jobs of this folder.
+        """
+        if self._held:
+            return
+        refuse_held_jobs(Path.cwd())
+        hold_folder(self.name, patience)
+        self._held = True
+        for name in discard_damaged(self.root):
+            sys.stderr.write(f"{name}: not as its job left it, will be made anew\n")
 
     def start(self) -> None:
+        """Hold the folder, and record the start, and the end of invocations that were killed.
+
+        Raises:
+            TrackingError: as ``recover``.
+        """
+        self.recover(_PATIENCE)
+        self.record()
+
+    def record(self) -> None:
         """Record the start, and the end of earlier invocations that were killed."""
         self._record = {
             "invocation": self.name,
@@ -81,21 +117,20 @@ class Invocation:
             fcntl.flock(self._lock, fcntl.LOCK_EX)
             write_json(self._record, self._path)
 
-    def pass_by(self, outcome: str, log: str | None = None, reason: str | None = None) -> None:
-        """Record an invocation that started no job, unless it is recorded: start and end in one.
+    def pass_by(self, outcome: str, reason: str | None = None) -> None:
+        """Record an invocation that started no job: start and end in one.
 
         Args:
             outcome: "done", "failed" or "interrupted".
-            log: Snakemake's own log.
-            reason: reason of a failure; by default the last line of the log.
+            reason: reason of a failure.
         """
         if self._record:
             return
-        self.start()
+        self.record()
         self._record["idle"] = True
         if outcome != "done":
-            self._record["reason"] = reason or _last_words(log)
-        self.end(outcome, log)
+            self._record["reason"] = reason or "stopped before the first job"
+        self.end(outcome)
 
     def end(self, outcome: str, log: str | None = None) -> list[str]:
         """Record the end and write the index; return a line for each run that went wrong.
@@ -118,6 +153,70 @@ class Invocation:
         ]
 
 
+class Watch:
+    """What Snakemake's interface for loggers says of this process.
+
+    Attributes:
+        invocation: this process's, once the Snakefile is read.
+        plans: True in a dry run.
+        executes: True if jobs are to run, False for lists, lints and the like.
+        jobs: True if any has started.
+        error: the last error that stopped it.
+    """
+
+    def __init__(self, *, plans: bool) -> None:
+        self.invocation: Invocation | None = None
+        self.plans, self.executes, self.jobs = plans, False, False
+        self.error: str | None = None
+
+    def close(self) -> None:
+        """Record the invocation if the Snakefile's handlers did not."""
+        interrupted = isinstance(sys.exc_info()[1], KeyboardInterrupt)
+        if self.plans or self.invocation is None or self.jobs:
+            return
+        if interrupted:
+            self.invocation.pass_by("interrupted", "interrupted before the first job")
+        elif self.error is not None:
+            self.invocation.pass_by("failed", self.error)
+        elif self.executes:
+            self.invocation.pass_by("done")
+
+
+_watches: list[Watch] = []  # of this process: one, if Snakemake's logger is on
+
+
+def watch(*, plans: bool) -> Watch:
+    """Return the watch over this process."""
+    _watches[:] = [Watch(plans=plans)]
+    return _watches[0]
+
+
+def begin(config: Mapping[str, Any]) -> Invocation:
+    """Return the invocation of this process, once the Snakefile has read the configuration.
+
+    The folder is made ready where it can be; if not, and there are jobs to run, ``start`` refuses.
+    """
+    _quote_interpreter()
+    named = config.get("results_root")
+    root = Path(named) if named and isinstance(named, str) else Path("results")
+    if not _watches:
+        return Invocation(root)
+    _watches[0].invocation = invocation = Invocation(root, plans=_watches[0].plans)
+    os.environ[INVOCATION] = invocation.name
+    if not invocation.plans:
+        with contextlib.suppress(TrackingError):
+            invocation.recover()
+    return invocation
+
+
+def _quote_interpreter() -> None:
+    """Let the shell find Python by its name where its path needs quotes: Snakemake sets none."""
+    if shlex.quote(sys.executable) != sys.executable:
+        interpreter = Path(sys.executable)
+        os.environ["PATH"] = f"{interpreter.parent}{os.pathsep}{os.environ['PATH']}"
+        sys.executable = interpreter.name
+
+
 @contextlib.contextmanager
 def _or_say(consequence: str) -> Iterator[None]:
     """Report a record that cannot be written, and continue: the study's own error comes first."""
@@ -137,21 +236,9 @@ def _end(root: Path, record: Record, outcome: str, ended: datetime | None) -> Re
 
 def _keep_results(root: Path, runs: Iterable[Record]) -> None:
     """Keep copies of figures' datasets and of the claims' verdicts for later comparisons."""
-    names = {record["run"] for record in runs if record["rule"] in KEPT}
-    for path, record in sidecars(root).items():
-        for name, sha256 in record["outputs"].items():
-            source, kept = path.parent / name, kept_result(root, name, sha256)
-            worth = record["run"] in names and name.endswith((".nc", ".csv"))
-            if worth and source.is_file() and not kept.exists():
+    for record in runs:
+        for name, sha256 in kept_outputs(record).items():
+            source, kept = root / record["folder"] / name, kept_result(root, name, sha256)
+            if source.is_file() and not kept.exists():
                 with whole_file(kept) as part:
                     shutil.copyfile(source, part)
-
-
-def _last_words(log: str | None) -> str:
-    """Return the last line of Snakemake's own log that is not of a traceback."""
-    if log and Path(log).is_file():
-        lines = Path(log).read_text(encoding="utf-8", errors="replace").splitlines()
-        said = [line.strip() for line in lines if line.strip() and not line.startswith(" ")]
-        if said:
-            return said[-1]
-    return "stopped before the first job; the terminal said why"

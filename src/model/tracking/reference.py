@@ -21,7 +21,7 @@ from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
 from model.study.config import FIGURES, SCHEMATICS
 from model.study.csv_tables import csv_text
-from model.study.files import whole_file
+from model.study.files import whole_file, write_text
 from model.tracking.comparison import (
     Change,
     change_of,
@@ -30,7 +30,7 @@ from model.tracking.comparison import (
     common_points,
     open_dataset,
 )
-from model.tracking.provenance import git_state, write_text
+from model.tracking.job import git_state
 from model.tracking.snapshot import CLAIMS
 
 if TYPE_CHECKING:

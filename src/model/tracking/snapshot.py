@@ -6,9 +6,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from model.tracking.history import find_invocation, load_history
-from model.tracking.index import find_run, load_runs
-from model.tracking.records import KEPT, Record, TrackingError, kept_result, sidecars
+from model.tracking import TrackingError
+from model.tracking.history import (
+    Record,
+    find_invocation,
+    kept_outputs,
+    kept_result,
+    load_history,
+    sidecars,
+)
+from model.tracking.runs import find_run, load_runs
 
 CLAIMS = "claims.csv"
 
@@ -88,13 +95,11 @@ def _of_runs(label: str, runs: Iterable[Record], root: Path) -> Snapshot:
     latest = {run["run"]: run for run in runs}
     files, lost = {}, []
     for run in latest.values():
-        if run["rule"] not in KEPT:
-            continue
-        for name, sha256 in run["outputs"].items():
+        for name, sha256 in kept_outputs(run).items():
             kept = kept_result(root, name, sha256)
             if kept.is_file():
                 files[name] = kept
-            elif kept.suffix in (".nc", ".csv"):
+            else:
                 lost.append(name)
     return Snapshot(label, latest, files, tuple(lost))
 

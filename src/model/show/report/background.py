@@ -19,7 +19,7 @@ from model.show.report.section import (
 )
 from model.show.words import figure_title, number
 from model.study.config import COMPUTED
-from model.tracking.provenance import file_hash, versions
+from model.tracking.job import file_hash, versions
 
 # Number and subject of every disputed equation; model.physics.variants says what each value does.
 READING_WORDS: Mapping[str, tuple[str, str]] = {

@@ -1,0 +1,136 @@
+"""The code that results depend on: a hash of each file that a script imports.
+
+Hashes are those of syntax trees, so that comments, layout and docstrings rerun nothing. Snakemake
+itself sees no edit of an imported file; the rules give it these hashes as params.
+"""
+
+import ast
+import contextlib
+import hashlib
+import platform
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from model.compile.cache import cache_folder
+from model.study.files import write_text
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_BESIDE = ("verification", "benchmarks")  # packages of the checkout
+_RECORDS = "tracking"  # this package: what records the jobs changes none of their results
+
+
+def _module_file(name: str) -> Path | None:
+    """Return the source of a module of this package or of one beside it, or None."""
+    top, *rest = name.split(".")
+    if top == _PACKAGE.name and rest[:1] != [_RECORDS]:
+        base = _PACKAGE.joinpath(*rest)
+    elif top in _BESIDE:
+        base = _PACKAGE.parents[1].joinpath(top, *rest)
+    else:
+        return None
+    candidates = (base.with_suffix(".py"), base / "__init__.py")
+    return next((file for file in candidates if file.is_file()), None)
+
+
+_WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+def _outline(node: Any, imported: list[str]) -> list[Any]:
+    """Return ``node`` with all below it as nested lists, without places in the file and docstrings.
+
+    Names of modules that are imported, as far as they can be modules of this package, are added to
+    ``imported``, except those that only type checkers import.
+    """
+    kind = node.__class__
+    fields: list[Any] = [kind.__name__]
+    typing_only = kind is ast.If and getattr(node.test, "id", None) == "TYPE_CHECKING"
+    for name in kind._fields:
+        value = getattr(node, name, None)
+        seen = [] if typing_only and name == "body" else imported
+        if value.__class__ is list:
+            if name == "body" and kind in _WITH_DOCSTRING and ast.get_docstring(node, clean=False):
+                value = value[1:]
+            value = [_outline(v, seen) if isinstance(v, ast.AST) else v for v in value]
+        elif isinstance(value, ast.AST):
+            value = _outline(value, seen)
+        fields.append(value)
+    if kind is ast.Import:
+        imported += [alias.name for alias in node.names]
+    elif kind is ast.ImportFrom and node.module and node.level == 0:
+        imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return fields
+
+
+_COMPANIONS = {".j2", ".yaml", ".html", ".js", ".css"}
+
+
+@cache
+def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
+    """Return (hash of the syntax tree and companions, package files imported) of one source file.
+
+    A companion is a template, table, script or style beside the source with its stem: page.html.j2,
+    claims.yaml, page.map.js.
+    The result is kept by the files' contents, since each start of Snakemake and of a job needs it.
+    """
+    beside = sorted(path for path in source.parent.glob(f"{source.stem}.*")
+                    if path.suffix in _COMPANIONS)  # fmt: skip
+    code, *companions = (path.read_bytes() for path in (source, *beside))
+    kept = _outlines() / hashlib.sha256(b"\0".join([code, *companions])).hexdigest()
+    try:
+        hashed, *imported = kept.read_text(encoding="utf-8").split()
+    except (OSError, ValueError):
+        imported = []
+        digest = hashlib.sha256(repr(_outline(ast.parse(code), imported)).encode())
+        for companion in companions:
+            digest.update(companion)
+        hashed = digest.hexdigest()
+        with contextlib.suppress(OSError):
+            write_text(" ".join([hashed, *imported]), kept)
+    files = (_module_file(name) for name in imported)
+    return hashed, tuple(file for file in files if file)
+
+
+@cache
+def _outlines() -> Path:
+    """Return the folder that keeps what ``_parsed`` finds, by Python's version and this code."""
+    made_by = Path(__file__).read_bytes() + platform.python_version().encode()
+    return cache_folder().parent / f"outlines-{hashlib.sha256(made_by).hexdigest()[:16]}"
+
+
+def import_closure(*sources: Path) -> list[Path]:
+    """Return ``sources`` and every file of this project that they import, directly or not, sorted.
+
+    A package's ``__init__`` counts only if names are imported from it.
+    """
+    found: set[Path] = set()
+    waiting = [source.resolve() for source in sources]
+    while waiting:
+        file = waiting.pop()
+        if file not in found:
+            found.add(file)
+            waiting.extend(_parsed(file)[1])
+    return sorted(found)
+
+
+def code_of(project: Path, source: str) -> list[str]:
+    """Return "FILE HASH" of each file that a source below ``project`` runs, the pins first.
+
+    Files are named from the folder that holds them, wherever package and project are installed.
+    """
+    roots = (_PACKAGE.parent, project.resolve(), _PACKAGE.parents[1])
+
+    def name(file: Path) -> str:
+        root = next(root for root in roots if file.is_relative_to(root))
+        return file.relative_to(root).as_posix()
+
+    files = import_closure(project / source)
+    pins = hashlib.sha256((project / "requirements.lock").read_bytes()).hexdigest()
+    named = sorted(f"{name(file)} {_parsed(file)[0][:12]}" for file in files)
+    return [f"requirements.lock {pins[:12]}", *named]
+
+
+def code_hash(code: Sequence[str]) -> str:
+    """Return one hash for what ``code_of`` returns."""
+    return hashlib.sha256("\n".join(code).encode()).hexdigest()[:16]

@@ -1,0 +1,41 @@
+"""Snakemake's plugin `--logger vibralign`, which the profiles name: invocations are recorded by it.
+
+Snakemake finds a plugin by the name of its module, and logs to it from its main process only.
+"""
+
+from logging import LogRecord
+
+from snakemake_interface_logger_plugins.base import LogHandlerBase
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from model.tracking.invocation import watch
+
+
+class LogHandler(LogHandlerBase):
+    """Note what Snakemake does, and print nothing."""
+
+    writes_to_stream = False
+    writes_to_file = False
+    has_filter = True
+    has_formatter = True
+    needs_rulegraph = False
+
+    def __post_init__(self) -> None:
+        """Begin to watch; the Snakefile is read after this."""
+        self._watch = watch(plans=self.common_settings.dryrun)
+
+    def emit(self, record: LogRecord) -> None:
+        """Note an event."""
+        event = getattr(record, "event", None)
+        if event == LogEvent.WORKFLOW_STARTED:
+            self._watch.executes = True
+        elif event == LogEvent.JOB_STARTED:
+            self._watch.jobs = True
+        elif event == LogEvent.ERROR:
+            lines = record.getMessage().splitlines()
+            self._watch.error = "; ".join(line.strip() for line in lines if line.strip())
+
+    def close(self) -> None:
+        """Record what no handler of the Snakefile did."""
+        self._watch.close()
+        super().close()

@@ -1,0 +1,173 @@
+"""Hashes of code follow what runs; a sidecar says what a job made of what."""
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model.study.files import write_json
+from model.tracking import code, job
+from model.tracking.code import code_of, import_closure
+from model.tracking.job import write_sidecar
+
+PROJECT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of the package whose files a test may edit."""
+    copy = tmp_path / "src" / "model"
+    shutil.copytree(PROJECT / "src" / "model", copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(code, "_PACKAGE", copy)
+    monkeypatch.setattr(job, "_PACKAGE", copy)
+    (tmp_path / "requirements.lock").touch()
+    return copy
+
+
+def hashes(package: Path) -> dict[str, list[str]]:
+    code._parsed.cache_clear()
+    files = {"runs": "runs/align.py", "datasets": "study/datasets.py", "style": "show/style.py"}
+    project = package.parents[1]
+    return {name: code_of(project, f"src/model/{path}") for name, path in files.items()}
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_comments_layout_and_docstrings_change_nothing(package: Path) -> None:
+    before = hashes(package)
+    forces = package / "physics" / "forces.py"
+    edit(forces, "from model.physics.trig", "# a comment\n\n\nfrom model.physics.trig")
+    edit(forces, "-f0, the initial pressing force, downward.", "Other words.")
+    assert hashes(package) == before
+
+
+def test_an_edit_changes_what_depends_on_it_and_nothing_else(package: Path) -> None:
+    before = hashes(package)
+    edit(package / "physics" / "forces.py", "return -p.press_force", "return -1.01 * p.press_force")
+    after = hashes(package)
+    for name in ("runs", "datasets"):
+        changed = set(after[name]) ^ set(before[name])
+        assert {each.split()[0] for each in changed} == {"model/physics/forces.py"}
+    assert after["style"] == before["style"]
+
+
+def test_what_is_kept_on_disk_is_what_is_found_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = PROJECT / "src/model/study/claims/claims.py"  # with a companion
+
+    def found() -> tuple[str, tuple[Path, ...]]:
+        code._parsed.cache_clear()
+        return code._parsed(source)
+
+    kept_before = found()
+    monkeypatch.setattr(code, "_outlines", lambda: tmp_path)
+    anew = found()
+    (kept,) = tmp_path.iterdir()
+    assert kept_before == anew == found()
+    kept.write_text("", encoding="utf-8")  # damaged: found anew, and kept again
+    assert found() == anew
+    monkeypatch.setattr(code, "ast", None)  # it is not parsed again
+    assert found() == anew
+
+
+def test_where_script_and_package_stand_changes_nothing(tmp_path: Path, package: Path) -> None:
+    script = "workflow/scripts/plot.py"
+    found = []
+    for folder in (tmp_path / "a", tmp_path / "z"):  # before and after the package, by name
+        (folder / script).parent.mkdir(parents=True)
+        shutil.copy(PROJECT / script, folder / script)
+        (folder / "requirements.lock").touch()
+        found.append(code_of(folder, script))
+    assert package.is_dir()
+    assert found[0] == found[1]
+
+
+def test_a_plotting_script_does_not_depend_on_the_integrator() -> None:
+    closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/schematic.py")}
+    assert {"schematic.py", "fig04.py", "geometry.py"} <= closure
+    assert "loop.py" not in closure
+
+
+def test_a_computing_script_depends_on_all_that_it_computes_with() -> None:
+    closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/chunk.py")}
+    assert {"forces.py", "contacts.py", "loop.py", "tableaux.py", "sweeps.py"} <= closure
+    assert not {"plots.py", "schematics.py", "report.py", "cli.py"} & closure
+
+
+def test_what_records_a_job_and_what_only_types_need_is_no_code_of_it(tmp_path: Path) -> None:
+    files = [PROJECT / "workflow/scripts/chunk.py", PROJECT / "src/model/study/sweeps.py"]
+    assert not [path for path in import_closure(*files) if path.parent.name == "tracking"]
+    typed = tmp_path / "typed.py"
+    typed.write_text(
+        "from typing import TYPE_CHECKING\n"
+        "if TYPE_CHECKING:\n    from model.study.config.study import Study\n"
+        "else:\n    from model.study.files import write_text\n"
+    )
+    assert {path.name for path in import_closure(typed)} == {"typed.py", "files.py"}
+
+
+def test_a_new_pin_changes_the_code_of_every_script(tmp_path: Path) -> None:
+    shutil.copytree(PROJECT / "workflow", tmp_path / "workflow")
+    (tmp_path / "requirements.lock").write_text("numpy==1")
+    before = code_of(tmp_path, "workflow/scripts/plot.py")
+    (tmp_path / "requirements.lock").write_text("numpy==2")
+    changed = set(code_of(tmp_path, "workflow/scripts/plot.py")) ^ set(before)
+    assert {each.split()[0] for each in changed} == {"requirements.lock"}
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "record.json"
+    write_json({"a": 1}, target)
+    with pytest.raises(TypeError):
+        write_json({"a": object()}, target)
+    assert target.read_text(encoding="utf-8") == '{\n "a": 1\n}\n'
+
+
+def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VIBRALIGN_INVOCATION", "20261121T000000Z-abcd")
+    for name in ("fig06.nc", "fig06.png"):
+        (tmp_path / name).write_bytes(name.encode())
+    files = [tmp_path / "fig06.png"], [tmp_path / "fig06.nc"]
+    facts = {"code": "0123", "more": [1]}
+    write_sidecar(tmp_path / "r.json", "plot/fig06", *files, facts, datetime.now(UTC))
+    record = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert (record["run"], record["rule"], record["figure"]) == ("plot/fig06", "plot", "fig06")
+    assert record["outputs"] == {"fig06.png": hashlib.sha256(b"fig06.png").hexdigest()}
+    assert record["inputs"] == {"fig06.nc": hashlib.sha256(b"fig06.nc").hexdigest()}
+    assert record["code"] == "0123"
+    assert record["invocation"] == "20261121T000000Z-abcd"
+    assert record["more"] == [1]
+    assert record["versions"]["numpy"] == np.__version__
+
+
+def test_looking_at_the_checkout_takes_no_lock_in_it(package: Path) -> None:
+    """A lock would stay behind where a job is killed, and stop whoever works there."""
+
+    def git(*arguments: str) -> None:
+        who = ["-c", "user.name=test", "-c", "user.email=test@localhost"]
+        subprocess.run(
+            ["git", *who, *arguments], cwd=package.parent, check=True, capture_output=True
+        )
+
+    git("init")
+    git("add", ".")
+    git("commit", "-m", "a package")
+    for path in package.rglob("*.py"):
+        os.utime(path, (1e9, 1e9))  # the index does not know these times: a status would refresh it
+    index = package.parent / ".git" / "index"
+    before = index.read_bytes()
+    assert job.git_state()["dirty"] is False
+    assert index.read_bytes() == before

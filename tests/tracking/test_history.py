@@ -1,0 +1,255 @@
+"""The study's memory: nothing that ran is missing from it, whatever became of it."""
+
+import csv
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from model.tracking import TrackingError
+from model.tracking.history import discard_damaged, find_invocation, load_history, sidecars
+from model.tracking.invocation import Invocation
+from model.tracking.runs import COLUMNS, find_run, load_runs, select_runs, write_index
+
+
+def test_a_run_and_its_invocation_are_recorded(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.merge()
+    assert invocation.end("done") == []
+    (record,) = load_history(recorded.root)
+    assert record["outcome"] == "done"
+    assert record["wall_seconds"] >= 0.0
+    (run,) = load_runs(recorded.root)
+    assert run["run"] == "merge/fig06"
+    assert run["invocation"] == record["invocation"] == invocation.name
+    assert (run["status"], run["current"], run["counts"]["aligned"]) == ("done", True, 3)
+    assert len(run["outputs"]["fig06.nc"]) == 64
+
+
+def test_a_failed_run_is_recorded_with_the_last_line_of_its_log(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.merge(figure="fig07")
+    recorded.fail("merge/fig06", "Traceback …\nDatasetError: a chunk is of another sweep\n")
+    (told,) = invocation.end("failed")
+    assert told.startswith("merge/fig06 failed: DatasetError: a chunk is of another sweep (")
+    assert told.endswith("logs/merge/fig06.log)")
+    failed, done = sorted(load_runs(recorded.root), key=lambda run: run["run"])
+    assert (failed["status"], failed["figure"], failed["current"]) == ("failed", "fig06", True)
+    assert done["status"] == "done"
+    assert load_history(recorded.root)[0]["outcome"] == "failed"
+
+
+def test_a_failure_that_was_mended_stays_in_the_history_and_is_not_current(recorded) -> None:
+    first = recorded.invocation()
+    recorded.fail("merge/fig06", "MemoryError\n")
+    first.end("failed")
+    second = recorded.invocation()
+    recorded.merge()
+    second.end("done")
+    runs = load_runs(recorded.root)
+    assert sorted((run["status"], run["current"]) for run in runs) == [
+        ("done", True),
+        ("failed", False),
+    ]
+    assert [each["outcome"] for each in load_history(recorded.root)] == ["failed", "done"]
+
+
+@pytest.mark.parametrize("log", ["", "KeyboardInterrupt\n"])
+def test_a_job_that_was_killed_is_interrupted_not_failed(recorded, log: str) -> None:
+    invocation = recorded.invocation()
+    recorded.fail("chunk/fig06/0", log)
+    invocation.end("failed")
+    (run,) = load_runs(recorded.root)
+    assert run["status"] == "interrupted"
+    assert "killed" in run["reason"]
+    assert load_history(recorded.root)[0]["outcome"] == "interrupted"
+
+
+def test_a_full_disk_leaves_no_word_and_is_named(recorded, monkeypatch) -> None:
+    usage = shutil.disk_usage(recorded.root.parent)._replace(free=12_345)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
+    invocation = recorded.invocation()
+    recorded.fail("chunk/fig06/0", "")
+    (told,) = invocation.end("failed")
+    assert "failed: ended without a message, with 12 kB left on the disk" in told
+
+
+def test_logs_of_an_earlier_layout_are_no_failures(recorded) -> None:
+    recorded.log("chunks/fig06-0")
+    os.utime(recorded.root / "logs/chunks/fig06-0.log", (1.0, 1.0))
+    invocation = recorded.invocation()
+    assert invocation.end("done") == []
+    assert load_runs(recorded.root) == []
+
+
+def test_sidecars_of_an_earlier_layout_are_left_alone(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.merge()
+    old = recorded.root / "data/fig07.run.json"
+    old.write_text('{"figure": "fig07", "output": "fig07.nc", "output_sha256": "0"}')
+    assert discard_damaged(recorded.root) == []
+    invocation.end("done")
+    assert [run["run"] for run in load_runs(recorded.root)] == ["merge/fig06"]
+    assert old.is_file()
+
+
+def test_a_damaged_file_in_another_folder_than_its_sidecar_is_found(recorded) -> None:
+    recorded.compare()
+    times = recorded.root / "benchmarks/precision.csv"
+    assert discard_damaged(recorded.root) == []
+    times.write_text("damaged", encoding="utf-8")
+    assert len(discard_damaged(recorded.root)) == 2
+    assert not times.exists()
+    assert not (recorded.root / "data/precision.run.json").exists()
+    assert (recorded.root / "data/precision.nc").exists()
+
+
+def test_an_invocation_that_ended_well_has_no_failures(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.log("precision/fig06", "a log of a job that leaves no sidecar")
+    assert invocation.end("done") == []
+    assert load_runs(recorded.root) == []
+
+
+def test_an_invocation_that_was_killed_is_interrupted_from_then_on(recorded) -> None:
+    code = f"""
+    import os, signal
+    from pathlib import Path
+    from model.tracking.invocation import Invocation
+    root = Path({str(recorded.root)!r})
+    Invocation(root).record()
+    (root / "logs/chunk/fig06").mkdir(parents=True)
+    (root / "logs/chunk/fig06/0.log").write_text("")
+    os.kill(os.getpid(), signal.SIGKILL)
+    """
+    run = subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=False)
+    assert run.returncode == -signal.SIGKILL
+    (record,) = load_history(recorded.root)
+    assert record["outcome"] == "interrupted"
+    assert [each["run"] for each in record["failures"]] == ["chunk/fig06/0"]
+    stored = next((recorded.root / "history").glob("*.json")).read_text(encoding="utf-8")
+    assert '"running"' in stored, "reading writes nothing"
+    recorded.invocation().end("done")
+    assert [each["outcome"] for each in load_history(recorded.root)] == ["interrupted", "done"]
+    assert not list((recorded.root / "history").glob("*.lock"))
+
+
+def test_an_invocation_that_lives_is_running(recorded) -> None:
+    invocation = recorded.invocation()
+    assert load_history(recorded.root)[0]["outcome"] == "running"
+    other = Invocation(recorded.root)
+    other.record()
+    assert load_history(recorded.root)[0]["outcome"] == "running", "nobody else ends it"
+    invocation.end("done")
+    other.end("done")
+    assert [each["outcome"] for each in load_history(recorded.root)] == ["done", "done"]
+
+
+def test_every_dataset_is_kept_once(recorded) -> None:
+    for shift in (0.0, 0.5, 0.0):
+        invocation = recorded.invocation()
+        recorded.merge(shift)
+        invocation.end("done")
+    assert len(list((recorded.root / "history/data").iterdir())) == 2
+    assert len(load_runs(recorded.root)) == 3
+
+
+def test_a_disk_that_refuses_hides_nothing(recorded, capsys, monkeypatch) -> None:
+    invocation = recorded.invocation()
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("model.tracking.invocation.write_json", full)
+    assert invocation.end("failed") == []
+    assert "could not be recorded: [Errno 28] No space left" in capsys.readouterr().err
+
+
+def test_the_index_has_a_line_for_every_run(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.merge()
+    recorded.fail("plot/fig06", "ValueError: no colour\n")
+    invocation.end("failed")
+    write_index(recorded.root)
+    with (recorded.root / "runs.csv").open(encoding="utf-8", newline="") as stream:
+        rows = {row["run"]: row for row in csv.DictReader(stream)}
+    assert tuple(rows["merge/fig06"]) == COLUMNS
+    assert rows["merge/fig06"]["runs_aligned"] == "3"
+    assert rows["plot/fig06"]["reason"] == "ValueError: no colour"
+
+
+def test_runs_are_selected_by_figure_parameter_outcome_and_date(recorded) -> None:
+    invocation = recorded.invocation()
+    recorded.merge()
+    recorded.merge(figure="fig07", parameters={"press_force": 5.0}, dimensions=[])
+    recorded.fail("merge/fig08", "MemoryError\n")
+    invocation.end("failed")
+    runs = load_runs(recorded.root)
+
+    def names(**conditions: object) -> list[str]:
+        return sorted(run["figure"] for run in select_runs(runs, **conditions))
+
+    assert names() == ["fig06", "fig07", "fig08"]
+    assert names(figure="fig07") == ["fig07"]
+    assert names(parameters=["press_force=1.5"]) == ["fig06"], "swept over, not held at 3"
+    assert names(parameters=["press_force=5"]) == ["fig07"]
+    assert names(parameters=["press_force"]) == ["fig06"]
+    assert names(parameters=["press_force=1.5", "friction=0.12"]) == ["fig06"]
+    assert names(outcome="failed") == ["fig08"]
+    assert names(outcome="settled") == ["fig06", "fig07"]
+    year = runs[0]["started"][:4]
+    assert names(since=year, until=year) == ["fig06", "fig07", "fig08"]
+    assert names(since=str(int(year) + 1)) == names(until=str(int(year) - 1)) == []
+    with pytest.raises(TrackingError, match="'x' is no number"):
+        names(parameters=["press_force=x"])
+
+
+def test_runs_and_invocations_are_found_by_name(recorded) -> None:
+    invocations = []
+    for shift in (0.0, 0.5):
+        invocations.append(recorded.invocation())
+        recorded.merge(shift)
+        invocations[-1].end("done")
+    runs, history = load_runs(recorded.root), load_history(recorded.root)
+    first, last = (find_run(runs, f"merge/fig06@{each.name}") for each in invocations)
+    assert first["outputs"] != last["outputs"]
+    assert find_run(runs, "merge/fig06") == last
+    assert find_invocation(history, "last")["invocation"] == invocations[1].name
+    assert find_invocation(history, invocations[0].name) == history[0]
+    with pytest.raises(TrackingError, match="is the beginning of 2"):
+        find_invocation(history, "20")
+    with pytest.raises(TrackingError, match="is no invocation"):
+        find_invocation(history, "1999")
+    with pytest.raises(TrackingError, match="is no run"):
+        find_run(runs, "merge/fig99")
+
+
+def test_a_root_without_history_and_a_broken_record_are_named(recorded, tmp_path: Path) -> None:
+    with pytest.raises(TrackingError, match="holds no history"):
+        load_history(tmp_path)
+    recorded.merge()
+    (recorded.root / "data/fig06.run.json").write_text("{", encoding="utf-8")
+    with pytest.raises(TrackingError, match=r"fig06\.run\.json: cannot be read as a record"):
+        sidecars(recorded.root)
+
+
+def test_what_is_not_as_its_job_left_it_is_deleted(recorded) -> None:
+    for figure in ("fig06", "fig07", "fig08"):
+        recorded.merge(figure=figure)
+    data = recorded.root / "data"
+    (data / "fig06.nc").write_bytes(b"half")
+    (data / "fig08.run.json").write_text("{", encoding="utf-8")
+    (data / ".fig09.nc-x1y2.part").write_bytes(b"half")
+    deleted = {Path(name).name for name in discard_damaged(recorded.root)}
+    assert deleted == {"fig06.nc", "fig06.run.json", "fig08.run.json", ".fig09.nc-x1y2.part"}
+    assert sorted(path.name for path in data.iterdir()) == [
+        "fig07.nc",
+        "fig07.run.json",
+        "fig08.nc",
+    ]
+    assert discard_damaged(recorded.root) == []

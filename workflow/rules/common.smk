@@ -1,0 +1,63 @@
+"""What the rules share: the code of their scripts, and their plans as plain values."""
+
+from pathlib import Path
+
+from model.study.maps import map_plan
+from model.study.sweeps import sweep_of
+from model.tracking.code import code_hash, code_of
+from benchmarks.plans import HARD_PICTURES, PICTURES
+
+codes = {}  # of every script, by its name
+
+
+def code(script):
+    """Return params with a hash of each file that a script imports: an edit reruns its jobs.
+
+    Snakemake shows those that differ as the reason of a rerun: `snakemake -n --quiet host`.
+    """
+    code = code_of(Path(workflow.basedir), f"workflow/scripts/{script}.py")
+    codes[script] = code_hash(code)
+    return code
+
+
+def stated(plan):
+    """Return a plan as plain values: Snakemake compares these, and ignores models silently."""
+    return plan.model_dump(mode="json")
+
+
+def wording(spec):
+    """Return the title and the caption of a figure or a map."""
+    return {"title": spec.title, "summary": spec.caption}
+
+
+def pictures(*places):
+    """Return the files of pictures from their paths without extension."""
+    return [f"<results>/{place}{kind}" for place in places for kind in (".png", ".svg", ".pdf")]
+
+
+def sweep(wildcards):
+    """Return the sweep of a figure."""
+    return stated(sweep_of(study, wildcards.figure))
+
+
+def words(wildcards):
+    """Return what a figure's dataset says of itself."""
+    return wording(study.figures[wildcards.figure])
+
+
+def plan(wildcards):
+    """Return the plan of a map."""
+    return stated(map_plan(study, wildcards.map))
+
+
+def picture_at(wildcards):
+    """Return which of the comparison's pictures belongs at a place."""
+    return {place: name for name, place in {**PICTURES, **HARD_PICTURES}.items()}[wildcards.place]
+
+
+def numbers_of_part(wildcards):
+    """Return the seed of a part of the campaign, its first set, and how many it has."""
+    campaign = study.accuracy.fuzz
+    first = int(wildcards.chunk) * campaign.sets_a_job
+    count = min(campaign.sets_a_job, campaign.sets - first)
+    return {"seed": campaign.seed, "first": first, "count": count}

@@ -1,0 +1,17 @@
+"""Compute one chunk of a figure's sweep."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.study.datasets import compute_chunk, outcome_counts, write_dataset
+from model.study.sweeps import Sweep
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake, part=True) as facts:
+    sweep = Sweep.model_validate(snakemake.params.sweep)
+    dataset = compute_chunk(sweep, int(snakemake.wildcards.chunk), snakemake.params.chunks)
+    write_dataset(dataset, Path(snakemake.output.data))
+    facts |= {**sweep.facts, "counts": outcome_counts(dataset)}

@@ -1,0 +1,17 @@
+"""Judge the paper's claims by the datasets of the study."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.study.claims import judge
+from model.study.claims.ledger import ledger_text, lines_of
+from model.study.datasets import read_dataset
+from model.study.files import write_text
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake):
+    datasets = {Path(file).stem: read_dataset(Path(file)) for file in snakemake.input}
+    write_text(ledger_text(lines_of(judge(datasets))), Path(snakemake.output.table))

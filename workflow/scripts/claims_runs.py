@@ -1,0 +1,23 @@
+"""Compute the trajectories that the claims ledger needs beside the figures'."""
+
+from collections import Counter
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.study.claims.runs import claim_run_dataset
+from model.study.datasets import outcome_counts, write_dataset
+from model.study.sweeps import Sweep
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake) as facts:
+    counts = Counter[str]()
+    for (name, plan), file in zip(
+        snakemake.params.sweeps.items(), snakemake.output.data, strict=True
+    ):
+        dataset = claim_run_dataset(Sweep.model_validate(plan), snakemake.params.titles[name])
+        write_dataset(dataset, Path(file))
+        counts.update(outcome_counts(dataset))
+    facts["counts"] = dict(counts)

@@ -1,0 +1,16 @@
+"""Draw the runs that only the claims ledger has."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.show.claim_plots import draw_runs
+from model.show.style import save
+from model.study.datasets import read_dataset
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake):
+    datasets = {Path(file).stem: read_dataset(Path(file)) for file in snakemake.input}
+    save(draw_runs(datasets), Path(snakemake.output.png).with_suffix(""))

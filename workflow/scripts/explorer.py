@@ -1,0 +1,21 @@
+"""Make the explorer of the study: the page that runs the engines."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.runs.in_browser import modules
+from model.show.explorer.content import study_model
+from model.show.explorer.page import build_page
+from model.study.config.study import Study
+from model.study.files import write_text
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake):
+    made, study = modules(), Study.model_validate(snakemake.params.study)
+    files = zip(snakemake.input.maps, snakemake.input.refined, strict=True)
+    maps = [(Path(coarse), Path(refined)) for coarse, refined in files]
+    page = build_page(study_model(study, made.interface, maps), made)
+    write_text(page, Path(snakemake.output.page))

@@ -1,0 +1,18 @@
+"""Compute a figure with fixed steps, and compare its points with those of event location."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.study.datasets import read_dataset, write_dataset
+from model.tracking.job import recorded
+from benchmarks.fixed_steps import fixed_step_dataset
+from benchmarks.plans import FixedStepPlan
+
+snakemake: Snakemake
+
+with recorded(snakemake) as facts:
+    plan = FixedStepPlan.model_validate(snakemake.params.plan)
+    dataset = fixed_step_dataset(plan, read_dataset(Path(snakemake.input.located)))
+    write_dataset(dataset, Path(snakemake.output.data))
+    facts |= {**plan.facts, "counts": {"trajectories": int(dataset["tau_align"].size)}}

@@ -1,0 +1,17 @@
+"""Try every property on some of the random sets of `make fuzz`."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.study.files import write_text
+from model.tracking.job import recorded
+from verification.fuzz_campaign import report_text, try_part
+
+snakemake: Snakemake
+
+with recorded(snakemake, part=True) as facts:
+    first, count = (snakemake.params.numbers[name] for name in ("first", "count"))
+    report = try_part(snakemake.wildcards.scene, snakemake.params.numbers["seed"], first, count)
+    write_text(report_text(report), Path(snakemake.output.found))
+    facts["counts"] = {"trajectories": count, "sensitive": report.sensitive}

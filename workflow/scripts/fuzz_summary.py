@@ -1,0 +1,16 @@
+"""Add up the parts of `make fuzz`."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.study.files import write_text
+from model.tracking.job import recorded
+from verification.fuzz_campaign import added, read_report, summary
+
+snakemake: Snakemake
+
+with recorded(snakemake):
+    found = added([read_report(Path(file)) for file in snakemake.input])
+    text = summary(found, snakemake.params.seed, snakemake.wildcards.scene)
+    write_text(text, Path(snakemake.output.text))

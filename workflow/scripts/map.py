@@ -1,0 +1,21 @@
+"""Assemble a map from its parts, computing only what appears at their borders."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.study.datasets import write_dataset
+from model.study.map_datasets import map_counts, map_dataset
+from model.study.map_parts import read_parts
+from model.study.maps import MapPlan
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake) as facts:
+    plan = MapPlan.model_validate(snakemake.params.plan)
+    known = read_parts(plan, [Path(file) for file in snakemake.input])
+    words, marks = snakemake.params.words, snakemake.params.marks
+    dataset = map_dataset(plan, known, **words, marks=marks)
+    write_dataset(dataset, Path(snakemake.output.data))
+    facts |= {**plan.facts, "counts": map_counts(dataset)}

@@ -1,0 +1,20 @@
+"""Compile the engines for the explorer, into the cache, and state what was made."""
+
+import hashlib
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.runs.in_browser import modules
+from model.study.files import write_json
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake):
+    made = modules()
+    facts = {
+        name: {"bytes": len(each), "sha256": hashlib.sha256(each).hexdigest()}
+        for name, each in {"run_one": made.run_one, "run_many": made.run_many}.items()
+    }
+    write_json({**made.interface, "modules": facts}, Path(snakemake.output.data))

@@ -1,0 +1,16 @@
+"""Plot a dataset; of a refined map, with the figure's own points."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.show.plots import draw
+from model.show.style import save
+from model.study.datasets import read_dataset
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake):
+    datasets = [read_dataset(Path(file)) for file in snakemake.input]
+    save(draw(*datasets), Path(snakemake.output.png).with_suffix(""))

@@ -1,0 +1,14 @@
+"""Print a text; fail if its last line is not the one that it must end with, where one is given."""
+
+import sys
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+snakemake: Snakemake
+
+text = Path(snakemake.input[0]).read_text(encoding="utf-8")
+Path(snakemake.log[0]).write_text(text, encoding="utf-8")
+sys.stdout.write(text)
+if snakemake.params.must_end not in text.splitlines()[-1]:
+    sys.exit(1)

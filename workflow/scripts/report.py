@@ -1,0 +1,22 @@
+"""Render the report: one page with every figure, its caption, parameters and outcomes."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.show.report.page import render_report
+from model.show.report.section import Results
+from model.study.config.study import Study
+from model.study.files import write_text
+from model.tracking.job import recorded
+from benchmarks.report import SECTIONS
+
+snakemake: Snakemake
+
+with recorded(snakemake):
+    page, study = Path(snakemake.output.page), Study.model_validate(snakemake.params.study)
+    results = Results(page.parent, study, live=True)
+    text = render_report(results, SECTIONS)
+    if unstated := {*map(str, results.inputs)} - {*snakemake.input}:
+        raise ValueError(f"not an input of the rule: {', '.join(sorted(unstated))}")
+    write_text(text, page)

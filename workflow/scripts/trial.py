@@ -1,0 +1,17 @@
+"""Run one chunk of an accuracy trial."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.tracking.job import recorded
+from verification.accuracy import run_trial, write_table
+from verification.trials import Trial
+
+snakemake: Snakemake
+
+with recorded(snakemake, part=True) as facts:
+    trial = Trial.model_validate(snakemake.params.trial)
+    found = run_trial(trial, int(snakemake.wildcards.chunk), snakemake.params.chunks)
+    write_table(found, Path(snakemake.output.table))
+    facts |= {**trial.facts, "counts": {"trajectories": int(found["set"].size)}}

@@ -1,0 +1,16 @@
+"""Compile the kernels of runs without event location, and record which ones they are."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from benchmarks.methods import compile_unlocated
+from model.study.config.load import baseline
+from model.study.files import write_json
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake) as facts:
+    compile_unlocated(baseline())
+    write_json({"kernels": facts["code"]}, Path(snakemake.output.data))
