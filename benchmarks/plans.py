@@ -1,11 +1,16 @@
 """Plans of the comparison of methods: numbers only, so that new wording computes nothing."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from model.study.config import Axis, HardCases, Ladder, RunSettings, Study
+from model.study.config.base import Axis
+from model.study.config.methods import HardCases, Ladder
+from model.study.config.settings import RunSettings
 from model.study.plan import Plan
 from model.study.sweeps import Sweep, sweep_of
+
+if TYPE_CHECKING:
+    from model.study.config.study import Study
 
 # Its pictures, and where each belongs in the results root, without extension.
 PICTURES: Mapping[str, str] = {
@@ -36,7 +41,7 @@ class PrecisionPlan(Plan):
     settings: RunSettings
 
 
-def precision_plan(study: Study) -> PrecisionPlan:
+def precision_plan(study: "Study") -> PrecisionPlan:
     """Return the comparison of a study."""
     cases = {
         name: CasePlan(parameters=study.case(name).given(), until=case.until)
@@ -53,7 +58,7 @@ class HardCasesPlan(Plan):
     settings: RunSettings
 
 
-def hard_cases_plan(study: Study) -> HardCasesPlan:
+def hard_cases_plan(study: "Study") -> HardCasesPlan:
     """Return the hard cases of a study."""
     return HardCasesPlan(
         parameters=study.baseline.given(), spec=study.hard_cases, settings=study.settings
@@ -89,7 +94,7 @@ class FixedStepPlan(Plan):
         return {**self.sweep.facts, "sweep": self.identity, "dimensions": kept, "steps": self.steps}
 
 
-def fixed_step_plan(study: Study, figure: str) -> FixedStepPlan:
+def fixed_step_plan(study: "Study", figure: str) -> FixedStepPlan:
     """Return the plan of ``figure``, one of ``study.precision.fixed_steps.figures``."""
     spec = study.precision.fixed_steps
     return FixedStepPlan(

@@ -3,14 +3,18 @@
 ``accuracy`` runs and judges the trials; a workflow rule imports only this module.
 """
 
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.study.config import Range, RunSettings, Study
+from model.study.config.accuracy import Range
+from model.study.config.settings import RunSettings
 from model.study.plan import Plan
+
+if TYPE_CHECKING:
+    from model.study.config.study import Study
 
 TrialName = Literal["error", "settled"]
 TRIALS: tuple[TrialName, ...] = ("error", "settled")
@@ -79,7 +83,7 @@ class Trial(Plan):
         return Batch.of(Parameters(**self.parameters), **drawn)  # type: ignore[arg-type]
 
 
-def trial_of(study: Study, name: TrialName) -> Trial:
+def trial_of(study: "Study", name: TrialName) -> Trial:
     """Return a trial of the study's law."""
     law = study.accuracy
     return Trial(

@@ -12,7 +12,7 @@ from benchmarks.plans import HARD_PICTURES
 from benchmarks.report.hard_cases_plots import CAPTIONS
 from model.show.report.section import Results, Section, Table, settings_of, subscripts
 from model.show.words import power
-from model.study.config import HardCase
+from model.study.config.methods import HardCase
 
 
 @dataclass(frozen=True)

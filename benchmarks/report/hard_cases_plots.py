@@ -13,7 +13,7 @@ from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
 from benchmarks.report.work_precision_plots import LOOKS
 from model.show import style
-from model.study.config import HardCases
+from model.study.config.methods import HardCases
 
 CAPTIONS: Mapping[str, str] = {
     "stability": "Result of each method on each hard case. A number is the power of ten of the "

@@ -13,7 +13,7 @@ from benchmarks.report.work_precision_plots import CAPTIONS, COARSE, FINE, Need,
 from benchmarks.work_precision import TimedSetting, read_timings
 from model.show.report.section import Results, Section, Table, link, settings_of
 from model.show.words import figure_title, number
-from model.study.config import Study
+from model.study.config.study import Study
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -19,8 +19,8 @@ onstart:
 
 
 onsuccess:
-    invocation.end("done", log)
+    invocation.end("done", *log[:1])
 
 
 onerror:
-    print(*invocation.end("failed", log), sep="\n", file=sys.stderr)
+    print(*invocation.end("failed", *log[:1]), sep="\n", file=sys.stderr)

@@ -10,6 +10,7 @@ small tilts, with c = (D - d)/D.
 """
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -19,15 +20,17 @@ from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES
 from model.runs.align import align
-from model.study.config import Study
 from model.study.datasets import VARIABLES, global_attributes, parameter_coordinates
 from model.study.sweeps import Sweep
+
+if TYPE_CHECKING:
+    from model.study.config.study import Study
 
 Array = NDArray[np.float64]
 _KEPT = ("outcome", "reason", "tau_align", "tilt_at_alignment", "sensitive", "rhs_evaluations")
 
 
-def jamming_sweep(study: Study) -> Sweep:
+def jamming_sweep(study: "Study") -> Sweep:
     """Return the runs of the figure; dimensions clearance, tilt stiffness, friction."""
     spec = study.jamming
     return Sweep(

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -15,12 +15,15 @@ from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME
 from model.physics.units import UNITS, Units
 from model.runs.settings import SCENES, Settings
-from model.study.config import CURVES, HISTORIES, Curves, Study
+from model.study.config.figures import CURVES, HISTORIES, Curves
 from model.study.datasets import VARIABLES, global_attributes, parameter_coordinates
 from model.study.map_parts import AllKnown, Progress
 from model.study.maps import PERIODS, SHARE, MapPlan, assemble, evaluations
 from model.study.refinement import AROUND, BESIDE, PATCH, WINDOW
 from model.study.starts import GOES_IN
+
+if TYPE_CHECKING:
+    from model.study.config.study import Study
 
 _NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
 LEVEL = {"long_name": "refinement level: how often the coarse cell was halved"}
@@ -189,7 +192,7 @@ def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
     return found
 
 
-def marks_of(study: Study, name: str) -> list[Mark]:
+def marks_of(study: "Study", name: str) -> list[Mark]:
     """Return the operating points of a study's histories and curves in its map ``name``."""
     plane = study.plane(name)
     found: list[Mark] = []

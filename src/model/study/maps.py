@@ -10,7 +10,7 @@ these are tried, on a coarser lattice, reliability.py chooses.
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,20 +21,17 @@ from model.physics.parameters import Batch, Parameters
 from model.runs.engines import engine_for, error_carrying_engine
 from model.runs.errors import estimate
 from model.runs.unvibrated import unvibrated_results
-from model.study.config import (
-    MAPS,
-    Axis,
-    Ensemble,
-    RunSettings,
-    Span,
-    Study,
-    check_plane,
-)
+from model.study.config.base import Axis, Span, check_plane
+from model.study.config.figures import MAPS, Ensemble
+from model.study.config.settings import RunSettings
 from model.study.map_parts import AllKnown, Columns, Known, Layer, Progress, refine_map
 from model.study.plan import Plan
 from model.study.refinement import Bools, Floats, Ints, Lattice
 from model.study.reliability import ensemble_layer, of_starts
 from model.study.starts import GOES_IN, starts_of
+
+if TYPE_CHECKING:
+    from model.study.config.study import Study
 
 COARSE = 64  # coarse cells along a side of a map, at least
 LARGEST = 8  # side of a coarse cell, unless there are more than twice as many of them
@@ -126,7 +123,7 @@ class MapPlan(Plan):
         return layers if self.ensemble is None else [*layers, ensemble_layer(self, cores)]
 
 
-def map_plan(study: Study, name: str) -> MapPlan:
+def map_plan(study: "Study", name: str) -> MapPlan:
     """Return the map ``name`` of a study.
 
     Raises:

@@ -15,7 +15,7 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.runs.align import run_once
 from model.runs.settings import Settings
-from model.study.config import Ensemble
+from model.study.config.figures import Ensemble
 
 Starts = Sequence[Mapping[str, float]]
 

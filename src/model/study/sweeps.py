@@ -1,13 +1,17 @@
 """The computation behind a figure: a grid over one or two parameters, or one trajectory."""
 
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.study.config import Axis, ClaimRun, Curves, Family, Map, RunSettings, Study
+from model.study.config.base import Axis, Family
+from model.study.config.settings import RunSettings
 from model.study.plan import Plan
+
+if TYPE_CHECKING:
+    from model.study.config.study import Study
 
 
 class Sweep(Plan):
@@ -64,7 +68,7 @@ class Sweep(Plan):
         return Batch.of(self.baseline, **swept)
 
 
-def sweep_of(study: Study, figure: str) -> Sweep:
+def sweep_of(study: "Study", figure: str) -> Sweep:
     """Return the sweep of a figure.
 
     Raises:
@@ -72,9 +76,9 @@ def sweep_of(study: Study, figure: str) -> Sweep:
     """
     spec = study.figures[figure]
     dimensions: list[Axis | Family] = []
-    if isinstance(spec, Curves):
+    if spec.kind == "curves":
         dimensions = [spec.family, spec.swept]
-    elif isinstance(spec, Map):
+    elif spec.kind == "map":
         dimensions = [spec.y, spec.x]
     elif spec.kind == "schematic":
         raise ValueError(f"{figure} is a drawing: it has no sweep")
@@ -87,9 +91,9 @@ def sweep_of(study: Study, figure: str) -> Sweep:
     )
 
 
-def claim_sweep(study: Study, name: str) -> Sweep:
+def claim_sweep(study: "Study", name: str) -> Sweep:
     """Return the sweep of ``study.claims_runs[name]``."""
-    spec: ClaimRun = study.claims_runs[name]
+    spec = study.claims_runs[name]
     return Sweep(
         figure=name,
         kind="curves",

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from model.engines.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL
 from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
-from model.study.config import FIGURES, SCHEMATICS
+from model.study.config.figures import FIGURES, SCHEMATICS
 from model.study.csv_tables import csv_text
 from model.study.files import whole_file, write_text
 from model.tracking.comparison import (

@@ -29,7 +29,9 @@ from model.runs.settings import Settings
 from model.show.explorer.page import packed
 from model.show.si import display
 from model.show.words import figure_title, symbol_parts
-from model.study.config import CURVES, HISTORIES, MAPS, Axis, Curves, Family, Map, Study
+from model.study.config.base import Axis, Family
+from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
+from model.study.config.study import Study
 
 # Axes of the map where a preset states none.
 _WITH_PLANE: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}

@@ -12,7 +12,7 @@ from model.show.report.figures import HEAD, Counts, article, counts_of
 from model.show.report.section import Results, Section
 from model.show.words import figure_title, percent, short
 from model.study.claims.ledger import Line, read_ledger
-from model.study.config import HISTORIES
+from model.study.config.figures import HISTORIES
 
 _CONCLUSION = re.compile(r"concl\. (\d+)")
 

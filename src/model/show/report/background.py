@@ -18,7 +18,7 @@ from model.show.report.section import (
     values_of,
 )
 from model.show.words import figure_title, number
-from model.study.config import COMPUTED
+from model.study.config.figures import COMPUTED
 from model.tracking.job import file_hash, versions
 
 # Number and subject of every disputed equation; model.physics.variants says what each value does.

@@ -25,7 +25,7 @@ from model.show.report.section import (
 )
 from model.show.schematics import CAPTIONS
 from model.show.words import figure_number, figure_title, percent, power, short
-from model.study.config import COMPUTED, MAPS
+from model.study.config.figures import COMPUTED, MAPS
 
 if TYPE_CHECKING:
     import xarray as xr

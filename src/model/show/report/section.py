@@ -19,7 +19,7 @@ from markupsafe import Markup, escape
 
 from model.physics.parameters import FIELDS
 from model.show.words import number, symbol_parts
-from model.study.config import Study
+from model.study.config.study import Study
 from model.study.datasets import read_dataset
 
 if TYPE_CHECKING:

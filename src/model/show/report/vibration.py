@@ -12,7 +12,7 @@ from model.show.report.section import Results, Section, Table
 from model.show.words import figure_title, percent
 from model.study.claims.data import Data
 from model.study.claims.regime import regime_of
-from model.study.config import COMPUTED
+from model.study.config.figures import COMPUTED
 from model.study.vibration import overshoot_of
 
 if TYPE_CHECKING:

@@ -4,8 +4,7 @@ The structural baseline is stated in the configuration only; ``baseline`` reads 
 """
 
 from model.study.config.accuracy import Range
-from model.study.config.base import Axis, ConfigError, Family, Span
-from model.study.config.checks import check_plane
+from model.study.config.base import Axis, ConfigError, Family, Span, check_plane
 from model.study.config.claims import ClaimRun
 from model.study.config.figures import (
     COMPUTED,
@@ -29,7 +28,8 @@ from model.study.config.load import (
     study_path,
 )
 from model.study.config.methods import HardCase, HardCases, Ladder
-from model.study.config.study import RunSettings, Study
+from model.study.config.settings import RunSettings
+from model.study.config.study import Study
 
 __all__ = [
     "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS",

@@ -5,7 +5,7 @@ from typing import Annotated, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from model.physics.parameters import PARAMETER_NAMES, check_name
+from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 
 Value = TypeVar("Value")
 
@@ -126,3 +126,15 @@ class Family(Strict):
         if len(set(self.values)) < len(self.values):
             raise ValueError(f"values = {self.values} must differ from each other")
         return self
+
+
+def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
+    """Refuse a map whose parameters are one, or whose corners break a rule.
+
+    Raises:
+        ValueError: naming the parameter, its value and its rule.
+    """
+    if x.parameter == y.parameter:
+        raise ValueError(f"{x.parameter!r} is varied twice: x and y must be two parameters")
+    for x_value, y_value in itertools.product((x.start, x.stop), (y.start, y.stop)):
+        parameters.replace(**{x.parameter: x_value, y.parameter: y_value})

@@ -1,25 +1,12 @@
 """Rules that need the whole study: values against the rules of their parameters, and each other."""
 
-import itertools
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 
 from model.physics.parameters import FIELDS, REQUIRED_NAMES, Batch, Parameters, check_name
-from model.study.config.base import Axis, Family, Span
+from model.study.config.base import Axis, Family, Span, check_plane
 from model.study.config.figures import COMPUTED, KIND, Curves, Map, Plane
 from model.study.config.study import Study
-
-
-def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
-    """Refuse a map whose parameters are one, or whose corners break a rule.
-
-    Raises:
-        ValueError: naming the parameter, its value and its rule.
-    """
-    if x.parameter == y.parameter:
-        raise ValueError(f"{x.parameter!r} is varied twice: x and y must be two parameters")
-    for x_value, y_value in itertools.product((x.start, x.stop), (y.start, y.stop)):
-        parameters.replace(**{x.parameter: x_value, y.parameter: y_value})
 
 
 def faults_of(study: Study) -> list[str]:

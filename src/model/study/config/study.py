@@ -1,17 +1,10 @@
 """The whole study: its sections, and the parameters of each figure, run and case."""
 
-from dataclasses import asdict
-from typing import Literal
+from pydantic import model_validator
 
-from pydantic import Field, model_validator
-
-from model.events.outcomes import Outcome
 from model.physics.parameters import Parameters, check_name
-from model.physics.rest import Start
-from model.physics.variants import VARIANT_NAMES, Variants
-from model.runs.settings import SCENES, Settings
 from model.study.config.accuracy import Accuracy
-from model.study.config.base import ParameterValues, Strict, Text, Tolerance
+from model.study.config.base import ParameterValues, Strict, Text
 from model.study.config.claims import ClaimRun
 from model.study.config.figures import (
     FIGURES,
@@ -23,59 +16,7 @@ from model.study.config.figures import (
 )
 from model.study.config.jamming import Jamming
 from model.study.config.methods import HardCases, Precision
-
-
-class RunSettings(Strict):
-    """Settings of every run of the study."""
-
-    readings: Literal["consistent", "printed"] | dict[str, Literal["consistent", "printed"]]
-    """Variant of the equations, or the variant of each reading by its name."""
-    horizon: float = Field(gt=0.0)
-    """Latest time τ of a run."""
-    tolerance: Tolerance
-    """Local error of a step."""
-    start: Start = "simultaneous"
-    """Press and vibration set in together, or the part rests under the press before it vibrates."""
-    scene: Literal["alignment", "insertion"] = "alignment"
-    """Contacts that are modelled; runs of the scene insertion end when the part is inserted."""
-    insertion_depth: float | None = Field(default=None, gt=0.0, exclude_if=lambda v: v is None)
-    """Depth at which a part counts as inserted; by default half of what the press reaches."""
-
-    @model_validator(mode="after")
-    def _fit_together(self) -> "RunSettings":
-        if isinstance(self.readings, dict):
-            for name in self.readings:
-                check_name(name, VARIANT_NAMES, "reading")
-        _ = self.settings  # a pressed start needs the consistent readings, a depth its scene
-        return self
-
-    @classmethod
-    def of(cls, settings: Settings) -> "RunSettings":
-        """Return the settings of runs as the study states them."""
-        return cls(
-            readings=asdict(settings.readings),
-            scene="insertion" if settings.success is Outcome.INSERTED else "alignment",
-            start=settings.start,
-            insertion_depth=settings.insertion_depth,
-            horizon=settings.horizon,
-            tolerance=settings.tolerance,
-        )
-
-    @property
-    def settings(self) -> Settings:
-        """Settings as ``simulate`` and ``align`` take them."""
-        if isinstance(self.readings, dict):
-            readings = Variants(**self.readings)
-        else:
-            readings = getattr(Variants, self.readings)()
-        return Settings(
-            readings=readings,
-            scene=SCENES[self.scene],
-            start=self.start,
-            insertion_depth=self.insertion_depth,
-            horizon=self.horizon,
-            tolerance=self.tolerance,
-        )
+from model.study.config.settings import RunSettings
 
 
 class Study(Strict):
