@@ -55,4 +55,5 @@ rule all:
     default_target: True
     input:
         "<results>/report.html",
+        rules.report.input,
     localrule: True

@@ -21,6 +21,7 @@ rule kernels:
         mem_mb=lambda wildcards, attempt: 4000 * 2 ** (attempt - 1),
     params:
         *code("kernels"),
+        parameters=study.baseline.given(),
     message:
         "compiling the kernels"
     script:

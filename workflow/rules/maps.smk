@@ -6,6 +6,10 @@ from model.study.map_datasets import marks_of
 localrules:
     map,
     draw_map,
+    draw_vibration,
+
+
+WITH_VIBRATION = ("fig13", "friction_press_force")  # of these, what vibration adds is drawn
 
 
 rule map_part:
@@ -68,7 +72,31 @@ rule draw_map:
         "../scripts/plot.py"
 
 
+rule draw_vibration:
+    input:
+        "<results>/data/maps/{map}.nc",
+    output:
+        multiext("<results>/figures/maps/{map}_vibration", ".svg", ".pdf"),
+        png=report(
+            "<results>/figures/maps/{map}_vibration.png",
+            caption="../report/vibration.rst",
+            category="Stability maps",
+        ),
+        record="<results>/figures/maps/{map}_vibration.run.json",
+    log:
+        "<results>/logs/draw_vibration/{map}.log",
+    wildcard_constraints:
+        map="|".join(WITH_VIBRATION),
+    params:
+        *code("draw_vibration"),
+    message:
+        "map {wildcards.map}: plotting what vibration adds"
+    script:
+        "../scripts/draw_vibration.py"
+
+
 # Every map that is not a figure of the paper: those are part of the study.
 rule maps:
     input:
         pictures(*(f"figures/maps/{map}" for map in study.map_names if map not in MAPS)),
+        pictures(*(f"figures/maps/{map}_vibration" for map in WITH_VIBRATION)),

@@ -34,6 +34,7 @@ rule unlocated_kernels:
     priority: 3
     params:
         *code("unlocated_kernels"),
+        parameters=study.baseline.given(),
     message:
         "compiling the kernels without event location"
     script:

@@ -12,6 +12,7 @@ shown = [
     *HARD_PICTURES.values(),
     "figures/claims",
     "figures/jamming",
+    *(f"figures/maps/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
 ]
 
 

@@ -5,17 +5,18 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from model.events.insertion import INSERTION
+from model.physics.parameters import Parameters
 from model.runs.align import align
 from model.runs.simulate import simulate
-from model.study.config.load import baseline
 from model.study.files import write_json
 from model.tracking.job import recorded
 
 snakemake: Snakemake
 
 with recorded(snakemake) as facts:
+    device = Parameters(**snakemake.params.parameters)
     # One process, in which the kernels of one scene shorten the compilation of the other's.
-    align([baseline()], horizon=0.1, cores=1)
-    align([baseline()], horizon=0.1, cores=1, scene=INSERTION)
-    simulate(baseline(), horizon=0.1)
+    align([device], horizon=0.1, cores=1)
+    align([device], horizon=0.1, cores=1, scene=INSERTION)
+    simulate(device, horizon=0.1)
     write_json({"kernels": facts["code"]}, Path(snakemake.output.data))

@@ -5,12 +5,12 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from benchmarks.methods import compile_unlocated
-from model.study.config.load import baseline
+from model.physics.parameters import Parameters
 from model.study.files import write_json
 from model.tracking.job import recorded
 
 snakemake: Snakemake
 
 with recorded(snakemake) as facts:
-    compile_unlocated(baseline())
+    compile_unlocated(Parameters(**snakemake.params.parameters))
     write_json({"kernels": facts["code"]}, Path(snakemake.output.data))

@@ -1,0 +1,16 @@
+"""Plot where the part aligns only with vibration, only without, in both ways and in neither."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from model.show.areas import vibration_map
+from model.show.style import save
+from model.study.datasets import read_dataset
+from model.tracking.job import recorded
+
+snakemake: Snakemake
+
+with recorded(snakemake):
+    figure = vibration_map(read_dataset(Path(snakemake.input[0])))
+    save(figure, Path(snakemake.output.png).with_suffix(""))
