@@ -158,7 +158,8 @@ def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(workspace: Any, bui
     while not (workspace.folder / "begun").exists():
         assert process.poll() is None
         time.sleep(0.05)
-    kill_when_there(process, "snakemake")
+    process.kill()
+    process.wait(timeout=60)
     assert not (workspace.folder / "ended").exists()
     script.write_text(text, encoding="utf-8")
     run = workspace.snakemake(FEW[0])
