@@ -4,11 +4,11 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
+from benchmarks.hard_cases import read_judged
+from benchmarks.report.hard_cases_plots import error_over_stiffness, stability
 from model.show.style import save
 from model.study.config.methods import HardCases
 from model.tracking.job import recorded
-from benchmarks.hard_cases import read_judged
-from benchmarks.report.hard_cases_plots import error_over_stiffness, stability
 
 snakemake: Snakemake
 

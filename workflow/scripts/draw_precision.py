@@ -4,15 +4,15 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from model.show.style import save
-from model.study.datasets import read_dataset
-from model.tracking.job import recorded
 from benchmarks.report.work_precision_plots import (
     evaluations_over_error,
     time_over_error,
     wrong_points,
 )
 from benchmarks.work_precision import read_timings
+from model.show.style import save
+from model.study.datasets import read_dataset
+from model.tracking.job import recorded
 
 snakemake: Snakemake
 

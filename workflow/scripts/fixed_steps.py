@@ -4,10 +4,10 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from model.study.datasets import read_dataset, write_dataset
-from model.tracking.job import recorded
 from benchmarks.fixed_steps import fixed_step_dataset
 from benchmarks.plans import FixedStepPlan
+from model.study.datasets import read_dataset, write_dataset
+from model.tracking.job import recorded
 
 snakemake: Snakemake
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from model.study.files import write_text
-from model.tracking.job import recorded
 from benchmarks.hard_cases import compile_batch, judge, methods_for, table_of, true_run
 from benchmarks.plans import HardCasesPlan
+from model.study.files import write_text
+from model.tracking.job import recorded
 
 snakemake: Snakemake
 

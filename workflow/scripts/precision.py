@@ -4,9 +4,6 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from model.study.datasets import write_dataset
-from model.study.files import write_text
-from model.tracking.job import recorded
 from benchmarks.methods import METHODS
 from benchmarks.plans import PrecisionPlan
 from benchmarks.work_precision import (
@@ -16,6 +13,9 @@ from benchmarks.work_precision import (
     timings_table,
     true_run,
 )
+from model.study.datasets import write_dataset
+from model.study.files import write_text
+from model.tracking.job import recorded
 
 snakemake: Snakemake
 
