@@ -2,13 +2,9 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.datasets import compute_chunk, outcome_counts, write_dataset
 from model.study.sweeps import Sweep
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True) as facts:
     sweep = Sweep.model_validate(snakemake.params.sweep)

@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.claims import judge
 from model.study.claims.ledger import ledger_text, lines_of
 from model.study.datasets import read_dataset
 from model.study.files import write_text
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     datasets = {Path(file).stem: read_dataset(Path(file)) for file in snakemake.input}

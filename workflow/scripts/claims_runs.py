@@ -3,14 +3,10 @@
 from collections import Counter
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.claims.runs import claim_run_dataset
 from model.study.datasets import outcome_counts, write_dataset
 from model.study.sweeps import Sweep
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     counts = Counter[str]()

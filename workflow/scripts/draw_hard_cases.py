@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from benchmarks.hard_cases import read_judged
 from benchmarks.report.hard_cases_plots import error_over_stiffness, stability
 from model.show.style import save
 from model.study.config.methods import HardCases
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     rows = read_judged(Path(snakemake.input[0]))

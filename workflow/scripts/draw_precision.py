@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from benchmarks.report.work_precision_plots import (
     evaluations_over_error,
     time_over_error,
@@ -12,9 +10,7 @@ from benchmarks.report.work_precision_plots import (
 from benchmarks.work_precision import read_timings
 from model.show.style import save
 from model.study.datasets import read_dataset
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     sources, titles = [Path(file) for file in snakemake.input], snakemake.params.titles

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.show.areas import vibration_map
 from model.show.style import save
 from model.study.datasets import read_dataset
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     figure = vibration_map(read_dataset(Path(snakemake.input[0])))

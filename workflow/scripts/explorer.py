@@ -2,16 +2,12 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.runs.in_browser import modules
 from model.show.explorer.content import study_model
 from model.show.explorer.page import build_page
 from model.study.config.study import Study
 from model.study.files import write_text
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     made, study = modules(), Study.model_validate(snakemake.params.study)

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from benchmarks.fixed_steps import fixed_step_dataset
 from benchmarks.plans import FixedStepPlan
 from model.study.datasets import read_dataset, write_dataset
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     plan = FixedStepPlan.model_validate(snakemake.params.plan)

@@ -2,13 +2,9 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.files import write_text
-from model.tracking.job import recorded
+from model.tracking.job import recorded, snakemake
 from verification.fuzz_campaign import report_text, try_part
-
-snakemake: Snakemake
 
 with recorded(snakemake, part=True) as facts:
     first, count = (snakemake.params.numbers[name] for name in ("first", "count"))

@@ -2,13 +2,9 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.files import write_text
-from model.tracking.job import recorded
+from model.tracking.job import recorded, snakemake
 from verification.fuzz_campaign import added, read_report, summary
-
-snakemake: Snakemake
 
 with recorded(snakemake):
     found = added([read_report(Path(file)) for file in snakemake.input])

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from benchmarks.hard_cases import compile_batch, judge, methods_for, table_of, true_run
 from benchmarks.plans import HardCasesPlan
 from model.study.files import write_text
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     plan = HardCasesPlan.model_validate(snakemake.params.plan)

@@ -2,13 +2,9 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.files import write_text
-from model.tracking.job import recorded
+from model.tracking.job import recorded, snakemake
 from verification.accuracy import read_tables, summary, write_table
-
-snakemake: Snakemake
 
 with recorded(snakemake):
     gathered = [

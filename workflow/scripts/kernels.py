@@ -2,16 +2,12 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.events.insertion import INSERTION
 from model.physics.parameters import Parameters
 from model.runs.align import align
 from model.runs.simulate import simulate
 from model.study.files import write_json
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     device = Parameters(**snakemake.params.parameters)

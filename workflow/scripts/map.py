@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.datasets import write_dataset
 from model.study.map_datasets import map_counts, map_dataset
 from model.study.map_parts import read_parts
 from model.study.maps import MapPlan
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     plan = MapPlan.model_validate(snakemake.params.plan)

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.datasets import write_dataset
 from model.study.map_parts import compute_part, part_dataset
 from model.study.maps import MapPlan, part_counts
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True) as facts:
     plan = MapPlan.model_validate(snakemake.params.plan)

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.study.chunk_files import read_chunks
 from model.study.datasets import merge_chunks, outcome_counts, write_dataset
 from model.study.sweeps import Sweep
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     sweep = Sweep.model_validate(snakemake.params.sweep)

@@ -3,13 +3,9 @@
 import hashlib
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.runs.in_browser import modules
 from model.study.files import write_json
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     made = modules()

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.show.plots import draw
 from model.show.style import save
 from model.study.datasets import read_dataset
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     datasets = [read_dataset(Path(file)) for file in snakemake.input]

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from benchmarks.methods import METHODS
 from benchmarks.plans import PrecisionPlan
 from benchmarks.work_precision import (
@@ -15,9 +13,7 @@ from benchmarks.work_precision import (
 )
 from model.study.datasets import write_dataset
 from model.study.files import write_text
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     plan = PrecisionPlan.model_validate(snakemake.params.plan)

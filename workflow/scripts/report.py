@@ -2,16 +2,12 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from benchmarks.report import SECTIONS
 from model.show.report.page import render_report
 from model.show.report.section import Results
 from model.study.config.study import Study
 from model.study.files import write_text
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     page, study = Path(snakemake.output.page), Study.model_validate(snakemake.params.study)

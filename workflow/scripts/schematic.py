@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from model.physics.parameters import Parameters
 from model.show.schematics import DRAWINGS
 from model.show.style import save
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     facts["parameters"] = snakemake.params.parameters

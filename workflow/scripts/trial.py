@@ -2,13 +2,9 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
-from model.tracking.job import recorded
+from model.tracking.job import recorded, snakemake
 from verification.accuracy import run_trial, write_table
 from verification.trials import Trial
-
-snakemake: Snakemake
 
 with recorded(snakemake, part=True) as facts:
     trial = Trial.model_validate(snakemake.params.trial)

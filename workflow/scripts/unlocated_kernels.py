@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from benchmarks.methods import compile_unlocated
 from model.physics.parameters import Parameters
 from model.study.files import write_json
-from model.tracking.job import recorded
-
-snakemake: Snakemake
+from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     compile_unlocated(Parameters(**snakemake.params.parameters))

@@ -28,6 +28,8 @@ from model.tracking.lock import hold_job
 INVOCATION, SUBMITTED = "VIBRALIGN_INVOCATION", "VIBRALIGN_SUBMITTED"
 _PACKAGE = Path(__file__).resolve().parents[1]
 _TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
+# What Snakemake gives to a script, under this name; None in any other process.
+snakemake: Any = getattr(sys.modules["__main__"], "snakemake", None)
 
 
 def announce(study: str, codes: Mapping[str, str]) -> None:
