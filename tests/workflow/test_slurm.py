@@ -35,8 +35,6 @@ KERNELS = tuple(
     f"tiny/data/{name}.json" for name in ("kernels", "unlocated_kernels", "page_engines")
 )
 PARTS, SETS = 16, 5000  # of a campaign
-RULES = "rules/figures.smk"
-TRAJECTORY = 'message="{wildcards.figure}: computing the trajectory",'
 STALL = """
 import time
 if Path("stall").exists():  # at the first attempt
@@ -170,7 +168,7 @@ def test_a_killed_snakemake_leaves_jobs_that_make_does_not_start_twice(
     compiled: Any, built: Any, slurm: Slurm
 ) -> None:
     drain(slurm)
-    process = compiled.start_make(*FEW, *HASTY)
+    process = compiled.start(*FEW, *HASTY)
     held = wait_until(slurm.queued, "jobs wait in the queue")
     kill_snakemake(process)
     assert set(held) <= set(slurm.queued()), "they outlive Snakemake"
@@ -197,7 +195,7 @@ def test_a_killed_snakemake_leaves_jobs_that_make_does_not_start_twice(
 
 def test_cancelled_jobs_fail_with_the_reason(compiled: Any, built: Any, slurm: Slurm) -> None:
     drain(slurm)
-    process = compiled.start_make(ONE, *HASTY)
+    process = compiled.start(ONE, *HASTY)
     (number,) = wait_until(slurm.queued, "a job waits in the queue")
     slurm.call("scancel", number)
     assert process.wait(timeout=PATIENCE) != 0
@@ -212,7 +210,7 @@ def test_a_job_that_fails_before_its_command_says_why(
     compiled: Any, built: Any, slurm: Slurm
 ) -> None:
     drain(slurm)
-    process = compiled.start_make(ONE, *HASTY)
+    process = compiled.start(ONE, *HASTY)
     (number,) = wait_until(slurm.queued, "a job waits in the queue")
     tiny = compiled.folder / "config/tiny.yaml"
     text = tiny.read_text(encoding="utf-8")
@@ -231,9 +229,9 @@ def test_a_job_does_not_run_what_was_edited_after_it_was_submitted(
     compiled: Any, built: Any, slurm: Slurm, edited: str
 ) -> None:
     drain(slurm)
-    process = compiled.start_make(ONE, *HASTY)
+    process = compiled.start(ONE, *HASTY)
     wait_until(slurm.queued, "a job waits in the queue")
-    file = "workflow/jobs/history.py" if edited == "code" else "config/tiny.yaml"
+    file = "workflow/scripts/history.py" if edited == "code" else "config/tiny.yaml"
     path = compiled.folder / file
     text = path.read_text(encoding="utf-8")
     added = "EDITED = True" if edited == "code" else "structure: {inertia: 6.0}"
@@ -250,10 +248,14 @@ def test_a_job_does_not_run_what_was_edited_after_it_was_submitted(
 def test_a_job_over_its_time_limit_says_so_and_a_second_attempt_has_more(
     compiled: Any, built: Any, slurm: Slurm
 ) -> None:
-    job, rules = (compiled.folder / f"workflow/{name}" for name in ("jobs/history.py", RULES))
+    job = compiled.folder / "workflow/scripts/history.py"
     job.write_text(f"{job.read_text(encoding='utf-8')}\n{STALL}", encoding="utf-8")
-    text = rules.read_text(encoding="utf-8")
-    rules.write_text(text.replace(TRAJECTORY, f"{TRAJECTORY} minutes=1,"), encoding="utf-8")
+    rules = compiled.folder / "workflow/rules/figures.smk"
+    text, limit = rules.read_text(encoding="utf-8"), "runtime=lambda wildcards, attempt: attempt"
+    script = '    script:\n        "../scripts/history.py"'
+    assert script in text
+    text = text.replace(script, f"    resources:\n        {limit},\n{script}")
+    rules.write_text(text, encoding="utf-8")
     (compiled.folder / "stall").touch()
     assert compiled.make(ONE, *HASTY).returncode != 0
     reason = failed_runs(compiled)["history/fig05"]["reason"]
