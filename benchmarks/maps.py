@@ -1,6 +1,6 @@
 """Maps that follow their boundary against full grids: wrong nodes, trajectories and time.
 
-Both take the same single runs from the paper's start, and a node that the refined map computes is
+Both take the same single runs from the nominal start, and a node that the refined map computes is
 computed once: the full grid is those nodes and all others. Hence a node can be wrong only where it
 was filled. The ensemble of starts is compared likewise: the starts that its map tries, and all.
 
@@ -19,11 +19,10 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.runs.align import run_once
 from model.study.config import MAPS, Map, Study, load_study, study_path
-from model.study.map_parts import Known
-from model.study.maps import MapPlan, areas, end_of, graded, plan_of
-from model.study.refinement import Bools, Evaluate, Floats, Ints, Refined, refine
-from model.study.reliability import COARSE, ensemble_layer, of_starts
-from model.study.starts import every_start
+from model.study.maps.compute import Computation, MapNodes, areas, duration_scale, end_times
+from model.study.maps.lattice import Bools, Evaluate, Floats, Ints, Refined, refine
+from model.study.maps.plan import MapPlan, plan_of
+from model.study.maps.starts import COARSE, every_start, sum_up_starts
 
 SEED = 4105  # of the planes and devices that are drawn
 SPREAD = 1.5  # largest factor by which a drawn device's values differ from the study's
@@ -78,7 +77,7 @@ class _Nodes:
     def __init__(self, plan: MapPlan) -> None:
         self.plan = plan
         self.area = np.full(plan.lattice.shape, -1, dtype=np.int8)
-        self.end = np.full(plan.lattice.shape, np.nan)  # as in ``end_of``
+        self.end = np.full(plan.lattice.shape, np.nan)  # as in ``end_times``
         self.seconds = 0.0
 
     def compute(self, rows: Ints, columns: Ints) -> None:
@@ -90,7 +89,7 @@ class _Nodes:
             swept = self.plan.swept(rows[some], columns[some])
             endings = run_once(Batch.of(self.plan.baseline, **swept), self.plan.settings.settings)
             self.area[rows[some], columns[some]] = areas(endings["outcome"].astype(np.int8))
-            self.end[rows[some], columns[some]] = end_of(endings)
+            self.end[rows[some], columns[some]] = end_times(endings)
         self.seconds += process_time() - started
 
     def evaluate(self, every: int = 1) -> Evaluate:
@@ -99,7 +98,7 @@ class _Nodes:
         def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
             place = every * rows, every * columns
             self.compute(*place)
-            value = graded(self.plan, *place, self.end[place])
+            value = duration_scale(self.plan, *place, self.end[place])
             return self.area[place].astype(np.int64), value
 
         return evaluate
@@ -156,12 +155,12 @@ def judge(
     end: Floats,
     seconds: tuple[float, float],
 ) -> Comparison:
-    """``refined`` against the full grid of areas and of times as in ``end_of``."""
+    """``refined`` against the full grid of areas and of times as in ``end_times``."""
     failed: Bools = area == Outcome.FAILED
     wrong: Bools = (refined.kind != area) & ~failed
     flagged = refined.flagged
     rows, columns = np.indices(plan.lattice.shape)
-    difference = np.abs(refined.value - graded(plan, rows, columns, end))
+    difference = np.abs(refined.value - duration_scale(plan, rows, columns, end))
     both = np.isfinite(difference) & (area == Outcome.ALIGNED)
     return Comparison(
         figure=plan.name,
@@ -212,31 +211,31 @@ class Reliability:
 
 def compare_reliability(plan: MapPlan) -> Reliability:
     """Refine the map and try the starts that it asks for, then run every start at every node."""
-    layer, starts = ensemble_layer(plan, 1), plan.starts()
-    known = Known.nothing(layer.lattice, layer.unknown)
-    known.computed[:] = True
-    paper = refine(_Nodes(plan).evaluate(), plan.lattice)
-    layer.complete({"paper": paper}, known, lambda _: None)
-    aligns: Bools = paper.kind[:: plan.every, :: plan.every] == plan.settings.settings.success
-    share, _, _ = of_starts(known.columns, aligns, paper.value[:: plan.every, :: plan.every])
+    nodes, starts, coarser = MapNodes(plan), plan.starts(), plan.ensemble_lattice
+    assert nodes.ensemble is not None  # noqa: S101  (called for maps with an ensemble)
+    nominal = refine(_Nodes(plan).evaluate(), plan.lattice)
+    Computation(plan, nodes).ensemble(nodes.ensemble, nominal)
+    tried, at = nodes.ensemble.columns, (slice(None, None, plan.stride),) * 2
+    aligns: Bools = nominal.kind[at] == plan.settings.settings.success
+    share, _, _ = sum_up_starts(tried["end"], tried["tau"], aligns, nominal.value[at])
     settings = replace(plan.settings.settings, alignment_only=True)
-    rows, columns = (plan.every * each.ravel() for each in np.indices(layer.lattice.shape))
+    rows, columns = (plan.stride * each.ravel() for each in np.indices(coarser.shape))
     every = [
         every_start(Batch.of(plan.baseline, **plan.swept(*some)), starts, settings)["goes_in"]
         for some in zip(
             *(np.array_split(each, 1 + each.size // 256) for each in (rows, columns)), strict=True
         )
     ]
-    aligned = np.concatenate(every).sum(axis=1).reshape(layer.lattice.shape)
+    aligned = np.concatenate(every).sum(axis=1).reshape(coarser.shape)
     reliable = aligned == len(starts)
     kind = np.where(reliable, 2, np.minimum(aligned, 1))
-    lattice = replace(layer.lattice, coarse=max(layer.lattice.cells // COARSE, 1))
+    lattice = replace(coarser, coarse=max(coarser.cells // COARSE, 1))
     on_lattice = refine(lambda *node: (kind[node], np.full(node[0].shape, np.nan)), lattice)
     wrong: Bools = (share == 1.0) != reliable
-    runs = layer.starts(known)
+    runs = int(nodes.tried().sum())
     return Reliability(
         figure=plan.name,
-        cells=layer.lattice.cells,
+        cells=coarser.cells,
         tried=runs / (reliable.size * len(starts)),
         nodes=round(runs / len(starts)),
         refined=int(on_lattice.computed.sum()),

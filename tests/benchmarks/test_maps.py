@@ -6,8 +6,9 @@ import pytest
 from benchmarks.maps import compare, compare_reliability, costs, drawn, judge, slope
 from model.events.outcomes import Outcome
 from model.study.config import RunSettings, Span, load_study, study_path
-from model.study.maps import graded, map_plan, plan_of
-from model.study.refinement import BESIDE, refine
+from model.study.maps.compute import duration_scale
+from model.study.maps.lattice import BESIDE, refine
+from model.study.maps.plan import map_plan, plan_of
 
 CELLS = 256
 ALIGNED, SETTLED = int(Outcome.ALIGNED), int(Outcome.SETTLED)
@@ -30,7 +31,7 @@ def areas():
 
 def refined(plan, area, tau):
     def evaluate(rows, columns):
-        value = graded(plan, rows, columns, tau[rows, columns])
+        value = duration_scale(plan, rows, columns, tau[rows, columns])
         return area[rows, columns].astype(np.int64), value
 
     return refine(evaluate, plan.lattice)

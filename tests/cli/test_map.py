@@ -12,10 +12,10 @@ from model.cli import map as map_commands
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
-from model.study import maps, reliability
 from model.study.config import baseline
 from model.study.devices import load_device
-from model.study.map_datasets import MAP_VARIABLES
+from model.study.maps import compute
+from model.study.maps.dataset import MAP_VARIABLES
 
 PLANE = ["--x", "tilt_stiffness", "6", "20", "--y", "press_force", "1", "5"]
 SMALL = ["--resolution", "4", "--horizon", "30", "--tolerance", "1e-7"]
@@ -103,8 +103,8 @@ def test_bad_input_is_refused_in_one_line_before_anything_is_computed(
     def no_runs(*_, **__):
         raise AssertionError("computed")
 
-    monkeypatch.setattr(maps, "estimate", no_runs)
-    monkeypatch.setattr(reliability, "run_once", no_runs)
+    monkeypatch.setattr(compute, "estimate", no_runs)
+    monkeypatch.setattr(compute, "run_once", no_runs)
     assert run(tmp_path, *arguments) == cli.REFUSED
     out, err = capsys.readouterr()
     assert out == ""
@@ -120,7 +120,7 @@ def test_an_interrupted_map_leaves_the_old_file(tmp_path, capsys, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(reliability, "run_once", interrupted)
+    monkeypatch.setattr(compute, "run_once", interrupted)
     assert run(tmp_path) == cli.INTERRUPTED
     assert "interrupted" in capsys.readouterr().err
     assert old.read_text() == "old"
@@ -136,8 +136,8 @@ def test_a_missing_package_is_named(tmp_path, capsys, monkeypatch):
 def test_the_bar_shows_the_rest_of_a_wave_at_a_terminal(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     bar = map_commands._Bar()
-    bar("paper", 0, 400)
-    bar("paper", 200, 100)
+    bar("nominal", 0, 400)
+    bar("nominal", 200, 100)
     bar.close()
     err = capsys.readouterr().err
     first, second = (part for part in err.split("\r")[1:3])

@@ -12,7 +12,7 @@ from model.study.assessment.assess import impact_speed
 from model.study.assessment.leeways import FINEST, STEP, STEPS, VARIED, leeways, nearest
 from model.study.config import Ensemble
 from model.study.devices import load_device, read_device
-from model.study.starts import are_reliable, starts_of
+from model.study.maps.starts import are_reliable, starts_of
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)

@@ -10,12 +10,20 @@ from scipy.ndimage import distance_transform_edt, maximum_filter
 
 from model import Batch, align
 from model.events.outcomes import Outcome
-from model.study import maps, reliability
 from model.study.config import Axis, Ensemble, RunSettings, Span, load_study, study_path
 from model.study.datasets import DatasetError, write_dataset
-from model.study.map_datasets import MAP_VARIABLES, map_dataset, marks_of
-from model.study.map_parts import compute_part, nothing_known, part_dataset, read_parts
-from model.study.maps import MapPlan, areas, assemble, map_plan, plan_of
+from model.study.maps import dataset, starts
+from model.study.maps import plan as plans
+from model.study.maps.compute import Computation, MapNodes, areas, compute_part
+from model.study.maps.dataset import (
+    MAP_VARIABLES,
+    assemble,
+    map_dataset,
+    part_dataset,
+    read_parts,
+)
+from model.study.maps.plan import MapPlan, map_plan, marks_of, plan_of
+from model.study.maps.starts import ALIGNS, FAILS, NOT_TRIED
 
 SETTINGS = RunSettings(readings="consistent", horizon=40.0, tolerance=1e-8)
 X = Span(parameter="tilt_stiffness", start=2.0, stop=16.0)
@@ -33,22 +41,22 @@ def plan(device) -> MapPlan:
 def _coarse_cells():
     """Use coarse cells of 4, so that the full map is small enough to compute as well."""
     changed = pytest.MonkeyPatch()
-    changed.setattr(maps, "COARSE", 4)
-    changed.setattr(maps, "LARGEST", 4)
-    changed.setattr(reliability, "COARSE", 2)
+    changed.setattr(plans, "COARSE", 4)
+    changed.setattr(plans, "LARGEST", 4)
+    changed.setattr(starts, "COARSE", 2)
     yield
     changed.undo()
 
 
 @pytest.fixture(scope="module")
-def known(plan):
-    """The nodes of every layer that the whole map computes."""
+def nodes(plan):
+    """The nodes of every step that the whole map computes."""
     return compute_part(plan)
 
 
 @pytest.fixture(scope="module")
-def found(plan, known):
-    return SimpleNamespace(**assemble(plan, known), computed=known["paper"].computed)
+def found(plan, nodes):
+    return SimpleNamespace(**assemble(plan, nodes), computed=nodes.nominal.computed)
 
 
 @pytest.fixture(scope="module")
@@ -71,14 +79,14 @@ def test_unflagged_nodes_equal_the_full_grid(found, full):
 
 
 def test_counts_and_levels_match_the_computed_nodes(found, plan):
-    starts = len(plan.starts())
-    assert starts == 6
+    count = len(plan.starts())
+    assert count == 6
     assert (found.trajectories[found.computed] >= 1).all()
     ensemble = np.zeros_like(found.computed)
     ensemble[::4, ::4] = True
     assert set(found.trajectories[~ensemble].tolist()) <= {0, 1}
     tried = found.trajectories[ensemble] - found.computed[ensemble]
-    assert tried.max() == starts - 1  # the paper's is known
+    assert tried.max() == count - 1  # the nominal one is known
     fails = found.outcome[::4, ::4] != Outcome.ALIGNED
     assert fails.any()
     assert not tried.reshape(fails.shape)[fails].any()
@@ -117,7 +125,7 @@ def test_reliable_nodes_align_and_their_worst_duration_is_the_longest(found):
 
 
 def test_neighbours_try_all_starts_between_them():
-    few = reliability._few((9, 9, 32), phases=16)
+    few = starts.alternating((9, 9, 32), phases=16)
     assert (few.sum(axis=2) == 8).all()
     assert (few.reshape(9, 9, 2, 16).sum(axis=2) <= 1).all()  # no phase with both tilts
     for row, column in ((0, 0), (3, 5)):
@@ -128,79 +136,75 @@ def test_neighbours_try_all_starts_between_them():
 def test_beside_a_start_in_phase_are_two_with_every_tilt():
     fails = np.zeros((1, 2, 12), dtype=np.bool_)
     fails[0, 1, 6] = True  # of the second tilt, the first of 6 phases
-    _, columns, starts = np.nonzero(reliability._next(fails, 6))
+    _, columns, wanted = np.nonzero(starts.adjacent_in_phase(fails, 6))
     assert set(columns.tolist()) == {1}
-    assert starts.tolist() == [0, 1, 5, 6, 7, 11]
+    assert wanted.tolist() == [0, 1, 5, 6, 7, 11]
 
 
 @pytest.fixture
 def tried(device, monkeypatch):
-    """Try the starts of a map on the given ends, (rows, columns, starts); (known, runs)."""
+    """Try the starts of a map on the given ends, (rows, columns, starts); return (ends, runs)."""
 
     def tried(aligns, tilts):
         ensemble = Ensemble(phases=16, tilts=tilts, every=1)
         plan = plan_of("trial", device, SETTINGS, (X, Y), len(aligns) - 1, ensemble)
-        layer, runs = reliability.ensemble_layer(plan, 1), []
+        nodes, runs = MapNodes(plan), []
 
-        def run(_plan, known, which, _cores):
-            assert not which[known.columns["end"] != reliability.NOT_TRIED].any()
+        def run(_, store, which):
+            assert not which[store.columns["end"] != NOT_TRIED].any()
             runs.append(which)
-            known.columns["end"][which] = np.where(
-                aligns[which], reliability.ALIGNS, reliability.FAILS
-            )
+            store.columns["end"][which] = np.where(aligns[which], ALIGNS, FAILS)
 
-        monkeypatch.setattr(reliability, "_run", run)
-        known = nothing_known(plan)["ensemble"]
-        known.computed[:] = True
-        paper = SimpleNamespace(kind=np.where(aligns[:, :, 0], Outcome.ALIGNED, Outcome.LEFT_SCENE))
-        layer.complete({"paper": paper}, known, lambda _: None)
-        assert layer.starts(known) == sum(each.sum() for each in runs)
-        return known.columns, np.any(runs, axis=0)
+        monkeypatch.setattr(Computation, "_run_starts", run)
+        kind = np.where(aligns[:, :, 0], Outcome.ALIGNED, Outcome.LEFT_SCENE)
+        Computation(plan, nodes).ensemble(nodes.ensemble, SimpleNamespace(kind=kind))
+        assert nodes.tried().sum() == nodes.trajectories() == sum(which.sum() for which in runs)
+        return nodes.ensemble.columns["end"], np.any(runs, axis=0)
 
     return tried
 
 
 def test_few_starts_find_the_nodes_at_which_any_fails(tried, monkeypatch):
     """Every start has a straight border of its own, moving with its phase; islands fail as well."""
-    monkeypatch.setattr(reliability, "COARSE", 32)
+    monkeypatch.setattr(starts, "COARSE", 32)
     row, column, phase = np.ogrid[:129, :129, :16]
     border = 40.0 + 0.2 * row + 6.0 * np.cos(2.0 * np.pi * (phase - 5) / 16)
     island = np.hypot(row - 80, column - 100) < 6.0 + 6.0 * np.cos(np.pi * (phase - 9) / 8)
     one = (column > border) & ~island
     aligns = np.concatenate([one, one], axis=2)
-    columns, runs = tried(aligns, [1.0, 3.0])
-    fails = (columns["end"] == reliability.FAILS).any(axis=2) | ~aligns[:, :, 0]
+    end, runs = tried(aligns, [1.0, 3.0])
+    fails = (end == FAILS).any(axis=2) | ~aligns[:, :, 0]
     assert np.array_equal(fails, ~aligns.all(axis=2))
     assert not runs[~aligns[:, :, 0]].any()
-    assert not runs[:, :, 0].any()  # the paper's
-    beside = maximum_filter(fails, 3) & aligns[:, :, 0]  # what the paper's start does not tell
+    assert not runs[:, :, 0].any()  # the nominal one
+    beside = maximum_filter(fails, 3) & aligns[:, :, 0]  # what the nominal start does not tell
     assert runs.sum() < beside.sum() * aligns.shape[2]
 
 
-def test_nothing_is_tried_where_the_paper_fails_even_if_the_ensemble_lacks_its_start(tried):
+def test_nothing_is_tried_where_the_nominal_start_fails_even_if_the_ensemble_lacks_it(tried):
     aligns = np.zeros((17, 17, 16), dtype=np.bool_)
     _, runs = tried(aligns, [2.0])
     assert not runs.any()
-    aligns[:, :, 0] = True  # stands for the paper's as well
-    columns, runs = tried(aligns, [2.0])
+    aligns[:, :, 0] = True  # stands for the nominal one as well
+    end, runs = tried(aligns, [2.0])
     assert runs[:, :, 0].any()
-    assert (columns["end"] == reliability.FAILS).any(axis=2).all()
+    assert (end == FAILS).any(axis=2).all()
 
 
 def test_the_excess_is_that_of_the_nearest_node_whose_starts_all_align():
-    end = np.full((1, 5, 2), reliability.NOT_TRIED)
-    end[0, 0] = reliability.ALIGNS
-    end[0, 3], end[0, 4, 0] = (reliability.ALIGNS, reliability.FAILS), reliability.ALIGNS
-    tau = np.where(end == reliability.ALIGNS, [[[7.0, 6.0]]], np.nan)
-    paper = np.array([[5.0, 9.0, 9.0, 9.0, 8.0]])
-    found = reliability.of_starts({"end": end, "tau": tau}, np.isfinite(paper), paper)
+    end = np.full((1, 5, 2), NOT_TRIED)
+    end[0, 0] = ALIGNS
+    end[0, 3], end[0, 4, 0] = (ALIGNS, FAILS), ALIGNS
+    tau = np.where(end == ALIGNS, [[[7.0, 6.0]]], np.nan)
+    nominal = np.array([[5.0, 9.0, 9.0, 9.0, 8.0]])
+    found = starts.sum_up_starts(end, tau, np.isfinite(nominal), nominal)
     share, excess, runs = (each[0].tolist() for each in found)
     assert runs == [2, 0, 0, 2, 1]
     assert share == [1.0, 1.0, 1.0, 2.0 / 3.0, 1.0]
     assert excess == [2.0, 2.0, *excess[2:3], 0.0, 0.0]  # the third is as far from both
     assert excess[2] in {0.0, 2.0}
-    untried = {"end": np.full_like(end, reliability.NOT_TRIED), "tau": np.full_like(tau, np.nan)}
-    assert not reliability.of_starts(untried, np.isfinite(paper), paper)[1].any()
+    untried = np.full_like(end, NOT_TRIED), np.full_like(tau, np.nan)
+    assert not starts.sum_up_starts(*untried, np.isfinite(nominal), nominal)[1].any()
 
 
 def test_the_margin_is_the_distance_to_the_nearest_unreliable_node(found):
@@ -210,13 +214,13 @@ def test_the_margin_is_the_distance_to_the_nearest_unreliable_node(found):
         nearest = np.hypot(rows - row, columns - column).min() / CELLS
         assert found.margin[row, column] == pytest.approx(nearest, abs=1e-12)
     assert np.array_equal(found.margin == 0.0, ~reliable)
-    assert maps._margin(np.ones((3, 3), dtype=np.bool_)).min() == math.inf
+    assert dataset._margin(np.ones((3, 3), dtype=np.bool_)).min() == math.inf
     assert distance_transform_edt(reliable).max() > 1.0
 
 
 def test_between_nodes_of_the_ensemble_the_worse_value_holds():
     values = np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]])
-    finer = maps._between(np.minimum, values, 2)
+    finer = dataset._between(np.minimum, values, 2)
     assert finer.shape == (5, 5)
     assert np.array_equal(finer[::2, ::2], values)
     assert finer[0, 3] == finer[1, 4] == finer[1, 3] == 0.0
@@ -224,18 +228,17 @@ def test_between_nodes_of_the_ensemble_the_worse_value_holds():
 
 
 @pytest.mark.parametrize("parts", [1, 2, 3])
-def test_parts_and_cores_do_not_change_the_map(plan, known, parts, tmp_path):
+def test_parts_and_cores_do_not_change_the_map(plan, nodes, parts, tmp_path):
     paths = [tmp_path / f"{part}.nc" for part in range(parts)]
     for part, path in enumerate(paths):
         done = compute_part(plan, part, parts, cores=1 + part % 2)
         write_dataset(part_dataset(plan, part, parts, done), path)
     again = map_dataset(plan, read_parts(plan, paths), "title", "summary")
-    xr.testing.assert_identical(again, map_dataset(plan, known, "title", "summary"))
+    xr.testing.assert_identical(again, map_dataset(plan, nodes, "title", "summary"))
 
 
 def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
-    nothing = nothing_known(plan)
-    path, first = tmp_path / "0.nc", part_dataset(plan, 0, 1, nothing)
+    path, first = tmp_path / "0.nc", part_dataset(plan, 0, 1, MapNodes(plan))
     other = plan_of("trial", device.replace(friction=0.2), SETTINGS, (X, Y), CELLS, ENSEMBLE)
     for change in ({"sweep": other.identity}, {"part": 1}, {"parts": 3}, {"figure": "fig14"}):
         write_dataset(first.assign_attrs(change), path)
@@ -243,15 +246,15 @@ def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
             read_parts(plan, [path])
         assert not path.exists()
     write_dataset(first, path)
-    assert not read_parts(plan, [path])["paper"].computed.any()
+    assert not read_parts(plan, [path]).nominal.computed.any()
     with pytest.raises(ValueError, match="part = 2: must be 0 to 1"):
         compute_part(plan, 2, 2)
 
 
-def test_the_dataset_is_a_chunked_and_compressed_grid(plan, known, tmp_path):
-    dataset = map_dataset(plan, known, "title", "summary", [("fig06", [3.0], [1.0, 2.0])])
+def test_the_dataset_is_a_chunked_and_compressed_grid(plan, nodes, tmp_path):
     path = tmp_path / "map.nc"
-    write_dataset(dataset, path)
+    marks = [("fig06", [3.0], [1.0, 2.0])]
+    write_dataset(map_dataset(plan, nodes, "title", "summary", marks), path)
     with xr.open_dataset(path) as stored:
         assert stored["tau_align"].dims == ("press_force", "tilt_stiffness")
         assert stored["tau_align"].encoding["zlib"]
@@ -284,7 +287,7 @@ def test_a_map_without_an_ensemble_has_no_reliable_share(device):
     phases = Span(parameter="phase", start=0.0, stop=6.0)
     plan = plan_of("trial", device, SETTINGS, (X, phases), 4, ENSEMBLE)
     assert plan.ensemble is None
-    found = assemble(plan, nothing_known(plan))
+    found = assemble(plan, MapNodes(plan))
     assert set(found) == set(MAP_VARIABLES)
     assert np.isnan(found["reliable_share"]).all()
     assert np.array_equal(found["reliable"] == 1, found["outcome"] == Outcome.ALIGNED)

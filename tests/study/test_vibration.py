@@ -5,8 +5,14 @@ import pytest
 import xarray as xr
 
 from model.events.outcomes import Outcome, Reason, Unvibrated
-from model.study.map_datasets import BOTH, NEITHER, ONLY_PRESSED, ONLY_VIBRATED, added
-from model.study.vibration import overshoot_of
+from model.study.vibration import (
+    BOTH,
+    NEITHER,
+    ONLY_PRESSED,
+    ONLY_VIBRATED,
+    added,
+    overshoot_of,
+)
 
 NAN = np.nan
 A, S, L = Outcome.ALIGNED, Outcome.SETTLED, Outcome.LEFT_SCENE

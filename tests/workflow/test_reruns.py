@@ -50,7 +50,7 @@ EDITS = [
     ("src/model/study/config/settings.py", *EDIT, COMPUTED),
     ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
     ("src/model/study/datasets.py", '"complevel": 4', '"complevel": 5', COMPUTED),
-    ("src/model/study/maps.py", "PERIODS = 0.4", "PERIODS = 0.5",
+    ("src/model/study/maps/compute.py", "PERIODS = 0.4", "PERIODS = 0.5",
      {*MAPPED, "plot", "explorer", *LAST}),
     ("src/model/study/assessment/leeways.py", *EDIT, set()),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),

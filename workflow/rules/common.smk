@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.study.maps import map_plan
+from model.study.maps.plan import map_plan
 from model.study.sweeps import sweep_of
 from model.tracking.code import code_hash, code_of
 from benchmarks.plans import HARD_PICTURES, PICTURES

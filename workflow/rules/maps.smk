@@ -1,6 +1,6 @@
 """Stability maps that follow their boundary: those of Figs. 13 and 14, and `snakemake -c2 maps`."""
 
-from model.study.map_datasets import marks_of
+from model.study.maps.plan import marks_of
 
 
 localrules:

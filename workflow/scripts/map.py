@@ -3,15 +3,14 @@
 from pathlib import Path
 
 from model.study.datasets import write_dataset
-from model.study.map_datasets import map_counts, map_dataset
-from model.study.map_parts import read_parts
-from model.study.maps import MapPlan
+from model.study.maps.dataset import map_counts, map_dataset, read_parts
+from model.study.maps.plan import MapPlan
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     plan = MapPlan.model_validate(snakemake.params.plan)
-    known = read_parts(plan, [Path(file) for file in snakemake.input])
+    nodes = read_parts(plan, [Path(file) for file in snakemake.input])
     words, marks = snakemake.params.words, snakemake.params.marks
-    dataset = map_dataset(plan, known, **words, marks=marks)
+    dataset = map_dataset(plan, nodes, **words, marks=marks)
     write_dataset(dataset, Path(snakemake.output.data))
     facts |= {**plan.facts, "counts": map_counts(dataset)}

@@ -152,7 +152,7 @@ def _drawn(
         nearest_failing,
         yield_of,
     )
-    from model.study.starts import starts_of  # noqa: PLC0415
+    from model.study.maps.starts import starts_of  # noqa: PLC0415
 
     settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
     starts = starts_of(stated.device.parameters, ensemble)

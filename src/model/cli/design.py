@@ -89,7 +89,7 @@ def _design(arguments: argparse.Namespace) -> int:
 
 def _search(arguments: argparse.Namespace, seed: int) -> "Search":
     from model.study.design import Search  # noqa: PLC0415  (only this command)
-    from model.study.starts import starts_of  # noqa: PLC0415
+    from model.study.maps.starts import starts_of  # noqa: PLC0415
 
     study = load_study(study_path())
     stated = stated_device(arguments)

@@ -27,7 +27,7 @@ from model.study.config import RunSettings, Span, check_plane, load_study, study
 if TYPE_CHECKING:
     import xarray as xr
 
-    from model.study.maps import MapPlan
+    from model.study.maps.plan import MapPlan
 
 _NEEDED = ("netCDF4", "scipy", "xarray")
 _FINEST = 8192
@@ -79,14 +79,13 @@ def _map(arguments: argparse.Namespace) -> int:
     announce_compilation()
     # Imported here: half a second that only this command needs.
     from model.study.datasets import write_dataset  # noqa: PLC0415
-    from model.study.map_datasets import in_si, map_dataset  # noqa: PLC0415
-    from model.study.map_parts import nothing_known  # noqa: PLC0415
+    from model.study.maps.compute import MapNodes  # noqa: PLC0415
+    from model.study.maps.dataset import in_si, map_dataset  # noqa: PLC0415
 
     title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
     summary, cores = "Made by vibralign map.", os.cpu_count() or 1
     with contextlib.closing(_Bar()) as bar:
-        known = nothing_known(plan)
-        dataset = map_dataset(plan, known, title, summary, cores=cores, progress=bar)
+        dataset = map_dataset(plan, MapNodes(plan), title, summary, cores=cores, progress=bar)
     if units is not None:
         dataset = in_si(dataset, units)
     try:
@@ -112,7 +111,7 @@ def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
     check_plane(parameters if units is None else units.in_si(parameters), *spans)
     if units is not None:
         spans = _dimensionless(spans[0], units), _dimensionless(spans[1], units)
-    from model.study.maps import plan_of  # noqa: PLC0415
+    from model.study.maps.plan import plan_of  # noqa: PLC0415
 
     every = min(study.maps.ensemble.every, max(resolution // _ENSEMBLE, 1))
     ensemble = study.maps.ensemble.model_copy(update={"every": every})
@@ -148,22 +147,22 @@ class _Bar:
     """Progress bar on one line of a terminal; silent elsewhere."""
 
     _WIDTH = 24
-    _LAYERS = {"paper": "outcomes", "twin": "unvibrated", "ensemble": "reliability"}  # noqa: RUF012 - never changed
+    _STEPS = {"nominal": "outcomes", "unvibrated": "unvibrated", "ensemble": "reliability"}  # noqa: RUF012 - never changed
 
     def __init__(self) -> None:
         self._shown = sys.stderr.isatty()
-        self._layer, self._largest = "", 0
+        self._step, self._largest = "", 0
 
-    def __call__(self, layer: str, done: int, left: int) -> None:
+    def __call__(self, step: str, done: int, left: int) -> None:
         """Show that ``left`` nodes of the present wave are still to come."""
         if not self._shown:
             return
-        if layer != self._layer or left > self._largest:
-            self._layer, self._largest = layer, left
+        if step != self._step or left > self._largest:
+            self._step, self._largest = step, left
         filled = self._WIDTH - round(self._WIDTH * left / self._largest)
         bar = "#" * filled + "." * (self._WIDTH - filled)
         counts = f"{left:>6,} nodes left of this wave, {done:,} starts computed"
-        line = f"\r{self._LAYERS[layer]:<12}[{bar}] {counts}"
+        line = f"\r{self._STEPS[step]:<12}[{bar}] {counts}"
         print(line, end="\033[K", file=sys.stderr, flush=True)
 
     def close(self) -> None:
@@ -173,7 +172,7 @@ class _Bar:
 
 
 def _report(dataset: "xr.Dataset") -> list[str]:
-    from model.study.map_datasets import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
+    from model.study.vibration import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
 
     by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
     success = success_of(dataset)

@@ -16,9 +16,9 @@ from model.show.explorer.content import Scales
 from model.study.config import RunSettings, Span, Study
 from model.study.devices import StatedDevice, load_device
 from model.study.files import whole_file
-from model.study.map_datasets import in_si, map_dataset
-from model.study.map_parts import nothing_known
-from model.study.maps import plan_of
+from model.study.maps.compute import MapNodes
+from model.study.maps.dataset import in_si, map_dataset
+from model.study.maps.plan import plan_of
 from model.tracking.job import version
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, if the file frees no two quantities
@@ -48,7 +48,7 @@ def write_sheet(
     plan = plan_of("map", device.parameters, ran, (spans[0], spans[1]), _RESOLUTION, ensemble)
     title = f"Area of stable alignment over {spans[0].parameter} and {spans[1].parameter}"
     cores = os.cpu_count() or 1
-    plane = map_dataset(plan, nothing_known(plan), title, "Of a device sheet.", cores=cores)
+    plane = map_dataset(plan, MapNodes(plan), title, "Of a device sheet.", cores=cores)
     verdict = re.sub(r"^((not )?reliable)\s+", r"\1: ", groups["Verdict"][1])
     good = verdict.startswith("reliable")
     if "Yield" in groups:

@@ -74,6 +74,8 @@ OUTCOME_TEXT: dict[Outcome, str] = {
 }
 
 SUCCESS_TEXT: dict[Outcome, str] = {Outcome.ALIGNED: "aligns", Outcome.INSERTED: "goes in"}
+SUCCESSES = tuple(SUCCESS_TEXT)
+"""Outcomes of a run in which the part goes in."""
 
 REASON_TEXT: dict[Reason, str] = {
     Reason.NONE: "",

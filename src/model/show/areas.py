@@ -34,7 +34,7 @@ from model.show.overlays import (
     add_reliable,
     add_vibration,
 )
-from model.study.map_datasets import added, success_of
+from model.study.vibration import added, success_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,7 +45,7 @@ _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 LEFT_LABEL, NOT_IN = "of these, leaves the scene", "does not go in"
 PATCH_LABEL = "outcomes alternate: no border"
 SLOW_LABEL = "ticked side: rests if pressed slowly"
-# In the order of ``map_datasets.added``.
+# In the order of ``vibration.added``.
 ADDED_LABELS = (
     "aligns, vibrated or not",
     "aligns only if vibrated",
@@ -66,7 +66,7 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
     Where it aligns and does not go in, by ``insertion`` in the dataset or in ``coarse``, the same
     plane on a coarser grid, there are dots.
 
-    A refined map (study/maps.py) is drawn with contours of the duration, the outline of its
+    A refined map (study/maps/) is drawn with contours of the duration, the outline of its
     reliable area, and the operating points of other figures.
     """
     y, x = (dataset[name] for name in dataset["tau_align"].dims)

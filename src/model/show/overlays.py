@@ -17,7 +17,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from model.show import style
-from model.study.map_datasets import ONLY_VIBRATED, added
+from model.study.vibration import ONLY_VIBRATED, added
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,7 +25,7 @@ from model.runs.settings import Settings
 from model.runs.unvibrated import unvibrated
 from model.study.assessment.yields import Floats, batch_of, run_devices
 from model.study.devices import StatedDevice, Tolerance
-from model.study.starts import Starts
+from model.study.maps.starts import Starts
 
 POINTS = 16  # devices drawn within the tolerances of a candidate, a power of two
 SCALES = (1.0, 2.0, 3.0)  # multiples of the tolerances that are tried

@@ -1,8 +1,8 @@
 """Assess a device: its alignment from every start, on its base, and the leeway of its parameters.
 
 A device is made with tolerances and wears, and phase and tilt at touch-down cannot be controlled: a
-*reliable* device aligns from every start (starts.py). If the base is not stated, a span of bases is
-tried, each with a lively and a dull impact.
+*reliable* device aligns from every start (maps/starts.py). If the base is not stated, a span of
+bases is tried, each with a lively and a dull impact.
 """
 
 import itertools
@@ -20,7 +20,7 @@ from model.runs.simulate import Trajectory, simulate_once
 from model.study.assessment.leeways import Leeway, Nearest, leeways, nearest
 from model.study.config import Ensemble, load_study, study_path
 from model.study.devices import StatedDevice
-from model.study.starts import Starts, are_reliable, every_start, starts_of
+from model.study.maps.starts import Starts, are_reliable, every_start, starts_of
 
 DECADES = (1e2, 1e3, 1e4, 1e5, 1e6)  # contact stiffness, in axial stiffnesses
 RESTITUTIONS = (0.3, 0.8)  # tried where no impact is stated

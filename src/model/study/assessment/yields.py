@@ -18,7 +18,7 @@ from model.physics.parameters import FIELDS, Batch
 from model.physics.units import Device
 from model.runs.settings import Settings
 from model.study.devices import StatedDevice, Tolerance
-from model.study.starts import Starts, every_start
+from model.study.maps.starts import Starts, every_start
 
 Floats = NDArray[np.float64]
 Values = Mapping[str, Floats]

@@ -96,7 +96,7 @@ class Plane(FigureBase):
 
 
 class Ensemble(Strict):
-    """Initial conditions from which a reliable part aligns, all of them; see maps.py."""
+    """Initial conditions from which a reliable part aligns, all of them; see maps/starts.py."""
 
     phases: int = Field(ge=1)
     """Number of equidistant phases of the excitation at touch-down."""

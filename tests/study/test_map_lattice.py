@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model.study.refinement import BESIDE, Lattice, Refined, refine
+from model.study.maps.lattice import BESIDE, Lattice, Refined, refine
 
 CELLS = 256
 COARSE = 16

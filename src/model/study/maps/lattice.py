@@ -266,7 +266,7 @@ class _Map:
     def corners(self, least: int) -> Bools:
         """Return the corners of the cells with sides of at least ``least``."""
         levels = (level for level in self.levels if level.size >= least)
-        return np.logical_or.reduce([_corners(level.exists, level.size) for level in levels])
+        return np.logical_or.reduce([corners_of(level.exists, level.size) for level in levels])
 
     def between(self) -> Bools:
         """Return the nodes inside halved cells of side two whose neighbours on both sides differ.
@@ -331,7 +331,7 @@ def refine(evaluate: Evaluate, lattice: Lattice, within: Bools | None = None) ->
             another kind are left to the whole map.
     """
     refined = _Map(evaluate, lattice, within)
-    in_cells = _corners(_repeated(refined.levels[0].exists, lattice.coarse), 1)
+    in_cells = corners_of(_repeated(refined.levels[0].exists, lattice.coarse), 1)
     refined.compute(refined.corners(lattice.coarse) | (in_cells & lattice.watched()))
     if lattice.patch:
         while refined.compute(refined.corners(lattice.patch)):
@@ -362,8 +362,8 @@ def _padded(cells: Bools, axis: int) -> Bools:
     return np.pad(cells, [(int(each == axis),) * 2 for each in (0, 1)])
 
 
-def _corners(cells: Bools, size: int) -> Bools:
-    """The nodes at the corners of the True ``cells``, whose sides are ``size`` finest cells."""
+def corners_of(cells: Bools, size: int) -> Bools:
+    """Return the nodes at the corners of True ``cells``, whose sides are ``size`` nodes apart."""
     nodes = np.zeros((len(cells) * size + 1,) * 2, dtype=np.bool_)
     own = nodes[::size, ::size]  # a view
     for down, right in itertools.product((0, 1), repeat=2):

@@ -1,0 +1,285 @@
+"""The dataset of a map: the nodes of its parts on disk, the full grid, and what variables mean."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from model.engines.results import UNVIBRATED_CONTROL
+from model.events.outcomes import Outcome
+from model.physics.parameters import FIELDS
+from model.physics.quantities import TIME
+from model.physics.units import UNITS, Units
+from model.study.datasets import (
+    VARIABLES,
+    DatasetError,
+    discard,
+    global_attributes,
+    parameter_coordinates,
+    read_dataset,
+)
+from model.study.maps.compute import PERIODS, SHARE, Computation, MapNodes, Progress
+from model.study.maps.lattice import AROUND, BESIDE, PATCH, WINDOW, Bools, Floats
+from model.study.maps.plan import MapPlan, Mark
+from model.study.maps.starts import sum_up_starts
+
+_NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
+
+MAP_VARIABLES: dict[str, dict[str, Any]] = {
+    "outcome": VARIABLES["outcome"],
+    "reason": VARIABLES["reason"],
+    "tau_align": {
+        "long_name": "alignment duration",
+        "symbol": "τ",
+        "comment": f"between computed nodes interpolated, within about {PERIODS:g} excitation "
+        f"periods or {SHARE:g} of the duration, whichever is more",
+    },
+    "tau_error": {"long_name": "estimated error of the alignment duration, where computed"},
+    "sensitive": {
+        "long_name": "a start displaced by the tolerance ends differently, where computed",
+        **_NO_YES,
+    },
+    **{name: VARIABLES[name] for name in UNVIBRATED_CONTROL},
+    "flagged": {
+        "long_name": "the outcome may be another",
+        "comment": f"sensitive, or filled within {BESIDE} nodes of another outcome, within "
+        f"{2 * BESIDE} where the border is crooked, or within {AROUND} of a patch",
+        **_NO_YES,
+    },
+    "patch": {
+        "long_name": "outcomes alternate: no border is drawn here",
+        "comment": f"the border crosses more than {PATCH:g} of the {WINDOW} x {WINDOW} small cells "
+        "around",
+        **_NO_YES,
+    },
+    "level": {"long_name": "refinement level: how often the coarse cell was halved"},
+    "trajectories": {"long_name": "starts computed at this node, 0 where it was filled"},
+    "reliable_share": {
+        "long_name": "share of the ensemble's starts tried here that align",
+        "comment": "the paper's start included; no other is tried where it fails",
+    },
+    "reliable": {
+        "long_name": "aligns from every start of the ensemble",
+        "comment": "starts are tried where the paper's aligns: all beside nodes that fail, those "
+        "from which nodes near fail, and few inside",
+        **_NO_YES,
+    },
+    "tau_worst": {
+        "long_name": "longest alignment duration of the starts tried",
+        "symbol": "τ",
+        "comment": "where none but the paper's was tried, as much longer than from this one as at "
+        "the nearest node where others were",
+    },
+    "margin": {
+        "long_name": "distance to the nearest node that is not reliable",
+        "comment": "each axis' range is the unit along it; infinite if there is no such node",
+    },
+}
+"""Attributes of the variables of a map, in the order of its dataset."""
+
+
+# --- Parts on disk --------------------------------------------------------------------------------
+
+
+def part_dataset(plan: MapPlan, part: int, parts: int, nodes: MapNodes) -> xr.Dataset:
+    """Return the nodes that one part has computed: the columns of each step over its nodes."""
+    variables: dict[str, Any] = {}
+    for step, store in nodes.steps().items():
+        rows, columns = np.nonzero(store.computed)
+        values = {"row": rows.astype(np.int32), "column": columns.astype(np.int32)}
+        values |= store.at(rows, columns)
+        variables |= {
+            f"{step}_{name}": ((step, f"{step}_start")[: value.ndim], value)
+            for name, value in values.items()
+        }
+    return xr.Dataset(variables, attrs=_stamp(plan, part, parts))
+
+
+def part_counts(nodes: MapNodes) -> dict[str, int]:
+    """Return the counts in the sidecar of a part: starts computed, outcomes, and evaluations."""
+    nominal = nodes.nominal
+    outcome = nominal.columns["outcome"][nominal.computed]
+    return {
+        "trajectories": nodes.trajectories(),
+        **{kind.name.lower(): int((outcome == kind).sum()) for kind in Outcome},
+        "sensitive": int((nominal.columns["sensitive"] == 1).sum()),
+        "rhs_evaluations": nodes.evaluations(),
+    }
+
+
+def read_parts(plan: MapPlan, paths: Sequence[Path]) -> MapNodes:
+    """Read all parts of a map; a file that is not its part is deleted, so that it is made again.
+
+    Raises:
+        DatasetError: files that cannot be read or are not parts of this map, naming each.
+    """
+    nodes, faults = MapNodes(plan), {}
+    for part, path in enumerate(paths):
+        try:
+            stored = read_dataset(path)
+            if not _stamp(plan, part, len(paths)).items() <= stored.attrs.items():
+                raise DatasetError(f"{path}: is not part {part} of this map")  # noqa: TRY301
+        except DatasetError as fault:
+            faults[path] = str(fault)
+            continue
+        for step, store in nodes.steps().items():
+            rows, columns = (stored[f"{step}_{side}"].values for side in ("row", "column"))
+            values = {name: stored[f"{step}_{name}"].values for name in store.columns}
+            store.enter(rows, columns, values)
+    discard(faults)
+    return nodes
+
+
+def _stamp(plan: MapPlan, part: int, parts: int) -> dict[str, Any]:
+    return {"figure": plan.name, "sweep": plan.identity, "part": part, "parts": parts}
+
+
+# --- The map --------------------------------------------------------------------------------------
+
+
+def map_dataset(
+    plan: MapPlan,
+    nodes: MapNodes,
+    title: str,
+    summary: str,
+    marks: Sequence[Mark] = (),
+    *,
+    cores: int = 1,
+    progress: Progress = lambda *_: None,
+) -> xr.Dataset:
+    """Return a map as a grid (y parameter, x parameter); held parameters are scalar coordinates.
+
+    Nodes missing in ``nodes`` are computed and entered. ``marks`` are the operating points of other
+    figures of the study in this plane.
+    """
+    values = assemble(plan, nodes, cores=cores, progress=progress)
+    settings = plan.settings.settings
+    attributes = global_attributes(plan.name, "map", plan.identity, title, summary, settings)
+    attributes |= {
+        "resolution": plan.cells,
+        "coarse_cells": plan.cells // plan.lattice.coarse,
+        "operating_points": json.dumps(list(marks)),
+        "computed_share": float(nodes.nominal.computed.mean()),
+        "trajectories": int(values["trajectories"].sum()),
+        "rhs_evaluations": nodes.evaluations(),
+    }
+    if plan.ensemble is not None:
+        starts = plan.starts()
+        attributes |= {
+            "reliable_means": "aligns within the horizon from every start of the ensemble",
+            "ensemble_phases": sorted({start["phase"] for start in starts}),
+            "ensemble_tilts": sorted({start["initial_tilt"] for start in starts}),
+            "ensemble_resolution": plan.ensemble_lattice.cells,
+        }
+    dims = (plan.y.parameter, plan.x.parameter)
+    swept = {plan.y.parameter: plan.y.values, plan.x.parameter: plan.x.values}
+    coordinates = parameter_coordinates(swept, plan.parameters)
+    return xr.Dataset(
+        {
+            name: (dims, values[name], {"units": "1", **known})
+            for name, known in MAP_VARIABLES.items()
+        },
+        dict(sorted(coordinates.items())),
+        attributes,
+    )
+
+
+def map_counts(dataset: xr.Dataset) -> dict[str, int]:
+    """Return the counts in the sidecar of a map: starts computed, and evaluations."""
+    return {name: int(dataset.attrs[name]) for name in ("trajectories", "rhs_evaluations")}
+
+
+def assemble(
+    plan: MapPlan, nodes: MapNodes, *, cores: int = 1, progress: Progress = lambda *_: None
+) -> dict[str, NDArray[Any]]:
+    """Compute the nodes that a map still misses, and fill the others.
+
+    Returns:
+        The variables of a map, each of shape (cells + 1, cells + 1), rows along y. They are the
+        same for any parts.
+    """
+    nominal, unvibrated = Computation(plan, nodes, cores, progress).run()
+    runs, controls = nodes.nominal.columns, nodes.unvibrated.columns
+    outcome = nominal.spread(runs["outcome"])
+    aligns = outcome == plan.settings.settings.success
+    duration = np.where(aligns, nominal.filled(runs["tau_align"]), np.nan)
+    sensitive = runs["sensitive"] == 1
+    trajectories = nodes.nominal.computed.astype(np.int32)
+    return {
+        "outcome": outcome,
+        "reason": nominal.spread(runs["reason"]),
+        "tau_align": duration,
+        "tau_error": runs["tau_error"],
+        "sensitive": sensitive.astype(np.int8),
+        "unvibrated": unvibrated.spread(controls["unvibrated"]),
+        "unvibrated_tilt": unvibrated.filled(controls["unvibrated_tilt"]),
+        "slow_tilt": unvibrated.filled(controls["slow_tilt"]),
+        "flagged": (sensitive | nominal.flagged).astype(np.int8),
+        "patch": nominal.patch.astype(np.int8),
+        "level": nominal.level.astype(np.int8),
+        **_reliability(plan, nodes, aligns, duration, trajectories),
+    }
+
+
+def _reliability(
+    plan: MapPlan, nodes: MapNodes, aligns: Bools, duration: Floats, trajectories: NDArray[np.int32]
+) -> dict[str, NDArray[Any]]:
+    """Return what the ensemble adds to the outcome and the duration from the nominal start."""
+    reliable, share, worst = aligns, *np.full((2, *aligns.shape), np.nan)
+    if nodes.ensemble is not None:
+        tried, coarser = nodes.ensemble.columns, (slice(None, None, plan.stride),) * 2
+        shares, excess, runs = sum_up_starts(
+            tried["end"], tried["tau"], aligns[coarser], duration[coarser]
+        )
+        share = _between(np.minimum, shares, plan.stride)
+        worst = duration + _between(np.maximum, excess, plan.stride)
+        reliable = aligns & (share == 1.0)
+        trajectories[coarser] += runs
+    return {
+        "trajectories": trajectories,
+        "reliable_share": share,
+        "reliable": reliable.astype(np.int8),
+        "tau_worst": np.where(reliable, worst, np.nan),
+        "margin": _margin(reliable),
+    }
+
+
+def _margin(inside: Bools) -> Floats:
+    """Return the distance of nodes to the nearest not ``inside``, each side having length 1."""
+    if inside.all():
+        return np.full(inside.shape, np.inf)
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
+
+    distance: Floats = distance_transform_edt(inside, sampling=1.0 / (len(inside) - 1))
+    return distance
+
+
+def _between(worse: np.ufunc, values: Floats, stride: int) -> Floats:
+    """Return values on a lattice ``stride`` times finer: between nodes the worse neighbour's."""
+    for axis in (0, 1):
+        rows = np.moveaxis(values, axis, 0)
+        finer = np.repeat(worse(rows[:-1], rows[1:]), stride, axis=0)
+        finer = np.concatenate([finer, rows[-1:]])
+        finer[::stride] = rows
+        values = np.moveaxis(finer, 0, axis)
+    return values
+
+
+def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
+    """Return a map with parameters and durations in SI units, and ``units`` as coordinates."""
+    quantities = {name: FIELDS[str(name)].quantity for name in dataset.coords}
+    quantities |= {name: TIME for name in dataset.data_vars if str(name).startswith("tau_")}
+    found = dataset.copy()
+    for name, quantity in quantities.items():
+        attributes = {**dataset[name].attrs, "units": quantity.unit}
+        values = dataset[name].values * units.of(quantity)
+        if name in dataset.dims:  # 400, not 400.0000000001788: scaled to the model's units and back
+            values = np.array([float(f"{value:.12g}") for value in values])
+        found[name] = (dataset[name].dims, values, attributes)
+    for name, (words, unit) in UNITS.items():
+        found.coords[name] = ((), getattr(units, name), {"long_name": words, "units": unit})
+    return found

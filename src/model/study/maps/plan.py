@@ -1,0 +1,168 @@
+"""The plan of a stability map: its parameters, ranges, lattices and starts, as data.
+
+A map gives the outcome and the alignment time from the nominal start (the device's own phase and
+tilt) at every node of a fine lattice over two parameters; lattice.py chooses the nodes that are
+computed. The outcome near the border depends on the phase of the excitation at touch-down and on
+the tilt there, which cannot be controlled: a *reliable* device aligns within the horizon from every
+start of an ensemble. Which of these are tried, on a coarser lattice, starts.py chooses.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import model_validator
+
+from model.physics.parameters import Parameters
+from model.study.config.base import Axis, Span, check_plane
+from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Ensemble
+from model.study.config.settings import RunSettings
+from model.study.maps.lattice import Floats, Ints, Lattice
+from model.study.maps.starts import starts_of
+from model.study.plan import Plan
+
+if TYPE_CHECKING:
+    from model.study.config.study import Study
+
+COARSE = 64  # coarse cells along a side of a map, at least
+LARGEST = 8  # side of a coarse cell, unless there are more than twice as many of them
+LINES = 8  # squares along a side on whose borders more nodes are computed
+PATCH = 4  # side of the cells by which patches are found
+
+
+class MapPlan(Plan):
+    """A map as data; the hash of its JSON is its identity.
+
+    Attributes:
+        name: "fig13", ….
+        parameters: every parameter, None where it is derived; varied ones have baseline values.
+        settings: settings of the runs.
+        x, y: the nodes along each side, cells + 1 on both; cells is a power of two.
+        ensemble: the starts of a reliable device, None for none.
+
+    Raises:
+        ValueError: x and y that form no lattice, are the same parameter, or break its rule.
+    """
+
+    name: str
+    parameters: dict[str, float | None]
+    settings: RunSettings
+    x: Axis
+    y: Axis
+    ensemble: Ensemble | None
+
+    @model_validator(mode="after")
+    def _is_a_map(self) -> "MapPlan":
+        if self.x.count != self.y.count:
+            raise ValueError(f"{self.x.count} and {self.y.count} nodes: must be as many")
+        if self.cells & (self.cells - 1):
+            raise ValueError(f"resolution = {self.cells}: must be a power of two")
+        check_plane(self.baseline, self.x, self.y)
+        return self
+
+    @property
+    def cells(self) -> int:
+        """Finest cells along a side."""
+        return self.x.count - 1
+
+    @property
+    def baseline(self) -> Parameters:
+        """The held parameters, with the baseline's values of the varied ones."""
+        return Parameters(**self.parameters)  # type: ignore[arg-type]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The map as its sidecar states it."""
+        return {"sweep": self.identity, **self.model_dump(mode="json", exclude={"name"})}
+
+    def swept(self, rows: Ints, columns: Ints) -> dict[str, Floats]:
+        """Return the varied parameters at nodes, each of shape (m,)."""
+        return {
+            self.x.parameter: np.array(self.x.values)[columns],
+            self.y.parameter: np.array(self.y.values)[rows],
+        }
+
+    @property
+    def lattice(self) -> Lattice:
+        """The lattice of the outcome from the nominal start."""
+        coarse = max(self.cells // (2 * COARSE), min(self.cells // COARSE, LARGEST), 1)
+        patch = PATCH if coarse > PATCH else 0  # a window is then a small part of the map
+        lines = max(self.cells // LINES, coarse)
+        return Lattice(cells=self.cells, coarse=coarse, lines=lines, patch=patch, jump=1.0)
+
+    @property
+    def stride(self) -> int:
+        """Finest cells along a side of a cell of the ensemble."""
+        assert self.ensemble is not None  # noqa: S101  (called for maps with an ensemble)
+        return self.cells // max(self.cells // self.ensemble.every, 1)
+
+    @property
+    def ensemble_lattice(self) -> Lattice:
+        """The lattice of the ensemble, all of whose nodes are known from the nominal start."""
+        return Lattice(cells=self.cells // self.stride, coarse=1)
+
+    def starts(self) -> list[dict[str, float]]:
+        """Return every start of the ensemble."""
+        return [] if self.ensemble is None else starts_of(self.baseline, self.ensemble)
+
+
+def map_plan(study: "Study", name: str) -> MapPlan:
+    """Return the map ``name`` of a study.
+
+    Raises:
+        ValueError: no map of that name.
+    """
+    plane = study.plane(name)
+    resolution = study.maps.resolution
+    return plan_of(
+        name,
+        study.baseline.replace(**plane.held),
+        study.settings,
+        (plane.x, plane.y),
+        resolution.figures if name in MAPS else resolution.planes,
+        study.maps.ensemble,
+    )
+
+
+def plan_of(
+    name: str,
+    parameters: Parameters,
+    settings: RunSettings,
+    spans: tuple[Span, Span],
+    resolution: int,
+    ensemble: Ensemble | None,
+) -> MapPlan:
+    """Return a map over ``spans`` (x, y) with ``resolution`` finest cells along a side.
+
+    A map over a parameter that the ensemble varies has no ensemble.
+
+    Raises:
+        ValueError: as ``MapPlan``.
+    """
+    x, y = (
+        Axis(parameter=span.parameter, start=span.start, stop=span.stop, count=resolution + 1)
+        for span in spans
+    )
+    if {x.parameter, y.parameter} & {"phase", "initial_tilt"}:
+        ensemble = None
+    given = parameters.given()
+    return MapPlan(name=name, parameters=given, settings=settings, x=x, y=y, ensemble=ensemble)
+
+
+Mark = tuple[str, list[float], list[float]]
+"""(figure, its values of x, its values of y): two values are the ends of a range."""
+
+
+def marks_of(study: "Study", name: str) -> list[Mark]:
+    """Return the operating points of a study's histories and curves in its map ``name``."""
+    plane = study.plane(name)
+    sides = plane.x.parameter, plane.y.parameter
+    marks: list[Mark] = []
+    for figure in HISTORIES + CURVES:
+        spec, held = study.figures[figure], study.parameters(figure)
+        choices = {side: [[getattr(held, side)]] for side in sides}
+        if isinstance(spec, Curves):
+            choices[spec.swept.parameter] = [[spec.swept.start, spec.swept.stop]]
+            choices[spec.family.parameter] = [[value] for value in spec.family.values]
+        x, y = (choices[side] for side in sides)
+        marks += [(figure, some_x, some_y) for some_x in x for some_y in y]
+    return marks

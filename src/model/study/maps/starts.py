@@ -1,0 +1,157 @@
+"""Starts of an ensemble: phases of the excitation and initial tilts, and which a map tries.
+
+Neither can be controlled at touch-down: a device is *reliable* if it aligns within the horizon from
+every start. The map knows where the nominal start fails: nothing is tried there. Most of the border
+of the reliable area is the border of that area, so that every start is tried beside it, and few at
+nodes inside that are far apart. Wherever another start fails, nodes near try that start, then the
+next ones in phase, of every tilt, and nodes beside try all, until no such node is left: a third,
+periodic dimension in which the border is followed. One failure settles a node, so that the starts
+likely to fail come first.
+
+Areas that touch a computed failure are exact; others may be missed: islands of nodes that fail, of
+which none was computed from a start that does.
+"""
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.events.outcomes import SUCCESSES
+from model.physics.parameters import Batch, Parameters
+from model.runs.align import run_once
+from model.runs.settings import Settings
+from model.study.config.figures import Ensemble
+from model.study.maps.lattice import Bools, Floats, Ints
+
+Starts = Sequence[Mapping[str, float]]
+
+COARSE = 32  # distances along a side between the nodes inside that try starts
+INSIDE = 4  # phases of which these nodes try one with each tilt
+NEAR = 2  # nodes; distance to which a start that fails is tried
+NOT_TRIED, FAILS, ALIGNS = -1, 0, 1
+
+
+def starts_of(device: Parameters, ensemble: Ensemble) -> list[dict[str, float]]:
+    """Return phase and tilt of every start of the ensemble; the first has the device's phase."""
+    phases = [device.phase + 2.0 * math.pi * k / ensemble.phases for k in range(ensemble.phases)]
+    tilts = [device.initial_tilt * factor for factor in ensemble.tilts]
+    return [
+        {"phase": phase, "initial_tilt": tilt} for tilt, phase in itertools.product(tilts, phases)
+    ]
+
+
+def every_start(
+    devices: Batch, starts: Starts, settings: Settings, cores: int = 1
+) -> dict[str, NDArray[Any]]:
+    """Run every device from every start.
+
+    Returns the fields of ``RunResult`` and ``goes_in``, each of shape (devices, starts).
+    """
+    values = {name: np.repeat(column, len(starts)) for name, column in devices.values.items()}
+    for name in starts[0]:
+        values[name] = np.tile([start[name] for start in starts], len(devices))
+    results = run_once(Batch(values), settings, cores=cores)
+    shaped = {name: flat.reshape(len(devices), len(starts)) for name, flat in results.items()}
+    return {**shaped, "goes_in": np.isin(shaped["outcome"], SUCCESSES)}
+
+
+def are_reliable(
+    device: Parameters,
+    swept: Mapping[str, NDArray[np.float64]],
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+) -> NDArray[np.bool_]:
+    """Return which devices go in from every start, shape (devices,).
+
+    They are ``device`` with the parameters ``swept``, each of shape (devices,).
+
+    Raises:
+        ValueError: as ``Batch.of``.
+    """
+    runs = every_start(Batch.of(device, **swept), starts, settings.quickest, cores)
+    reliable: NDArray[np.bool_] = np.logical_and.reduce(runs["goes_in"], axis=1)
+    return reliable
+
+
+# --- Which starts a map tries ---------------------------------------------------------------------
+
+
+def starts_to_try(
+    fails: Bools, nominal_fails: Bools, untried: Bools, inside: Bools, phases: int
+) -> Bools:
+    """Return the starts that nodes try next, shape (rows, columns, starts); none at the end.
+
+    Args:
+        fails: starts that were tried and fail, shape (rows, columns, starts).
+        nominal_fails: nodes at which the nominal start fails, shape (rows, columns).
+        untried: starts that may be tried, in the shape of ``fails``.
+        inside: those that nodes far apart try at first (``starts_inside``).
+        phases: number of phases; starts of the same tilt follow each other.
+    """
+    from scipy.ndimage import binary_dilation, maximum_filter  # noqa: PLC0415  (slow)
+
+    settled = nominal_fails | fails.any(axis=2)
+    untried = untried & ~settled[:, :, None]
+    near = maximum_filter(fails, size=(2 * NEAR + 1, 2 * NEAR + 1, 1))
+    beside = binary_dilation(settled)[:, :, None]  # along rows and columns
+    for wanted in (inside | near, adjacent_in_phase(near, phases), beside):
+        more: Bools = wanted & untried
+        if more.any():
+            break
+    return more
+
+
+def starts_inside(shape: tuple[int, ...], phases: int) -> Bools:
+    """Return the starts that nodes far apart try at first, shape (rows, columns, starts)."""
+    apart = max((shape[0] - 1) // COARSE, 1)
+    inside = np.zeros(shape, dtype=np.bool_)
+    inside[::apart, ::apart] = alternating(inside[::apart, ::apart].shape, phases)
+    return inside
+
+
+def alternating(shape: tuple[int, ...], phases: int) -> Bools:
+    """Return few starts of each node, shape (rows, columns, starts); neighbours have others.
+
+    Those of one tilt have the phases between those of the next.
+    """
+    every = min(INSIDE, phases)
+    row, column, start = np.ogrid[tuple(map(slice, shape))]
+    between = max(every // 2, 1)
+    phase = start % phases + between * (start // phases)
+    chosen: Bools = (phase - row - between * column) % every == 0
+    return chosen
+
+
+def adjacent_in_phase(fails: Bools, phases: int) -> Bools:
+    """Return the starts of every tilt at the phases that fail and those next to them."""
+    by_phase = fails.reshape(*fails.shape[:2], -1, phases)
+    phase = by_phase.any(axis=2)
+    near: Bools = np.tile(phase | np.roll(phase, 1, 2) | np.roll(phase, -1, 2), by_phase.shape[2])
+    return near
+
+
+def sum_up_starts(
+    end: NDArray[np.int8], tau: Floats, nominal_aligns: Bools, nominal_tau: Floats
+) -> tuple[Floats, Floats, Ints]:
+    """Return the share of the starts tried that align, the excess of their durations, and the runs.
+
+    ``end`` (NOT_TRIED, FAILS or ALIGNS) and ``tau`` are of every start, shape (rows, columns,
+    starts). The share includes the nominal start, which aligns in ``nominal_tau`` or not. The
+    excess is that of the longest duration over ``nominal_tau``, at the nearest node at which starts
+    were tried and all align. Each has the shape of the lattice.
+    """
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
+
+    runs = (end != NOT_TRIED).sum(axis=2)
+    share = (nominal_aligns + (end == ALIGNS).sum(axis=2)) / (1 + runs)
+    excess = np.fmax.reduce(tau, axis=2, initial=0.0) - nominal_tau
+    unknown = (share < 1.0) | (runs == 0)
+    if unknown.all():
+        return share, np.zeros(share.shape), runs
+    nearest = distance_transform_edt(unknown, return_distances=False, return_indices=True)
+    return share, np.maximum(excess[tuple(nearest)], 0.0), runs
