@@ -15,13 +15,7 @@ from model.study.datasets import DatasetError, write_dataset
 from model.study.maps import dataset, starts
 from model.study.maps import plan as plans
 from model.study.maps.compute import Computation, MapNodes, areas, compute_part
-from model.study.maps.dataset import (
-    MAP_VARIABLES,
-    assemble,
-    map_dataset,
-    part_dataset,
-    read_parts,
-)
+from model.study.maps.dataset import assemble, map_dataset, part_dataset, read_parts
 from model.study.maps.plan import MapPlan, map_plan, marks_of, plan_of
 from model.study.maps.starts import ALIGNS, FAILS, NOT_TRIED
 
@@ -288,7 +282,7 @@ def test_a_map_without_an_ensemble_has_no_reliable_share(device):
     plan = plan_of("trial", device, SETTINGS, (X, phases), 4, ENSEMBLE)
     assert plan.ensemble is None
     found = assemble(plan, MapNodes(plan))
-    assert set(found) == set(MAP_VARIABLES)
+    assert set(found) == set(dataset.MAP_VARIABLES)
     assert np.isnan(found["reliable_share"]).all()
     assert np.array_equal(found["reliable"] == 1, found["outcome"] == Outcome.ALIGNED)
 
