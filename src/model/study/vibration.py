@@ -34,7 +34,7 @@ def added(dataset: "xr.Dataset") -> NDArray[np.int64]:
 
 
 def overshoot_of(dataset: "xr.Dataset") -> float:
-    """Return the share of the aligned points whose twin aligns, but rests if it is pressed slowly.
+    """Return the share of aligned points that align unvibrated too, but rest if pressed slowly.
 
     NaN where no point aligns.
     """
