@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from benchmarks.methods.by_hand import Scheme, solve_by_hand
 from benchmarks.plans import FixedStepPlan
-from model.study.datasets import DatasetError, flags
+from model.study.io import DatasetError, flags
 
 FIXED_SCHEMES: tuple[Scheme, ...] = get_args(Scheme)
 KIND = "fixed_steps"
@@ -45,10 +45,11 @@ def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
         DatasetError: ``located`` is of another sweep.
     """
     sweep = plan.sweep
-    if located.attrs.get("sweep") != sweep.identity:
+    of = located.attrs.get("config_hash")
+    if of != sweep.identity:
         raise DatasetError(
-            f"{sweep.figure}: the dataset belongs to sweep {located.attrs.get('sweep')!r}, not "
-            f"{sweep.identity!r}: build it again"
+            f"{sweep.figure}: the dataset belongs to sweep {of!r}, not {sweep.identity!r}: "
+            "build it again"
         )
     dims = tuple(dimension.parameter for dimension in sweep.dimensions)
     part = located.isel(dict(zip(dims, plan.kept, strict=True)))
@@ -91,7 +92,7 @@ def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
         "title": f"{located.attrs['title']}: with fixed steps, without event location",
         "kind": KIND,
         "figure_kind": sweep.kind,
-        "sweep": plan.identity,
+        "config_hash": plan.identity,
         "tau_tolerance": plan.tau_tolerance,
     }
     return xr.Dataset(variables, coordinates | dict(part.coords), attributes)

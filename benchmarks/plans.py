@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from model.study.config.base import Axis
+from model.study.config.base import Axis, Plan
 from model.study.config.methods import HardCases, Ladder
 from model.study.config.settings import RunSettings
-from model.study.plan import Plan
-from model.study.sweeps import Sweep, sweep_of
+from model.study.sweep import Sweep, sweep_of
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
@@ -91,7 +90,8 @@ class FixedStepPlan(Plan):
             {"parameter": dimension.parameter, "values": dimension.values[part]}
             for dimension, part in zip(self.sweep.dimensions, self.kept, strict=True)
         ]
-        return {**self.sweep.facts, "sweep": self.identity, "dimensions": kept, "steps": self.steps}
+        own = {"config_hash": self.identity, "dimensions": kept, "steps": self.steps}
+        return {**self.sweep.facts, **own}
 
 
 def fixed_step_plan(study: "Study", figure: str) -> FixedStepPlan:

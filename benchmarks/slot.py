@@ -26,7 +26,7 @@ from model.engines.results import RunResult
 from model.runs.align import run_once
 from model.runs.engines import batch_engine
 from model.study.config import GRIDDED, load_study, study_path
-from model.study.sweeps import sweep_of
+from model.study.sweep import sweep_of
 from verification.accuracy import LEAVING, Check, judge_estimate
 from verification.fuzz import IN_SLOT, LAWS_IN_SLOT, draw
 from verification.independent import insert

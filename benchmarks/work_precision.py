@@ -23,7 +23,7 @@ from model.events.outcomes import OUTCOME_TEXT, Outcome
 from model.physics.parameters import PARAMETER_NAMES, Parameters
 from model.runs.simulate import Trajectory, simulate
 from model.study.csv_tables import read_records, records_text
-from model.study.datasets import flags, global_attributes, parameter_attributes
+from model.study.io import flags, global_attributes, parameter_attributes
 
 NAME = "precision"
 

@@ -24,7 +24,7 @@ from model.study.config import (
     read_study,
     study_path,
 )
-from model.study.datasets import write_dataset
+from model.study.io import write_dataset
 from model.tracking.invocation import Invocation
 from model.tracking.job import INVOCATION, write_sidecar
 
@@ -149,7 +149,7 @@ def _dataset(shift: float = 0.0, figure: str = "fig06") -> xr.Dataset:
             "sensitive": (dims, np.zeros((2, 2), dtype=np.int8)),
         },
         {"tilt_stiffness": [5.0, 7.0], "press_force": [1.0, 2.0]},
-        {"figure": figure, "sweep": "0", "kind": "curves"},
+        {"figure": figure, "config_hash": "0", "kind": "curves"},
     )
 
 

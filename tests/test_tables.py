@@ -133,7 +133,7 @@ from model.physics.notation import State
 from model.physics.parameters import Constants
 from model.physics.variants import Variants
 from model.study.config import baseline
-from model.study.datasets import VARIABLES, parameter_attributes
+from model.study.io import VARIABLES, parameter_attributes
 from model.study.devices import load_device
 
 def printed(*arguments):

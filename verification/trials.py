@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
 from model.study.config.accuracy import Range
+from model.study.config.base import Plan
 from model.study.config.settings import RunSettings
-from model.study.plan import Plan
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
@@ -54,7 +54,7 @@ class Trial(Plan):
             for name, law in self.ranges.items()
         ]
         return {
-            "sweep": self.identity,
+            "config_hash": self.identity,
             "parameters": {
                 name: value for name, value in self.parameters.items() if name not in self.ranges
             },

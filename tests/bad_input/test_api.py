@@ -10,7 +10,7 @@ from benchmarks.hard_cases import read_judged
 from benchmarks.work_precision import read_timings
 from model import Batch, Parameters, Scene, Settings, Variants, align, simulate
 from model.study.csv_tables import TableError
-from model.study.datasets import DatasetError, read_dataset
+from model.study.io import DatasetError, read_dataset
 from verification.accuracy import read_tables
 from verification.fuzz import try_sets
 from verification.independent import solve
@@ -98,7 +98,7 @@ def test_a_call(device, call, words):
 
 def truncated(path: Path, make_dataset) -> None:
     whole = path.with_name("whole.nc")
-    from model.study.datasets import write_dataset  # noqa: PLC0415
+    from model.study.io import write_dataset  # noqa: PLC0415
 
     write_dataset(make_dataset(), whole)
     path.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])

@@ -12,8 +12,8 @@ import pytest
 from model import simulate
 from model.cli import main as cli
 from model.study.config import ConfigError, baseline, load_study, study_path
-from model.study.datasets import read_dataset, write_dataset
 from model.study.files import write_json, write_text
+from model.study.io import read_dataset, write_dataset
 
 COMMAND = [sys.executable, "-m", "model.cli.main"]
 

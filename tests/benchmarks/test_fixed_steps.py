@@ -9,14 +9,8 @@ from benchmarks.methods.by_hand import solve_by_hand
 from benchmarks.plans import FixedStepPlan
 from model import Batch, Settings
 from model.study.config import Study
-from model.study.datasets import (
-    DatasetError,
-    compute_chunk,
-    merge_chunks,
-    read_dataset,
-    write_dataset,
-)
-from model.study.sweeps import sweep_of
+from model.study.io import DatasetError, read_dataset, write_dataset
+from model.study.sweep import merge, run, sweep_of
 
 NAN = np.nan
 
@@ -73,7 +67,7 @@ def plan(fixed_study: Study) -> FixedStepPlan:
 
 @pytest.fixture(scope="module")
 def located(plan: FixedStepPlan) -> xr.Dataset:
-    return merge_chunks(plan.sweep, "title", "summary", [compute_chunk(plan.sweep, 0, 1)])
+    return merge(plan.sweep, "title", "summary", [run(plan.sweep, 0, 1)])
 
 
 def test_a_figure_anew_stands_beside_the_located_one(
@@ -105,6 +99,6 @@ def test_a_figure_anew_stands_beside_the_located_one(
 
 
 def test_a_dataset_of_another_sweep_is_refused(plan: FixedStepPlan, located: xr.Dataset) -> None:
-    foreign = located.assign_attrs(sweep="0123")
+    foreign = located.assign_attrs(config_hash="0123")
     with pytest.raises(DatasetError, match="fig13: the dataset belongs to sweep '0123'"):
         fixed_step_dataset(plan, foreign)

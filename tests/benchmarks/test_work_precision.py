@@ -31,7 +31,7 @@ from model.events.outcomes import Outcome
 from model.runs.simulate import Trajectory
 from model.study.config import load_study, study_path
 from model.study.csv_tables import TableError
-from model.study.datasets import read_dataset, write_dataset
+from model.study.io import read_dataset, write_dataset
 
 STATE = np.zeros(6)
 

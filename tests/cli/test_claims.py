@@ -8,7 +8,7 @@ import pytest
 from model.cli import main as cli
 from model.study.claims import CLAIMS
 from model.study.claims.regime import Regime
-from model.study.datasets import write_dataset
+from model.study.io import write_dataset
 from tests.study.claims_data import Course, curves, falling
 
 
@@ -17,8 +17,8 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Results with two figures, and one of the ledger's own runs."""
     folder = tmp_path_factory.mktemp("results")
     for name, dataset in {**curves("fig06", falling), **Course().datasets}.items():
-        write_dataset(dataset.assign_attrs(sweep="0"), folder / f"data/{name}.nc")
-    own = curves("rubbing")["rubbing"].assign_attrs(sweep="0")
+        write_dataset(dataset, folder / f"data/{name}.nc")
+    own = curves("rubbing")["rubbing"]
     write_dataset(own, folder / "data/claims/rubbing.nc")
     return folder
 
@@ -73,7 +73,7 @@ def test_the_regime_is_a_line_for_every_figure(root: Path, tmp_path: Path, capsy
 
 
 def test_the_regime_of_a_dataset_without_unvibrated_runs_is_refused(tmp_path, capsys) -> None:
-    dataset = curves("fig06", falling)["fig06"].drop_vars("unvibrated").assign_attrs(sweep="0")
+    dataset = curves("fig06", falling)["fig06"].drop_vars("unvibrated")
     write_dataset(dataset, tmp_path / "data/fig06.nc")
     assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.REFUSED
     assert "fig06: the dataset has no unvibrated" in capsys.readouterr().err

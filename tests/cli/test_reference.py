@@ -8,8 +8,8 @@ import pytest
 from matplotlib.image import imsave
 
 from model.cli import main as cli
-from model.study.datasets import compute_chunk, merge_chunks, read_dataset, write_dataset
-from model.study.sweeps import sweep_of
+from model.study.io import read_dataset, write_dataset
+from model.study.sweep import merge, run, sweep_of
 
 
 @pytest.fixture
@@ -17,7 +17,7 @@ def folders(small_study, tmp_path: Path) -> list[str]:
     """A build of Fig. 6, and the options that name it and its reference."""
     root = tmp_path / "results"
     sweep = sweep_of(small_study(5, 3), "fig06")
-    dataset = merge_chunks(sweep, "t", "s", [compute_chunk(sweep, 0, 1)])
+    dataset = merge(sweep, "t", "s", [run(sweep)])
     write_dataset(dataset, root / "data/fig06.nc")
     (root / "figures").mkdir()
     imsave(root / "figures/fig06.png", np.ones((10, 10, 3)))

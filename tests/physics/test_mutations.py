@@ -197,8 +197,8 @@ os.environ["ERROR"] = "0"
 from model.tracking.comparison import open_dataset
 from model.tracking.reference import compare_with_reference
 from model.study.config import load_study
-from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
-from model.study.sweeps import sweep_of
+from model.study.io import write_dataset
+from model.study.sweep import merge, run, sweep_of
 
 study, found, right = load_study(Path(study_path)), {}, {}
 for error, number in errors.items():
@@ -206,10 +206,7 @@ for error, number in errors.items():
     found[error] = {}
     for name in figures:
         sweep = sweep_of(study, name)
-        if sweep.kind == "history":
-            dataset = history_dataset(sweep, "t", "s")
-        else:
-            dataset = merge_chunks(sweep, "t", "s", [compute_chunk(sweep, 0, 1)])
+        dataset = merge(sweep, "t", "s", [run(sweep)])
         reference = Path(against) / f"{name}.nc"
         if not reference.exists():
             write_dataset(dataset, reference)

@@ -88,7 +88,7 @@ def jamming_data() -> xr.Dataset:
         for name, values in coordinates.items()
     }
     data = {name: (dims, values) for name, values in variables.items()}
-    attributes = {"kind": "map", "figure": "jamming", "sweep": "made up"}
+    attributes = {"kind": "map", "figure": "jamming", "config_hash": "made up"}
     held = baseline().replace(half_width=0.9).given()
     fixed = {name: np.nan if value is None else value for name, value in held.items()}
     return xr.Dataset(data, fixed | described, attributes)

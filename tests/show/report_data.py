@@ -16,8 +16,8 @@ from model.show.report.figures import HEAD
 from model.show.report.section import Results
 from model.study.claims import judge
 from model.study.claims.ledger import ledger_text, lines_of
-from model.study.datasets import compute_chunk, history_dataset, merge_chunks, write_dataset
-from model.study.sweeps import sweep_of
+from model.study.io import write_dataset
+from model.study.sweep import merge, run, sweep_of
 from tests.show.drawn import jamming_data
 
 # The smallest picture there is: one transparent pixel.
@@ -82,12 +82,9 @@ def study(small_study):
 def datasets(study):
     found = {}
     for name, spec in study.figures.items():
-        if spec.kind == "history":
-            found[name] = history_dataset(sweep_of(study, name), spec.title, spec.caption)
-        elif spec.kind != "schematic":
+        if spec.kind != "schematic":
             sweep = sweep_of(study, name)
-            parts = [compute_chunk(sweep, 0, 1)]
-            found[name] = merge_chunks(sweep, spec.title, spec.caption, parts)
+            found[name] = merge(sweep, spec.title, spec.caption, [run(sweep)])
     return found
 
 
@@ -112,7 +109,7 @@ def root(study, datasets, refined, lines, timed_settings, wrong_datasets, judged
     write_dataset(jamming_data(), root / "data/jamming.nc")
     write_dataset(refined, root / f"data/maps/{HEAD}.nc")
     for name, dataset in wrong_datasets.items():
-        write_dataset(dataset.assign_attrs(sweep=""), root / f"data/fixed_steps/{name}.nc")
+        write_dataset(dataset, root / f"data/fixed_steps/{name}.nc")
     (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
     for folder in ("benchmarks", "figures"):
         (root / folder).mkdir()

@@ -11,9 +11,8 @@ from model.show import plots
 from model.show.axes import cell_edges
 from model.show.history import force_before, history, trajectory
 from model.show.words import math
-from model.study.config import Curves, History
-from model.study.datasets import compute_chunk, history_dataset, merge_chunks
-from model.study.sweeps import sweep_of
+from model.study.config import Curves
+from model.study.sweep import merge, run, sweep_of
 from tests.show.drawn import NAN, curve_lines, named
 
 # --- Fig. 5 -------------------------------------------------------------------------------------
@@ -24,9 +23,14 @@ def study(small_study):
     return small_study(points=5, cells=4)
 
 
+def dataset_of(study, name: str) -> xr.Dataset:
+    sweep = sweep_of(study, name)
+    return merge(sweep, "title", "summary", [run(sweep)])
+
+
 @pytest.fixture(scope="module")
 def course(study) -> xr.Dataset:
-    return history_dataset(sweep_of(study, "fig05"), "title", "summary")
+    return dataset_of(study, "fig05")
 
 
 def test_the_panels_show_the_coordinates_and_the_force(course):
@@ -87,11 +91,7 @@ def test_a_trajectory_is_drawn_as_its_dataset_is(study, course):
 
 @pytest.mark.parametrize("name", ["fig05", "fig06", "fig12", "fig13", "fig14"])
 def test_every_kind_of_dataset_of_the_study_can_be_drawn(study, course, name):
-    sweep = sweep_of(study, name)
-    if isinstance(study.figures[name], History):
-        dataset = course
-    else:
-        dataset = merge_chunks(sweep, "title", "summary", [compute_chunk(sweep, 0, 1)])
+    dataset = course if name == "fig05" else dataset_of(study, name)
     figure = plots.draw(dataset)
     figure.canvas.draw()
     if isinstance(study.figures[name], Curves):

@@ -23,7 +23,7 @@ from model.show.report.section import Results, subscripts
 from model.show.words import figure_title, percent, short
 from model.study.claims import tally
 from model.study.config import FIGURES
-from model.study.datasets import write_dataset
+from model.study.io import write_dataset
 from model.study.jamming import entered, jammed, wedging_side
 from tests.show.drawn import jamming_data
 from tests.show.report_data import PIXEL, Page, article, plain, render_report

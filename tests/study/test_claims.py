@@ -13,10 +13,9 @@ from model.study.claims.claims import ClaimsError, claims_of, limit_of
 from model.study.claims.data import Data, between
 from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
 from model.study.claims.measures import explained, trend
-from model.study.claims.runs import COURSE_VARIABLES, claim_run_dataset
 from model.study.config import FIGURES, load_study, study_path
 from model.study.csv_tables import TableError
-from model.study.sweeps import claim_sweep
+from model.study.sweep import TRACK_QUANTITIES, merge, run, sweep_of
 from tests.study.claims_data import (
     CASES,
     NAN,
@@ -257,7 +256,8 @@ def own_runs() -> dict[str, xr.Dataset]:
     }
     coarse = study.model_copy(update={"claims_runs": small})
     names = ("centred", "misaligned")
-    return {name: claim_run_dataset(claim_sweep(coarse, name), "title") for name in names}
+    sweeps = [sweep_of(coarse, name) for name in names]
+    return {each.figure: merge(each, "title", "title", [run(each)]) for each in sweeps}
 
 
 def test_a_start_without_asymmetry_is_one(own_runs: dict[str, xr.Dataset]) -> None:
@@ -272,7 +272,7 @@ def test_a_start_without_asymmetry_is_one(own_runs: dict[str, xr.Dataset]) -> No
 
 def test_own_runs_say_how_far_the_part_came(own_runs: dict[str, xr.Dataset]) -> None:
     misaligned = own_runs["misaligned"]
-    assert set(COURSE_VARIABLES) <= set(misaligned.data_vars)
+    assert set(TRACK_QUANTITIES) <= set(misaligned.data_vars)
     aligned = misaligned["outcome"].values == 0
     assert (misaligned["way"].values[aligned] == 1.0).all()
     assert (misaligned["way"].values[~aligned] < 1.0).all()

@@ -20,7 +20,7 @@ from model.study.config import (
     read_study,
     study_path,
 )
-from model.study.sweeps import sweep_of
+from model.study.sweep import sweep_of
 
 PROJECT = Path(__file__).resolve().parents[2]
 

@@ -11,9 +11,9 @@ from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import Unvibrations
 from model.study import design as designs
 from model.study.assessment.yields import Devices
-from model.study.datasets import write_dataset
 from model.study.design import FARTHEST, Search, design_dataset, known_of, misjudged
 from model.study.devices import read_device
+from model.study.io import write_dataset
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)

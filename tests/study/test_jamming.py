@@ -14,11 +14,10 @@ from model.study.jamming import (
     entered,
     in_jamming_diagram,
     jammed,
-    jamming_dataset,
-    jamming_sweep,
     tilt_at_depth,
     wedging_side,
 )
+from model.study.sweep import merge, run, sweep_of
 from tests.show.drawn import jamming_data
 
 
@@ -64,8 +63,8 @@ def test_runs_are_followed_into_the_slot() -> None:
             "friction": spec.friction.model_copy(update={"count": 3}),
         }
     )
-    sweep = jamming_sweep(study.model_copy(update={"jamming": few}))
-    data = jamming_dataset(sweep, "Jamming", cores=1)
+    sweep = sweep_of(study.model_copy(update={"jamming": few}), "jamming")
+    data = merge(sweep, "Jamming", "Jamming", [run(sweep)])
     assert data["outcome"].dims == ("clearance", "tilt_stiffness", "friction")
     assert data.attrs["scene"] == "insertion"
     assert not (data["outcome"] == Outcome.ALIGNED).any()

@@ -11,7 +11,7 @@ from scipy.ndimage import distance_transform_edt, maximum_filter
 from model import Batch, align
 from model.events.outcomes import Outcome
 from model.study.config import Axis, Ensemble, RunSettings, Span, load_study, study_path
-from model.study.datasets import DatasetError, write_dataset
+from model.study.io import DatasetError, write_dataset
 from model.study.maps import dataset, starts
 from model.study.maps import plan as plans
 from model.study.maps.compute import Computation, MapNodes, areas, compute_part
@@ -234,7 +234,7 @@ def test_parts_and_cores_do_not_change_the_map(plan, nodes, parts, tmp_path):
 def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
     path, first = tmp_path / "0.nc", part_dataset(plan, 0, 1, MapNodes(plan))
     other = plan_of("trial", device.replace(friction=0.2), SETTINGS, (X, Y), CELLS, ENSEMBLE)
-    for change in ({"sweep": other.identity}, {"part": 1}, {"parts": 3}, {"figure": "fig14"}):
+    for change in ({"config_hash": other.identity}, {"part": 1}, {"parts": 3}, {"figure": "fig14"}):
         write_dataset(first.assign_attrs(change), path)
         with pytest.raises(DatasetError, match=r"0\.nc: is not part 0 of this map; deleted"):
             read_parts(plan, [path])

@@ -32,7 +32,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def hashes(package: Path) -> dict[str, list[str]]:
     code._parsed.cache_clear()
-    files = {"runs": "runs/align.py", "datasets": "study/datasets.py", "style": "show/style.py"}
+    files = {"runs": "runs/align.py", "datasets": "study/io.py", "style": "show/style.py"}
     project = package.parents[1]
     return {name: code_of(project, f"src/model/{path}") for name, path in files.items()}
 
@@ -101,12 +101,13 @@ def test_a_plotting_script_does_not_depend_on_the_integrator() -> None:
 
 def test_a_computing_script_depends_on_all_that_it_computes_with() -> None:
     closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/chunk.py")}
-    assert {"forces.py", "contacts.py", "loop.py", "tableaux.py", "sweeps.py"} <= closure
+    assert {"forces.py", "contacts.py", "loop.py", "tableaux.py", "sweep.py"} <= closure
     assert not {"plots.py", "schematics.py", "report.py", "cli.py"} & closure
+    assert not {"study.py", "checks.py", "figures.py", "claims.py", "accuracy.py"} & closure
 
 
 def test_what_records_a_job_and_what_only_types_need_is_no_code_of_it(tmp_path: Path) -> None:
-    files = [PROJECT / "workflow/scripts/chunk.py", PROJECT / "src/model/study/sweeps.py"]
+    files = [PROJECT / "workflow/scripts/chunk.py", PROJECT / "src/model/study/sweep.py"]
     assert not [path for path in import_closure(*files) if path.parent.name == "tracking"]
     typed = tmp_path / "typed.py"
     typed.write_text(

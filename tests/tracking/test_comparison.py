@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.study.datasets import write_dataset
+from model.study.io import write_dataset
 from model.tracking import TrackingError, comparison, invocation
 from model.tracking.comparison import change_of, common_points, compare
 from model.tracking.history import kept_result
@@ -189,11 +189,11 @@ def test_a_trajectory_is_compared_away_from_its_jumps() -> None:
 
 
 def test_without_xarray_the_extra_is_named(monkeypatch) -> None:
-    monkeypatch.delitem(sys.modules, "model.study.datasets")
+    monkeypatch.delitem(sys.modules, "model.study.io")
     real = builtins.__import__
 
     def without(name: str, *arguments: object, **options: object) -> object:
-        if name == "model.study.datasets":
+        if name == "model.study.io":
             raise ImportError(name)
         return real(name, *arguments, **options)
 

@@ -10,8 +10,8 @@ import xarray as xr
 from model.engines.tolerances import MARGIN
 from model.events.outcomes import Outcome, Unvibrated
 from model.study.config import load_study, study_path
-from model.study.datasets import history_dataset, write_dataset
-from model.study.sweeps import sweep_of
+from model.study.io import write_dataset
+from model.study.sweep import merge, run, sweep_of
 from model.tracking.reference import (
     LOG,
     LOG_COLUMNS,
@@ -55,7 +55,7 @@ def curves() -> xr.Dataset:
             "press_force": np.arange(10.0),
             "friction": 0.12,
         },
-        {"figure": "fig06", "sweep": "0", "kind": "curves"},
+        {"figure": "fig06", "config_hash": "0", "kind": "curves"},
     )
 
 
@@ -142,7 +142,8 @@ def test_other_parameters_are_no_comparison() -> None:
 
 def test_a_trajectory_is_compared_in_its_course() -> None:
     study = load_study(study_path())
-    reference = history_dataset(sweep_of(study, "fig05"), "t", "s")
+    usual = sweep_of(study, "fig05")
+    reference = merge(usual, "t", "s", [run(usual)])
     assert compare_with_reference(reference, reference.copy(deep=True)) == []
     finer = sweep_of(
         study.model_copy(
@@ -150,7 +151,7 @@ def test_a_trajectory_is_compared_in_its_course() -> None:
         ),
         "fig05",
     )
-    assert compare_with_reference(reference, history_dataset(finer, "t", "s")) == [], (
+    assert compare_with_reference(reference, merge(finer, "t", "s", [run(finer)])) == [], (
         "another sequence of steps is no other course"
     )
     for name in ("x", "tilt", "contact_force"):

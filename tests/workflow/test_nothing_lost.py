@@ -150,7 +150,7 @@ def test_a_snakemake_that_is_just_dying_is_waited_for(copy_of_built: Any) -> Non
 
 
 def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(workspace: Any, built: Any) -> None:
-    script = workspace.folder / "workflow/scripts/history.py"
+    script = workspace.folder / "workflow/scripts/sweep.py"
     text = script.read_text(encoding="utf-8")
     stall = "\n    Path('begun').touch(); __import__('time').sleep(5.0); Path('ended').touch()\n"
     script.write_text(text.replace(" as facts:\n", f" as facts:{stall}"), encoding="utf-8")
@@ -225,12 +225,12 @@ def of_another_study(path: Path) -> None:
     """With its sidecar, so that only what it holds can tell."""
     import xarray as xr  # noqa: PLC0415
 
-    from model.study.datasets import write_dataset  # noqa: PLC0415
     from model.study.files import write_json  # noqa: PLC0415
+    from model.study.io import write_dataset  # noqa: PLC0415
     from model.tracking.job import file_hash  # noqa: PLC0415
 
     with xr.open_dataset(path) as stored:
-        foreign = stored.load().assign_attrs(sweep="0123456789abcdef")
+        foreign = stored.load().assign_attrs(config_hash="0123456789abcdef")
     write_dataset(foreign, path)
     sidecar = path.with_suffix(".run.json")
     record = json.loads(sidecar.read_text(encoding="utf-8"))

@@ -1,8 +1,5 @@
 """The claims ledger: the paper's claims, judged by the figures' data and by more runs; jamming."""
 
-from model.study.jamming import jamming_sweep
-from model.study.sweeps import claim_sweep
-
 
 localrules:
     claims,
@@ -24,7 +21,7 @@ rule claims_runs:
         "<results>/logs/claims_runs.log",
     params:
         *code("claims_runs"),
-        sweeps={name: stated(claim_sweep(study, name)) for name in study.claims_runs},
+        sweeps={name: stated(sweep_of(study, name)) for name in study.claims_runs},
         titles={name: run.title for name, run in study.claims_runs.items()},
     message:
         "computing the runs that only the claims ledger needs"
@@ -77,13 +74,13 @@ rule jamming:
     log:
         "<results>/logs/jamming.log",
     params:
-        *code("jamming"),
-        sweep=stated(jamming_sweep(study)),
-        title=study.jamming.title,
+        *code("sweep"),
+        sweep=stated(sweep_of(study, "jamming")),
+        words={"title": study.jamming.title, "summary": study.jamming.title},
     message:
         "following parts into the slot"
     script:
-        "../scripts/jamming.py"
+        "../scripts/sweep.py"
 
 
 rule draw_jamming:

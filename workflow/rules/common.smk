@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from model.study.maps.plan import map_plan
-from model.study.sweeps import sweep_of
+from model.study.sweep import sweep_of
 from model.tracking.code import code_hash, code_of
 from benchmarks.plans import HARD_PICTURES, PICTURES
 

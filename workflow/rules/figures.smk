@@ -83,13 +83,13 @@ rule history:
     wildcard_constraints:
         figure="|".join(HISTORIES),
     params:
-        *code("history"),
+        *code("sweep"),
         sweep=sweep,
         words=words,
     message:
         "{wildcards.figure}: computing the trajectory"
     script:
-        "../scripts/history.py"
+        "../scripts/sweep.py"
 
 
 rule schematic:

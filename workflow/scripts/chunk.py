@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from model.study.datasets import compute_chunk, outcome_counts, write_dataset
-from model.study.sweeps import Sweep
+from model.study.io import outcome_counts, write_dataset
+from model.study.sweep import Sweep, run
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True) as facts:
     sweep = Sweep.model_validate(snakemake.params.sweep)
-    dataset = compute_chunk(sweep, int(snakemake.wildcards.chunk), snakemake.params.chunks)
+    dataset = run(sweep, int(snakemake.wildcards.chunk), snakemake.params.chunks)
     write_dataset(dataset, Path(snakemake.output.data))
     facts |= {**sweep.facts, "counts": outcome_counts(dataset)}

@@ -3,9 +3,8 @@
 from collections import Counter
 from pathlib import Path
 
-from model.study.claims.runs import claim_run_dataset
-from model.study.datasets import outcome_counts, write_dataset
-from model.study.sweeps import Sweep
+from model.study.io import outcome_counts, write_dataset
+from model.study.sweep import Sweep, merge, run
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
@@ -13,7 +12,8 @@ with recorded(snakemake) as facts:
     for (name, plan), file in zip(
         snakemake.params.sweeps.items(), snakemake.output.data, strict=True
     ):
-        dataset = claim_run_dataset(Sweep.model_validate(plan), snakemake.params.titles[name])
+        sweep, title = Sweep.model_validate(plan), snakemake.params.titles[name]
+        dataset = merge(sweep, title, title, [run(sweep)])
         write_dataset(dataset, Path(file))
         counts.update(outcome_counts(dataset))
     facts["counts"] = dict(counts)

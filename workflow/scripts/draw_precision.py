@@ -9,7 +9,7 @@ from benchmarks.report.work_precision_plots import (
 )
 from benchmarks.work_precision import read_timings
 from model.show.style import save
-from model.study.datasets import read_dataset
+from model.study.io import read_dataset
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from benchmarks.fixed_steps import fixed_step_dataset
 from benchmarks.plans import FixedStepPlan
-from model.study.datasets import read_dataset, write_dataset
+from model.study.io import read_dataset, write_dataset
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:

@@ -16,7 +16,7 @@ with recorded(snakemake) as facts:
         judged += [judge(plan, case, method, truth) for method in methods_for(plan, case)]
     write_text(table_of(judged, times=False), Path(snakemake.output.data))
     write_text(table_of(judged, times=True), Path(snakemake.output.times))
-    facts |= {"sweep": plan.identity, "settings": plan.settings.model_dump(mode="json")}
+    facts |= {"config_hash": plan.identity, "settings": plan.settings.model_dump(mode="json")}
     facts["counts"] = {
         "trajectories": len(judged),
         "rhs_evaluations": sum(each.rhs_evaluations for each in judged),

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.study.datasets import write_dataset
+from model.study.io import write_dataset
 from model.study.maps.dataset import map_counts, map_dataset, read_parts
 from model.study.maps.plan import MapPlan
 from model.tracking.job import recorded, snakemake

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.study.datasets import write_dataset
+from model.study.io import write_dataset
 from model.study.maps.compute import compute_part
 from model.study.maps.dataset import part_counts, part_dataset
 from model.study.maps.plan import MapPlan

@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-from model.study.chunk_files import read_chunks
-from model.study.datasets import merge_chunks, outcome_counts, write_dataset
-from model.study.sweeps import Sweep
+from model.study.io import outcome_counts, write_dataset
+from model.study.sweep import Sweep, merge, read_chunks
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     sweep = Sweep.model_validate(snakemake.params.sweep)
     chunks = read_chunks(sweep, [Path(file) for file in snakemake.input])
-    dataset = merge_chunks(sweep, **snakemake.params.words, parts=chunks)
+    dataset = merge(sweep, **snakemake.params.words, parts=chunks)
     write_dataset(dataset, Path(snakemake.output.data))
     facts |= {**sweep.facts, "counts": outcome_counts(dataset)}

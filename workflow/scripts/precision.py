@@ -11,8 +11,8 @@ from benchmarks.work_precision import (
     timings_table,
     true_run,
 )
-from model.study.datasets import write_dataset
 from model.study.files import write_text
+from model.study.io import write_dataset
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
@@ -26,7 +26,7 @@ with recorded(snakemake) as facts:
     ]
     write_dataset(precision_dataset(plan, truths, settings), Path(snakemake.output.data))
     write_text(timings_table(settings), Path(snakemake.output.times))
-    facts |= {"sweep": plan.identity, "settings": plan.settings.model_dump(mode="json")}
+    facts |= {"config_hash": plan.identity, "settings": plan.settings.model_dump(mode="json")}
     facts["counts"] = {
         "trajectories": len(settings),
         "rhs_evaluations": sum(each.rhs_evaluations for each in settings),

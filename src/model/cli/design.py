@@ -112,8 +112,8 @@ def _keep(search: "Search", path: Path | None, design: "Design | None" = None) -
     """Write what is known, so that an interrupted search is continued."""
     if path is None:
         return
-    from model.study.datasets import write_dataset  # noqa: PLC0415
     from model.study.design import Design, design_dataset  # noqa: PLC0415
+    from model.study.io import write_dataset  # noqa: PLC0415
 
     design = design or Design(search.all_known(), 0, search.stated.limits)
     write_dataset(design_dataset(search, design), path)

@@ -78,7 +78,7 @@ def _map(arguments: argparse.Namespace) -> int:
     plan, units = _plan(arguments)
     announce_compilation()
     # Imported here: half a second that only this command needs.
-    from model.study.datasets import write_dataset  # noqa: PLC0415
+    from model.study.io import write_dataset  # noqa: PLC0415
     from model.study.maps.compute import MapNodes  # noqa: PLC0415
     from model.study.maps.dataset import in_si, map_dataset  # noqa: PLC0415
 

@@ -45,7 +45,7 @@ def _show(arguments: argparse.Namespace) -> int:
 
 
 _HEAD = ("run", "status", "reason", "log", "current", "started", "wall_seconds", "invocation",
-         "code", "sweep")  # fmt: skip
+         "code", "config_hash")  # fmt: skip
 
 
 def _run_lines(run: Record) -> list[str]:

@@ -1,4 +1,4 @@
-"""Jamming in the slot over friction, clearance and tilt at entry, beside the textbook's statics.
+"""The textbook's statics of jamming in the slot, for the runs of the sweep "jamming".
 
 A peg of width d = 2a that stands tilted by φ in a slot of width D = d (1 + δ) touches it at two
 points, an edge of the slot on one side and a bottom corner on the opposite wall, at the depth h
@@ -9,56 +9,14 @@ supported rigid parts, J. Dyn. Syst. Meas. Control 104 (1982) 65-77, where c/φ 
 small tilts, with c = (D - d)/D.
 """
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES
-from model.runs.align import align
-from model.study.datasets import VARIABLES, global_attributes, parameter_coordinates
-from model.study.sweeps import Sweep
-
-if TYPE_CHECKING:
-    from model.study.config.study import Study
 
 Array = NDArray[np.float64]
-_KEPT = ("outcome", "reason", "tau_align", "tilt_at_alignment", "sensitive", "rhs_evaluations")
-
-
-def jamming_sweep(study: "Study") -> Sweep:
-    """Return the runs of the figure; dimensions clearance, tilt stiffness, friction."""
-    spec = study.jamming
-    return Sweep(
-        figure="jamming",
-        kind="map",
-        parameters=study.baseline.replace(**spec.held).given(),
-        settings=study.settings,
-        dimensions=[spec.clearance, spec.tilt_stiffness, spec.friction],
-    )
-
-
-def jamming_dataset(sweep: Sweep, title: str, cores: int = 1) -> xr.Dataset:
-    """Follow every part into the slot and return how it ends, in the dimensions of the sweep."""
-    settings = replace(sweep.settings.settings, scene=INSERTION)
-    batch = sweep.batch(np.arange(np.prod(sweep.shape)))
-    found = align(batch, settings, cores=cores)
-    swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
-    variables = {
-        name: ([*swept], np.reshape(getattr(found, name), sweep.shape), VARIABLES[name])
-        for name in _KEPT
-    }
-    variables["insertion_depth"] = (
-        [*swept],
-        np.reshape(batch.insertion_depths(), sweep.shape),
-        {"units": "1", "long_name": "depth at which the part counts as inserted"},
-    )
-    attributes = global_attributes(sweep.figure, sweep.kind, sweep.identity, title, title, settings)
-    return xr.Dataset(variables, parameter_coordinates(swept, sweep.parameters), attributes)
 
 
 def depth_of_two_points(tilt: Array, clearance: float | Array) -> Array:

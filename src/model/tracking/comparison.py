@@ -227,7 +227,7 @@ def open_dataset(path: Path) -> "xr.Dataset":
         TrackingError: not a dataset, or xarray is missing.
     """
     try:
-        from model.study.datasets import DatasetError, read_dataset  # noqa: PLC0415  (slow)
+        from model.study.io import DatasetError, read_dataset  # noqa: PLC0415  (slow)
     except ImportError:
         raise TrackingError(
             "comparing data needs xarray, which is not installed: pip install 'vibralign[study]'"

@@ -15,7 +15,8 @@ COUNTS = (
 )  # fmt: skip
 COLUMNS = (
     "run", "rule", "figure", "status", "current", "started", "wall_seconds", "invocation", "commit",
-    "dirty", "code", "sweep", "outputs", *(f"runs_{name}" for name in COUNTS), "host", "reason",
+    "dirty", "code", "config_hash", "outputs", *(f"runs_{name}" for name in COUNTS), "host",
+    "reason",
 )  # fmt: skip
 
 

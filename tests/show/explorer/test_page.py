@@ -22,8 +22,8 @@ from model.show.explorer.animation import run_page
 from model.show.explorer.content import device_model, study_model
 from model.show.explorer.page import SCRIPTS, build_page
 from model.study.config import MAPS, load_study, study_path
-from model.study.datasets import write_dataset
 from model.study.devices import load_device
+from model.study.io import write_dataset
 
 STUDY = load_study(study_path())
 INTERFACE = interface()
@@ -115,7 +115,7 @@ def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path)
     tau = np.array([[1.0, np.nan, 2.0], [1.5, 2.0, np.nan]])
     reliable = np.array([[1, 0, 0], [1, 1, 0], [1, 1, 1]], dtype=np.int8)
     for file, name, values in (("figure", "tau_align", tau), ("map", "reliable", reliable)):
-        dataset = xr.Dataset({name: (("y", "x"), values)}, attrs={"figure": "fig13", "sweep": "0"})
+        dataset = xr.Dataset({name: (("y", "x"), values)}, attrs={"figure": "fig13"})
         write_dataset(dataset, tmp_path / f"{file}.nc")
     files = [(tmp_path / "figure.nc", tmp_path / "map.nc")] * len(MAPS)
     stored = study_model(STUDY, INTERFACE, files)["maps"]["fig13"]

@@ -328,7 +328,7 @@ def _figure(study: Study, name: str) -> dict[str, Any]:
 
 def _stored_map(study: Study, name: str, data: Path, refined: Path) -> dict[str, Any]:
     """Return a figure's map as stored: durations in equal ratios, and where it is reliable."""
-    from model.study.datasets import read_dataset  # noqa: PLC0415 - xarray, for the study only
+    from model.study.io import read_dataset  # noqa: PLC0415 - xarray, for the study only
 
     spec = study.figures[name]
     assert isinstance(spec, Map)  # noqa: S101 - one of MAPS

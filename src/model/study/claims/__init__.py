@@ -2,7 +2,7 @@
 
 ``claims.yaml`` states the claims, and ``claims`` loads and checks them. They name the numbers of
 ``measures`` and ``comparisons``, which are taken of datasets as ``data`` reads them. ``ledger``
-judges the numbers; ``runs`` makes the trajectories that claims need beside the figures'.
+judges the numbers.
 """
 
 from model.study.claims.claims import CLAIMS, Claim

@@ -20,7 +20,7 @@ class Regime(NamedTuple):
     Attributes:
         aligned: share of all points that align, of the curve where it is least (claim M9).
         static: share whose unvibrated control aligns too.
-        not_resting: share whose twin does not come to rest on A1, slightly tilted (M4b).
+        not_resting: share whose control does not come to rest on A1, slightly tilted (M4b).
         tilt: median magnitude of the tilt at alignment in radians (M2d).
         tilt_largest: largest one.
         corners: share that meets the four corner conditions (C8c).

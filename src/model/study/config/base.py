@@ -1,5 +1,6 @@
 """Parts of every section: strict models, names and values of parameters, ranges."""
 
+import hashlib
 import itertools
 from typing import Annotated, TypeVar
 
@@ -138,3 +139,17 @@ def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
         raise ValueError(f"{x.parameter!r} is varied twice: x and y must be two parameters")
     for x_value, y_value in itertools.product((x.start, x.stop), (y.start, y.stop)):
         parameters.replace(**{x.parameter: x_value, y.parameter: y_value})
+
+
+class Plan(BaseModel):
+    """A computation as data: everything that its results depend on besides the code.
+
+    It holds numbers and no wording, so that a changed caption computes nothing anew.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @property
+    def identity(self) -> str:
+        """Hash of the plan's JSON: equal for plans that give equal results."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]

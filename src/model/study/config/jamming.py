@@ -6,7 +6,7 @@ from model.study.config.base import Axis, Family, ParameterValues, Strict, Text
 
 
 class Jamming(Strict):
-    """Runs that are followed into the slot; see model/study/jamming.py."""
+    """Runs that are followed into the slot; see model/study/sweep.py."""
 
     title: Text
     """Title of the figure."""

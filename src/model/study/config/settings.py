@@ -1,11 +1,10 @@
-"""Settings of the runs, as the configuration states them."""
+"""Settings of runs, as the configuration and plans state them."""
 
 from dataclasses import asdict
 from typing import Literal
 
 from pydantic import Field, model_validator
 
-from model.events.outcomes import Outcome
 from model.physics.parameters import check_name
 from model.physics.rest import Start
 from model.physics.variants import VARIANT_NAMES, Variants
@@ -14,7 +13,7 @@ from model.study.config.base import Strict, Tolerance
 
 
 class RunSettings(Strict):
-    """Settings of every run of the study."""
+    """Settings of every run of the study: the fields of ``Settings`` that it may state."""
 
     readings: Literal["consistent", "printed"] | dict[str, Literal["consistent", "printed"]]
     """Variant of the equations, or the variant of each reading by its name."""
@@ -40,14 +39,9 @@ class RunSettings(Strict):
     @classmethod
     def of(cls, settings: Settings) -> "RunSettings":
         """Return the settings of runs as the study states them."""
-        return cls(
-            readings=asdict(settings.readings),
-            scene="insertion" if settings.success is Outcome.INSERTED else "alignment",
-            start=settings.start,
-            insertion_depth=settings.insertion_depth,
-            horizon=settings.horizon,
-            tolerance=settings.tolerance,
-        )
+        stated = {name: getattr(settings, name) for name in cls.model_fields}
+        named = {"readings": asdict(settings.readings), "scene": settings.scene.name}
+        return cls(**stated | named)
 
     @property
     def settings(self) -> Settings:
@@ -56,11 +50,5 @@ class RunSettings(Strict):
             readings = Variants(**self.readings)
         else:
             readings = getattr(Variants, self.readings)()
-        return Settings(
-            readings=readings,
-            scene=SCENES[self.scene],
-            start=self.start,
-            insertion_depth=self.insertion_depth,
-            horizon=self.horizon,
-            tolerance=self.tolerance,
-        )
+        stated = {name: getattr(self, name) for name in type(self).model_fields}
+        return Settings(**stated | {"readings": readings, "scene": SCENES[self.scene]})

@@ -14,7 +14,7 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.physics.quantities import TIME
 from model.physics.units import UNITS, Units
-from model.study.datasets import (
+from model.study.io import (
     VARIABLES,
     DatasetError,
     discard,
@@ -135,7 +135,7 @@ def read_parts(plan: MapPlan, paths: Sequence[Path]) -> MapNodes:
 
 
 def _stamp(plan: MapPlan, part: int, parts: int) -> dict[str, Any]:
-    return {"figure": plan.name, "sweep": plan.identity, "part": part, "parts": parts}
+    return {"figure": plan.name, "config_hash": plan.identity, "part": part, "parts": parts}
 
 
 # --- The map --------------------------------------------------------------------------------------

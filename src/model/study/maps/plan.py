@@ -13,12 +13,11 @@ import numpy as np
 from pydantic import model_validator
 
 from model.physics.parameters import Parameters
-from model.study.config.base import Axis, Span, check_plane
+from model.study.config.base import Axis, Plan, Span, check_plane
 from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Ensemble
 from model.study.config.settings import RunSettings
 from model.study.maps.lattice import Floats, Ints, Lattice
 from model.study.maps.starts import starts_of
-from model.study.plan import Plan
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
@@ -72,7 +71,7 @@ class MapPlan(Plan):
     @property
     def facts(self) -> dict[str, Any]:
         """The map as its sidecar states it."""
-        return {"sweep": self.identity, **self.model_dump(mode="json", exclude={"name"})}
+        return {"config_hash": self.identity, **self.model_dump(mode="json", exclude={"name"})}
 
     def swept(self, rows: Ints, columns: Ints) -> dict[str, Floats]:
         """Return the varied parameters at nodes, each of shape (m,)."""

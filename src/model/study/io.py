@@ -1,8 +1,4 @@
-"""The study's datasets: chunks of a sweep, merged into one netCDF file a figure.
-
-Content is deterministic: the same sweep and code give the same bytes. Time stamps, versions and the
-like go into sidecars (provenance.py).
-"""
+"""Datasets of the study on disk: what they state of themselves, whole or not at all."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -14,26 +10,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.engines.results import (
-    IN_SLOT,
-    KINDS,
-    RESULTS,
-    TRACK_VARIABLES,
-    UNVIBRATED_CONTROL,
-    Result,
-)
+from model.engines.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import Outcome
-from model.physics.parameters import FIELDS, Batch
+from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE
-from model.runs.align import align
-from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.settings import Settings
-from model.runs.simulate import simulate
-from model.runs.unvibrated import unvibrated_results
 from model.study.files import whole_file
-from model.study.sweeps import Sweep
 
-POINT = "point"
 _LARGE = 2**16  # values of a grid that is stored in pieces
 
 
@@ -70,7 +53,7 @@ def _attributes(result: Result) -> dict[str, Any]:
     return attributes | (flags(result.flags) if result.flags else {})
 
 
-# Attributes of the results that datasets hold, and of the course of a trajectory.
+# Attributes of what datasets hold of each run, and of a trajectory over time.
 VARIABLES: Mapping[str, dict[str, Any]] = {
     name: _attributes(result)
     for name, result in {**RESULTS, **UNVIBRATED_CONTROL, **IN_SLOT}.items()
@@ -85,68 +68,6 @@ def parameter_attributes(name: str) -> dict[str, Any]:
     """Return the attributes of a parameter's coordinate."""
     field = FIELDS[name]
     return {"long_name": field.description, "symbol": field.symbol, "units": "1"}
-
-
-def compute_chunk(sweep: Sweep, chunk: int, chunks: int, cores: int = 1) -> xr.Dataset:
-    """Run one chunk of a sweep; its variables lie over ``point``, the flat index into the grid."""
-    points = sweep.points_of_chunk(chunk, chunks)
-    batch, settings = sweep.batch(points), sweep.settings.settings
-    found = align(batch, settings, cores=cores)
-    results = vars(found) | unvibrated_results(batch, settings, cores)
-    results["insertion"] = insertion_outcomes(batch, found.outcome, settings, cores)
-    return xr.Dataset(
-        {name: (POINT, results[name].astype(KINDS[name].stored)) for name in VARIABLES},
-        coords={POINT: points},
-        attrs={"figure": sweep.figure, "sweep": sweep.identity, "chunk": chunk, "chunks": chunks},
-    )
-
-
-def merge_chunks(sweep: Sweep, title: str, summary: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the figure's dataset, merged from all chunks of its sweep.
-
-    Raises:
-        DatasetError: a chunk of another sweep, or points that are missing or occur twice.
-    """
-    for part in parts:
-        if part.attrs.get("sweep") != sweep.identity:
-            raise DatasetError(
-                f"{sweep.figure}: a chunk belongs to sweep {part.attrs.get('sweep')!r}, not "
-                f"{sweep.identity!r}: delete the chunks of this figure and run again"
-            )
-    size = int(np.prod(sweep.shape))
-    points = np.concatenate([part[POINT].values for part in parts])
-    if not np.array_equal(np.sort(points), np.arange(size)):
-        raise DatasetError(
-            f"{sweep.figure}: the chunks do not hold each of {size} points once: delete the "
-            "chunks of this figure and run again"
-        )
-    order = np.argsort(points)
-    names = [dimension.parameter for dimension in sweep.dimensions]
-    variables = {}
-    for name, attributes in VARIABLES.items():
-        flat = np.concatenate([part[name].values for part in parts])[order]
-        variables[name] = (names, flat.reshape(sweep.shape), attributes)
-    return xr.Dataset(variables, _coordinates(sweep), _global(sweep, title, summary))
-
-
-def history_dataset(sweep: Sweep, title: str, summary: str) -> xr.Dataset:
-    """Return one trajectory over time, with its results as scalars."""
-    run = simulate(sweep.baseline, sweep.settings.settings)
-    variables: dict[str, Any] = {
-        name: ("time", run.track_variables[name], known)
-        for name, known in HISTORY_VARIABLES.items()
-    }
-    batch, settings = Batch.stack([sweep.baseline]), sweep.settings.settings
-    columns = unvibrated_results(batch, settings)
-    columns["insertion"] = insertion_outcomes(batch, np.array([run.outcome], np.int8), settings)
-    results = vars(run) | {name: column[0] for name, column in columns.items()}
-    for name, attributes in VARIABLES.items():
-        value = np.asarray(results[name])
-        one_byte = KINDS[name].stored is np.int8
-        variables[name] = ((), value.astype(np.int8) if one_byte else value, attributes)
-    time = ("time", run.time, {"units": "1", "long_name": "time", "symbol": "τ"})
-    coordinates = {"time": time, **_coordinates(sweep)}
-    return xr.Dataset(variables, coordinates, _global(sweep, title, summary))
 
 
 def parameter_coordinates(
@@ -164,11 +85,6 @@ def parameter_coordinates(
             attributes["comment"] = f"NaN stands for {FIELDS[name].derived}"
         coordinates[name] = ((), np.nan if value is None else value, attributes)
     return coordinates
-
-
-def _coordinates(sweep: Sweep) -> dict[str, Any]:
-    swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
-    return parameter_coordinates(swept, sweep.parameters)
 
 
 def global_attributes(
@@ -192,18 +108,13 @@ def global_attributes(
         "units of the excitation amplitude F1/K_Y, time in 1/p with p^2 = K_Y/M, forces in F1.",
         "figure": name,
         "kind": kind,
-        "sweep": identity,
+        "config_hash": identity,
         "readings": json.dumps(asdict(settings.readings)),
         "scene": settings.scene.name,
         **({} if depth is None else {"insertion_depth": depth}),
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,
     }
-
-
-def _global(sweep: Sweep, title: str, summary: str) -> dict[str, Any]:
-    settings = sweep.settings.settings
-    return global_attributes(sweep.figure, sweep.kind, sweep.identity, title, summary, settings)
 
 
 def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:
@@ -247,6 +158,6 @@ def read_dataset(path: Path) -> xr.Dataset:
             dataset = stored.load()
     except (OSError, ValueError, RuntimeError) as error:
         raise DatasetError(f"{path}: cannot be read as netCDF ({error}): build it again") from None
-    if "figure" not in dataset.attrs or "sweep" not in dataset.attrs:
+    if "figure" not in dataset.attrs:
         raise DatasetError(f"{path}: is not a dataset of this study: build it again")
     return dataset

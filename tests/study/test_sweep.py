@@ -1,4 +1,4 @@
-"""Datasets: whole, deterministic, self-describing, and never of another study."""
+"""Sweeps and their datasets: whole, deterministic, self-describing, and never of another study."""
 
 import hashlib
 from pathlib import Path
@@ -12,21 +12,17 @@ from model.physics.parameters import PARAMETER_NAMES
 from model.runs.align import align
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.unvibrated import unvibrated_results
-from model.study.config import load_study, study_path
-from model.study.datasets import (
-    VARIABLES,
-    DatasetError,
-    compute_chunk,
-    history_dataset,
-    merge_chunks,
-    read_dataset,
-    write_dataset,
-)
-from model.study.sweeps import Sweep, sweep_of
+from model.study.config import Study, load_study, study_path
+from model.study.io import VARIABLES, DatasetError, read_dataset, write_dataset
+from model.study.sweep import Sweep, merge, run, sweep_of
 
 
-def small(figure: str, counts: dict[str, int]) -> Sweep:
-    study = load_study(study_path())
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return load_study(study_path())
+
+
+def small(study: Study, figure: str, counts: dict[str, int]) -> Sweep:
     spec = study.figures[figure]
     update = {
         key: getattr(spec, key).model_copy(update={"count": count}) for key, count in counts.items()
@@ -36,14 +32,64 @@ def small(figure: str, counts: dict[str, int]) -> Sweep:
 
 
 @pytest.fixture(scope="module")
-def sweep() -> Sweep:
-    return small("fig06", {"swept": 9})
+def sweep(study: Study) -> Sweep:
+    return small(study, "fig06", {"swept": 9})
+
+
+# --- A grid, its chunks and its identity ---------------------------------------------------------
+
+
+def test_a_grid_is_laid_out_slowest_dimension_first(study: Study) -> None:
+    sweep = sweep_of(study, "fig06")
+    family, swept = study.figures["fig06"].family, study.figures["fig06"].swept
+    assert sweep.shape == (len(family.values), swept.count)
+    batch = sweep.batch(np.array([0, 1, swept.count]))
+    assert batch.values["tilt_stiffness"].tolist() == [
+        family.values[0], family.values[0], family.values[1],
+    ]  # fmt: skip
+    assert batch.values["press_force"].tolist() == [
+        swept.values[0], swept.values[1], swept.values[0],
+    ]  # fmt: skip
+    assert np.all(batch.values["frequency"] == study.figures["fig06"].held["frequency"])
+
+
+@pytest.mark.parametrize("chunks", [1, 3, 7])
+def test_chunks_hold_each_point_once(study: Study, chunks: int) -> None:
+    sweep = sweep_of(study, "fig11")
+    points = np.concatenate([sweep.points_of_chunk(i, chunks) for i in range(chunks)])
+    assert np.array_equal(np.sort(points), np.arange(np.prod(sweep.shape)))
+    with pytest.raises(ValueError, match="must be 0 to"):
+        sweep.points_of_chunk(chunks, chunks)
+
+
+def test_identity_depends_on_numbers_and_not_on_wording(study: Study) -> None:
+    for name in ("fig05", "fig13", *study.claims_runs, "jamming"):
+        sweep = sweep_of(study, name)
+        assert Sweep.model_validate_json(sweep.model_dump_json()) == sweep
+    sweep = sweep_of(study, "fig06")
+    figure = study.figures["fig06"]
+
+    def with_figure(changed) -> str:
+        figures = {**study.figures, "fig06": changed}
+        return sweep_of(study.model_copy(update={"figures": figures}), "fig06").identity
+
+    assert with_figure(figure.model_copy(update={"title": "other", "chunks": 5})) == sweep.identity
+    held = {**figure.held, "friction": 0.121}
+    assert with_figure(figure.model_copy(update={"held": held})) != sweep.identity
+
+
+def test_a_drawing_has_no_sweep(study: Study) -> None:
+    with pytest.raises(ValueError, match="fig01 is a drawing"):
+        sweep_of(study, "fig01")
+
+
+# --- Datasets ------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def dataset(sweep: Sweep) -> xr.Dataset:
-    parts = [compute_chunk(sweep, chunk, 2) for chunk in (1, 0)]
-    return merge_chunks(sweep, "title", "summary", parts)
+    parts = [run(sweep, chunk, 2) for chunk in (1, 0)]
+    return merge(sweep, "title", "summary", parts)
 
 
 def test_a_merged_grid_is_the_batch(sweep: Sweep, dataset: xr.Dataset) -> None:
@@ -89,15 +135,15 @@ def test_a_dataset_survives_the_disk(dataset: xr.Dataset, tmp_path: Path) -> Non
         assert stored[name].dtype == dataset[name].dtype, name
 
 
-def test_chunks_of_another_sweep_or_missing_ones_are_refused(sweep: Sweep) -> None:
-    first = compute_chunk(sweep, 0, 2)
+def test_chunks_of_another_sweep_or_missing_ones_are_refused(study: Study, sweep: Sweep) -> None:
+    first = run(sweep, 0, 2)
     with pytest.raises(DatasetError, match="each of 45 points once"):
-        merge_chunks(sweep, "", "", [first])
+        merge(sweep, "", "", [first])
     with pytest.raises(DatasetError, match="each of 45 points once"):
-        merge_chunks(sweep, "", "", [first, first])
-    foreign = compute_chunk(small("fig06", {"swept": 8}), 1, 2)
+        merge(sweep, "", "", [first, first])
+    foreign = run(small(study, "fig06", {"swept": 8}), 1, 2)
     with pytest.raises(DatasetError, match="belongs to sweep"):
-        merge_chunks(sweep, "", "", [first, foreign])
+        merge(sweep, "", "", [first, foreign])
 
 
 def test_a_file_that_is_no_dataset_is_refused(dataset: xr.Dataset, tmp_path: Path) -> None:
@@ -114,8 +160,9 @@ def test_a_file_that_is_no_dataset_is_refused(dataset: xr.Dataset, tmp_path: Pat
             read_dataset(path)
 
 
-def test_a_history_holds_the_drop_of_the_contact_force() -> None:
-    history = history_dataset(sweep_of(load_study(study_path()), "fig05"), "title", "summary")
+def test_a_history_holds_the_drop_of_the_contact_force(study: Study) -> None:
+    sweep = sweep_of(study, "fig05")
+    history = merge(sweep, "title", "summary", [run(sweep)])
     force, time = history["contact_force"].values, history["time"].values
     at_alignment = np.flatnonzero(time == history["tau_align"].item())
     assert at_alignment.size == 2, "the jump stands as two values at one time"
