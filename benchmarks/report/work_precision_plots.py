@@ -19,7 +19,7 @@ from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
 from benchmarks.work_precision import Setting, TimedSetting, names_of
 from model.show import style
-from model.show.axes import axis_label, cell_edges
+from model.show.style import axis_label, cell_edges
 from model.show.words import percent, power, short
 
 if TYPE_CHECKING:

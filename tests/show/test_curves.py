@@ -2,14 +2,17 @@
 
 import matplotlib as mpl
 import numpy as np
+import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.path import Path as Outline
 
 from model.events.outcomes import Outcome
 from model.show import style
-from model.show.axes import FAILED_LABEL, NOT_INSERTED
-from model.show.curves import SENSITIVE_LABEL, curves
+from model.show.curves import SENSITIVE_LABEL, curves, draw_runs
+from model.show.style import FAILED_LABEL, NOT_INSERTED
 from tests.show.drawn import DURATIONS, NAN, curve_lines, followed, grid, named
+from tests.study.claims_data import curves as run_curves
+from tests.study.claims_data import falling, within
 
 
 def segments(line) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -135,3 +138,48 @@ def test_a_family_that_never_aligns_is_drawn_too(family, tmp_path):
     figure = curves(family)
     assert all(not segments(line) for line in figure.axes[0].lines)
     style.save(figure, tmp_path / "never")
+
+
+# --- Runs made for the claims alone -------------------------------------------------------------
+
+NAMES = ("centred", "pressed", "misaligned", "displaced", "rubbing")
+
+
+@pytest.fixture(scope="module")
+def runs():
+    datasets = {
+        "centred": run_curves("centred", falling)["centred"],
+        "pressed": run_curves("pressed", within(2.0, 3.0))["pressed"],
+        "misaligned": run_curves("misaligned", falling)["misaligned"],
+        "displaced": run_curves("displaced", within(5.0, 30.0))["displaced"],
+        "rubbing": run_curves("rubbing", within(0.0, 0.5))["rubbing"],
+    }
+    titled = {name: each.assign_attrs(title=f"Title of {name}") for name, each in datasets.items()}
+    return draw_runs(titled), titled
+
+
+def test_each_run_has_a_panel_with_its_title_and_run_curves(runs) -> None:
+    drawn, datasets = runs
+    shown = [axes for axes in drawn.axes if axes.get_visible()]
+    assert len(shown) == len(NAMES)
+    for axes, (name, dataset) in zip(shown, datasets.items(), strict=True):
+        assert f"Title of {name}" in axes.get_title(loc="left")
+        family = dataset["tau_align"].dims[0]
+        lines = [line for line in axes.lines if "=" in str(line.get_label())]
+        assert len(lines) == dataset.sizes[family]
+
+
+def test_a_panel_shows_what_the_ledger_looks_at(runs) -> None:
+    drawn, datasets = runs
+    looked_at = ("excursion", "tilt_end", "tau_align", "way", "tau_align")
+    for axes, name, variable in zip(drawn.axes, NAMES, looked_at, strict=False):
+        values = datasets[name][variable].values[0]
+        assert np.array_equal(axes.lines[0].get_ydata(), values, equal_nan=True)
+
+
+def test_runs_that_align_are_crossed_where_no_duration_is_shown(runs) -> None:
+    drawn, datasets = runs
+    crosses = [line for line in drawn.axes[1].lines if line.get_marker() == "x"]
+    aligned = np.isfinite(datasets["pressed"]["tau_align"].values)
+    assert sum(len(line.get_xdata()) for line in crosses) == aligned.sum()
+    assert not [line for line in drawn.axes[4].lines if line.get_marker() == "x"]

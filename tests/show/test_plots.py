@@ -8,8 +8,8 @@ import xarray as xr
 from model.events.outcomes import Outcome
 from model.runs.simulate import simulate
 from model.show import plots
-from model.show.axes import cell_edges
 from model.show.history import force_before, history, trajectory
+from model.show.style import cell_edges
 from model.show.words import math
 from model.study.config import Curves
 from model.study.sweep import merge, run, sweep_of

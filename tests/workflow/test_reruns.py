@@ -57,7 +57,7 @@ EDITS = [
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
     # What is shown
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5', PICTURES),
-    ("src/model/show/areas.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
+    ("src/model/show/maps.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
      {"plot", "draw_vibration", *LAST}),
     ("src/model/show/schematics/sheet.py", *EDIT, {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.show.claim_plots import draw_runs
+from model.show.curves import draw_runs
 from model.show.style import save
 from model.study.io import read_dataset
 from model.tracking.job import recorded, snakemake

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.show.areas import vibration_map
+from model.show.maps import vibration_map
 from model.show.style import save
 from model.study.io import read_dataset
 from model.tracking.job import recorded, snakemake

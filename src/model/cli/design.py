@@ -75,7 +75,7 @@ def _design(arguments: argparse.Namespace) -> int:
     design = search.run(generations, population, lambda _: _keep(search, arguments.out))
     _keep(search, arguments.out, design)
     if arguments.plot is not None:
-        from model.show.design_plots import draw_front  # noqa: PLC0415
+        from model.show.curves import draw_front  # noqa: PLC0415
         from model.study.design import design_dataset  # noqa: PLC0415
 
         save_picture(draw_front(design_dataset(search, design)), arguments.plot)

@@ -1,9 +1,11 @@
-"""Figs. 6 to 12: alignment duration over one parameter.
+"""Curves: Figs. 6 to 12 over one parameter, the runs of the claims, and the front of a design.
 
 Where a part does not align, a duration does not exist: no line crosses such a gap, and a strip
-below the curves says that nothing is missing there.
+below the curves of a figure says that nothing is missing there.
 """
 
+from collections.abc import Mapping
+from string import ascii_lowercase
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +16,7 @@ from matplotlib.lines import Line2D
 
 from model.events.outcomes import Outcome
 from model.show import style
-from model.show.axes import (
+from model.show.style import (
     FAILED_LABEL,
     NOT_ALIGNED,
     NOT_INSERTED,
@@ -31,6 +33,18 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SENSITIVE_LABEL = "sensitive: digits uncertain"
+_ALONE: Mapping[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4.0}
+_RING: Mapping[str, Any] = {"marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
+_CROSS: Mapping[str, Any] = {"marker": "x", "markersize": 3.5}
+_THIN: Mapping[str, Any] = {"markeredgecolor": style.BLACK, "markeredgewidth": 0.7}
+_DURATION = ("tau_align", "alignment duration $τ$")
+# The quantity that claims read of a run, where that is not the duration.
+_CLAIMED: Mapping[str, tuple[str, str]] = {
+    "centred": ("excursion", "largest displacement in $x$"),
+    "pressed": ("tilt_end", "tilt at the end (rad)"),
+    "displaced": ("way", "share of the distance to the slot"),
+}
+_LOWEST = -1.5  # a part that turns over goes back many times the way to the slot
 
 
 def curves(dataset: "xr.Dataset") -> Figure:
@@ -42,21 +56,23 @@ def curves(dataset: "xr.Dataset") -> Figure:
     family, swept = (dataset[name] for name in dataset["tau_align"].dims)
     durations = dataset["tau_align"].values
     gaps = np.isnan(durations)
-    failed = dataset["outcome"].values == Outcome.FAILED
     with style.context():
         figure, axes, strip = _curve_axes(len(family), bool(gaps.any()))
         handles = [
             _draw_curve(axes, row, swept.values, durations[row], f"{symbol_of(family)} = {value:g}")
             for row, value in enumerate(family.values)
         ]
-        marked = {
-            SENSITIVE_LABEL: dataset["sensitive"].values == 1,
-            NOT_INSERTED: not_inserted(dataset),
-        }
         notes = []
-        for label, points in marked.items():
-            notes += _mark(axes, swept.values, durations, points, label)
+        for label, look, marked in (
+            (SENSITIVE_LABEL, {**_RING, **_THIN}, dataset["sensitive"].values == 1),
+            (NOT_INSERTED, {**_CROSS, **_THIN}, not_inserted(dataset)),
+        ):
+            rows, columns = np.nonzero(marked & ~gaps)
+            if rows.size:
+                x, y = swept.values[columns], durations[rows, columns]
+                notes += axes.plot(x, y, linestyle="none", label=label, **look)
         if strip is not None:
+            failed = dataset["outcome"].values == Outcome.FAILED
             notes += _draw_strip(strip, swept.values, gaps, failed)
         edges = cell_edges(swept.values)
         axes.set_xlim(edges[0], edges[-1])
@@ -64,12 +80,8 @@ def curves(dataset: "xr.Dataset") -> Figure:
         axes.set_ylim(0.0, 1.05 * float(longest))
         axes.set_ylabel(axis_label(dataset["tau_align"]))
         (strip or axes).set_xlabel(axis_label(swept))
-        figure.legend(
-            handles=handles,
-            title=axis_label(family),
-            loc="outside upper center",
-            ncols=min(len(handles), 5),
-        )
+        title, ncols = axis_label(family), min(len(handles), 5)
+        figure.legend(handles=handles, title=title, loc="outside upper center", ncols=ncols)
         if notes:
             figure.legend(handles=notes, loc="outside lower right", ncols=len(notes))
         return figure
@@ -90,55 +102,24 @@ def _draw_curve(axes: Axes, index: int, swept: Floats, durations: Floats, name: 
     """Draw one curve, which matplotlib breaks at NaN; return its handle for a legend."""
     look = style.curve(index, len(swept))
     (line,) = axes.plot(swept, durations, label=name, **look)
-    aligned = ~np.isnan(durations)
-    lonely = np.zeros_like(aligned)
-    for first, end in runs_of(aligned):
-        lonely[first] = end - first == 1
-    if lonely.any():
-        axes.plot(
-            swept[lonely],
-            durations[lonely],
-            linestyle="none",
-            marker=".",
-            markersize=4.0,
-            color=look["color"],
-            label=f"_alone {name}",
-        )
+    lonely = [first for first, end in runs_of(~np.isnan(durations)) if end - first == 1]
+    if lonely:
+        own = {**_ALONE, "color": look["color"], "label": f"_alone {name}"}
+        axes.plot(swept[lonely], durations[lonely], **own)
     return line
-
-
-_MARKS: dict[str, dict[str, Any]] = {
-    SENSITIVE_LABEL: {"marker": "o", "markersize": 4.5, "markerfacecolor": "none"},
-    NOT_INSERTED: {"marker": "x", "markersize": 3.5},
-}
-
-
-def _mark(axes: Axes, swept: Floats, durations: Floats, points: Bools, label: str) -> list[Line2D]:
-    row, column = np.nonzero(points & ~np.isnan(durations))
-    if not row.size:
-        return []
-    look: dict[str, Any] = {
-        "linestyle": "none",
-        "markeredgecolor": style.BLACK,
-        "markeredgewidth": 0.7,
-    }
-    x, y = swept[column], durations[row, column]
-    return axes.plot(x, y, label=label, **look, **_MARKS[label])
 
 
 def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[Line2D]:
     edges = cell_edges(swept)
     for row, mask in enumerate(gaps):
+        low, high = row - 0.36, row + 0.36
         bars = [
-            [(edges[i], row - 0.36), (edges[j], row - 0.36), (edges[j], row + 0.36),
-             (edges[i], row + 0.36)]
+            [(edges[i], low), (edges[j], low), (edges[j], high), (edges[i], high)]
             for i, j in runs_of(mask)
-        ]  # fmt: skip
-        colour = style.curve(row, 1)["color"]
-        strip.add_collection(
-            PolyCollection(bars, facecolor=colour, linewidth=0.0, label=f"_{NOT_ALIGNED} {row}"),
-            autolim=False,
-        )
+        ]
+        colour, label = style.curve(row, 1)["color"], f"_{NOT_ALIGNED} {row}"
+        drawn = PolyCollection(bars, facecolor=colour, linewidth=0.0, label=label)
+        strip.add_collection(drawn, autolim=False)
     strip.set_ylim(len(gaps) - 0.4, -0.6)
     strip.set_yticks([])
     strip.grid(visible=False)
@@ -147,5 +128,68 @@ def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[
     rows, columns = np.nonzero(failed)
     if not rows.size:
         return []
-    look: dict[str, Any] = {"color": style.BLACK, "markersize": 3.5, "label": FAILED_LABEL}
-    return strip.plot(swept[columns], rows, "x", **look)
+    look = {"color": style.BLACK, "linestyle": "none", **_CROSS}
+    return strip.plot(swept[columns], rows, label=FAILED_LABEL, **look)
+
+
+def draw_runs(datasets: Mapping[str, "xr.Dataset"]) -> Figure:
+    """Draw the runs made for the claims alone, a panel for each in the order given."""
+    rows = -(-len(datasets) // 2)
+    with style.context():
+        figure = style.new_figure(height=7.2 * rows * style.CENTIMETRE)
+        panels = figure.subplots(rows, 2, squeeze=False).flat
+        for letter, axes, (name, dataset) in zip(
+            ascii_lowercase, panels, datasets.items(), strict=False
+        ):
+            title = str(dataset.attrs["title"])
+            axes.set_title(f"$\\bf{{{letter}}}$  {title}", loc="left")
+            _draw_run(axes, dataset, *_CLAIMED.get(name, _DURATION))
+        for axes in [*figure.axes][len(datasets) :]:
+            axes.set_visible(False)
+        return figure
+
+
+def _draw_run(axes: Axes, dataset: "xr.Dataset", variable: str, label: str) -> None:
+    family, swept = (dataset[str(name)] for name in dataset["tau_align"].dims)
+    for row, value in enumerate(family.values):
+        values = dataset[variable].values[row]
+        look = style.curve(row, values.size, markers=5)
+        axes.plot(swept.values, values, label=f"{symbol_of(family)} = {value:g}", **look)
+        aligned = np.isfinite(dataset["tau_align"].values[row])
+        if variable != _DURATION[0] and aligned.any():
+            cross = {"color": style.BLACK, "linestyle": "none", **_CROSS}
+            axes.plot(swept.values[aligned], values[aligned], **cross)
+    edges = cell_edges(swept.values)
+    axes.set_xlim(edges[0], edges[-1])
+    low = axes.get_ylim()[0]
+    axes.set_ylim(bottom=max(_LOWEST, min(0.0, low)))
+    axes.set_xlabel(axis_label(swept))
+    axes.set_ylabel(label)
+    axes.legend(loc="best")
+
+
+def draw_front(dataset: "xr.Dataset") -> Figure:
+    """Draw the margin of a design over its time: every setting with which all devices go in.
+
+    A line is the front of both.
+    """
+    time, margin = 1e3 * dataset["time"].values, dataset["margin"].values
+    all_in = dataset["share"].values == 1.0
+    front = np.flatnonzero(dataset["front"].values)
+    front = front[np.argsort(time[front])]
+    best = int(dataset.attrs["recommended"])
+    with style.context():
+        figure = style.new_figure(height=9.0 * style.CENTIMETRE)
+        axes = figure.subplots()
+        for chosen, mark, look in (
+            (all_in, "o", {"color": style.SKY_BLUE, "markersize": 3, "label": "tried"}),
+            (front, "-s", {"color": style.VERMILLION, "label": "front, within the limits",
+                           "drawstyle": "steps-post"}),
+            ([best], "*", {"color": style.BLACK, "markersize": 12, "label": "chosen"}),
+        ):  # fmt: skip
+            axes.plot(time[chosen], margin[chosen], mark, **look)
+        axes.set_xlabel("longest alignment time within the tolerances (ms)")
+        axes.set_ylabel("nearest failure (tolerances)")
+        axes.set_ylim(bottom=0.0, top=3.2)
+        axes.legend(loc="lower right")
+        return figure

@@ -1,7 +1,7 @@
 """Fig. 5: one trajectory over time."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,20 +13,21 @@ from model.events.outcomes import Outcome
 from model.physics.quantities import ANGLE, LENGTH
 from model.physics.units import Units
 from model.show import style
-from model.show.axes import Floats
+from model.show.style import Floats
 
 if TYPE_CHECKING:  # a trajectory is drawn where xarray is not installed
     import xarray as xr
 
     from model.runs.simulate import Trajectory
 
-# Of each panel: the variable of the course, the name of its curve, and the label of its axis.
+# The label of each panel by the variable of the course.
 _PANELS = {
-    "x": ("x", "mass centre $x$"),
-    "y": ("y", "mass centre $y$"),
-    "tilt": ("φ", "tilt $φ$ (rad)"),
-    "contact_force": ("n", "contact force $n$"),
+    "x": "mass centre $x$",
+    "y": "mass centre $y$",
+    "tilt": "tilt $φ$ (rad)",
+    "contact_force": "contact force $n$",
 }
+_UNITS = {LENGTH: (" (mm)", 1e3), ANGLE: ("", 1.0)}  # otherwise the quantity's own
 
 
 def history(dataset: "xr.Dataset") -> Figure:
@@ -40,17 +41,12 @@ def trajectory(run: "Trajectory", units: Units | None = None) -> Figure:
     """Draw the figure of ``history`` for a run that was not stored; in SI units with ``units``."""
     if units is None:
         return _draw(run.time, run.track_variables, run.outcome, run.tau_align)
-    scales = {name: units.of(TRACK_VARIABLES[name].quantity) for name in run.track_variables}
-    lengths = {name: 1e3 for name in scales if TRACK_VARIABLES[name].quantity is LENGTH}
-    course = {
-        n: values * scales[n] * lengths.get(n, 1.0) for n, values in run.track_variables.items()
-    }
-    suffixes = {
-        name: "" if each is ANGLE else " (mm)" if each is LENGTH else f" ({each.unit})"
-        for name, each in ((name, TRACK_VARIABLES[name].quantity) for name in _PANELS)
-    }
-    time, align = run.time * units.time, run.tau_align * units.time
-    return _draw(time, course, run.outcome, align, suffixes)
+    course, suffixes = {}, {}
+    for name in (*_PANELS, "side_force"):
+        quantity = TRACK_VARIABLES[name].quantity
+        suffixes[name], size = _UNITS.get(quantity, (f" ({quantity.unit})", 1.0))
+        course[name] = run.track_variables[name] * units.of(quantity) * size
+    return _draw(run.time * units.time, course, run.outcome, run.tau_align * units.time, suffixes)
 
 
 def _draw(
@@ -63,10 +59,8 @@ def _draw(
     with style.context():
         figure = style.new_figure(height=15.0 * style.CENTIMETRE)
         panels = figure.subplots(4, 1, sharex=True, height_ratios=[1, 1, 1, 1.35])
-        for letter, axes, (name, (curve, label)) in zip(
-            "abcd", panels, _PANELS.items(), strict=True
-        ):
-            axes.plot(time, course[name], color=style.BLUE, label=curve)
+        for letter, axes, (name, label) in zip("abcd", panels, _PANELS.items(), strict=True):
+            axes.plot(time, course[name], color=style.BLUE)
             axes.set_ylabel(label + (suffixes or {}).get(name, ""))
             axes.set_title(letter, loc="left", fontweight="bold", pad=3.0)
             axes.margins(x=0.01)
@@ -97,15 +91,10 @@ def _mark_alignment(
         axes.axvline(tau_align, color=style.GREY, linewidth=0.8, linestyle=":", label="alignment")
     before = force_before(time, force, tau_align)
     words = f"aligned in flight at {when}" if before == 0.0 else f"$n$ drops to 0 at {when}"
-    panels[-1].annotate(
-        words,
-        xy=(tau_align, before),
-        xytext=(0.94, 0.9),
-        textcoords="axes fraction",
-        ha="right",
-        va="center",
-        arrowprops={"arrowstyle": "->", "color": style.BLACK, "linewidth": 0.8},
-    )
+    arrow = {"arrowstyle": "->", "color": style.BLACK, "linewidth": 0.8}
+    look: Any = {"ha": "right", "va": "center", "arrowprops": arrow}
+    place, above = (tau_align, before), (0.94, 0.9)
+    panels[-1].annotate(words, place, above, textcoords="axes fraction", **look)
 
 
 def force_before(time: Floats, force: Floats, moment: float) -> float:

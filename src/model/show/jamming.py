@@ -6,17 +6,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
 from model.show import style
-from model.show.axes import axis_label
+from model.show.style import Floats, axis_label
 from model.study.jamming import depth_of_two_points, entered, in_jamming_diagram, tilt_at_depth
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Array = NDArray[np.float64]
 
 CAPTION = (
     "Every part that falls into the slot, by its tilt at entry and its friction, a panel for each "
@@ -75,7 +72,7 @@ def draw_jamming(dataset: "xr.Dataset") -> Figure:
         return figure
 
 
-def _draw_ends(axes: Axes, part: "xr.Dataset", x: Array, y: Array) -> None:
+def _draw_ends(axes: Axes, part: "xr.Dataset", x: Floats, y: Floats) -> None:
     outcome, rest = part["outcome"].values, entered(part)
     for end, look in (*_LOOKS.items(), (None, _OTHER)):
         chosen = rest & (outcome == end) if end is not None else rest

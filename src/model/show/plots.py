@@ -5,21 +5,19 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from model.show.areas import stability_map
 from model.show.curves import curves
 from model.show.history import history
+from model.show.maps import stability_map
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_DRAW: "Mapping[str, Callable[[xr.Dataset], Figure]]" = {
-    "history": history,
-    "curves": curves,
-    "map": stability_map,
-}
+_DRAW: Mapping[str, Callable[..., Figure]] = {
+    "history": history, "curves": curves, "map": stability_map,
+}  # fmt: skip
 
 
-def draw(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
+def draw(dataset: "xr.Dataset", *coarse: "xr.Dataset") -> Figure:
     """Draw the figure of a dataset of the study, by its attribute ``kind``.
 
     Args:
@@ -32,4 +30,4 @@ def draw(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
     kind = str(dataset.attrs.get("kind"))
     if kind not in _DRAW:
         raise ValueError(f"kind = {kind!r}: must be one of {', '.join(_DRAW)}")
-    return stability_map(dataset, coarse) if kind == "map" else _DRAW[kind](dataset)
+    return _DRAW[kind](dataset, *coarse)

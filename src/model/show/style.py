@@ -1,4 +1,4 @@
-"""The style that all figures of the study share, and their files.
+"""What all figures of the study share: style, labels and cells of axes, and their files.
 
 Figures are made from ``matplotlib.figure.Figure``, never through pyplot, so that nothing is kept
 in global state. Draw inside ``context()``; ``save`` enters it again, since fonts and SVG ids are
@@ -7,17 +7,32 @@ settled only when a figure is written.
 
 import contextlib
 import logging
+import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib import font_manager
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
+from model.events.outcomes import Outcome
+from model.show.words import math
 from model.study.files import whole_file
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+FAILED_LABEL = "run failed"
+NOT_ALIGNED = "does not align"
+NOT_INSERTED = "aligns, but does not go in"
 
 CENTIMETRE = 1.0 / 2.54  # in inches, the unit of figure sizes
 FIGURE_WIDTH = 16.0 * CENTIMETRE  # the text width of an A4 page
@@ -38,32 +53,6 @@ _CURVES: tuple[tuple[str, Any, str], ...] = (
     (SKY_BLUE, (0, (3, 1)), "P"),
     (BLACK, (0, (10, 2)), "X"),
 )
-
-# Keyword arguments of a patch: the area where the parts do not align, hatched as in the paper.
-NON_ALIGNING: Mapping[str, Any] = {
-    "facecolor": "#F4F4F4",
-    "edgecolor": GREY,
-    "hatch": "////",
-    "linewidth": 0.0,
-}
-# Likewise: the area where outcomes alternate from point to point.
-PATCH: Mapping[str, Any] = {
-    "facecolor": "#FFFFFF99",
-    "edgecolor": BLACK,
-    "hatch": "xxxx",
-    "linewidth": 0.0,
-    "zorder": 2.0,
-}
-# Likewise: the area where they align and do not go in, dotted over the colour of the duration.
-NOT_INSERTED: Mapping[str, Any] = {
-    "facecolor": "none",
-    "edgecolor": "#FFFFFF",
-    "hatch": "....",
-    "linewidth": 0.0,
-    "zorder": 2.0,
-}
-# Lightness rises steadily through this map, for any colour vision and in grey.
-DURATION_COLOURS = "cividis"
 
 _RC: dict[Any, Any] = {
     "font.family": ["DejaVu Sans"],  # comes with matplotlib: the same on every machine
@@ -88,7 +77,7 @@ _RC: dict[Any, Any] = {
     "lines.linewidth": 1.3,
     "lines.markersize": 4.0,
     "hatch.linewidth": 0.6,
-    "image.cmap": DURATION_COLOURS,
+    "image.cmap": "cividis",  # lightness rises steadily, for any colour vision and in grey
     "figure.figsize": (FIGURE_WIDTH, 10.0 * CENTIMETRE),
     "figure.constrained_layout.use": True,
     "figure.facecolor": "white",
@@ -146,6 +135,57 @@ def curve(index: int, points: int, markers: int = 8) -> dict[str, Any]:
     stride = max(1, points // markers)
     start = (index * stride) // len(_CURVES) % stride
     return {"color": colour, "linestyle": line, "marker": marker, "markevery": (start, stride)}
+
+
+# --- Axes ---------------------------------------------------------------------------------------
+
+
+def symbol_of(coordinate: "xr.DataArray") -> str:
+    """Return a parameter's symbol as mathematical text; its name where it has none."""
+    symbol = coordinate.attrs.get("symbol", coordinate.name)
+    # What has no symbol of its own carries its name.
+    return str(symbol) if symbol == coordinate.name else math(symbol)
+
+
+def axis_label(coordinate: "xr.DataArray") -> str:
+    """Return words and symbol of a parameter: "initial pressing force $f_{0}$"."""
+    words = str(coordinate.attrs.get("long_name", coordinate.name))
+    words = re.split(r"; | \(", words, maxsplit=1)[0]  # what follows explains, it does not name
+    symbol, unit = symbol_of(coordinate), coordinate.attrs.get("units", "1")
+    label = words if symbol == words else f"{words} {symbol}"
+    return label if unit == "1" else f"{label} in {unit}"
+
+
+def cell_edges(values: Floats) -> Floats:
+    """Return the edges, shape (n + 1,), of the cells around ``values``, shape (n,)."""
+    middles = 0.5 * (values[1:] + values[:-1])
+    first, last = 1.5 * values[0] - 0.5 * values[1], 1.5 * values[-1] - 0.5 * values[-2]
+    return np.concatenate([[first], middles, [last]])
+
+
+def runs_of(mask: Bools) -> Iterator[tuple[int, int]]:
+    """Yield the runs of True in ``mask``, shape (n,), as (first, one past the last)."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    yield from zip(steps[::2].tolist(), steps[1::2].tolist(), strict=True)
+
+
+def flagged(dataset: "xr.Dataset", variable: str, meaning: str) -> Bools:
+    """Return where a variable has a flag whose meaning begins with ``meaning``."""
+    flags = dataset[variable].attrs
+    meanings = zip(flags["flag_meanings"].split(), flags["flag_values"], strict=True)
+    wanted = [value for name, value in meanings if name.startswith(meaning)]
+    return np.isin(dataset[variable].values, wanted)
+
+
+def not_inserted(dataset: "xr.Dataset") -> Bools:
+    """Return where a part aligns and does not go in; nowhere if the dataset does not say."""
+    aligned = np.asarray(dataset["outcome"].values == Outcome.ALIGNED)
+    if "insertion" not in dataset:
+        return np.zeros_like(aligned)
+    return aligned & ~flagged(dataset, "insertion", "inserted")
+
+
+# --- Files --------------------------------------------------------------------------------------
 
 
 def save(figure: Figure, stem: Path) -> tuple[Path, ...]:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.physics.parameters import FIELDS
-from model.show.axes import runs_of
 from model.show.report.section import (
     Results,
     Section,
@@ -24,6 +23,7 @@ from model.show.report.section import (
     values_of,
 )
 from model.show.schematics import CAPTIONS
+from model.show.style import runs_of
 from model.show.words import figure_number, figure_title, percent, power, short
 from model.study.config.figures import COMPUTED, MAPS
 

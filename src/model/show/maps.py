@@ -1,0 +1,340 @@
+"""Figs. 13 and 14: areas of stable alignment, and what is drawn over them."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerPatch
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.patheffects import Stroke, withStroke, withTickedStroke
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
+from model.events.outcomes import Outcome
+from model.show import style
+from model.show.style import (
+    FAILED_LABEL,
+    NOT_ALIGNED,
+    NOT_INSERTED,
+    Bools,
+    Floats,
+    axis_label,
+    cell_edges,
+    not_inserted,
+    runs_of,
+)
+from model.study.vibration import ONLY_VIBRATED, added, success_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Place = tuple[float, float]
+Look = Mapping[str, Any]  # keyword arguments of an artist
+
+LEFT_LABEL, NOT_IN = "of these, leaves the scene", "does not go in"
+PATCH_LABEL = "outcomes alternate: no border"
+SLOW_LABEL = "ticked side: rests if pressed slowly"
+RELIABLE_LABEL = "reliable: at every phase"
+VIBRATION_LABEL = "ticked side: aligns only if vibrated"
+MARK_LABEL = "other figures, by number"
+# In the order of ``vibration.added``.
+ADDED_LABELS = (
+    "aligns, vibrated or not",
+    "aligns only if vibrated",
+    "aligns only if not vibrated",
+    "does not align, vibrated or not",
+)
+
+_PLAIN: Look = {"linewidth": 0.0}
+# The area where the parts do not align is hatched as in the paper.
+NON_ALIGNING: Look = {**_PLAIN, "facecolor": "#F4F4F4", "edgecolor": style.GREY, "hatch": "////"}
+_OVER: Look = {**_PLAIN, "zorder": 2.0}  # over the colour of the duration
+_DOTTED: Look = {**_OVER, "facecolor": "none", "edgecolor": "#FFFFFF", "hatch": "...."}
+_CROSSED: Look = {**_OVER, "facecolor": "#FFFFFF99", "edgecolor": style.BLACK, "hatch": "xxxx"}
+_ADDED: tuple[Look, ...] = (
+    {**_PLAIN, "facecolor": style.SKY_BLUE, "edgecolor": style.BLUE, "hatch": "..."},
+    {**_PLAIN, "facecolor": style.GREEN},
+    {**_PLAIN, "facecolor": style.ORANGE, "edgecolor": style.BLACK, "hatch": "\\\\\\\\"},
+    NON_ALIGNING,
+)
+
+_SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are logarithmic
+_COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
+_CONTOURS = 5  # approximate number
+_CONTOUR_NODES = 128  # nodes along a side from which contours are drawn, at most
+_LEAST = 0.004  # share of the map; a contour around a smaller area is left out
+_APART = 0.04  # share of the map; least distance between numbers
+
+
+def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
+    """Draw durations in colour where the part aligns, hatching where it does not.
+
+    Where it aligns and does not go in, by ``insertion`` in the dataset or in ``coarse``, the same
+    plane on a coarser grid, there are dots.
+
+    A refined map (study/maps/) is drawn with contours of the duration, the outline of its
+    reliable area, and the operating points of other figures.
+    """
+    durations = np.ma.masked_invalid(dataset["tau_align"].values)
+    outcome, label = dataset["outcome"].values, NOT_ALIGNED
+    if success_of(dataset) is Outcome.INSERTED:
+        durations = np.ma.masked_where(outcome != Outcome.INSERTED, durations)
+        label = NOT_IN
+    gaps = np.ma.getmaskarray(durations)
+    with style.context():
+        drawing = _Drawing(dataset)
+        drawing.area(gaps, label, NON_ALIGNING)
+        left = np.isin(outcome, (Outcome.LEFT_SCENE, Outcome.CLIMBED_OUT))
+        if left.any():
+            drawing.area(left, LEFT_LABEL, {**_PLAIN, "facecolor": style.BLACK, "alpha": 0.16})
+        failed = outcome == Outcome.FAILED
+        if failed.any():
+            drawing.area(failed, FAILED_LABEL, {**_PLAIN, "facecolor": style.VERMILLION})
+        drawing.dots(dataset if coarse is None else coarse)
+        if not gaps.all():
+            drawing.durations(durations, axis_label(dataset["tau_align"]))
+        if drawing.patch.any():
+            drawing.area(drawing.patch, PATCH_LABEL, _CROSSED)
+        drawing.borders(gaps)
+        if "resolution" in dataset.attrs:
+            drawing.contours(durations)
+            if "reliable" in dataset and "ensemble_phases" in dataset.attrs:
+                reliable = dataset["reliable"].values == 1
+                drawing.outline(reliable, RELIABLE_LABEL, style.VERMILLION, "-")
+            if "unvibrated" in dataset:
+                inside = added(dataset) == ONLY_VIBRATED
+                drawing.outline(inside, VIBRATION_LABEL, style.BLACK, "--")
+            drawing.marks(json.loads(dataset.attrs.get("operating_points", "[]")))
+        return drawing.with_legend()
+
+
+def vibration_map(dataset: "xr.Dataset") -> Figure:
+    """Draw where the part aligns only if vibrated, only if not, in both ways, and in neither.
+
+    A line, ticked inwards, holds the parts that rest on the edge if they are pressed slowly.
+    """
+    found = added(dataset)
+    with style.context():
+        drawing = _Drawing(dataset)
+        for kind, (label, look) in enumerate(zip(ADDED_LABELS, _ADDED, strict=True)):
+            drawing.area(found == kind, label, look)
+        rests = np.isfinite(dataset["slow_tilt"].values)
+        drawing.outline(rests, SLOW_LABEL, style.BLACK, "-")
+        return drawing.with_legend()
+
+
+def round_levels(values: Floats) -> list[float]:
+    """Return round numbers inside the range of ``values``; logarithmic if the range is wide."""
+    if values.size == 0:
+        return []
+    low, high = (float(each) for each in np.quantile(values, [_LEAST, 1.0 - _LEAST]))
+    linear = MaxNLocator(_CONTOURS, steps=[1, 2, 5, 10])
+    ticks = (_decades() if _spreads(low, high) else linear).tick_values(low, high)
+    found = [float(level) for level in ticks if low < level < high]
+    return found[:: max(1, round(len(found) / _CONTOURS))]
+
+
+def _spreads(low: float, high: float) -> bool:
+    return high > _SPREAD_FOR_LOG * low > 0.0
+
+
+def _decades() -> LogLocator:
+    return LogLocator(subs=(1.0, 2.0, 3.0, 5.0))
+
+
+class _Drawing:
+    """A figure with the axes of a dataset's two parameters, and the handles of its legend.
+
+    Arrays of nodes have the shape (y, x) of the dataset; areas are unions of the cells around them.
+    """
+
+    def __init__(self, dataset: "xr.Dataset") -> None:
+        y, x = (dataset[str(name)] for name in dataset["outcome"].dims)
+        self.x, self.y = x, y
+        self.edges = cell_edges(x.values), cell_edges(y.values)
+        # Where outcomes alternate, no border is drawn.
+        self.patch: Bools = np.zeros(dataset["outcome"].shape, dtype=np.bool_)
+        if "patch" in dataset:
+            self.patch = dataset["patch"].values == 1
+        self.handles: list[Patch | Line2D] = []
+        self.figure = style.new_figure(height=11.0 * style.CENTIMETRE)
+        self.axes = self.figure.subplots()
+        self.axes.grid(visible=False)
+        self.axes.spines[["top", "right"]].set_visible(True)
+        self.axes.set_xlim(self.edges[0][0], self.edges[0][-1])
+        self.axes.set_ylim(self.edges[1][0], self.edges[1][-1])
+        self.axes.set_xlabel(axis_label(x))
+        self.axes.set_ylabel(axis_label(y))
+
+    def with_legend(self) -> Figure:
+        """Return the figure with its legend below."""
+        self.figure.legend(
+            handles=self.handles,
+            loc="outside lower center",
+            ncols=len(self.handles) if len(self.handles) < 4 else 2,
+            handler_map={PathPatch: HandlerPatch()},
+            handleheight=1.4,
+        )
+        return self.figure
+
+    def area(self, cells: Bools, label: str, look: Look) -> None:
+        """Draw the cells where ``cells`` is True as one patch."""
+        self.handles.append(self._patch(self.edges, cells, label, look))
+
+    def dots(self, dataset: "xr.Dataset") -> None:
+        """Dot where parts of a dataset, on a grid of its own, align and do not go in."""
+        lost = not_inserted(dataset)
+        if lost.any():
+            x, y = (cell_edges(dataset[str(each.name)].values) for each in (self.x, self.y))
+            self._patch((x, y), lost, NOT_INSERTED, _DOTTED)
+            # White dots need a colour behind them in the legend, too.
+            self.handles.append(Patch(label=NOT_INSERTED, **{**_DOTTED, "facecolor": style.BLUE}))
+
+    def _patch(self, edges: tuple[Floats, Floats], cells: Bools, label: str, look: Look) -> Patch:
+        x, y = edges
+        corners: list[Place] = []
+        codes: list[np.uint8] = []
+        for row, mask in enumerate(cells):
+            for i, j in runs_of(mask):
+                low, high = y[row], y[row + 1]
+                corners += [(x[i], low), (x[j], low), (x[j], high), (x[i], high), (x[i], low)]
+                codes += [Outline.MOVETO, *[Outline.LINETO] * 3, Outline.CLOSEPOLY]
+        outline = Outline(np.array(corners, dtype=float).reshape(-1, 2), codes or None)
+        return self.axes.add_patch(PathPatch(outline, label=label, **look))
+
+    def durations(self, durations: np.ma.MaskedArray, label: str) -> None:
+        """Colour the cells by their duration, with a bar."""
+        shortest, longest = float(durations.min()), float(durations.max())
+        spread = _spreads(shortest, longest)
+        # A few runs near the border take very long; the colours are for the others.
+        top = float(np.quantile(durations.compressed(), _COLOURED_SHARE)) if spread else longest
+        norm = LogNorm(shortest, top) if spread else Normalize(shortest, top)
+        # Rasterized: thousands of cells as vectors would make SVG and PDF files of many megabytes.
+        mesh = self.axes.pcolormesh(*self.edges, durations, norm=norm, rasterized=True)
+        extend = "max" if spread else "neither"
+        bar = self.figure.colorbar(mesh, ax=self.axes, pad=0.02, extend=extend)
+        bar.set_label(f"{label}, logarithmic" if spread else label)
+        if spread:
+            bar.ax.yaxis.set_major_locator(_decades())
+            bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            bar.ax.yaxis.set_minor_formatter(NullFormatter())
+
+    def borders(self, cells: Bools) -> None:
+        """Draw straight lines between cells that differ, but none beside a patch."""
+        lines: list[list[Place]] = []
+        x, y = self.edges
+        for turned, (across, along) in ((False, (x, y)), (True, (y, x))):
+            own, without = (each if turned else each.T for each in (cells, self.patch))
+            differ = (own[1:] != own[:-1]) & ~(without[1:] | without[:-1])
+            for at, mask in zip(across[1:-1], differ, strict=True):
+                for i, j in runs_of(mask):
+                    ends = (at, along[i]), (at, along[j])
+                    lines.append([end[::-1] if turned else end for end in ends])
+        look: Look = {"colors": style.BLACK, "linewidths": 0.7, "label": "_border"}
+        self.axes.add_collection(LineCollection(lines, **look), autolim=False)
+
+    def contours(self, values: np.ma.MaskedArray) -> None:
+        """Draw labelled contours of ``values`` at round numbers."""
+        levels = round_levels(values.compressed())
+        if not levels:
+            return
+        # Every n-th node of a fine map, for smooth lines where the duration jumps.
+        every = max(1, (self.x.size - 1) // _CONTOUR_NODES)
+        nodes = self.x.values[::every], self.y.values[::every], values[::every, ::every]
+        lines = self.axes.contour(*nodes, levels, colors="white", linewidths=0.8, zorder=2.5)
+        lines.set_label("_contours")
+        shadow = Stroke(linewidth=1.4, foreground="#00000066")
+        lines.set_path_effects([shadow, Stroke(linewidth=0.8)])
+        labels = self.axes.clabel(
+            lines,
+            manual=list(self._label_places(lines)),
+            fmt=lambda value: f"{value:g}",
+            fontsize=7.0,
+            inline_spacing=2,
+        )
+        for label in labels:
+            label.set_path_effects([withStroke(linewidth=1.6, foreground="#000000AA")])
+
+    def _label_places(self, lines: QuadContourSet) -> Iterator[Any]:
+        """Yield one place for each level: the middle of its longest line."""
+        size = float(np.ptp(self.x.values)), float(np.ptp(self.y.values))
+        for path in lines.get_paths():
+            parts = [np.asarray(part) for part in path.to_polygons(closed_only=False)]
+            lengths = [np.hypot(*(np.diff(part, axis=0) / size).T).sum() for part in parts]
+            if lengths:
+                longest = parts[int(np.argmax(lengths))]
+                yield tuple(longest[len(longest) // 2])
+
+    def outline(self, inside: Bools, label: str, colour: str, line: Literal["-", "--"]) -> None:
+        """Draw the outline of the nodes ``inside``, ticked inwards, but not in a patch."""
+        if inside.all() or not inside.any():
+            return
+        outline: QuadContourSet = self.axes.contour(
+            self.x.values,
+            self.y.values,
+            np.ma.masked_array(inside.astype(float), self.patch),
+            [0.5],
+            colors=colour,
+            linestyles=line,
+            linewidths=1.6,
+            zorder=3.0,
+        )
+        outline.set_label(f"_{label}")
+        ticks = withTickedStroke(spacing=8.0, angle=90.0, length=0.5, linewidth=0.8)
+        outline.set_path_effects([withStroke(linewidth=2.6, foreground="white"), ticks])
+        look: Look = {"linewidth": 1.6, "color": colour, "linestyle": line}
+        self.handles.append(Line2D([], [], label=label, **look))
+
+    def marks(self, points: Sequence[tuple[str, Sequence[float], Sequence[float]]]) -> None:
+        """Draw the numbers of other figures at their operating points, lines along their sweeps."""
+        places: dict[tuple[Place, Place], list[str]] = {}  # by (end, start) of a range
+        limits = self.axes.get_xlim(), self.axes.get_ylim()
+        for figure, x, y in points:
+            inside_x, inside_y = np.clip(x, *limits[0]), np.clip(y, *limits[1])
+            if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
+                continue  # outside the map
+            if max(len(x), len(y)) > 1:
+                self._sweep(np.broadcast_to(inside_x, 2), np.broadcast_to(inside_y, 2), figure)
+            ends = (inside_x[-1], inside_y[-1]), (inside_x[0], inside_y[0])
+            names = places.setdefault(ends, [])
+            if figure not in names:
+                names.append(figure)
+        taken: list[Floats] = []
+        # Points first: they cannot move.
+        for end, start in sorted(places, key=lambda ends: ends[0] != ends[1]):
+            self._number(self._free_place(end, start, taken), places[end, start])
+        if places:
+            look: Look = {"markerfacecolor": "white", "markeredgecolor": style.BLACK}
+            mark: Look = {"linestyle": "none", "marker": "o", "markersize": 6, **look}
+            self.handles.append(Line2D([], [], label=MARK_LABEL, **mark))
+
+    def _free_place(self, end: Place, start: Place, taken: list[Floats]) -> Place:
+        """Return the place nearest to the ``end`` of a range that no other number covers.
+
+        ``taken`` holds the places in use, as shares of the map; the new one is added.
+        """
+        to_share = self.axes.transData + self.axes.transAxes.inverted()
+        places = np.linspace(end, start, 41)
+        shares = to_share.transform(places)
+        free = [all(np.hypot(*(share - other)) > _APART for other in taken) for share in shares]
+        chosen = int(np.argmax(free))  # the end, where none is free
+        taken.append(shares[chosen])
+        return float(places[chosen, 0]), float(places[chosen, 1])
+
+    def _sweep(self, x: Floats, y: Floats, figure: str) -> None:
+        shadow = [Stroke(linewidth=1.5, foreground="#00000055"), Stroke(linewidth=0.8)]
+        dashes: Look = {"linestyle": (0, (2, 2)), "path_effects": shadow, "zorder": 3.5}
+        self.axes.plot(x, y, color="white", linewidth=0.8, label=f"_swept {figure}", **dashes)
+
+    def _number(self, place: Place, figures: Sequence[str]) -> None:
+        words = ", ".join(figure.removeprefix("fig").lstrip("0") for figure in figures)
+        shape = "circle,pad=0.25" if len(words) < 3 else "round,pad=0.3"
+        box = {"facecolor": "white", "edgecolor": style.BLACK, "linewidth": 0.6, "boxstyle": shape}
+        look: Look = {"fontsize": 5.5, "bbox": box, "annotation_clip": False, "zorder": 4.0}
+        self.axes.annotate(words, place, ha="center", va="center", **look)
