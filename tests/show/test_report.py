@@ -18,7 +18,7 @@ from model.physics.variants import VARIANT_NAMES
 from model.show.report import background
 from model.show.report.background import READING_WORDS
 from model.show.report.figures import HEAD, Counts, _ranges
-from model.show.report.jamming import _beyond
+from model.show.report.findings import beside_the_limit
 from model.show.report.section import Results, subscripts
 from model.show.words import figure_title, percent, short
 from model.study.claims import tally
@@ -323,7 +323,7 @@ def test_jamming_is_counted_beside_the_wedging_limit(rendered):
 
 def test_parts_that_go_in_above_the_wedging_limit_are_counted():
     flags = np.array([True, True, False])
-    text = _beyond(np.zeros(3, dtype=np.bool_), flags, flags[::-1], 0)
+    text = beside_the_limit(np.zeros(3, dtype=np.bool_), flags, flags[::-1], 0)
     assert text.startswith("1 of them lie above the textbook's wedging limit")
 
 

@@ -1,4 +1,4 @@
-"""Sections of background: the device with all parameters, the equations, the provenance."""
+"""Section of background: the device with all parameters, the equations, the provenance."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,15 +8,8 @@ from markupsafe import Markup
 from model.engines.scalar.tableaux import DOP853
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
-from model.show.report.section import (
-    Results,
-    Section,
-    Table,
-    link,
-    symbol,
-    value_of,
-    values_of,
-)
+from model.runs.settings import Settings
+from model.show.report.section import Results, Section, Table, link, symbol, value_of, values_of
 from model.show.words import figure_title, number
 from model.study.config.figures import COMPUTED
 from model.tracking.job import file_hash, versions
@@ -33,11 +26,45 @@ READING_WORDS: Mapping[str, tuple[str, str]] = {
     "moment_arms": ("R9", "arms of the deformed or of the undeformed contact"),
 }
 _CODE = Markup("<code>{}</code>")
-_TEMPLATE = Path(__file__).with_suffix(".html.j2")
 
 
-def device(results: Results) -> Section:
-    """Return the section on the parameters: the device once, then what each figure varies."""
+def section(results: Results) -> Section:
+    """Return the section on the device, the equations in use, and what the page was made from.
+
+    The page's last: it names the files that the others took.
+    """
+    device, points = _device(results)
+    settings = results.study.settings.settings
+    variants = (
+        "Some of the paper's printed equations contradict each other or mechanics. Each such place "
+        "has two variants: printed takes the equation as printed, consistent corrects it. Runs end "
+        f"at τ = {number(settings.horizon)} at the latest; the local error of a step is kept below "
+        f"{number(settings.tolerance)} by the method {DOP853.name}."
+    )
+    made = (
+        "When, where and at which commit each file was made: runs.csv and history/ beside this "
+        "page, and vibralign runs."
+    )
+    # Anchor, heading, words and table.
+    parts = [
+        ("parameters", "The device of all figures", "", device),
+        ("points", "Parameters of each figure; varied ones in bold type", "", points),
+        ("equations", "How the equations are read", variants, _equations(settings)),
+        ("provenance", "Made with", made, _versions()),
+        ("files", "Made from", "", _files(results)),
+    ]
+    lead = (
+        "The paper states only δ, x(0), φ(0), K_a and H_a; the rest was identified from what it "
+        "says its figures show. All quantities are dimensionless: lengths in units of the "
+        "excitation amplitude, time in units of the inverse natural frequency along the axis, "
+        "forces in units of the excitation force."
+    )
+    title, template = "Device, equations, provenance", Path(__file__).with_suffix(".html.j2")
+    return Section("device", title, template, {"parts": parts}, lead)
+
+
+def _device(results: Results) -> tuple[Table, Table]:
+    """Return the parameters: the device once, then what each figure varies or holds."""
     study = results.study
     datasets = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
     varied = {name: {*map(str, each["outcome"].dims)} for name, each in datasets.items()}
@@ -57,56 +84,28 @@ def device(results: Results) -> Section:
            for name in columns))
         for figure, dataset in datasets.items()
     ]  # fmt: skip
-    tables = [
-        ("The device of all figures", Table(("symbol", "name", ">value", "meaning"), device)),
-        ("Parameters of each figure; varied ones in bold type",
-         Table(("figure", *(symbol(FIELDS[name].symbol) for name in columns)), points)),
-    ]  # fmt: skip
-    lead = (
-        "The paper states only δ, x(0), φ(0), K_a and H_a; the rest was identified from what it "
-        "says its figures show. All quantities are dimensionless: lengths in units of the "
-        "excitation amplitude, time in units of the inverse natural frequency along the axis, "
-        "forces in units of the excitation force."
+    symbols = (symbol(FIELDS[name].symbol) for name in columns)
+    return (
+        Table(("symbol", "name", ">value", "meaning"), device),
+        Table(("figure", *symbols), points),
     )
-    content = {"tables": tables, "words": ""}
-    return Section("device", "The device", _TEMPLATE, content, lead)
 
 
-def equations(results: Results) -> Section:
-    """Return the section on the variants of the equations that the figures use."""
-    settings = results.study.settings.settings
+def _equations(settings: Settings) -> Table:
+    """Return the variants of the equations that the figures use."""
     rows = []
     for name in VARIANT_NAMES:
         index, words = READING_WORDS[name]
         rows.append((index, _CODE.format(name), words, getattr(settings.readings, name)))
-    lead = (
-        "Some of the paper's printed equations contradict each other or mechanics. Each such place "
-        "has two variants: printed takes the equation as printed, consistent corrects it."
-    )
-    words = (
-        f"Runs end at τ = {number(settings.horizon)} at the latest; the local error of a step is "
-        f"kept below {number(settings.tolerance)} by the method {DOP853.name}."
-    )
-    tables = [("In use", Table(("no.", "variant", "what it decides", "in use"), rows))]
-    content = {"tables": tables, "words": words}
-    return Section("equations", "How the equations are read", _TEMPLATE, content, lead)
+    return Table(("no.", "variant", "what it decides", "in use"), rows)
 
 
-def provenance(results: Results) -> Section:
-    """Return the section on what the page was made from.
-
-    It has nothing of the day, the machine or the checkout, so that the same data give the same
-    bytes.
-    """
+def _versions() -> Table:
     made = [(name, _CODE.format(version)) for name, version in versions().items()]
+    return Table(("package", "version"), made)
+
+
+def _files(results: Results) -> Table:
+    """Return the files of numbers; nothing of the day, the machine or the checkout."""
     data = [(place, _CODE.format(file_hash(path)[:16])) for place, path in results.data.items()]
-    tables = [
-        ("Made with", Table(("package", "version"), made)),
-        ("Made from", Table(("file", "SHA-256, first 16 digits"), data)),
-    ]
-    lead = (
-        "When, where and at which commit each file was made: runs.csv and history/ beside this "
-        "page, and vibralign runs."
-    )
-    content = {"tables": tables, "words": ""}
-    return Section("provenance", "Provenance", _TEMPLATE, content, lead)
+    return Table(("file", "SHA-256, first 16 digits"), data)

@@ -23,7 +23,7 @@ from model.show.report.section import (
     values_of,
 )
 from model.show.schematics import CAPTIONS
-from model.show.style import runs_of
+from model.show.style import flagged, runs_of
 from model.show.words import figure_number, figure_title, percent, power, short
 from model.study.config.figures import COMPUTED, MAPS
 
@@ -82,18 +82,10 @@ class Counts:
         return float(np.quantile(error, quantile)) if error.size else np.nan
 
     def share_of(self, variable: str, meaning: str) -> float:
-        """Return the share of the aligned runs with a flag; NaN if the dataset has no such one.
-
-        Args:
-            variable: name of a variable with ``flag_values`` and ``flag_meanings``.
-            meaning: beginning of a flag's meaning.
-        """
+        """Return the share of the aligned runs with a flag (``style.flagged``); NaN if unknown."""
         if variable not in self.dataset or not self.aligned.any():
             return np.nan
-        flags = self.dataset[variable].attrs
-        meanings = zip(flags["flag_meanings"].split(), flags["flag_values"], strict=True)
-        wanted = [value for name, value in meanings if name.startswith(meaning)]
-        return float(np.isin(self.dataset[variable].values[self.aligned], wanted).mean())
+        return float(flagged(self.dataset, variable, meaning)[self.aligned].mean())
 
 
 # Shares of the aligned runs: variable, beginning of its flag, words, head of the column.
@@ -108,7 +100,7 @@ def counts_of(results: Results) -> dict[str, Counts]:
     return {name: Counts(results.dataset(f"data/{name}.nc")) for name in COMPUTED}
 
 
-def figures(results: Results) -> Section:
+def section(results: Results) -> Section:
     """Return the section with every figure of the paper but the one at the head of the page."""
     outcomes = Table(
         ("outcome", "meaning"),

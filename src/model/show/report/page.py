@@ -6,30 +6,21 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from model.show.report import (
-    answer,
-    background,
-    claims,
-    figures,
-    jamming,
-    vibration,
-)
+from model.show.report import answer, background, figures, findings
 from model.show.report.section import Results, Section, subscripts
 from model.show.style import FORMATS
 from model.show.words import number, percent, power, short
 
-Make = Callable[[Results], Section | None]
+Make = Callable[[Results], Section]
 
-# In the order of the page. Each returns None where the study has nothing to show; the provenance
-# comes last, since it names the files that the others took.
+# In the order of the page; the background comes after all others.
 FINDINGS: tuple[Make, ...] = (
     answer.section,
-    figures.figures,
-    vibration.section,
-    claims.section,
-    jamming.section,
+    figures.section,
+    findings.vibration,
+    findings.claims,
+    findings.jamming,
 )
-BACKGROUND: tuple[Make, ...] = (background.device, background.equations, background.provenance)
 _FOLDER = Path(__file__).parent
 
 
@@ -55,11 +46,10 @@ def render_report(results: Results, more: Sequence[Make] = ()) -> str:
         number=number, power=power, percent=percent, short=short, subscripts=subscripts
     )
     environment.globals["formats"] = FORMATS
-    makes = (*FINDINGS, *more, *BACKGROUND)
-    made = [section for make in makes if (section := make(results)) is not None]
-    bodies = []
-    for section in made:
+    sections = []
+    for make in (*FINDINGS, *more, background.section):
+        section = make(results)
         template = environment.from_string(section.template.read_text(encoding="utf-8"))
-        bodies.append(Markup(template.render(**section.content)))  # noqa: S704  (it is escaped)
-    page = environment.get_template("page.html.j2")
-    return page.render(sections=list(zip(made, bodies, strict=True)))
+        body = Markup(template.render(**section.content))  # noqa: S704  (it is escaped)
+        sections.append((section, body))
+    return environment.get_template("page.html.j2").render(sections=sections)

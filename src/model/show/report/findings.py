@@ -1,0 +1,147 @@
+"""Sections on what the runs say beyond the figures: vibration, the paper's claims, jamming."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from string import ascii_lowercase
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from model.events.outcomes import REASON_TEXT, Outcome, Reason
+from model.show import jamming as jamming_plot
+from model.show.report.section import Results, Section, Table, settings_of
+from model.show.words import figure_title, percent
+from model.study.claims import VERDICTS, tally
+from model.study.claims.data import Data
+from model.study.claims.ledger import read_ledger
+from model.study.claims.regime import regime_of
+from model.study.config.figures import COMPUTED
+from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
+from model.study.vibration import overshoot_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+VIBRATION_CAPTION = (
+    "What vibration adds over tilt stiffness and pressing force. On the ticked side of the line "
+    "the part rests on the edge if it is pressed slowly."
+)
+CLAIMS_CAPTION = (
+    "Runs made for the claims alone. Where the duration is shown, a curve has a gap where the part "
+    "does not align; where another quantity is shown, a cross marks runs that align."
+)
+SIGNS: Mapping[str, str] = dict(zip(VERDICTS, ("✓", "±", "✗", "–"), strict=True))
+_FOLDER = Path(__file__).parent
+
+
+# --- Vibration ----------------------------------------------------------------------------------
+
+
+def vibration(results: Results) -> Section:
+    """Return the section on the vibration: what the same parts do without it."""
+    own = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
+    shares = Table(
+        ("figure", ">aligned", ">also unvibrated", ">of these by overshoot", ">do not rest",
+         ">tilt, median", ">largest", ">corners inside", ">lift off"),
+        [_shares(name, dataset) for name, dataset in own.items()],
+    )  # fmt: skip
+    added = results.picture("figures/maps/fig13_vibration", VIBRATION_CAPTION)
+    content = {"added": added, "shares": shares}
+    template = _FOLDER / "vibration.html.j2"
+    return Section("vibration", "What vibration adds", template, content)
+
+
+def _shares(name: str, dataset: "xr.Dataset") -> Sequence[object]:
+    found = regime_of(Data({name: dataset}), name)
+    outcome = dataset["outcome"].values
+    shares = found.static, overshoot_of(dataset), found.not_resting, found.corners, found.lift_offs
+    static, overshoot, resting, corners, lifting = (
+        "" if math.isnan(share) else percent(share) for share in shares
+    )
+    tilts = (f"{np.degrees(tilt):.1f}°" for tilt in (found.tilt, found.tilt_largest))
+    aligned = np.count_nonzero(outcome == Outcome.ALIGNED)
+    head = figure_title(name), f"{aligned:,} of {outcome.size:,}"
+    return *head, static, overshoot, resting, *tilts, corners, lifting
+
+
+# --- Claims -------------------------------------------------------------------------------------
+
+
+def claims(results: Results) -> Section:
+    """Return the section on the paper's claims: each with its verdict, and the claims' own runs."""
+    titles = {name: run.title for name, run in results.study.claims_runs.items()}
+    letters = dict(zip(titles, ascii_lowercase, strict=False))
+    lines = read_ledger(results.file("claims.csv"))
+
+    def source(name: str) -> tuple[str, str]:
+        own = name in letters
+        return (f"run {letters[name]}", "#claims-runs") if own else (figure_title(name), f"#{name}")
+
+    content = {
+        "tally": tally([line.verdict for line in lines]),
+        "lines": lines,
+        "signs": SIGNS,
+        "source": source,
+        "runs": results.picture("figures/claims", CLAIMS_CAPTION),
+        "files": [
+            ("the ledger (CSV)", "claims.csv"),
+            *((f"{of.lower()} (netCDF)", f"data/claims/{name}.nc") for name, of in titles.items()),
+        ],
+    }
+    template = _FOLDER / "claims.html.j2"
+    return Section("claims", "What the paper says, judged", template, content)
+
+
+# --- Jamming ------------------------------------------------------------------------------------
+
+
+def jamming(results: Results) -> Section:
+    """Return the section on jamming: what becomes of parts that fall in, beside the statics."""
+    dataset = results.dataset("data/jamming.nc")
+    falls, stuck, beyond = entered(dataset), jammed(dataset), wedging_side(dataset)
+    gone_in = dataset["outcome"].values == Outcome.INSERTED
+    counted = falls, gone_in, stuck, stuck & beyond, falls & beyond
+    rows = [
+        (f"{clearance:g}", *(int(each[place].sum()) for each in counted))
+        for place, clearance in enumerate(dataset["clearance"].values)
+    ]
+    sideways, turning = in_jamming_diagram(dataset)
+    undriven = int((stuck & ((abs(sideways) > 1.0) | (abs(turning) > 1.0))).sum())
+    reasons = dataset["reason"].values[stuck]
+    held = [
+        (REASON_TEXT[Reason(each)], int((reasons == each).sum())) for each in np.unique(reasons)
+    ]
+    shares = [float(of[falls].mean()) if falls.any() else np.nan for of in (gone_in, stuck)]
+    lead = (
+        f"Of {int(falls.sum()):,} parts that fall in, {percent(shares[0])} go in and "
+        f"{percent(shares[1])} jam. {beside_the_limit(stuck, beyond, falls, undriven)}"
+    )
+    content = {
+        "picture_of": results.picture("figures/jamming", jamming_plot.CAPTION),
+        "files": (("dataset (netCDF)", "data/jamming.nc"),),
+        "held": settings_of(results.study.jamming.held),
+        "counts": Table(
+            ("clearance δ", ">fall in", ">go in", ">jam", ">of these above the limit",
+             ">above the limit"), rows),
+        "reasons": Table(("held by", ">parts"), held),
+    }  # fmt: skip
+    return Section("jamming", "Jamming", _FOLDER / "jamming.html.j2", content, lead)
+
+
+def beside_the_limit(
+    stuck: np.ndarray, beyond: np.ndarray, falls: np.ndarray, undriven: int
+) -> str:
+    """Compare the jammed parts with the wedging limit."""
+    below = falls & ~beyond
+    if not stuck.any():
+        return (
+            f"{int((falls & beyond).sum())} of them lie above the textbook's wedging limit at "
+            "their tilt at entry, where two points at rest would hold a part: vibrated, it goes in."
+        )
+    high, low = int((stuck & beyond).sum()), int((stuck & below).sum())
+    return (
+        f"{high} of the {int(stuck.sum())} that jam lie above the textbook's wedging limit at "
+        f"their tilt at entry; below it {low} of {int(below.sum()):,} jam. {undriven} of them all "
+        "lie outside the jamming diagram: press and springs cannot drive them on at two points."
+    )
