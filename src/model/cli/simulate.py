@@ -93,8 +93,8 @@ def _animate(
     # Imported here: what only a page needs.
     from model.runs.in_browser import interface  # noqa: PLC0415
     from model.runs.trace import trace_run  # noqa: PLC0415
-    from model.show.explorer.animation import run_page  # noqa: PLC0415
     from model.show.explorer.content import device_model  # noqa: PLC0415
+    from model.show.explorer.page import run_page  # noqa: PLC0415
 
     table = interface(settings.scene)
     model = device_model(parameters, units, file, settings, table, first)

@@ -1,4 +1,4 @@
-"""A headless Chromium, driven by its DevTools protocol through a pipe: pictures, tests of pages."""
+"""A headless Chromium, driven by its DevTools protocol through a pipe, with a page to test."""
 
 import base64
 import contextlib
@@ -119,6 +119,36 @@ class Page:
                 : setTimeout(look, 20);
             look(); }})"""
         self.evaluate(tries)
+
+    def show(self, url: str, width: int = 1280, height: int = 900) -> None:
+        """Open a page of the explorer, and wait until it shows a run."""
+        self.open(url, width, height)
+        self.wait_for("window.explorer && explorer.run")
+
+    def text(self, name: str) -> str:
+        """Return the text of the element ``name``."""
+        return str(self.evaluate(f"document.getElementById({json.dumps(name)}).textContent"))
+
+    @property
+    def results(self) -> dict[str, Any]:
+        """Results of the run that is shown."""
+        found: dict[str, Any] = self.evaluate("explorer.run.results")
+        return found
+
+    def set(self, name: str, value: object, event: str) -> None:
+        """Give a control a value, as a reader does."""
+        self.evaluate(
+            f"(() => {{ const it = document.getElementById('{name}'); it.value = '{value}';"
+            f"it.dispatchEvent(new Event('{event}', {{bubbles: true}})); }})()"
+        )
+
+    def slide(self, name: str, value: float) -> None:
+        """Move the slider of a parameter."""
+        self.set(f"s-{name}", value, "input")
+
+    def type_in(self, name: str, value: str) -> None:
+        """Type into the field of a parameter."""
+        self.set(f"p-{name}", value, "change")
 
     def prefer_reduced_motion(self) -> None:
         """Make pages see a reader who prefers reduced motion."""

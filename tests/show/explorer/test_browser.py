@@ -5,7 +5,6 @@ import shlex
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,9 +17,8 @@ from model.runs.align import run_once
 from model.runs.in_browser import interface, modules
 from model.runs.simulate import simulate
 from model.runs.trace import trace_run
-from model.show.explorer.animation import run_page
 from model.show.explorer.content import device_model, study_model
-from model.show.explorer.page import build_page
+from model.show.explorer.page import build_page, run_page
 from model.study.config import load_study, study_path
 from model.study.devices.amounts import read_amount
 from model.study.devices.stated import unit_of
@@ -34,6 +32,7 @@ pytestmark = [
 STUDY = load_study(study_path())
 DOCS = Path(__file__).parents[3] / "docs"
 SETTINGS = replace(STUDY.settings.settings, scene=INSERTION)
+DEVICES = ("devices/shaft", "devices/pin", "peg")
 MAPPED = "explorer.map && (explorer.map.stored || explorer.measured.map)"
 
 
@@ -45,18 +44,14 @@ def url(tmp_path_factory: pytest.TempPathFactory) -> str:
     return file.as_uri()
 
 
-DEVICES = ("devices/shaft", "devices/pin", "peg")
-
-
 @pytest.fixture(scope="module")
 def device_urls(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Pages of the documentation's devices, by name."""
     found, folder = {}, tmp_path_factory.mktemp("devices")
     for name in DEVICES:
         file = folder / f"{Path(name).stem}.html"
-        assert (
-            cli.main(["explore", "--device", str(DOCS / f"{name}.yaml"), "--out", str(file)]) == 0
-        )
+        device = ["--device", str(DOCS / f"{name}.yaml")]
+        assert cli.main(["explore", *device, "--out", str(file)]) == 0
         found[file.stem] = file.as_uri()
     return found
 
@@ -70,126 +65,98 @@ def started() -> Iterator[Page]:
 @pytest.fixture
 def page(started: Page, url: str) -> Iterator[Page]:
     """The page as it opens, still; no error may be left when the test ends."""
-    started.open(f"{url}#figure=fig05&t=1")
-    started.wait_for("window.explorer && explorer.run")
+    started.show(f"{url}#figure=fig05&t=1")
     yield started
     assert started.errors == []
 
 
-def text(page: Page, name: str) -> str:
-    found: str = page.evaluate(f"document.getElementById({json.dumps(name)}).textContent")
-    return found
-
-
-def slide(page: Page, name: str, value: float) -> None:
-    page.evaluate(
-        f"(() => {{ const slider = document.getElementById('s-{name}'); slider.value = {value};"
-        "slider.dispatchEvent(new Event('input', {bubbles: true})); })()"
-    )
-
-
-def type_in(page: Page, name: str, value: str) -> None:
-    page.evaluate(
-        f"(() => {{ const box = document.getElementById('p-{name}'); box.value = '{value}';"
-        "box.dispatchEvent(new Event('change')); })()"
-    )
-
-
-def results(page: Page) -> dict[str, Any]:
-    found: dict[str, Any] = page.evaluate("explorer.run.results")
-    return found
-
-
 def test_opens_with_the_run_of_python(page: Page) -> None:
     run = simulate(STUDY.parameters("fig05"), SETTINGS)
-    assert results(page)["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
-    assert results(page)["tau_inserted"] == pytest.approx(run.tau_inserted, abs=1e-8)
-    assert text(page, "verdict").startswith("Aligned at τ = ")
+    assert page.results["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
+    assert page.results["tau_inserted"] == pytest.approx(run.tau_inserted, abs=1e-8)
+    assert page.text("verdict").startswith("Aligned at τ = ")
     assert page.evaluate("explorer.run.track.rows") == len(run.time)
 
 
 def test_a_slider_changes_the_run_and_the_address(page: Page) -> None:
-    before = results(page)["tau_align"]
-    slide(page, "press_force", 4.0)
+    before = page.results["tau_align"]
+    page.slide("press_force", 4.0)
     value = page.evaluate("explorer.state.values.press_force")
     run = simulate(STUDY.parameters("fig05").replace(press_force=value), STUDY.settings.settings)
-    assert results(page)["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
-    assert results(page)["tau_align"] != before
+    assert page.results["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
+    assert page.results["tau_align"] != before
     assert f"press_force={value:g}" in page.evaluate("location.hash")
 
 
 def test_an_address_restores_the_state(page: Page, url: str) -> None:
-    slide(page, "friction", 0.2)
-    page.evaluate("document.getElementById('vibration').click()")
-    address, seen = page.evaluate("location.hash"), results(page)
-    page.open(url + address)
-    page.wait_for("window.explorer && explorer.run")
-    assert results(page) == seen
+    page.slide("friction", 0.2)
+    page.evaluate("element('vibration').click()")
+    address, seen = page.evaluate("location.hash"), page.results
+    page.show(url + address)
+    assert page.results == seen
     assert page.evaluate("explorer.state.vibration") is False
     assert page.evaluate("location.hash") == address
 
 
 def test_without_vibration_is_the_run_at_frequency_0(page: Page) -> None:
-    page.evaluate("document.getElementById('vibration').click()")
+    page.evaluate("element('vibration').click()")
     still = STUDY.parameters("fig05").replace(frequency=0.0, phase=0.0)
     run = simulate(still, SETTINGS)
-    assert results(page)["outcome"] == run.outcome
+    assert page.results["outcome"] == run.outcome
 
 
 def test_the_page_says_what_vibration_changes(page: Page, url: str) -> None:
     page.open(f"{url}#figure=fig06&t=1")
-    page.wait_for("window.explorer && document.getElementById('beside').textContent")
-    words = text(page, "beside")
+    page.wait_for("window.explorer && element('beside').textContent")
+    words = page.text("beside")
     assert words.startswith("Without vibration it rests on the edge, tilted by ")
     assert words.endswith("only vibration brings it in.")
-    page.evaluate("document.getElementById('vibration').click()")
-    assert text(page, "vibration") == "With vibration"
-    assert text(page, "map-title").endswith("without vibration")
-    page.wait_for("document.getElementById('beside').textContent.startsWith('With vibration')")
-    assert "rests on the edge" in text(page, "words")
-    assert text(page, "remedy") == ""
+    page.evaluate("element('vibration').click()")
+    assert page.text("vibration") == "With vibration"
+    assert page.text("map-title").endswith("without vibration")
+    page.wait_for("element('beside').textContent.startsWith('With vibration')")
+    assert "rests on the edge" in page.text("words")
+    assert page.text("remedy") == ""
 
 
 @pytest.mark.parametrize("given", ["-1", "abc", "", "0,1", "3 N"])
 def test_a_value_outside_its_rule_is_refused_in_words(page: Page, given: str) -> None:
-    before, address = results(page), page.evaluate("location.hash")
-    type_in(page, "friction", given)
+    before, address = page.results, page.evaluate("location.hash")
+    page.type_in("friction", given)
     words = "write 0.1" if "," in given else "a ratio, without a unit" if "N" in given else ">= 0"
-    assert text(page, "fault").startswith(f"Not run: friction = {given or '(empty)'}: ")
-    assert words in text(page, "fault")
-    assert all(text(page, each) == "" for each in ("verdict", "words", "remedy", "beside"))
-    assert page.evaluate("document.getElementById('p-friction').value") == given
-    assert results(page) == before
-    page.evaluate("document.getElementById('command').click()")
-    assert text(page, "said").startswith("Not copied: friction")
+    assert page.text("fault").startswith(f"Not run: friction = {given or '(empty)'}: ")
+    assert words in page.text("fault")
+    assert all(page.text(each) == "" for each in ("verdict", "words", "remedy", "beside"))
+    assert page.evaluate("element('p-friction').value") == given
+    assert page.results == before
+    page.evaluate("element('command').click()")
+    assert page.text("said").startswith("Not copied: friction")
     # Another value is taken, and nothing runs until the first is mended.
-    slide(page, "press_force", 4.0)
-    assert text(page, "verdict") == ""
+    page.slide("press_force", 4.0)
+    assert page.text("verdict") == ""
     assert page.evaluate("location.hash").startswith(address.partition("&")[0] + "&press_force=4")
     assert "friction" not in page.evaluate("location.hash")
-    type_in(page, "friction", "0.1")
-    assert text(page, "verdict").startswith("Aligned")
+    page.type_in("friction", "0.1")
+    assert page.text("verdict").startswith("Aligned")
     assert "friction=0.1" in page.evaluate("location.hash")
 
 
 def test_what_is_wrong_in_an_address_is_said(page: Page, url: str) -> None:
-    page.open(f"{url}#figure=fig99&friction=-1&mass=0&abc&vibration=maybe&t=-1")
-    page.wait_for("window.explorer && explorer.run")
+    page.show(f"{url}#figure=fig99&friction=-1&mass=0&abc&vibration=maybe&t=-1")
     for said in ("figure = fig99", "friction = -1: must be", "mass: is no", "abc:", "vibration ="):
-        assert said in text(page, "ignored")
+        assert said in page.text("ignored")
     assert page.evaluate("explorer.state.time") == 0.0
-    slide(page, "press_force", 4.0)
-    assert text(page, "ignored") == ""
-    page.open(f"{url}#figure=fig05&t=99")
-    page.wait_for("window.explorer && explorer.run")
-    assert "inserted" in text(page, "moment")
+    page.slide("press_force", 4.0)
+    assert page.text("ignored") == ""
+    page.show(f"{url}#figure=fig05&t=99")
+    assert "inserted" in page.text("moment")
 
 
 def test_a_part_that_is_in_from_the_start_needs_no_comparison(page: Page) -> None:
-    type_in(page, "half_width", "5")
-    assert text(page, "verdict") == "In from the start"
+    page.type_in("half_width", "5")
+    assert page.text("verdict") == "In from the start"
     page.evaluate("new Promise((done) => setTimeout(done, 300))")
-    assert text(page, "beside") == ""
+    assert page.text("beside") == ""
 
 
 def test_vibration_that_changes_nothing_is_called_so(page: Page) -> None:
@@ -198,31 +165,31 @@ def test_vibration_that_changes_nothing_is_called_so(page: Page) -> None:
 
 
 def test_a_long_run_leaves_the_page_usable(page: Page) -> None:
-    type_in(page, "frequency", "1e7")
-    assert text(page, "verdict").startswith("Computing")
-    type_in(page, "frequency", "6.5")
-    assert text(page, "verdict").startswith("Aligned")
-    type_in(page, "friction", "0")
-    type_in(page, "frequency", "1e4")
-    assert text(page, "verdict").startswith("Computing")
+    page.type_in("frequency", "1e7")
+    assert page.text("verdict").startswith("Computing")
+    page.type_in("frequency", "6.5")
+    assert page.text("verdict").startswith("Aligned")
+    page.type_in("friction", "0")
+    page.type_in("frequency", "1e4")
+    assert page.text("verdict").startswith("Computing")
     page.wait_for("!document.body.classList.contains('stale')", 60)
     run = simulate(STUDY.parameters("fig05").replace(friction=0.0, frequency=1e4), SETTINGS)
-    assert results(page)["rhs_evaluations"] > page.evaluate("QUICK")
-    assert results(page)["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
+    assert page.results["rhs_evaluations"] > page.evaluate("QUICK")
+    assert page.results["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
     # The page keeps the first rows of its track.
-    assert page.evaluate("explorer.run.track.rows") < results(page)["tracked"]
-    assert "The drawing ends at" in text(page, "words")
+    assert page.evaluate("explorer.run.track.rows") < page.results["tracked"]
+    assert "The drawing ends at" in page.text("words")
 
 
 def test_events_are_stepped_with_the_keyboard(page: Page) -> None:
     page.evaluate("document.activeElement.blur(); explorer.seek(0)")
     page.press("ArrowRight", 39)
-    assert "event: " in text(page, "moment")
-    first = text(page, "moment")
+    assert "event: " in page.text("moment")
+    first = page.text("moment")
     page.press("ArrowRight", 39)
-    assert text(page, "moment") != first
+    assert page.text("moment") != first
     page.press(" ", 32)
-    assert text(page, "play") == "Pause"
+    assert page.text("play") == "Pause"
 
 
 def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
@@ -230,7 +197,7 @@ def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
     # Every node has an outcome.
     assert page.evaluate("explorer.map.outcome.every((each) => each >= 0)")
     box = page.evaluate(
-        "(() => { const m = document.getElementById('map'); m.scrollIntoView();"
+        "(() => { const m = element('map'); m.scrollIntoView();"
         "const b = m.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()"
     )
     before = page.evaluate("explorer.state.values")
@@ -238,7 +205,7 @@ def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
     after = page.evaluate("explorer.state.values")
     changed = {name for name in after if after[name] != before[name]}
     assert changed == {page.evaluate("explorer.state.x"), page.evaluate("explorer.state.y")}
-    page.evaluate("document.getElementById('map').focus()")
+    page.evaluate("element('map').focus()")
     page.press("ArrowUp", 38)
     y = page.evaluate("explorer.state.y")
     assert page.evaluate("explorer.state.values")[y] > after[y]
@@ -293,16 +260,16 @@ def test_a_node_that_is_filled_does_not_align(page: Page, url: str) -> None:
 def test_command_and_device_file_repeat_the_run(
     page: Page, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    slide(page, "press_force", 4.0)
-    page.evaluate("document.getElementById('command').click()")
-    page.wait_for("document.getElementById('copied').textContent")
-    command = shlex.split(text(page, "copied"))
+    page.slide("press_force", 4.0)
+    page.evaluate("element('command').click()")
+    page.wait_for("element('copied').textContent")
+    command = shlex.split(page.text("copied"))
     saved = tmp_path / "device.yaml"
     saved.write_text(page.evaluate("deviceOf(explorer.state, MODEL)"))
     for arguments in (command[1:], ["simulate", "--device", str(saved)]):
         assert cli.main([*arguments, "--json"]) == cli.DONE
         record = json.loads(capsys.readouterr().out)
-        assert record["tau_align"] == pytest.approx(results(page)["tau_align"], abs=1e-8)
+        assert record["tau_align"] == pytest.approx(page.results["tau_align"], abs=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -320,7 +287,7 @@ def test_a_device_and_its_command_agree(
     tmp_path: Path, capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     started.open(f"{device_urls[name]}#{address}")
-    started.wait_for("window.explorer && document.getElementById('beside').textContent")
+    started.wait_for("window.explorer && element('beside').textContent")
     command = shlex.split(started.evaluate("commandOf(explorer.state, MODEL)"))
     saved = tmp_path / started.evaluate("fileOf(explorer.state, MODEL)")
     assert saved.stem == name
@@ -329,14 +296,14 @@ def test_a_device_and_its_command_agree(
     for arguments in (command[1:], [*command[1:4], "--device", str(saved), *still]):
         assert cli.main([*arguments, "--json"]) == cli.DONE
         record = json.loads(capsys.readouterr().out)
-        assert record["outcome"] == Outcome(results(started)["outcome"]).name.lower()
+        assert record["outcome"] == Outcome(started.results["outcome"]).name.lower()
         if record["tau_align"] is not None:
-            expected = pytest.approx(results(started)["tau_align"], rel=1e-8)
+            expected = pytest.approx(started.results["tau_align"], rel=1e-8)
             assert record["tau_align"] == expected
     # The unvibrated run ends in the words of the command.
     assert cli.main(command[1:]) == cli.DONE
     words = capsys.readouterr().out.partition("without vibration: ")[2].strip()
-    said = text(started, "words") + text(started, "beside")
+    said = started.text("words") + started.text("beside")
     assert f"ithout vibration it {words}" in said
     assert started.errors == []
 
@@ -356,8 +323,7 @@ def test_units_are_read_as_in_a_device_file(
     started: Page, device_urls: dict[str, str], name: str, given: str
 ) -> None:
     if started.evaluate("location.href").partition("#")[0] != device_urls["shaft"]:
-        started.open(device_urls["shaft"])
-        started.wait_for("window.explorer && explorer.run")
+        started.show(device_urls["shaft"])
     read = started.evaluate(f"readAmount(parameters[{json.dumps(name)}], {json.dumps(given)})")
     assert read["message"] == ""
     expected = read_amount(name, given, unit_of(name)).value
@@ -367,12 +333,11 @@ def test_units_are_read_as_in_a_device_file(
 def test_a_device_is_refused_as_by_the_command(
     started: Page, device_urls: dict[str, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    started.open(device_urls["peg"])
-    started.wait_for("window.explorer && explorer.run")
+    started.show(device_urls["peg"])
     wrong = {"half_width": "50 mm", "press_force": "0 N", "friction": "1 mm", "mass": "1 foo"}
     for name, given in {**wrong, "clearance": "0,1"}.items():
         started.evaluate(f"open(''); take({{{name}: {json.dumps(given)}}})")
-        said = text(started, "fault").partition(": ")[2]
+        said = started.text("fault").partition(": ")[2]
         command = ["simulate", "--device", str(DOCS / "peg.yaml"), "--set", f"{name}={given}"]
         assert cli.main(command) == cli.REFUSED
         refusal = capsys.readouterr().err
@@ -384,36 +349,28 @@ def test_a_device_is_refused_as_by_the_command(
 
 def test_every_preset_opens_and_plays_only_where_motion_is_wanted(page: Page, url: str) -> None:
     page.prefer_reduced_motion()
-    page.open(url)
-    page.wait_for("window.explorer && explorer.run")
-    assert text(page, "play") == "Play"
+    page.show(url)
+    assert page.text("play") == "Play"
     for name in page.evaluate("Object.keys(MODEL.presets)"):
-        page.evaluate(
-            f"(() => {{ const box = document.getElementById('preset'); box.value = '{name}';"
-            "box.dispatchEvent(new Event('change')); })()"
-        )
+        page.set("preset", name, "change")
         assert page.evaluate("location.hash") == f"#figure={name}"
-        assert text(page, "verdict")
-        assert text(page, "fault") == ""
+        assert page.text("verdict")
+        assert page.text("fault") == ""
 
 
 @pytest.mark.parametrize("width", [1280, 400])
 def test_nothing_is_wider_than_the_window(page: Page, url: str, width: int, tmp_path: Path) -> None:
-    page.open(f"{url}#figure=fig13", width)
-    page.wait_for("window.explorer && explorer.run")
+    page.show(f"{url}#figure=fig13", width)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     (tmp_path / f"explorer-{width}.png").write_bytes(page.picture(whole=True))
 
 
 def test_verdict_and_drawing_stay_in_sight_on_a_small_screen(page: Page, url: str) -> None:
-    page.open(f"{url}#figure=fig05&t=1", 400, 800)
-    page.wait_for("window.explorer && explorer.run")
+    page.show(f"{url}#figure=fig05&t=1", 400, 800)
     for name in ("s-tilt_stiffness", "command"):
-        page.evaluate(f"document.getElementById('{name}').scrollIntoView({{block: 'center'}})")
+        page.evaluate(f"element('{name}').scrollIntoView({{block: 'center'}})")
         for shown in ("verdict", "scene"):
-            box = page.evaluate(
-                f"document.getElementById('{shown}').getBoundingClientRect().toJSON()"
-            )
+            box = page.evaluate(f"element('{shown}').getBoundingClientRect().toJSON()")
             assert 0 <= box["top"] < box["bottom"] < 400
 
 
@@ -434,11 +391,9 @@ def test_every_control_has_a_name(page: Page) -> None:
 def test_a_run_as_a_page(started: Page, tmp_path: Path) -> None:
     parameters, settings = STUDY.parameters("fig05"), STUDY.settings.settings
     model = device_model(parameters, None, "", settings, interface(), ["press_force"])
-    made = run_page(model, trace_run(parameters, settings))
     file = tmp_path / "run.html"
-    file.write_text(made, encoding="utf-8")
+    file.write_text(run_page(model, trace_run(parameters, settings)), encoding="utf-8")
     started.errors.clear()
-    started.open(file.as_uri())
-    started.wait_for("window.explorer && explorer.run")
-    assert text(started, "verdict").startswith("Aligned at τ = ")
+    started.show(file.as_uri())
+    assert started.text("verdict").startswith("Aligned at τ = ")
     assert started.errors == []

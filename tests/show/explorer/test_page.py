@@ -18,9 +18,8 @@ from model.runs.in_browser import Modules, interface
 from model.runs.settings import Settings
 from model.runs.trace import COLUMNS, Trace
 from model.show.explorer import page as module
-from model.show.explorer.animation import run_page
 from model.show.explorer.content import device_model, study_model
-from model.show.explorer.page import SCRIPTS, build_page
+from model.show.explorer.page import SCRIPTS, build_page, run_page
 from model.study.config import MAPS, load_study, study_path
 from model.study.devices import load_device
 from model.study.io import write_dataset

@@ -27,7 +27,7 @@ from model.physics.quantities import ANGLE, LENGTH, PLAIN, STIFFNESS, TIME, Quan
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from model.show.explorer.page import packed
-from model.show.si import display
+from model.show.si import display, scale
 from model.show.words import figure_title, symbol_parts
 from model.study.config.base import Axis, Family
 from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
@@ -93,7 +93,7 @@ class Scales:
 
     def of(self, quantity: Quantity) -> float:
         """Return one dimensionless unit in the page's unit."""
-        return 1.0 if self.units is None else self.units.of(quantity)
+        return scale(self.units, quantity)
 
     def shown(self, quantity: Quantity, value: float = 0.0) -> dict[str, Any]:
         """Return a quantity's powers of the units, its unit, and that in which it is shown.
@@ -163,10 +163,10 @@ def device_model(
 ) -> dict[str, Any]:
     """Return the content of the page of a device, in SI units if it has ``units``."""
     scales = Scales(units)
-    title = file or "the study's device"
-    words = _held_words(origin.held)
-    preset = {**_WITH_PLANE, "group": "Device", "title": title, "words": words}
-    preset |= {"values": scales.values(device)}
+    preset = {
+        **_WITH_PLANE, "group": "Device", "title": file or "the study's device",
+        "words": _held_words(origin.held), "values": scales.values(device),
+    }  # fmt: skip
     return {
         **_model(f"vibralign explorer: {file}", device, scales, settings, interface),
         "origin": vars(origin),
@@ -203,18 +203,17 @@ def _model(
         "remedies": {f"{o:d},{r:d}": remedy(o, r) for o, r in product(Outcome, Reason)},
         "events": [_event_words(each) for each in interface["events"]],
         "unvibrated": {int(each): text for each, text in UNVIBRATED_TEXT.items()},
-        "panels": [
-            {
-                "curves": [
-                    {"name": n, "label": label or TRACK_VARIABLES[n].symbol}
-                    for n, label in panel.items()
-                ],
-                **scales.shown(TRACK_VARIABLES[next(iter(panel))].quantity),
-            }
-            for panel in _PANELS
-        ],
+        "panels": [_panel(panel, scales) for panel in _PANELS],
         "time": scales.shown(TIME),
     }
+
+
+def _panel(panel: Mapping[str, str], scales: Scales) -> dict[str, Any]:
+    curves = [
+        {"name": name, "label": label or TRACK_VARIABLES[name].symbol}
+        for name, label in panel.items()
+    ]
+    return {"curves": curves, **scales.shown(TRACK_VARIABLES[next(iter(panel))].quantity)}
 
 
 def _held_words(held: Mapping[str, Sequence[str]]) -> str:
@@ -228,16 +227,18 @@ def _held_words(held: Mapping[str, Sequence[str]]) -> str:
 # --- Parameters ---------------------------------------------------------------------------------
 
 
+def _varied(spec: object) -> tuple[Axis | Family, ...]:
+    """Return what a figure varies: along x, and along y or from curve to curve."""
+    if isinstance(spec, Curves):
+        return spec.swept, spec.family
+    return (spec.x, spec.y) if isinstance(spec, Map) else ()
+
+
 def _axes(study: Study) -> dict[str, tuple[float, float]]:
     """Return the range of each parameter over all figures that vary it."""
     found: dict[str, tuple[float, float]] = {}
     for spec in study.figures.values():
-        axes: tuple[Axis | Family, ...] = ()
-        if isinstance(spec, Curves):
-            axes = spec.swept, spec.family
-        elif isinstance(spec, Map):
-            axes = spec.x, spec.y
-        for axis in axes:
+        for axis in _varied(spec):
             low, high = found.get(axis.parameter, (math.inf, -math.inf))
             found[axis.parameter] = min(low, *axis.values), max(high, *axis.values)
     return found
@@ -309,21 +310,16 @@ def _figure(study: Study, name: str) -> dict[str, Any]:
     preset: dict[str, Any] = {
         "group": "Figures", "title": f"{figure_title(name)}: {spec.title}", "words": spec.caption,
     }  # fmt: skip
-    if isinstance(spec, Curves):
-        values[spec.family.parameter] = spec.family.values[len(spec.family.values) // 2]
-    axes: list[Axis] = []
-    if isinstance(spec, Curves):
-        axes = [spec.swept]
-        preset |= {"x": spec.swept.parameter, "y": spec.family.parameter}
-    elif isinstance(spec, Map):
-        axes = [spec.x, spec.y]
-        preset |= {"x": spec.x.parameter, "y": spec.y.parameter}
-    for axis in axes:
-        value = values[axis.parameter]
+    spans = {}
+    for side, axis in zip("xy", _varied(spec), strict=False):
+        preset[side], value = axis.parameter, values[axis.parameter]
+        if isinstance(axis, Family):
+            values[axis.parameter] = axis.values[len(axis.values) // 2]
+            continue
+        spans[axis.parameter] = [axis.start, axis.stop]
         if value is None or not axis.start <= value <= axis.stop:
             values[axis.parameter] = 0.5 * (axis.start + axis.stop)
-    preset["spans"] = {axis.parameter: [axis.start, axis.stop] for axis in axes}
-    return {**preset, "values": values}
+    return {**preset, "spans": spans, "values": values}
 
 
 def _stored_map(study: Study, name: str, data: Path, refined: Path) -> dict[str, Any]:

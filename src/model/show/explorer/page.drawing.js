@@ -2,7 +2,7 @@
 
 /**
  * @typedef {{x: number, y: number, tilt: number, time: number, [name: string]: number}} Frame
- * @typedef {{exaggeration: number, ghost: Frame | null, colours: Record<string, string>}} Options
+ * @typedef {{exaggeration: number, ghost: Frame | null}} Options
  * @typedef {(x: number, y: number) => [number, number]} Place
  */
 
@@ -45,6 +45,13 @@ function drawnPose(frame, device, exaggeration) {
   return { x: edge - along * c + axis * s, y: -along * s - axis * c, tilt: drawn };
 }
 
+/** Draw a line through points. @param {CanvasRenderingContext2D} g @param {...[number, number]} points */
+function line(g, ...points) {
+  g.beginPath();
+  for (const each of points) g.lineTo(...each);
+  g.stroke();
+}
+
 /** @param {CanvasRenderingContext2D} g @param {[number, number]} from @param {[number, number]} to @param {string} colour */
 function arrow(g, from, to, colour) {
   const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
@@ -52,10 +59,7 @@ function arrow(g, from, to, colour) {
   const [ux, uy] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length], head = Math.min(9, length);
   g.strokeStyle = g.fillStyle = colour;
   g.lineWidth = 2.5;
-  g.beginPath();
-  g.moveTo(...from);
-  g.lineTo(to[0] - ux * head * 0.7, to[1] - uy * head * 0.7);
-  g.stroke();
+  line(g, from, [to[0] - ux * head * 0.7, to[1] - uy * head * 0.7]);
   g.beginPath();
   g.moveTo(...to);
   g.lineTo(to[0] - ux * head - uy * head * 0.5, to[1] - uy * head + ux * head * 0.5);
@@ -67,14 +71,11 @@ function arrow(g, from, to, colour) {
 function spring(g, from, to) {
   const turns = 6, [dx, dy] = [to[0] - from[0], to[1] - from[1]], length = Math.hypot(dx, dy) || 1;
   const [nx, ny] = [(-dy / length) * 5, (dx / length) * 5];
-  g.beginPath();
-  g.moveTo(...from);
-  for (let k = 0; k <= 2 * turns; k += 1) {
+  const zigzag = Array.from({ length: 2 * turns + 1 }, (_, k) => {
     const at = 0.15 + (0.7 * (k + 0.5)) / (2 * turns + 1), side = k % 2 ? 1 : -1;
-    g.lineTo(from[0] + dx * at + nx * side, from[1] + dy * at + ny * side);
-  }
-  g.lineTo(...to);
-  g.stroke();
+    return /** @type {[number, number]} */ ([from[0] + dx * at + nx * side, from[1] + dy * at + ny * side]);
+  });
+  line(g, from, ...zigzag, to);
 }
 
 /** @param {CanvasRenderingContext2D} g @param {Place} place @param {{x: number, y: number, tilt: number}} pose @param {any} device */
@@ -93,19 +94,12 @@ function drawBase(g, place, slot, [left, top, width, height]) {
   g.lineWidth = 1.5;
   for (const [from, to, lip] of [[left, other, other], [edge, left + width, edge]]) {
     g.fillRect(from, ground, to - from, top + height - ground);
-    g.beginPath();
-    g.moveTo(from === lip ? left + width : left, ground);
-    g.lineTo(lip, ground);
-    g.lineTo(lip, top + height);
-    g.stroke();
+    line(g, [from === lip ? left + width : left, ground], [lip, ground], [lip, top + height]);
   }
   g.strokeStyle = COLOURS.faint;
   g.lineWidth = 0.75;
   g.setLineDash([6, 3, 1, 3]);
-  g.beginPath();
-  g.moveTo(...place(0, 1e3));
-  g.lineTo(...place(0, -1e3));
-  g.stroke();
+  line(g, place(0, 1e3), place(0, -1e3));
   g.setLineDash([]);
 }
 
@@ -211,9 +205,6 @@ function drawHolder(g, place, frame, device, pose, unit, tall, [left, wide]) {
   g.strokeStyle = COLOURS.ink;
   g.fillRect(left + 6, y - 10, wide - 12, 10);
   g.strokeRect(left + 6, y - 10, wide - 12, 10);
-  g.beginPath();
-  g.moveTo(wall, y);
-  g.lineTo(wall, height + 0.6 * a * unit);
   g.lineWidth = 2;
-  g.stroke();
+  line(g, [wall, y], [wall, height + 0.6 * a * unit]);
 }

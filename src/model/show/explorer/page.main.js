@@ -119,7 +119,7 @@ function drawRun() {
   if (!run) return;
   const scene = contextOf("scene"), beside = drawnOther(), ghost = beside ? frameAt(beside.track, time) : null;
   const exaggeration = element("exaggerate").checked ? 5 : 1, { values } = run;
-  drawScene(scene.context, scene.width, scene.height, frameAt(run.track, time), run.device, { exaggeration, ghost, colours: COLOURS });
+  drawScene(scene.context, scene.width, scene.height, frameAt(run.track, time), run.device, { exaggeration, ghost });
   const plots = contextOf("plots"), scaled = (/** @type {Quantity} */ panel) => scaleOf(panel, values) / panel.one;
   const second = scaleOf(MODEL.time, values), [unit, one] = timeUnit(lastTime() * second);
   const axis = { time, end: lastTime(), label: unit ? `time, ${unit}` : "τ, in units of 1/p", scale: second / one };
@@ -131,7 +131,7 @@ function drawWholeMap() {
   if (!map) return;
   const { context, width, height } = contextOf("map");
   const axis = (/** @type {Parameter} */ each) => ({ label: `${each.words}, ${each.symbol}${each.unit ? ` (${each.unit})` : ""}`, one: each.one });
-  drawMap(context, width, height, map, { x: axis(parameters[map.x]), y: axis(parameters[map.y]) }, [state.values[map.x], state.values[map.y]], true);
+  drawMap(context, width, height, map, { x: axis(parameters[map.x]), y: axis(parameters[map.y]) }, [state.values[map.x], state.values[map.y]]);
   const [shortest, longest] = durations(map);
   element("durations").hidden = !map.outcome.includes(ALIGNED);
   element("shortest").textContent = inTime(shortest);

@@ -212,8 +212,8 @@ function mapPlaces(map, width, height) {
   };
 }
 
-/** Draw a map with its axes and the chosen point. @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {MapData} map @param {{x: MapAxis, y: MapAxis}} axes @param {[number, number]} point @param {boolean} outlined */
-function drawMap(g, width, height, map, axes, point, outlined) {
+/** Draw a map with its axes and the chosen point. @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {MapData} map @param {{x: MapAxis, y: MapAxis}} axes @param {[number, number]} point */
+function drawMap(g, width, height, map, axes, point) {
   const { cells } = map, place = mapPlaces(map, width, height), [shortest, longest] = durations(map);
   g.clearRect(0, 0, width, height);
   g.save();
@@ -235,7 +235,7 @@ function drawMap(g, width, height, map, axes, point, outlined) {
       g.fillRect(left, top, right - left, bottom - top);
     }
   }
-  if (map.reliable && outlined) drawReliable(g, map, place);
+  if (map.reliable) drawReliable(g, map, place);
   g.restore();
   drawAxes(g, height, map, axes, place);
   const [px, py] = [place.x(point[0]), place.y(point[1])];
@@ -265,12 +265,11 @@ function drawReliable(g, map, place) {
       if (row + 1 < n && here !== reliable[(row + 1) * n + column]) { g.moveTo(x - dx / 2, y - dy / 2); g.lineTo(x + dx / 2, y - dy / 2); }
     }
   }
-  g.strokeStyle = "#ffffff";
-  g.lineWidth = 4;
-  g.stroke();
-  g.strokeStyle = "#000000";
-  g.lineWidth = 1.75;
-  g.stroke();
+  for (const [width, ink] of /** @type {[number, string][]} */ ([[4, "#ffffff"], [1.75, "#000000"]])) {
+    g.lineWidth = width;
+    g.strokeStyle = ink;
+    g.stroke();
+  }
 }
 
 /** @type {CanvasPattern | null} */

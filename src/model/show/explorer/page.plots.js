@@ -114,10 +114,7 @@ function drawPlots(g, width, height, track, other, panels, scaled, axis) {
     for (const tick of ticks(low * scale, high * scale, 3)) {
       const y = down(tick / scale);
       g.fillText(String(tick), MARGIN.left - 4, y + 4);
-      g.beginPath();
-      g.moveTo(MARGIN.left, y);
-      g.lineTo(width - MARGIN.right, y);
-      g.stroke();
+      line(g, [MARGIN.left, y], [width - MARGIN.right, y]);
     }
     g.save();
     g.beginPath();
@@ -151,10 +148,7 @@ function drawPlots(g, width, height, track, other, panels, scaled, axis) {
   g.fillText(axis.label, width - MARGIN.right, height - 4);
   g.strokeStyle = "#D55E00";
   g.lineWidth = 1.5;
-  g.beginPath();
-  g.moveTo(across(axis.time), MARGIN.top);
-  g.lineTo(across(axis.time), height - MARGIN.bottom);
-  g.stroke();
+  line(g, [across(axis.time), MARGIN.top], [across(axis.time), height - MARGIN.bottom]);
 }
 
 /** Draw how the part is supported over time, and a mark at every event. @param {CanvasRenderingContext2D} g @param {Track} track @param {(t: number) => number} across @param {number} top @param {number} width */

@@ -11,13 +11,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from model.runs.in_browser import Modules
+from model.runs.trace import COLUMNS, Trace
 
 SCRIPTS = (
     "engine", "amounts", "state", "drawing", "plots", "map", "words", "runs", "controls", "main"
 )  # fmt: skip
 _WORKER = ("engine", "worker")
 _HERE = Path(__file__).resolve().parent
+_MOST_ROWS = 20_000  # of a track in the page of one run; events are kept
 
 
 def packed(data: bytes) -> str:
@@ -46,6 +50,26 @@ def build_page(model: Mapping[str, Any], modules: Modules | None) -> str:
     for name, text in parts.items():
         page = page.replace(f"@{name}@", text)
     return page
+
+
+def run_page(model: Mapping[str, Any], run: Trace) -> str:
+    """Return the page of one run; ``model`` is that of its device."""
+    track = _thinned(run.track)
+    results = {name: None if np.isnan(value) else value for name, value in run.results.items()}
+    results["tracked"] = float(len(track))
+    stored = {"track": packed(track.astype("<f8").tobytes()), "results": results}
+    return build_page({**model, "run": stored}, None)
+
+
+def _thinned(track: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Return a long track with fewer rows between its events."""
+    if len(track) <= _MOST_ROWS:
+        return track
+    kept = np.arange(len(track)) % -(-len(track) // _MOST_ROWS) == 0
+    at_event = track[:, COLUMNS.index("event")] != 0.0
+    kept |= at_event | np.roll(at_event, -1)
+    kept[-1] = True
+    return track[kept]
 
 
 def _text(name: str) -> str:
