@@ -12,8 +12,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
-from model.show import plots, style
+from model.show import style
 from model.show.history import trajectory
+from model.show.maps import stability_map
 from model.show.schematics.pose import resting_pose
 from model.show.si import display, quantity_of
 from model.study.devices import StatedDevice
@@ -133,21 +134,13 @@ def _drawing(stated: StatedDevice) -> Figure:
 
 def _map(sheet: Sheet) -> Figure:
     """The map of the device, with its own point and the box of its tolerances."""
-    figure = plots.draw(sheet.plane)
+    figure = stability_map(sheet.plane)
     axes = figure.axes[0]
     y, x = (str(name) for name in sheet.plane["outcome"].dims)
     own: Mapping[str, float] = sheet.stated.resolved({})
-    spread = {
-        name: sheet.stated.tolerances[name].around(own[name])
-        if name in sheet.stated.tolerances
-        else 0.0
-        for name in (x, y)
-    }
-    axes.add_patch(
-        Rectangle(
-            (own[x] - spread[x], own[y] - spread[y]), 2 * spread[x], 2 * spread[y],
-            fill=False, edgecolor=style.VERMILLION, linewidth=1.5,
-        )
-    )  # fmt: skip
+    tolerances = sheet.stated.tolerances
+    wide, high = (tolerances[n].around(own[n]) if n in tolerances else 0.0 for n in (x, y))
+    look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5}
+    axes.add_patch(Rectangle((own[x] - wide, own[y] - high), 2 * wide, 2 * high, **look))
     axes.plot(own[x], own[y], "P", color=style.VERMILLION, markersize=8)
     return figure

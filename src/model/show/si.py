@@ -4,25 +4,13 @@ import math
 from collections.abc import Sequence
 
 from model.physics.parameters import FIELDS
-from model.physics.quantities import (
-    ANGLE,
-    FORCE,
-    LENGTH,
-    PLAIN,
-    SPEED,
-    STIFFNESS,
-    TIME,
-    Quantity,
-)
+from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, STIFFNESS, TIME, Quantity
 from model.physics.units import Units
 from model.study.devices.stated import unit_of
 
 # Units below one SI unit, and from their own size on: name and size in the SI unit.
 _SMALL = {LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3)}
-_LARGE = {
-    STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)],
-    FORCE: [("kN", 1e3)],
-}
+_LARGE = {STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)], FORCE: [("kN", 1e3)]}
 _BY_UNIT = {each.unit: each for each in (LENGTH, STIFFNESS)}
 DIGITS = 4
 
