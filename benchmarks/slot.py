@@ -4,29 +4,21 @@ Sets are drawn by the law of ``make fuzz SCENE=insertion`` and kept where a run 
 flagged, and the base is soft enough for MuJoCo's step. The independent solution runs the whole
 scene from its own statement of the contacts. MuJoCo is given bodies, joints and soft contacts, and
 begins with the state at alignment; its edges and corners are small balls, so that it is off by a
-share of their radius. ``--speed`` instead compares the time of a step, before and after alignment,
-with that of a step of the alignment scene, by figure.
+share of their radius.
 """
 
 import argparse
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
-from time import process_time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.truth import OPTIONS, modelled, suspension
-from model import INSERTION, Batch, Outcome, Parameters, Reason, align, simulate
-from model.engines.results import RunResult
-from model.runs.align import run_once
-from model.runs.engines import batch_engine
-from model.study.config import GRIDDED, load_study, study_path
-from model.study.sweep import sweep_of
+from model import Batch, Outcome, Parameters, Reason, align, simulate
 from verification.accuracy import LEAVING, Check, judge_estimate
 from verification.fuzz import IN_SLOT, LAWS_IN_SLOT, draw
 from verification.independent import insert
@@ -43,8 +35,6 @@ _SOFT = 2e3  # largest contact stiffness
 _DEEP = 20.0  # size of the base
 _AT_ONCE = 500
 _CLOSE, _SAME = 0.05, 0.95  # relative difference of times in the median; share of the same ends
-_ROUNDS, _LEAST_SETS = 12, 2_000  # of a measured time
-_SHALLOW = 1e-9  # depth at which a part counts as inserted at once
 
 
 def sets_of(count: int, seed: int = 2007) -> list[tuple[Parameters, Any]]:
@@ -159,85 +149,11 @@ def judge(
     ]  # fmt: skip
 
 
-def _in_turn(tasks: Sequence[Callable[[], object]]) -> Floats:
-    """Return the CPU seconds of tasks, the least of several rounds."""
-    times = np.zeros((_ROUNDS, len(tasks)))
-    for each in range(times.size):
-        started = process_time()
-        tasks[each % len(tasks)]()
-        times[divmod(each, len(tasks))] = process_time() - started
-    least: Floats = times.min(axis=0)
-    return least
-
-
-class Cost(NamedTuple):
-    """CPU seconds, steps and events of the same sets, each of shape (3,).
-
-    In the alignment scene; in the insertion scene up to alignment; and in the whole of it.
-    """
-
-    times: Floats
-    steps: Floats
-    events: Floats
-
-    def __str__(self) -> str:
-        """The costs of steps over that of a step in the alignment scene."""
-        step = self.times[0] / self.steps[0]
-        before, after = self.times[1] / self.steps[1], np.diff(self.times)[1]
-        added, events = np.diff(self.steps)[1], np.diff(self.events)[1]
-        return (
-            f"{1e6 * step:.2f} us a step, in the insertion scene {before / step:.2f} times as much "
-            f"before alignment and {after / added / step:.2f} times after it, with "
-            f"{self.events[0] / self.steps[0]:.2f} and {events / added:.2f} events "
-            f"a step; whole runs {self.times[2] / self.times[0]:.2f} times, of "
-            f"{self.steps[2] / self.steps[0]:.2f} times the steps"
-        )
-
-
-def speed_of(figure: str, count: int) -> tuple[Cost, str]:
-    """Return the cost of ``count`` points of a figure in the batch engine, and who aligns of them.
-
-    Every set is run several times at once, as in a large batch: few lanes wait at its end. A run
-    that counts as inserted at once tells the steps before alignment from those after it. Sets are
-    counted as handed over if the reference engine made some of their steps.
-    """
-    sweep = sweep_of(load_study(study_path()), figure)
-    settings = sweep.settings.settings
-    points = np.random.default_rng(0).permutation(int(np.prod(sweep.shape)))[:count]
-    inserts = replace(settings, scene=INSERTION)
-    aligns = run_once(sweep.batch(points), settings)["outcome"] == Outcome.ALIGNED
-    sets = np.tile(points[aligns], -(-_LEAST_SETS // int(aligns.sum())))
-    tasks = [
-        partial(
-            batch_engine(each, carries_error=True), each.rows(sweep.batch(sets)),
-            np.full(len(sets), each.tolerance),
-        )
-        for each in (settings, replace(inserts, insertion_depth=_SHALLOW), inserts)
-    ]  # fmt: skip
-    found = [RunResult(*run().T) for run in tasks]
-    steps, events = (
-        np.array([getattr(each, name).sum() for each in found]) for name in ("steps", "events")
-    )
-    handed = np.isnan(found[2].largest_error).mean()
-    who = f"{aligns.sum()} align, {100 * handed:.0f} % handed over"
-    return Cost(_in_turn(tasks), steps, events), who
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Read the command line and do it; the exit code is 1 where an agreement fails."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.slot", description=__doc__)
     parser.add_argument("--sets", type=int, default=200)
-    parser.add_argument("--speed", action="store_true", help="only measure the time of steps")
     given = parser.parse_args(arguments)
-    if given.speed:
-        costs = []
-        for figure in GRIDDED:
-            cost, who = speed_of(figure, given.sets)
-            sys.stdout.write(f"{figure}: {who}; {cost}\n")
-            sys.stdout.flush()
-            costs.append(cost)
-        sys.stdout.write(f"all: {Cost(*(sum(each) for each in zip(*costs, strict=True)))}\n")
-        return 0
     sets = sets_of(given.sets)
     depths = Batch.stack([p for p, _ in sets]).insertion_depths().tolist()
     tried = [(p, run, depth) for (p, run), depth in zip(sets, depths, strict=True)]
