@@ -7,7 +7,8 @@ What both share:
 
 - ``problems``: parameter sets to run, and what a method makes of them
 - ``methods``: ways to solve a problem; ``METHODS`` of the report, ``peers`` of ``make bench``
-- ``equations``, ``modes``: the peers' own statement of the physics, its modes and events
+- ``equations``: the peers' own statement of the physics, its modes and events
+- ``work_precision.climbed``: each method from coarse to fine, the ladder of both
 
 The report's sections (data and CPU times are made by the workflow):
 
@@ -18,14 +19,13 @@ The report's sections (data and CPU times are made by the workflow):
 - ``report``: the sections and their figures
 
 ``make bench`` runs in an environment of its own (``.venv-bench``), which the study never needs;
-``make bench BENCH_FLAGS=--quick`` gives a rough table. For each method, problem and target it seeks
-the loosest tolerance whose true error keeps the target, and times a trajectory there: medians of
-rounds in which all methods take turns, compiled code warmed up, on one core. Results: the table on
-the terminal, ``results/benchmarks/peers.csv`` with the same numbers, and ``machine.json``.
+``make bench BENCH_FLAGS=--quick`` gives a rough table. Each method climbs the ladder to the first
+tolerance whose true error keeps 1e-8, and a trajectory is timed there: medians of rounds in which
+all methods take turns, compiled code warmed up, on one core. Results: the table on the terminal,
+``results/benchmarks/peers.csv`` with the same numbers, and ``machine.json``.
 
 - ``trajectories``: the problems
-- ``equal_error``: the search for the tolerance, and the times
-- ``table``: ratios
+- ``table``: settings, times and ratios
 - ``maps``: maps that follow their boundary against full grids (``--maps`` for these alone)
 - ``truth``, ``slot``: alignment and insertion against heyoka and MuJoCo (``make truth``)
 """

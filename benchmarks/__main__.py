@@ -1,12 +1,8 @@
 """Measure, print the table, keep it: ``python -m benchmarks [--quick | --maps]``."""
 
 import argparse
-import json
-import math
 import os
-from collections.abc import Callable
 from pathlib import Path
-from time import perf_counter
 
 # One core for everybody, settled before any of their libraries is imported.
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
@@ -15,50 +11,18 @@ if hasattr(os, "sched_setaffinity"):
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 from benchmarks import maps  # noqa: E402
-from benchmarks.equal_error import Cost, Setting, cheapest, find_setting, time_in_turn  # noqa: E402
 from benchmarks.machine import facts  # noqa: E402
 from benchmarks.methods.peers import all_methods  # noqa: E402
-from benchmarks.problems import Problem  # noqa: E402
-from benchmarks.table import rows, text, write  # noqa: E402
+from benchmarks.table import Row, compare, text, write  # noqa: E402
 from benchmarks.trajectories import all_problems  # noqa: E402
 from model.compile.cache import kernel_fingerprint  # noqa: E402
 
-_PLAN = argparse.Namespace(
-    points=40, neighbours=8, targets=(1e-5, 1e-8), budget=8.0, rounds=5,
-    map_cells=1024, map_finest=4096,
-)  # fmt: skip
-_QUICK = argparse.Namespace(
-    points=10, neighbours=4, targets=(1e-8,), budget=2.0, rounds=3,
-    map_cells=128, map_finest=256,
-)  # fmt: skip
+_PLAN = argparse.Namespace(points=40, neighbours=8, budget=8.0, rounds=5, cells=1024)
+_QUICK = argparse.Namespace(points=10, neighbours=4, budget=2.0, rounds=3, cells=128)
 
 
 def _say(line: str) -> None:
     print(line, flush=True)
-
-
-def compare(
-    problems: list[Problem], plan: argparse.Namespace, only: str, say: Callable[[str], None]
-) -> tuple[list[Cost], list[Setting], list[str]]:
-    """(costs, settings not reached, packages) of every method on every problem."""
-    methods = [method for method in all_methods(say) if only in method.name]
-    costs: list[Cost] = []
-    missed: list[Setting] = []
-    for problem in problems:
-        for target in plan.targets:
-            started = perf_counter()
-            settings = [find_setting(method, problem, target, plan.budget) for method in methods]
-            reached = [setting for setting in settings if not math.isnan(setting.tolerance)]
-            missed += [setting for setting in settings if math.isnan(setting.tolerance)]
-            costs += time_in_turn(reached, plan.rounds)
-            say(f"{problem.name} at {target:g}: {perf_counter() - started:.0f} s")
-    return cheapest(costs), missed, [method.package for method in methods]
-
-
-def _report_maps(plan: argparse.Namespace, folder: Path) -> None:
-    measured = maps.report(plan.map_cells, plan.map_finest, _say)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "maps.json").write_text(json.dumps(measured, indent=1) + "\n", encoding="utf-8")
 
 
 def main() -> None:
@@ -71,22 +35,18 @@ def main() -> None:
     parser.add_argument("--maps", action="store_true", help="maps against full grids, no more")
     arguments = parser.parse_args()
     plan = _QUICK if arguments.quick else _PLAN
-    if arguments.maps:
-        _report_maps(plan, arguments.output)
-        return
-
-    problems = all_problems(plan.points, plan.neighbours)
-    wanted = arguments.problems or [problem.name for problem in problems]
-    problems = [problem for problem in problems if problem.name in wanted]
-    costs, missed, packages = compare(problems, plan, arguments.only, _say)
-    machine = {"quick": arguments.quick, "kernels": kernel_fingerprint()}
-    machine |= facts([*packages, "numpy", "numba"])
-    table = rows(
-        costs, missed, [(problem.name, target) for problem in problems for target in plan.targets]
-    )
-    write(table, machine, arguments.output)
-    _say("\n" + text(table) + "\n")
-    _report_maps(plan, arguments.output)
+    if not arguments.maps:
+        methods = [method for method in all_methods(_say) if arguments.only in method.name]
+        table: list[Row] = []
+        for problem in all_problems(plan.points, plan.neighbours):
+            if problem.name in (arguments.problems or [problem.name]):
+                rows = compare(problem, methods, plan.budget, plan.rounds)
+                _say(text(rows) + "\n")
+                table += rows
+        machine = {"quick": arguments.quick, "kernels": kernel_fingerprint()}
+        machine |= facts([*(method.package for method in methods), "numpy", "numba"])
+        write(table, machine, arguments.output)
+    maps.report(plan.cells, arguments.output, _say)
     _say(f"kept in {arguments.output}")
 
 

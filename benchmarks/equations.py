@@ -1,15 +1,28 @@
-"""The peers' own statement of the physics, written once for numbers and for expressions.
+"""The peers' own statement of the physics: equations of motion, event functions and modes.
 
-``Equations(sin, cos)`` works on the operands of these two: floats in a numba kernel, or heyoka's
+``equations(sin, cos)`` works on the operands of these two: floats in a numba kernel, or heyoka's
 expressions. It shares no code with the package that it is compared to, and models the contacts of
 the chosen problems: the edge A1 under the bottom face, and flight. Notation as in
 ``model.physics.notation``; everything dimensionless.
+
+A mode is a smooth vector field. It ends at a down-crossing of one of its event functions;
+``next_mode`` gives the mode that follows. One set of equations holds in all modes, and a mode is
+the values of its coefficients (``Mode``).
 """
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import numba
+import numpy as np
+
 from model import Parameters
+
+STATE_SIZE = 6
+_MOMENT = 1e-5
+
+# --- Parameters and modes -----------------------------------------------------------------------
 
 
 class Device(NamedTuple):
@@ -50,6 +63,56 @@ def _or(value: float | None, default: float) -> float:
     return default if value is None else value
 
 
+class Mode(NamedTuple):
+    """Coefficients of the equations: the forces that act, and the event functions.
+
+    A function without coefficients keeps its offset, 1, and is never met.
+    """
+
+    load: Any = 0.0
+    sliding_friction: Any = 0.0  # times the friction limit
+    sticking_friction: Any = 0.0
+    # LOAD: the load vanishes; released, it returns; open, the edge touches.
+    load_by_load: Any = 0.0
+    load_by_depth: Any = 0.0
+    load_offset: Any = 0.0
+    # FRICTION: the slip vanishes; sticking, its upper limit is reached; released, the gap opens.
+    friction_by_slip: Any = 0.0
+    friction_by_limit: Any = 0.0
+    friction_by_depth: Any = 0.0
+    friction_offset: Any = 0.0
+    # OTHER_FRICTION: sticking, the lower limit of friction is reached.
+    other_offset: Any = 1.0
+    # FACE_END: A1 passes the corner B1; beyond it, it comes back.
+    face_end: Any = 1.0
+
+
+# In flight with A1 under the bottom face, or beyond B1; overlapping without load; pressing.
+OPEN, BEYOND, RELEASED, SLIDE_POSITIVE, SLIDE_NEGATIVE, STICK, ALIGNED = range(7)
+LOAD, FRICTION, OTHER_FRICTION, FACE_END = range(4)
+EVENTS = {
+    OPEN: (LOAD, FACE_END),
+    BEYOND: (FACE_END,),
+    RELEASED: (LOAD, FRICTION, FACE_END),
+    SLIDE_POSITIVE: (LOAD, FRICTION, FACE_END),
+    SLIDE_NEGATIVE: (LOAD, FRICTION, FACE_END),
+    STICK: (LOAD, FRICTION, OTHER_FRICTION, FACE_END),
+}
+_BEYOND = Mode(load_offset=1.0, friction_offset=1.0, face_end=-1.0)
+_PRESSING = Mode(load=1.0, load_by_load=1.0)
+MODES = (
+    Mode(load_by_depth=-1.0, friction_offset=1.0),
+    _BEYOND,
+    Mode(load_by_load=-1.0, friction_by_depth=1.0),
+    _PRESSING._replace(sliding_friction=-1.0, friction_by_slip=1.0),
+    _PRESSING._replace(sliding_friction=1.0, friction_by_slip=-1.0),
+    _PRESSING._replace(sticking_friction=1.0, friction_by_limit=1.0, other_offset=0.0),
+    _BEYOND,
+)
+
+# --- Equations ----------------------------------------------------------------------------------
+
+
 class Touch(NamedTuple):
     """The edge A1 in the frame of the part.
 
@@ -68,7 +131,7 @@ class Touch(NamedTuple):
 
 
 class Equations(NamedTuple):
-    """``touch(y, p)``, ``accelerations(t, y, p, touch, load, friction)`` and what sticking takes.
+    """Functions of time ``t``, state ``y`` (6,), ``Device`` ``p`` and ``Mode`` ``m``.
 
     ``sticking_friction(t, y, p, touch)`` is the friction force that keeps the slip constant, and
     ``slip_acceleration(t, y, p, touch, load, friction)`` how the slip changes under a friction
@@ -76,10 +139,11 @@ class Equations(NamedTuple):
     """
 
     touch: Callable[..., Any]
-    accelerations: Callable[..., Any]
     slip_acceleration: Callable[..., Any]
     sticking_friction: Callable[..., Any]
     left_corner: Callable[..., Any]
+    rates: Callable[..., Any]
+    event_functions: Callable[..., Any]
 
 
 def equations(
@@ -131,4 +195,135 @@ def equations(
             y[1] - p.half_width * s - p.half_height * c,
         )
 
-    return Equations(touch, accelerations, slip_acceleration, sticking_friction, left_corner)
+    @compiled
+    def rates(t, y, p, m):
+        at = touch(y, p)
+        friction = m.sliding_friction * p.friction * at.load
+        friction = friction + m.sticking_friction * sticking_friction(t, y, p, at)
+        x, up, turn = accelerations(t, y, p, at, m.load * at.load, friction)
+        return y[3], y[4], y[5], x, up, turn
+
+    @compiled
+    def event_functions(t, y, p, m):
+        at = touch(y, p)
+        limit, needed = p.friction * at.load, sticking_friction(t, y, p, at)
+        opening = m.friction_by_depth * at.depth + m.friction_offset
+        return (
+            m.load_by_load * at.load + m.load_by_depth * at.depth + m.load_offset,
+            m.friction_by_slip * at.slip + m.friction_by_limit * (limit - needed) + opening,
+            m.friction_by_limit * (limit + needed) + m.other_offset,
+            m.face_end * (p.half_width - at.along_face),
+        )
+
+    return Equations(
+        touch, slip_acceleration, sticking_friction, left_corner, rates, event_functions
+    )
+
+
+# --- For numbers --------------------------------------------------------------------------------
+
+jit = numba.njit(error_model="numpy", nogil=True)
+(
+    _touch, _slip_acceleration, _sticking_friction, _left_corner, _rates, _event_functions,
+) = equations(math.sin, math.cos, jit)  # fmt: skip
+_OPEN = MODES[OPEN]
+
+
+def start(parameters: Parameters) -> Any:
+    """State (6,) at τ = 0: at rest, the bottom face touching A1 without pressing."""
+    x, tilt = parameters.misalignment, parameters.initial_tilt
+    r_x = parameters.slot_half_width - x
+    y = (parameters.half_height - r_x * math.sin(tilt)) / math.cos(tilt)
+    return np.array([x, y, tilt, 0.0, 0.0, 0.0])
+
+
+@jit
+def _device_of(p):
+    """``Device`` from the array ``p`` of its values."""
+    return Device(
+        p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11], p[12], p[13],
+        p[14], p[15], p[16], p[17],
+    )  # fmt: skip
+
+
+def rates_in(mode: int):
+    """``f(t, y, p) -> dy/dt`` in ``mode``, compiled."""
+    coefficients = MODES[mode]
+
+    @numba.njit(
+        ["f8[::1](f8, f8[::1], f8[::1])", "f8[::1](f8, f8[:], f8[::1])"], error_model="numpy"
+    )
+    def rates_of_mode(t, y, p):
+        return np.array(_rates(t, y, _device_of(p), coefficients))
+
+    return rates_of_mode
+
+
+def event_in(mode: int, which: int):
+    """``g(t, y, p) -> float``, the event function ``which`` of ``mode``, compiled."""
+    coefficients = MODES[mode]
+
+    @numba.njit(["f8(f8, f8[::1], f8[::1])", "f8(f8, f8[:], f8[::1])"], error_model="numpy")
+    def event_of_mode(t, y, p):
+        return _event_functions(t, y, _device_of(p), coefficients)[which]
+
+    return event_of_mode
+
+
+@jit
+def _sliding(slip):
+    return SLIDE_NEGATIVE if slip < 0.0 else SLIDE_POSITIVE
+
+
+@jit
+def first_mode(t, y, p):
+    """At rest on the edge without load: it slides as it would without friction, or lifts off."""
+    q = _device_of(p)
+    at = _touch(y, q)
+    ahead = y + _MOMENT * np.array(_rates(t, y, q, _OPEN))
+    if _touch(ahead, q).load <= 0.0:
+        return OPEN
+    return _sliding(_slip_acceleration(t, y, q, at, 0.0, 0.0))
+
+
+@jit
+def _aligned(y, q):
+    """Return whether B2 is inside the slot; the caller knows that A1 is beyond B1."""
+    x, height = _left_corner(y, q)
+    return x >= -q.slot_half_width and height < 0.0
+
+
+@jit
+def _stop_slip(y, q, at):
+    """Take the slip left by the location of an event out of ``y``, by a friction impulse."""
+    impulse = -at.slip / (1.0 + at.along_axis * at.along_axis / q.inertia)
+    y[3] += impulse * at.cos
+    y[4] += impulse * at.sin
+    y[5] -= impulse * at.along_axis / q.inertia
+
+
+@jit
+def next_mode(t, y, p, mode, which):
+    """The mode after ``which`` of ``mode`` has fallen; a slip that ends is taken out of ``y``."""
+    q = _device_of(p)
+    at = _touch(y, q)
+    if mode == BEYOND:
+        return OPEN
+    if which == FACE_END:
+        return ALIGNED if _aligned(y, q) else BEYOND
+    if mode == OPEN:
+        return _sliding(at.slip)
+    if mode == RELEASED:
+        return OPEN if which == FRICTION else _sliding(at.slip)
+    if which == LOAD:
+        return RELEASED if at.depth > 0.0 else OPEN
+    friction = _sticking_friction(t, y, q, at)
+    if mode == STICK:
+        return _sliding(-friction)
+    _stop_slip(y, q, at)
+    if abs(friction) <= q.friction * at.load:
+        return STICK
+    return _sliding(_slip_acceleration(t, y, q, at, at.load, 0.0))
+
+
+assert DEVICE_SIZE == 18  # noqa: S101 - _device_of names each of them

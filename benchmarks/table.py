@@ -1,100 +1,139 @@
-"""The ratio table, as it is printed and as it is kept."""
+"""The table of ``make bench``: times at equal true error, as it is printed and as it is kept.
+
+Every method climbs the same ladder of tolerances from coarse to fine. The first whose true error
+keeps the target is the method's setting, and the cost of a trajectory there is its row.
+"""
 
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from pathlib import Path
+from time import thread_time
 
-from benchmarks.equal_error import Cost, Setting
+import numpy as np
+
+from benchmarks.methods.base import Method, NotReachedError, typical_error
+from benchmarks.problems import Problem
+from benchmarks.work_precision import climbed, cpu_microseconds
 from model.study.csv_tables import records_text
+
+TARGET = 1e-8  # true error that nine of ten cases keep
+TOLERANCES = [float(f"{10.0 ** (half / 2.0):.3g}") for half in range(-4, -29, -1)]
+_SLOW = 4.0  # seconds; a call longer than this is timed once
 
 
 @dataclass(frozen=True)
 class Row:
     """A line of the table; NaN where there is no number, and then a remark says why.
 
-    ``ratio`` is the method's time over that of the package's first engine at the same target.
-    ``events`` are those of a trajectory, in the mean; each has its share of the time.
+    ``ratio`` is the method's time over that of the package's first engine. ``microseconds``,
+    ``evaluations`` and ``events`` are those of a trajectory, in the mean.
     """
 
     problem: str
     target_error: float
     method: str
     formulation: str
-    tolerance: float
-    true_error: float
-    microseconds: float
-    evaluations: float
-    ratio: float
-    nanoseconds_per_evaluation: float
-    events: float
-    nanoseconds_per_event: float
-    remark: str
+    tolerance: float = math.nan
+    true_error: float = math.nan
+    microseconds: float = math.nan
+    evaluations: float = math.nan
+    ratio: float = math.nan
+    events: float = math.nan
+    remark: str = ""
+
+    @property
+    def nanoseconds_per_evaluation(self) -> float:
+        """Return the time of the trajectory divided by its evaluations."""
+        return 1e3 * self.microseconds / self.evaluations
+
+    @property
+    def nanoseconds_per_event(self) -> float:
+        """Return the time of the trajectory divided by its events."""
+        return 1e3 * self.microseconds / self.events
 
 
-def rows(
-    costs: Sequence[Cost], missed: Sequence[Setting], order: Sequence[tuple[str, float]]
-) -> list[Row]:
-    """A row for each cost, fastest first in every problem and target, then the settings missed.
+def compare(problem: Problem, methods: Sequence[Method], budget: float, rounds: int) -> list[Row]:
+    """Return each method's cost at the loosest tolerance that keeps ``TARGET``, fastest first.
 
-    Problems and targets are in the order of ``order``. The reference of the ratios is the first
-    of ``costs`` with the same problem and target.
+    Args:
+        problem: what is solved.
+        methods: all methods; ratios refer to the first.
+        budget: CPU seconds of a method's ladder, without compilation.
+        rounds: how often each is timed, in turn with the others; the median counts.
     """
-    reference: dict[tuple[str, float], float] = {}
-    for cost in costs:
-        reference.setdefault(_group(cost.setting), cost.microseconds)
-    made = [
-        _row(cost.setting, cost.microseconds, cost.evaluations, reference[_group(cost.setting)])
-        for cost in costs
+    rows: list[Row] = []
+    clocks: list[Callable[[], float]] = []
+    for method in methods:
+        row = loosest(method, problem, budget)
+        clock: Callable[[], float] = partial(float, "nan")
+        if not row.remark:
+            try:
+                row, clock = _first_call(method, problem, row)
+            except NotReachedError as reason:  # neighbours of the cases can be harder
+                row = replace(row, remark=str(reason))
+        rows.append(row)
+        clocks.append(clock)
+    times = np.median([[clock() for clock in clocks] for _ in range(rounds)], axis=0)
+    rows = [
+        replace(row, microseconds=time, ratio=time / times[0])
+        for row, time in zip(rows, times.tolist(), strict=True)
     ]
-    made += [_row(setting, math.nan, math.nan, math.nan) for setting in missed]
-    return sorted(made, key=lambda row: (order.index((row.problem, row.target_error)), _late(row)))
+    return sorted(rows, key=lambda row: (math.isnan(row.microseconds), row.microseconds))
 
 
-def _group(setting: Setting) -> tuple[str, float]:
-    return setting.problem.name, setting.target
+def loosest(method: Method, problem: Problem, budget: float) -> Row:
+    """Return the row of the first tolerance that keeps ``TARGET``, without its time."""
+
+    def warmed() -> Iterator[float]:
+        for tolerance in TOLERANCES:
+            method.warm(problem, tolerance)
+            yield tolerance
+
+    row = Row(problem.name, TARGET, method.name, method.formulation, events=problem.events)
+    try:
+        for tolerance, solution, _ in climbed(method, problem, warmed(), budget):
+            error = typical_error(problem.answers(solution), problem.truth)
+            if error <= TARGET:
+                return replace(row, tolerance=tolerance, true_error=error)
+    except NotReachedError as reason:
+        return replace(row, remark=str(reason))
+    return replace(row, remark="not at any tolerance")
 
 
-def _late(row: Row) -> float:
-    return math.inf if math.isnan(row.microseconds) else row.microseconds
+def _first_call(method: Method, problem: Problem, row: Row) -> tuple[Row, Callable[[], float]]:
+    """Return the row with its evaluations, and a clock: it returns µs of a trajectory."""
+    sets = problem.batch(method.batch) if method.batch > 1 else problem.cases
+    solve = partial(method.solve, problem, sets, row.tolerance, math.inf)
+    started = thread_time()
+    evaluations = solve().evaluations
+    seconds = thread_time() - started
 
+    def clock() -> float:
+        once = 1e6 * seconds
+        if seconds <= _SLOW:
+            once = cpu_microseconds(lambda count: [solve() for _ in range(count)])
+        return once / len(sets)
 
-def _row(setting: Setting, microseconds: float, evaluations: float, reference: float) -> Row:
-    return Row(
-        problem=setting.problem.name,
-        target_error=setting.target,
-        method=setting.method.name,
-        formulation=setting.method.formulation,
-        tolerance=setting.tolerance,
-        true_error=setting.error,
-        microseconds=microseconds,
-        evaluations=evaluations,
-        ratio=microseconds / reference,
-        nanoseconds_per_evaluation=1e3 * microseconds / evaluations,
-        events=setting.problem.events,
-        nanoseconds_per_event=1e3 * microseconds / setting.problem.events,
-        remark=setting.reason,
-    )
+    counted = math.nan if evaluations is None else evaluations / len(sets)
+    return replace(row, evaluations=counted), clock
 
 
 def text(table: Sequence[Row]) -> str:
-    """The table to read: a block for each problem and target."""
+    """The table to read: a block for each problem."""
     width = max((len(row.method) for row in table), default=0)
     lines: list[str] = []
-    last = None
+    problem = None
     for row in table:
-        group = (row.problem, row.target_error)
-        if group != last:
-            lines += [
-                "",
-                f"{row.problem}, true error {row.target_error:g}, {row.events:,.1f} events",
-            ]
+        if row.problem != problem:
+            problem = row.problem
+            lines += ["", f"{problem}, true error {row.target_error:g}, {row.events:,.1f} events"]
             lines.append(
                 f"  {'method':{width}}  {'µs/traj.':>12}  {'ratio':>8}  {'evaluations':>11}"
                 f"  {'ns/eval.':>8}  {'ns/event':>9}  {'tolerance':>9}  {'error':>7}"
             )
-            last = group
         lines.append(f"  {row.method:{width}}  " + _numbers(row))
     return "\n".join(lines[1:])
 

@@ -69,10 +69,10 @@ def draw(count: int) -> Sets:
 
 def by_heyoka(sets: Sets) -> tuple[Floats, Floats]:
     """(alignment times, their errors: how far a run at a coarser tolerance is off)."""
-    from benchmarks.methods.heyoka_taylor import HeyokaScalar  # noqa: PLC0415  (a peer)
+    from benchmarks.methods.heyoka_batch import HeyokaBatch  # noqa: PLC0415  (a peer)
 
     problem = Problem("truth", tuple(sets.cases), Settings(horizon=float(sets.tau.max()) + 1.0))
-    engine = HeyokaScalar()
+    engine = HeyokaBatch()
     fine, coarse = (
         engine.solve(problem, sets.cases, tolerance, math.inf).tau_align
         for tolerance in _HEYOKA_TOLERANCES

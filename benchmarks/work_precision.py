@@ -1,5 +1,7 @@
 """Speed against error: every method on one case of each kind of motion, from coarse to fine.
 
+``climbed`` is the ladder, ``cpu_microseconds`` the time of a trajectory: ``make bench`` uses both.
+
 The true solution is the default method's at a tolerance far below the others. Evaluations and
 errors are data, the same in every build; CPU times are not, and are kept apart from them. The
 variables of the dataset keep their public names: the dimension of settings is ``rung``.
@@ -7,7 +9,7 @@ variables of the dataset keep their public names: the dimension of settings is `
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,7 @@ import numpy as np
 import xarray as xr
 
 from benchmarks.methods import METHODS
-from benchmarks.methods.base import Method
+from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.plans import PrecisionPlan
 from benchmarks.problems import Floats, Problem, Solution, Verdict, neighbours
 from model.events.outcomes import OUTCOME_TEXT, Outcome
@@ -139,15 +141,31 @@ def deviation_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
     return error, Verdict.RIGHT_OUTCOME
 
 
+def climbed(
+    how: Method, problem: Problem, resolutions: Iterable[float], budget: float = math.inf
+) -> Iterator[tuple[float, Solution, float]]:
+    """Yield (resolution, solution, its CPU seconds) from coarse to fine.
+
+    Raises:
+        NotReachedError: the method fails, or its solutions take more than ``budget`` seconds.
+    """
+    for resolution in resolutions:
+        if budget <= 0.0:
+            raise NotReachedError("out of time")
+        started = time.thread_time()
+        solution = how.answer(problem, resolution, time.process_time() + budget)
+        seconds = time.thread_time() - started
+        budget -= seconds
+        yield resolution, solution, seconds
+
+
 def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Iterator[TimedSetting]:
     """Yield a method's settings on one case, coarse to fine, until one costs too much."""
     problem, how = problem_of(plan, case), METHODS[method]
     events = round(problem.events)
     warm = False  # the first run may load or compile what the others find ready
-    for resolution in plan.ladder.steps if how.fixed else plan.ladder.tolerances:
-        started = time.thread_time()
-        solution = how.answer(problem, resolution)
-        seconds = time.thread_time() - started
+    resolutions = plan.ladder.steps if how.fixed else plan.ladder.tolerances
+    for resolution, solution, seconds in climbed(how, problem, resolutions):
         error, verdict = error_of(solution, truth)
         microseconds = math.nan
         if verdict == Verdict.RIGHT_OUTCOME:

@@ -3,7 +3,6 @@
 import contextlib
 import math
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 
@@ -26,7 +25,6 @@ class Method:
         located: whether it locates every event.
         batch: how many trajectories it is given at once; 1 if one after the other.
         vectorized: whether those of a batch run in vectors; else it spreads the cost of a call.
-        ladder_step: half decades between the tolerances tried.
     """
 
     name: str
@@ -36,18 +34,7 @@ class Method:
     located: bool = True
     batch: int = 1
     vectorized: bool = False
-    ladder_step: int = 1
     _is_warm: bool = False
-
-    @cached_property
-    def errors(self) -> dict[tuple[str, int], float]:
-        """Errors found, by problem and place on the ladder of tolerances."""
-        return {}
-
-    @cached_property
-    def given_up(self) -> set[str]:
-        """Problems on which a target was not reached in time."""
-        return set()
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], resolution: float, deadline: float, /
@@ -69,11 +56,6 @@ class Method:
             self._is_warm = True
             with contextlib.suppress(NotReachedError):
                 self.solve(problem, problem.cases[:1], 1e-3, math.inf)
-
-    def error(self, problem: Problem, resolution: float, deadline: float = math.inf) -> float:
-        """Return the error that nine of ten cases keep; infinite where there is no answer."""
-        answers = problem.answers(self.answer(problem, resolution, deadline))
-        return typical_error(answers, problem.truth)
 
 
 def typical_error(answers: Floats, truth: Floats) -> float:

@@ -9,8 +9,7 @@ from benchmarks.methods.package import OneRun, Package
 # (module, class, arguments): a method each, none of which another one beats on every problem;
 # scipy's RK45 is there because it is scipy's default (decision 8).
 _PEERS = (
-    ("heyoka_taylor", "HeyokaBatch", ()),
-    ("heyoka_taylor", "HeyokaScalar", ()),
+    ("heyoka_batch", "HeyokaBatch", ()),
     ("scipy_ivp", "ScipyIvp", ("RK45",)),
     ("scipy_ivp", "ScipyIvp", ("DOP853",)),
     ("scipy_ivp", "ScipyIvp", ("LSODA",)),

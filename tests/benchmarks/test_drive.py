@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.equations import FACE_END, OPEN, SLIDE_NEGATIVE
 from benchmarks.methods.base import NotReachedError
-from benchmarks.methods.restarts import drive
-from benchmarks.modes import FACE_END, OPEN, SLIDE_NEGATIVE
+from benchmarks.methods.scipy_ivp import drive
 from benchmarks.problems import Problem
 from benchmarks.trajectories import W1
 from model import Settings

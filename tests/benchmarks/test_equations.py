@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from benchmarks import modes
+from benchmarks import equations as peer
 from benchmarks.equations import device
 from benchmarks.trajectories import W1, W3
 from model import Batch, Parameters, Variants
@@ -27,12 +27,12 @@ def project_mode(face: int, slip: int) -> Mode:
 
 
 SAME_MODE = {
-    modes.OPEN: project_mode(OPEN, STICKING),
-    modes.BEYOND: project_mode(OPEN, STICKING),
-    modes.RELEASED: project_mode(CONTACT_RELEASED, STICKING),
-    modes.SLIDE_POSITIVE: project_mode(CLOSED, SLIP_POSITIVE),
-    modes.SLIDE_NEGATIVE: project_mode(CLOSED, SLIP_NEGATIVE),
-    modes.STICK: project_mode(CLOSED, STICKING),
+    peer.OPEN: project_mode(OPEN, STICKING),
+    peer.BEYOND: project_mode(OPEN, STICKING),
+    peer.RELEASED: project_mode(CONTACT_RELEASED, STICKING),
+    peer.SLIDE_POSITIVE: project_mode(CLOSED, SLIP_POSITIVE),
+    peer.SLIDE_NEGATIVE: project_mode(CLOSED, SLIP_NEGATIVE),
+    peer.STICK: project_mode(CLOSED, STICKING),
 }
 
 
@@ -42,27 +42,31 @@ def project_motion(time, q, p, mode):
 
 
 @pytest.mark.parametrize("case", [W1, W3], ids=["W1", "W3"])
-@pytest.mark.parametrize("mode", modes.MODES)
+@pytest.mark.parametrize("mode", list(peer.EVENTS))
 def test_the_peers_motion_is_the_projects_in_every_mode(mode: int, case: Parameters) -> None:
     generator = np.random.default_rng(mode)
     p = np.array(device(case))
     constants = Constants(*Batch.stack([case]).constants(Variants())[0].tolist())
-    rates, functions = np.empty(modes.STATE_SIZE), np.empty(modes.EVENT_COUNT)
+    rates_at = peer.rates_in(mode)
+    functions_at = {which: peer.event_in(mode, which) for which in range(4)}
     for _ in range(50):
-        y = modes.start(case) + generator.normal(scale=0.1, size=modes.STATE_SIZE)
+        y = peer.start(case) + generator.normal(scale=0.1, size=peer.STATE_SIZE)
         time = generator.uniform(0.0, 10.0)
-        modes.rates(time, y, p, mode, rates)
-        modes.event_functions(time, y, p, mode, functions)
+        rates = rates_at(time, y, p)
+        functions = {which: function(time, y, p) for which, function in functions_at.items()}
         expected = project_motion(time, State(*y.tolist()), constants, SAME_MODE[mode])
         size = 1.0 + np.abs(rates).max()
         assert np.array_equal(rates[:3], y[3:])
         # some ten sums and products of numbers of that size
         assert np.abs(rates[3:] - expected[:3]).max() <= 50 * np.finfo(float).eps * size
-        if mode == modes.STICK:
+        if mode == peer.STICK:
             margin = case.friction * expected.support_load - abs(expected.support_friction)
-            assert functions[modes.FRICTION] == pytest.approx(margin, rel=1e-12, abs=1e-12 * size)
-        if mode in (modes.SLIDE_POSITIVE, modes.SLIDE_NEGATIVE):
-            sign = 1.0 if mode == modes.SLIDE_POSITIVE else -1.0
+            found = min(functions[peer.FRICTION], functions[peer.OTHER_FRICTION])
+            assert found == pytest.approx(margin, rel=1e-12, abs=1e-12 * size)
+        if mode in (peer.SLIDE_POSITIVE, peer.SLIDE_NEGATIVE):
+            sign = 1.0 if mode == peer.SLIDE_POSITIVE else -1.0
             slip = sign * expected.support_slip
-            assert functions[modes.FRICTION] == pytest.approx(slip, rel=1e-12, abs=1e-12)
-            assert functions[modes.LOAD] == pytest.approx(expected.support_load, abs=1e-12 * size)
+            assert functions[peer.FRICTION] == pytest.approx(slip, rel=1e-12, abs=1e-12)
+            assert functions[peer.LOAD] == pytest.approx(expected.support_load, abs=1e-12 * size)
+        for which in set(functions_at) - set(peer.EVENTS[mode]):
+            assert functions[which] == 1.0, "is never met"
