@@ -17,8 +17,8 @@ from benchmarks.table import Row, compare, text, write  # noqa: E402
 from benchmarks.trajectories import all_problems  # noqa: E402
 from model.compile.cache import kernel_fingerprint  # noqa: E402
 
-_PLAN = argparse.Namespace(points=40, neighbours=8, budget=8.0, rounds=5, cells=1024)
-_QUICK = argparse.Namespace(points=10, neighbours=4, budget=2.0, rounds=3, cells=128)
+_PLAN = argparse.Namespace(points=40, neighbours=8, budget=20.0, rounds=5, cells=1024)
+_QUICK = argparse.Namespace(points=10, neighbours=4, budget=8.0, rounds=3, cells=128)
 
 
 def _say(line: str) -> None:

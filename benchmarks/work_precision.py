@@ -144,16 +144,19 @@ def deviation_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
 def climbed(
     how: Method, problem: Problem, resolutions: Iterable[float], budget: float = math.inf
 ) -> Iterator[tuple[float, Solution, float]]:
-    """Yield (resolution, solution, its CPU seconds) from coarse to fine.
+    """Yield (resolution, solution, its CPU seconds) from coarse to fine; NaN where it fails.
 
     Raises:
-        NotReachedError: the method fails, or its solutions take more than ``budget`` seconds.
+        NotReachedError: the solutions take more than ``budget`` seconds.
     """
     for resolution in resolutions:
         if budget <= 0.0:
             raise NotReachedError("out of time")
         started = time.thread_time()
-        solution = how.answer(problem, resolution, time.process_time() + budget)
+        try:
+            solution = how.answer(problem, resolution, time.process_time() + budget)
+        except NotReachedError:  # a finer resolution may get there
+            solution = problem.solution(np.full_like(problem.truth, math.nan), None)
         seconds = time.thread_time() - started
         budget -= seconds
         yield resolution, solution, seconds

@@ -18,10 +18,21 @@ from model import Parameters, Settings, simulate
 
 
 class Pretended(Method):
-    """Errs by ``factor`` times its tolerance and counts its calls; fails on ``lost`` cases."""
+    """Errs by ``factor`` times its tolerance and counts its calls.
 
-    def __init__(self, name: str = "ours", factor: float = 0.9, lost: int = 0, batch: int = 1):
+    It fails on ``lost`` cases, and on all at tolerances above ``fails_above``.
+    """
+
+    def __init__(
+        self,
+        name: str = "ours",
+        factor: float = 0.9,
+        lost: int = 0,
+        batch: int = 1,
+        fails_above: float = 1.0,
+    ) -> None:
         self.name, self.factor, self.lost, self.batch = name, factor, lost, batch
+        self.fails_above = fails_above
         self.calls: list[tuple[int, float]] = []
 
     def solve(
@@ -31,7 +42,7 @@ class Pretended(Method):
         tolerance: float,
         deadline: float,  # noqa: ARG002 - the interface
     ) -> Solution:
-        if len(cases) == self.lost:
+        if len(cases) == self.lost or tolerance > self.fails_above:
             raise NotReachedError("endless events")
         self.calls.append((len(cases), tolerance))
         error = self.factor * tolerance
@@ -45,13 +56,13 @@ def problem(monkeypatch: pytest.MonkeyPatch) -> Problem:
 
 
 def test_the_ladder_falls_by_half_decades() -> None:
-    assert TOLERANCES[0] == 1e-2
+    assert TOLERANCES[0] == 1e-4
     assert TOLERANCES[-1] == 1e-14
     assert np.diff(np.log10(TOLERANCES)) == pytest.approx(-0.5, abs=1e-3)
 
 
 @pytest.mark.parametrize(
-    ("factor", "tolerance"), [(0.9, 1e-8), (0.1, 1e-7), (2.0, 3.16e-9), (30.0, 3.16e-10), (0, 1e-2)]
+    ("factor", "tolerance"), [(0.9, 1e-8), (0.1, 1e-7), (2.0, 3.16e-9), (30.0, 3.16e-10), (0, 1e-4)]
 )
 def test_the_loosest_tolerance_that_keeps_the_target_is_found(
     problem: Problem, factor: float, tolerance: float
@@ -68,7 +79,10 @@ def test_the_loosest_tolerance_that_keeps_the_target_is_found(
 def test_what_does_not_get_there_says_why(problem: Problem) -> None:
     never = loosest(Pretended(factor=1e8), problem, budget=60.0)
     assert (never.remark, math.isnan(never.tolerance)) == ("not at any tolerance", True)
-    assert loosest(Pretended(lost=2), problem, budget=60.0).remark == "endless events"
+
+
+def test_a_method_that_fails_at_coarse_tolerances_is_asked_for_finer_ones(problem: Problem) -> None:
+    assert loosest(Pretended(fails_above=2e-10), problem, budget=60.0).tolerance == 1e-10
 
 
 def test_a_method_out_of_time_is_not_asked_for_more(problem: Problem) -> None:
