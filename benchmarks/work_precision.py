@@ -234,6 +234,26 @@ def precision_dataset(
     return xr.Dataset(variables, coordinates, attributes)
 
 
+def settings_in(dataset: xr.Dataset) -> list[Setting]:
+    """Return the settings that ``precision_dataset`` stored, in order."""
+    cases, methods = names_of(dataset["case"]), names_of(dataset["method"])
+    resolution, error, evaluations, verdicts = (
+        dataset[name].values for name in ("resolution", "error", "rhs_evaluations", "verdict")
+    )
+    return [
+        Setting(
+            cases[place[0]],
+            methods[place[1]],
+            float(resolution[place]),
+            float(error[place]),
+            int(evaluations[place]),
+            Verdict(int(verdicts[place])),
+        )
+        for place in np.ndindex(verdicts.shape)
+        if verdicts[place] != Verdict.NOT_TRIED
+    ]
+
+
 _VARIABLES: dict[str, dict[str, Any]] = {
     "resolution": {"long_name": "length of a step, or tolerance", "units": "1"},
     "error": {

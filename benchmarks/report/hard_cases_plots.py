@@ -5,13 +5,12 @@ import re
 from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from benchmarks.hard_cases import Judged, Mark
 from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
-from benchmarks.report.work_precision_plots import LOOKS
+from benchmarks.report.work_precision_plots import LOOKS, handles
 from model.show import style
 from model.study.config.methods import HardCases
 
@@ -124,10 +123,5 @@ def error_over_stiffness(judged: Sequence[Judged], spec: HardCases) -> Figure:
         corner.set_yscale("log")
         corner.set_ylabel(f"error at τ = {base.until:g}")
         figure.supxlabel("stiffness of the base $k_a$", fontsize=9.0)
-        handles = [
-            Line2D([], [], label=METHODS[method].name, **look)
-            for method, look in LOOKS.items()
-            if method in met
-        ]
-        figure.legend(handles=handles, loc="outside upper center", ncols=2)
+        figure.legend(handles=handles(met), loc="outside upper center", ncols=2)
         return figure

@@ -9,7 +9,8 @@ from markupsafe import Markup
 from benchmarks.fixed_steps import wrong_counts
 from benchmarks.methods import METHODS
 from benchmarks.plans import PICTURES
-from benchmarks.report.work_precision_plots import CAPTIONS, COARSE, FINE, Need, advice, needs
+from benchmarks.report.advice import COARSE, FINE, Need, advice, needs
+from benchmarks.report.work_precision_plots import CAPTIONS
 from benchmarks.work_precision import TimedSetting, read_timings
 from model.show.report.section import Results, Section, Table, link, settings_of
 from model.show.words import figure_title, number

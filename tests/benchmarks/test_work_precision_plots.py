@@ -12,11 +12,11 @@ from benchmarks.methods import METHODS
 from benchmarks.plans import PICTURES
 from benchmarks.problems import Verdict
 from benchmarks.report import work_precision_plots
+from benchmarks.report.advice import advice, needs
 from benchmarks.report.work_precision_plots import (
     CAPTIONS,
-    advice,
+    LABELS,
     evaluations_over_error,
-    needs,
     time_over_error,
     wrong_points,
 )
@@ -106,10 +106,7 @@ def test_wrong_points_stand_where_they_are(wrong_datasets):
         for row in range(2):
             axes = figure.axes[2 * row + column]
             part = dataset.isel(scheme=0, step=row)
-            for kind, label in (
-                (Wrong.WRONG_TIME, work_precision_plots.WRONG_TIME_LABEL),
-                (Wrong.WRONG_OUTCOME, work_precision_plots.WRONG_OUTCOME_LABEL),
-            ):
+            for kind, label in LABELS.items():
                 rows, columns = np.nonzero(part["wrong"].values == kind)
                 if name == "fig13":
                     heights = part[y].values[rows]
