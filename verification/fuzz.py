@@ -4,6 +4,7 @@ The distributions reach far beyond real devices, to find runs that do not end, e
 way, or end differently when they are repeated. `make fuzz` runs it.
 """
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import NamedTuple
@@ -142,7 +143,7 @@ class Report(NamedTuple):
     """
 
     sets: int
-    endings: dict[str, int]
+    endings: Counter[str]
     sensitive: int
     against_neighbour: int
     against_reference: int
@@ -260,27 +261,33 @@ def try_sets(
     against_neighbour = compare("its neighbour", near) if rows.size else 0
     against_reference = compare("the reference engine", alone) if rows.size else 0
 
-    describe = _describer(runs)
-    findings = [
-        Finding(first + int(row), what, describe(int(row)))
-        for what, which in broken.items()
-        for row in np.flatnonzero(which)
-    ]
-    unexplained = [
-        Finding(first + int(row), "failed without a reason of its own", describe(int(row)))
-        for row in np.flatnonzero(np.isin(runs.reason, UNEXPLAINED))
-    ]
-    names = [
-        f"{Outcome(int(outcome)).name.lower()}: {Reason(int(reason)).name.lower()}"
+    endings = [
+        (Outcome(int(outcome)).name.lower(), Reason(int(reason)).name.lower())
         for outcome, reason in zip(runs.outcome, runs.reason, strict=True)
     ]
-    endings = {name: names.count(name) for name in sorted(set(names))}
-    evaluations = int(runs.rhs_evaluations.sum())
-    sensitive = int(runs.sensitive.sum())
+
+    def found(properties: Mapping[str, NDArray[np.bool_]]) -> list[Finding]:
+        return [
+            Finding(
+                first + row,
+                what,
+                f"{endings[row][0]} ({endings[row][1]}), tau_align {runs.tau_align[row]!r} ± "
+                f"{runs.tau_error[row]!r}, {int(runs.rhs_evaluations[row])} evaluations",
+            )
+            for what, which in properties.items()
+            for row in np.flatnonzero(which).tolist()
+        ]
+
     return Report(
-        count, endings, sensitive, against_neighbour, against_reference, evaluations, findings,
-        unexplained,
-    )  # fmt: skip
+        count,
+        Counter(": ".join(ending) for ending in sorted(endings)),
+        int(runs.sensitive.sum()),
+        against_neighbour,
+        against_reference,
+        int(runs.rhs_evaluations.sum()),
+        found(broken),
+        found({"failed without a reason of its own": np.isin(runs.reason, UNEXPLAINED)}),
+    )
 
 
 def _is_certain(runs: Alignments) -> NDArray[np.bool_]:
@@ -327,15 +334,3 @@ def _spread(mask: NDArray[np.bool_], rows: NDArray[np.int64], count: int) -> NDA
     spread = np.zeros(count, dtype=np.bool_)
     spread[rows] = mask
     return spread
-
-
-def _describer(runs: Alignments) -> Callable[[int], str]:
-    def describe(row: int) -> str:
-        outcome, reason = Outcome(int(runs.outcome[row])), Reason(int(runs.reason[row]))
-        return (
-            f"{outcome.name.lower()} ({reason.name.lower()}), tau_align "
-            f"{runs.tau_align[row]!r} ± {runs.tau_error[row]!r}, "
-            f"{int(runs.rhs_evaluations[row])} evaluations"
-        )
-
-    return describe

@@ -4,6 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from verification.fuzz import SCENES, UNEXPLAINED_SHARE, Finding, Report, try_sets
 
@@ -14,19 +15,11 @@ HOLDS = "every property holds"
 
 def added(reports: Sequence[Report]) -> Report:
     """Return the sum of several reports."""
-    endings: Counter[str] = Counter()
-    for report in reports:
-        endings.update(report.endings)
-    return Report(
-        sum(each.sets for each in reports),
-        dict(sorted(endings.items())),
-        sum(each.sensitive for each in reports),
-        sum(each.against_neighbour for each in reports),
-        sum(each.against_reference for each in reports),
-        sum(each.evaluations for each in reports),
-        [finding for each in reports for finding in each.findings],
-        [finding for each in reports for finding in each.unexplained],
-    )
+    total = reports[0]
+    for report in reports[1:]:
+        numbers: Any = zip(total, report, strict=True)
+        total = Report(*(one + other for one, other in numbers))
+    return total
 
 
 def try_part(scene: str, seed: int, first: int, count: int) -> Report:
@@ -48,6 +41,7 @@ def report_text(report: Report) -> str:
 def read_report(path: Path) -> Report:
     """Read what ``report_text`` returned."""
     stored = json.loads(path.read_text(encoding="utf-8"))
+    stored["endings"] = Counter(stored["endings"])
     for name in ("findings", "unexplained"):
         stored[name] = [Finding(*each) for each in stored[name]]
     return Report(**stored)
@@ -62,7 +56,7 @@ def summary(report: Report, seed: int, scene: str = "alignment") -> str:
         f"{report.sensitive} sensitive; {report.against_neighbour} compared with a neighbour, "
         f"{report.against_reference} with the reference engine"
     )
-    often = sorted(report.endings.items(), key=lambda each: -each[1])
+    often = sorted(report.endings.items(), key=lambda each: (-each[1], each[0]))
     lines = [head, *(f"{number:9}  {name}" for name, number in often)]
     told = report.findings + report.unexplained
     for what, number in Counter(finding.what for finding in told).items():

@@ -1,10 +1,16 @@
 """Parts of a campaign of random sets: added up, stored, and summed up in words."""
 
+from collections import Counter
+
 from verification.fuzz import Finding, Report
 from verification.fuzz_campaign import HOLDS, added, read_report, report_text, summary
 
-GOOD = Report(2000, {"aligned: none": 900, "left_scene: overshot": 1100}, 3, 50, 40, 10**6, [], [])
-BAD = Report(1000, {"aligned: none": 1000}, 1, 5, 4, 10**5, [Finding(2007, "is finite", "inf")], [])
+GOOD = Report(
+    2000, Counter({"aligned: none": 900, "left_scene: overshot": 1100}), 3, 50, 40, 10**6, [], []
+)
+BAD = Report(
+    1000, Counter({"aligned: none": 1000}), 1, 5, 4, 10**5, [Finding(2007, "is finite", "inf")], []
+)
 
 
 def test_parts_add_up():

@@ -12,15 +12,9 @@ from typing import Any
 import numpy as np
 
 from model.physics.parameters import Parameters
+from verification.independent.crossings import ON_ZERO, Function
 from verification.independent.motion import LEFT, RIGHT, Body, Device, Mode, State, body, highest
-from verification.independent.solution import (
-    FLAT,
-    ON_ZERO,
-    SMALLEST_TOLERANCE,
-    Function,
-    Run,
-    Solution,
-)
+from verification.independent.solution import FLAT, SMALLEST_TOLERANCE, Run, Solution
 
 
 def _stands_on(mode: Mode, edge: int) -> bool:

@@ -1,22 +1,21 @@
 """Runs of the independent solution: events and transitions.
 
-It shares no code with ``model``. Events are sought on the dense output of scipy's DOP853, at many
-more places of a step, and then met by integrating up to them. Slow; consistent readings only.
-What follows alignment is in insertion.py.
+It shares no code with ``model``. Events are sought on the dense output of scipy's DOP853, and then
+met by integrating up to them. Slow; consistent readings only. What follows alignment is in
+insertion.py.
 """
 
 import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853, solve_ivp
-from scipy.optimize import brentq, minimize_scalar
 
 from model.physics.parameters import Parameters
+from verification.independent.crossings import Function, first_event
 from verification.independent.motion import (
     LEFT,
     RIGHT,
@@ -29,12 +28,8 @@ from verification.independent.motion import (
     highest,
 )
 
-Function = Callable[[Any, State], Any]
-
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
 _ABSOLUTE = 1e-2  # scipy's atol over its rtol
-_NODES = np.concatenate([[0.0, 1e-4, 1e-3, 1e-2], np.linspace(1 / 24, 1.0, 24)])
-ON_ZERO = 1e-9  # a event function below this, as a mode begins, begins on its zero
 _AT_REST = 1e-11
 _NO_LOAD = 1e-11
 FLAT = 1e-8  # a part tilted by less rests on its edge
@@ -161,23 +156,6 @@ class Run:
 
             found[name] = margin
 
-    def first(
-        self, sol: Any, start: float, end: float, mode: Mode, muted: str
-    ) -> tuple[str, float] | None:
-        """Return the earliest event on the dense output ``sol`` between two times.
-
-        The ``muted`` one changed nothing where the mode began: it counts once it has been positive.
-        """
-        times = start + _NODES * (end - start)
-        states = sol(times)
-        earliest: tuple[str, float] | None = None
-        for name, function in self.functions(mode).items():
-            values = function(times, states)
-            found = _crossing(partial(_at, function, sol), times, values, name == muted)
-            if found is not None and (earliest is None or found < earliest[1]):
-                earliest = name, found
-        return earliest
-
     def continued(self, _time: float, _z: State, _mode: Mode) -> Mode | str:
         """Return the mode in which a run goes on after alignment, or its end."""
         return "aligned"
@@ -231,7 +209,7 @@ class Run:
             if solver.status == "failed":
                 raise ArithmeticError(f"the independent solution fails: {message}")
             sol = solver.dense_output()
-            found = self.first(sol, solver.t_old, solver.t, mode, muted)
+            found = first_event(self.functions(mode), sol, solver.t_old, solver.t, muted)
             muted = ""
             if found is None:
                 continue
@@ -362,39 +340,6 @@ class Run:
         support = mode.slides == 0 and mode.supported
         other = mode.beside and mode.side_slides == 0
         return self.decided(time, z, mode, support or not beside, other or beside)
-
-
-def _at(function: Function, sol: Any, time: float) -> float:
-    return float(function(time, sol(time)))
-
-
-def _crossing(
-    function: Callable[[float], float], times: State, values: State, muted: bool
-) -> float | None:
-    """Return the time of the first down-crossing of a sampled function, or None."""
-    first = 0
-    if values[0] <= ON_ZERO:  # a mode may begin on a zero of its own functions, or beyond it
-        if not muted and values[1] < min(values[0], 0.0) and values[2] < values[1]:
-            return float(times[0])
-        above = np.flatnonzero(values > 0.0)
-        if not above.size:
-            return None
-        first = int(above[0])
-    for i in range(first, len(times) - 1):
-        low, high = times[i], times[i + 1]
-        if values[i + 1] < 0.0:
-            return float(brentq(function, low, high, xtol=1e-15, rtol=1e-15))
-        if i == first:
-            continue
-        drop, rise = values[i - 1] - values[i], values[i + 1] - values[i]
-        if drop >= 0.0 and rise >= 0.0 and values[i] < drop + rise:
-            lowest = minimize_scalar(
-                function, bounds=(times[i - 1], high), method="bounded",
-                options={"xatol": 1e-3 * (high - low)},
-            )  # fmt: skip
-            if lowest.fun < 0.0:
-                return float(brentq(function, times[i - 1], lowest.x, xtol=1e-15, rtol=1e-15))
-    return None
 
 
 def solve(
