@@ -28,7 +28,7 @@ from model.study.io import write_dataset
 from model.tracking.invocation import Invocation
 from model.tracking.job import INVOCATION, write_sidecar
 
-CONSISTENT = Variants.consistent()
+LANE_CONSTANTS = Variants.consistent()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -74,7 +74,7 @@ def device() -> Parameters:
 def constants() -> Callable[..., Constants]:
     """Constants that kernels take: ``constants(parameters, readings)``."""
 
-    def make(parameters: Parameters, readings: Variants = CONSISTENT) -> Constants:
+    def make(parameters: Parameters, readings: Variants = LANE_CONSTANTS) -> Constants:
         return Constants(*Batch.stack([parameters]).constants(readings)[0].tolist())
 
     return make

@@ -141,7 +141,7 @@ def printed(*arguments):
         assert cli.main(["simulate", *arguments]) == cli.DONE
     return out.getvalue()
 
-# The twin takes the batch engine, which runs compiled only.
+# The unvibrated control takes the batch engine, which runs compiled only.
 model.cli.simulate.unvibrated_words = lambda *_: ""
 model.cli.simulate.unvibrated_record = lambda *_: {}
 base = baseline()
@@ -166,7 +166,7 @@ print(json.dumps({
 """
 
 SERIES = """
-from model.engines.batch.kinds import ALIGNMENT_KINDS
+from model.engines.batch.mode_kinds import ALIGNMENT_KINDS
 from model.engines.batch.series import recurrences
 from model.physics.parameters import Constants
 

@@ -22,7 +22,7 @@ from benchmarks.problems import Problem, Solution, Verdict
 from model.compile.jit import inlined_kernel, kernel
 from model.engines.lifecycle import start
 from model.engines.record import constants_in
-from model.engines.scalar.step import keep_in, moved, state_of
+from model.engines.scalar.step import moved, state_of, store_in
 from model.events.levels import (
     FLAT,
     LARGEST_TILT,
@@ -144,13 +144,13 @@ def run_each(rows, euler, h, horizon, most_steps, out):
             time, fallen_in = min(steps * h, horizon), outside(q, p) < 0.0
             finished = fallen_in or _has_left(q, p) or horizon - time <= 1e-9 * h
         out[row, 0], out[row, 1], out[row, 2], out[row, 3] = fallen_in, finished, steps, time
-        keep_in(q, out[row, 4:])
+        store_in(q, out[row, 4:])
 
 
 @kernel
 def write_rates(time, y, row, out):
     """Write ``rates`` of the constants in ``row`` into ``out``; both states of shape (6,)."""
-    keep_in(rates(time, state_of(y), constants_in(row)), out)
+    store_in(rates(time, state_of(y), constants_in(row)), out)
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.methods.base import Method
 from benchmarks.problems import Floats, Problem, Solution, failure_of, simulated
 from model.engines.batch.event_kernels import in_vector_kernels
-from model.engines.batch.scheduling import integrate_all, new_many
+from model.engines.batch.scheduling import integrate_all, new_batch_memory
 from model.engines.queue import new_queue
 from model.engines.record import STATE
 from model.engines.results import RunResult
@@ -83,7 +83,7 @@ def _last_run(settings: Settings, rows: Floats, tolerance: Floats) -> tuple[floa
     results = np.empty((1, len(RunResult._fields)))
     _, method, control = settings.for_kernels
     scene = in_vector_kernels(settings.scene)
-    many, queue = new_many(scene, settings.may_settle), new_queue(waiting=1, threads=1)
+    many, queue = new_batch_memory(scene, settings.may_settle), new_queue(waiting=1, threads=1)
     integrate_all(rows, tolerance, scene, method, control, queue, results, many)
     result = RunResult(*results[0].tolist())
     state = many.runs[0, STATE : STATE + STATE_SIZE].copy()

@@ -1,4 +1,4 @@
-"""Bad input to the command: one line that names the remedy, exit code 2, nothing left behind."""
+"""Bad input to commands: one line that names the remedy, exit code 2, no files left behind."""
 
 import errno
 import os

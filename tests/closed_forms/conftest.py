@@ -14,7 +14,7 @@ import pytest
 from model import ALIGNMENT, Batch, Parameters, Scene, Variants
 from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
-from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single
+from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory
 from model.engines.scalar.step import dense_output, interpolate, right_hand_side, take_step
 from model.engines.scalar.tableaux import DOP853
 from model.events.kernels import in_kernels
@@ -64,7 +64,7 @@ class Course:
         self.p = Constants(*row.tolist())._replace(**changes)
         row = np.array(self.p)
         self.parameters, self.steps = parameters, []
-        single = new_single(DOP853.method)
+        single = new_scalar_memory(DOP853.method)
         # Runs settle in the slot: what they do before is another test's.
         noise = NOISE * tolerance * (scene is not ALIGNMENT)
         control = Control(horizon, 50_000_000, noise, alignment_only=0.0, pressed=0.0)

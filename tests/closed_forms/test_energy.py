@@ -27,12 +27,12 @@ from model.engines.record import (
     mode_of,
     state_in,
 )
-from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single, new_workspace
+from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, new_workspace
 from model.engines.scalar.step import (
     dense_output,
     interpolate,
-    keep_in,
     right_hand_side,
+    store_in,
     take_step,
 )
 from model.events.outcomes import Reason
@@ -120,7 +120,7 @@ def balance_of(
     exchanged = start
     while runs[i, OUTCOME] == CONTINUES and np.isnan(runs[i, TAU_ALIGN]):
         time, mode = runs[i, TIME], mode_of(runs, i)
-        keep_in(state_in(runs, STATE, i), y)
+        store_in(state_in(runs, STATE, i), y)
         advance(scene, method, control, track, history, work, runs, i)
         length = runs[i, TIME] - time
         if length > 0.0:
@@ -149,7 +149,7 @@ def balance(
 ) -> Balance:
     rows = Batch.stack([parameters, judged or parameters]).constants(Variants.consistent())
     scene, method, control = settings.for_kernels
-    track, single = np.empty((0, TRACK_COLUMNS)), new_single(method)
+    track, single = np.empty((0, TRACK_COLUMNS)), new_scalar_memory(method)
     return Balance(
         *balance_of(
             *rows, settings.tolerance, scene, method, control, track, single,

@@ -1,4 +1,4 @@
-"""Switches that rounding alone makes, at one instant, are passed over; others end the run."""
+"""Events at one instant: those due to rounding alone are stepped over, others end the run."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from model import Batch, Reason, Settings, Variants, align
 from model.engines.lifecycle import begin, skip_chatter
 from model.engines.record import EVALUATIONS, EVENTS_AT_ONCE, STATE, TIME
-from model.engines.scalar.loop import new_single
+from model.engines.scalar.loop import new_scalar_memory
 from model.physics.modes import OPEN, START
 from model.physics.notation import STATE_SIZE
 from verification.fuzz import SETTINGS, draw
@@ -23,12 +23,12 @@ def test_sets_that_once_chattered_come_on(number, engine):
 
 @pytest.fixture
 def standing(device):
-    """A run at its start, with a number of switches at once behind it."""
+    """A run at its start, after a number of events in the same instant."""
 
     def make(at_once):
         settings = Settings(horizon=1.0)
         scene, method, control = settings.for_kernels
-        runs = new_single(method).runs
+        runs = new_scalar_memory(method).runs
         row = Batch.stack([device]).constants(Variants())[0]
         begin(row, settings.tolerance, scene, control, runs, 0)
         runs[0, EVENTS_AT_ONCE] = at_once

@@ -1,4 +1,4 @@
-"""Events that are easily missed or never left: grazing, twice in a step, at once, at a boundary."""
+"""Hard events: grazing, two in a step, simultaneous ones, motion along the boundary of a mode."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ H = 0.2  # a step in flight: a fortieth of the slowest period
 
 
 class Flight:
-    """One step of a method from a state in flight: its end, its dense output, its first switch."""
+    """One step of a method from a state in flight: its end, its dense output, its first event."""
 
     def __init__(self, p):
         self.p, self.method = p, DOP853.method
@@ -35,13 +35,13 @@ class Flight:
         self.dense = np.empty((6, degree))
 
     def state(self, y, length, mode=FLIGHT):
-        """The state ``length`` later, without any switch."""
+        """The state ``length`` later, without any event."""
         right_hand_side(0.0, y, self.p, mode, self.k[0])
         take_step(0.0, length, y, self.p, mode, self.method, self.k, self.end)
         return self.end.copy()
 
     def first(self, y, mode=FLIGHT, length=H):
-        """(which, when) of the first switch in a step from τ = 0."""
+        """(which, when) of the first event in a step from τ = 0."""
         self.state(y, length, mode)
         dense_output(0.0, length, y, self.p, mode, self.method, self.k, self.trial, self.dense)
         nodes, samples = np.empty((NODES, 6)), np.empty((NODES, MOST_SAMPLES))
@@ -115,7 +115,7 @@ def test_the_state_after_a_graze_is_that_without_it(rebound):
 
 
 def through(flight, y, mode, until):
-    """(state, mode, switches met) after ``until``, each met by repeating the step up to it."""
+    """(state, mode, events) after ``until``; the step is repeated up to each event."""
     time, met = 0.0, []
     while time < until:
         which, when = flight.first(y, mode, until - time)
@@ -164,7 +164,7 @@ def test_edge_and_corner_that_meet_the_part_at_once_both_carry_it(device, consta
         assert np.abs(state - flat).max() <= 100 * abs(tilt) + 1e-12
 
 
-def test_the_earliest_of_nearly_simultaneous_switches_comes_first(device, constants):
+def test_the_earliest_of_nearly_simultaneous_events_comes_first(device, constants):
     flight = Flight(constants(device.replace(frequency=0.0)))
     scratch = np.empty(MOST_SAMPLES)
     for tilt in (1e-4, -1e-4):

@@ -1,7 +1,7 @@
-"""Fixed steps: the order of DOP853 on smooth stretches and across every kind of switch.
+"""Fixed steps: the order of DOP853 on smooth stretches and across every kind of event.
 
-The driver takes equal steps with the solver's own pieces and does at a switch what the integration
-loop does: it repeats the step up to the switch and goes on from there in the next mode.
+The driver takes equal steps with the engine's functions. At an event it does as the engine's loop:
+it repeats the step up to the event and continues from there in the next mode.
 """
 
 import math
@@ -32,7 +32,7 @@ NAMES = [event.name.upper() for event in EVENTS]
 
 
 class Met(NamedTuple):
-    """A switch: when, which one, the modes before and after it."""
+    """An event: when, which one, the modes before and after it."""
 
     time: float
     which: str
@@ -57,7 +57,7 @@ class FixedSteps:
     def value(self, which, time, y, mode):
         return ALIGNMENT_EVENTS.level(which, time, state_of(y), self.p, mode)
 
-    def to_switch(self, which, theta, time, h, y, mode):
+    def to_event(self, which, theta, time, h, y, mode):
         """(length, state): Newton's iteration on whole steps, slope from the dense output."""
         low, high = max(theta - 1e-3, 0.0), min(theta + 1e-3, 1.0)
         ends = [np.array(interpolate(at, h, y, self.dense)) for at in (low, high)]
@@ -73,7 +73,7 @@ class FixedSteps:
         return length, self.step(time, length, y, mode)
 
     def run(self, time, y, mode, until, count):
-        """(state at ``until``, mode, switches met) after ``count`` equal steps."""
+        """(state at ``until``, mode, events) after ``count`` equal steps."""
         met, begin, h = [], time, (until - time) / count
         for i in range(count):
             stop = begin + (i + 1) * h
@@ -94,7 +94,7 @@ class FixedSteps:
                     time, y = stop, whole
                 else:
                     if theta > 0.0:
-                        length, y = self.to_switch(which, theta, time, length, y, mode)
+                        length, y = self.to_event(which, theta, time, length, y, mode)
                         time += length
                     q = ALIGNMENT_EVENTS.reset(which, state_of(y), self.p, mode)
                     after, outcome, _ = ALIGNMENT_EVENTS.transition(
@@ -120,7 +120,7 @@ SLOW = {"frequency": 0.5}
 LANDS = {"press_force": 0.5, "frequency": 1.7, "tilt_stiffness": 46.0, "friction": 0.05}
 
 # What differs from the device, from when to when (the second plus up to 4 % of the length), and the
-# switches in between, each with the support's friction state before and after it.
+# events in between, each with the support's friction state before and after it.
 STRETCHES = {
     "sticking": (SLOW, 2.0, 3.0, ()),
     "lift-off": (HOPS, 0.36, 0.74, (("FACE_LOAD", 1, 1), ("FACE_GAP", 1, 1))),
@@ -164,10 +164,10 @@ def begun(device, constants):
 
 
 def mean_errors(stretch, begun, counts, repeats):
-    """Errors of the state and of the switches' times at the end, one for each of ``counts``.
+    """Errors of the state and of event times at the end, for every number of steps in ``counts``.
 
-    The geometric mean over ends that differ a little, so that switches fall elsewhere in a step:
-    where one falls in its step changes the error by a factor, but never its order.
+    The geometric mean over ends that differ a little. Where an event lies in its step changes the
+    error by a factor, but not its order.
     """
     p, begin, y, mode = begun
     _, _, until, expected = STRETCHES[stretch]
@@ -193,7 +193,7 @@ def slope(counts, errors):
 @each_stretch
 def test_order_down_to_rounding(begun, stretch):
     # Its errors are proportional to h^8 below about 1e-10, and rounding leaves about 3e-13 of them
-    # where a switch is met at a small slope: two decades, in which h changes by a factor of two.
+    # where an event is met at a small slope: two decades, in which h changes by a factor of two.
     # Five halvings would take twelve. Many sizes and ends make up for it.
     counts = np.array([6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 18, 20, 22, 24, 26, 28, 32, 36])
     errors = mean_errors(stretch, begun(stretch), counts, repeats=10)

@@ -1,4 +1,4 @@
-"""The queue that threads share."""
+"""The queue of parameter sets that threads share."""
 
 from concurrent.futures import ThreadPoolExecutor
 

@@ -1,4 +1,4 @@
-"""A batch is its rows: to the bit, in any order, on any number of cores."""
+"""A row of a batch has the results of its single run to the bit, in any order, on any cores."""
 
 from dataclasses import fields
 

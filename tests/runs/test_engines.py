@@ -1,4 +1,4 @@
-"""The batch engine against the reference engine: the same runs, the same answers."""
+"""The batch engine against the reference engine: the same results of the same runs."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ COUNT = 150
 
 
 def cloud(device, spread, count=COUNT):
-    """Devices around ``device``, log-uniform; a wide cloud has every kind of contact in it."""
+    """Devices around ``device``, log-uniform; a wide cloud meets every kind of contact."""
     rng = np.random.default_rng(7)
     names = ("half_height", "inertia", "tilt_stiffness", "press_force", "frequency", "friction")
     swept = {
@@ -104,7 +104,7 @@ def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(
     assert 1.0 / np.median(np.concatenate(ratios)) <= 30.0
 
 
-def test_one_run_meets_the_same_switches_in_both(batch):
+def test_one_run_meets_the_same_events_in_both(batch):
     rows = batch.constants(Variants())
     tolerances = np.full(len(rows), 1e-10)
     scalar, lanes = (engine(SETTINGS)(rows, tolerances) for engine in (scalar_engine, batch_engine))

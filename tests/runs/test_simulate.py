@@ -1,4 +1,4 @@
-"""Contents of a trajectory: its course, its forces, and its summary."""
+"""Contents of a trajectory: states, forces, and summary."""
 
 import numpy as np
 import pytest

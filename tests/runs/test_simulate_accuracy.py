@@ -48,7 +48,7 @@ def mean_errors(batch, tolerances, engine):
 
 
 @each_run
-def test_alignment_time_converges_with_the_tolerance_across_switches(device, changes):
+def test_alignment_time_converges_with_the_tolerance_across_events(device, changes):
     # An error per step proportional to the tolerance gives a global error proportional to it, if no
     # event adds an error of its own; steps shrink with tol^(1/order), with which the sum of local
     # errors loses that much at most: slopes of 7/8 to 1. The error of one run scatters by a
@@ -66,7 +66,7 @@ def test_alignment_time_converges_with_the_tolerance_across_switches(device, cha
 
 
 @each_run
-def test_the_lanes_series_converge_with_the_tolerance_across_switches(device, changes):
+def test_the_lanes_series_converge_with_the_tolerance_across_events(device, changes):
     # The tolerance is that of the last term kept: what follows falls a little faster than it, and
     # a step so long that the first terms do not tell yet loses more. An event that adds an error of
     # its own would show below 0.8.

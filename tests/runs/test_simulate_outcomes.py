@@ -276,14 +276,14 @@ def test_printed_preload_raises_the_press_force_axis_by_the_half_height(device):
 @pytest.mark.parametrize(
     "name", ["normal_sign", "friction_law", "contact_damping_law", "preload", "moment_arms"]
 )
-def test_each_switch_changes_the_run(device, name):
+def test_each_variant_changes_the_run(device, name):
     mended = simulate(device, horizon=40.0)
     printed = simulate(device, readings=Variants(**{name: "printed"}), horizon=40.0)
     assert (printed.outcome, printed.tau_align) != (mended.outcome, mended.tau_align)
 
 
 @pytest.mark.parametrize("name", ["side_gap", "side_force"])
-def test_each_switch_of_the_side_changes_a_run_that_meets_the_side(device, name):
+def test_each_variant_of_the_side_changes_a_run_that_meets_the_side(device, name):
     p = device.replace(frequency=0.5)
     mended = simulate(p, horizon=40.0)
     printed = simulate(p, readings=Variants(**{name: "printed"}), horizon=40.0)

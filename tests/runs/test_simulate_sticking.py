@@ -1,4 +1,4 @@
-"""When a pressed part sticks for ever, and when slow excitation moves it, against statics.
+"""Limits at which a pressed part sticks for ever, or slow excitation moves it, against statics.
 
 Tilt locked at φ (an immense inertia) on the edge A1, excitation f0 + sin ντ so slow that every
 force is balanced. Let P be the press force less what the axial spring gives, and F = k_x (x_st - x)

@@ -28,7 +28,7 @@ def of(**changes: float) -> Parameters:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_twin_ends_as_a_run_without_excitation_does(name: str) -> None:
+def test_the_control_ends_as_a_run_without_excitation_does(name: str) -> None:
     expected, changes = CASES[name]
     found = unvibrated(Batch.stack([of(**changes)]), SETTINGS)
     assert found.outcome[0] == expected

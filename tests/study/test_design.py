@@ -8,7 +8,7 @@ import pytest
 
 from model import Settings
 from model.events.outcomes import Unvibrated
-from model.runs.unvibrated import Unvibrations
+from model.runs.unvibrated import UnvibratedEnds
 from model.study import design as designs
 from model.study.assessment.yields import Devices
 from model.study.design import FARTHEST, Search, design_dataset, known_of, misjudged
@@ -70,7 +70,7 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
 
     def controls(batch, *_):  # a dimensionless press force of 4 is one of 12 N
         aligns = batch.values["press_force"] > 4.0
-        return Unvibrations(np.where(aligns, Unvibrated.ALIGNS, Unvibrated.RESTS), None)
+        return UnvibratedEnds(np.where(aligns, Unvibrated.ALIGNS, Unvibrated.RESTS), None)
 
     monkeypatch.setattr(designs, "unvibrated", controls)
     needed, not_needed = (

@@ -42,10 +42,10 @@ from model.engines.record import (
     WATCHED_UNTIL,
     constants_of,
     is_watched,
-    keep_mode,
-    keep_state,
     mode_of,
     state_in,
+    store_mode,
+    store_state,
 )
 from model.engines.scalar.step import short_step
 from model.events.friction import decide_friction, hold_sticking
@@ -83,9 +83,9 @@ _NO_REST = int(Reason.NO_REST)
 
 _FIRST_STEP = 1e-2
 _SHORTEST_STEP = 1e-12  # after an event
-_SEVERAL_AT_ONCE = 16  # number of events above which rounding may be their only cause
+_SEVERAL_AT_ONCE = 16  # events in one instant, above which rounding may be their only cause
 _MOST_EVENTS_AT_ONCE = 64
-NOISE = 100.0  # difference between two periods that errors cause, over the tolerance
+NOISE = 100.0  # difference between two periods due to errors, over the tolerance
 _FALL_TIME = 20.0  # longest fall from the loss of contact until the corners are inside
 
 
@@ -161,15 +161,16 @@ def period_length(p):
 
 @kernel
 def _note_end_of_period(runs, i):
-    """Enter the end of the present period, or of the run if that is earlier."""
+    """Set the next stop: the end of the present period or, if earlier, of the run."""
     next_period = (runs[i, PERIODS] + 1.0) * period_length(constants_of(runs, i))
     runs[i, STOP] = min(next_period, runs[i, DEADLINE])
 
 
 @kernel
 def _end(scene, runs, i, outcome, reason):
+    """End run ``i``; a run that has aligned is aligned, or ends as its part does in the slot."""
     if isfinite(runs[i, TAU_ALIGN]):
-        if scene.events.inserts == 0:  # aligned, whatever happens in the fall that follows
+        if scene.events.inserts == 0:
             outcome, reason = _ALIGNED, _NONE
         else:
             q, mode = state_in(runs, STATE, i), mode_of(runs, i)
@@ -216,11 +217,11 @@ def begin(row, tolerance, scene, control, runs, i):
         mode, possible = decide_friction(0.0, q, p, mode, True, True)
         if not possible:
             fail(scene, runs, i, _NO_FRICTION_SOLUTION)
-    keep_state(q, runs, i)
-    keep_mode(mode, runs, i)
+    store_state(q, runs, i)
+    store_mode(mode, runs, i)
     _note_end_of_period(runs, i)
     if runs[i, OUTCOME] == CONTINUES and _starts_past_the_end(q, p, mode):
-        make_event(scene.events.face_end, 0.0, _FIRST_STEP, scene, control, runs, i)
+        apply_event(scene.events.face_end, 0.0, _FIRST_STEP, scene, control, runs, i)
 
 
 @kernel
@@ -233,15 +234,15 @@ def _starts_past_the_end(q, p, mode):
 
 @kernel
 def is_counted(mode, p):
-    """Return whether the run has not yet aligned: the fall that follows is not counted."""
+    """Return whether the motion counts towards the results, unlike the fall after alignment."""
     return not mode.dropped or p.printed_alignment_criterion != 0.0
 
 
 @kernel
 def note_step(length, tilt, force, runs, i):
-    """Enter an accepted step, with its largest |tilt| and normal force.
+    """Record an accepted step, with its largest |tilt| and normal force.
 
-    The largest values so far are the first arguments of ``max``, which keeps them if they are NaN.
+    ``max`` returns its first argument if that is NaN: largest values that are not computed stay so.
     """
     mode = mode_of(runs, i)
     runs[i, STEPS] += 1.0
@@ -255,8 +256,8 @@ def note_step(length, tilt, force, runs, i):
 
 
 @kernel
-def _opened(before, after):
-    """Return whether an event is a lift-off: the part loses its support."""
+def _is_lift_off(before, after):
+    """Return whether the part loses its support at an event."""
     return (before.face != OPEN or before.corner != OPEN) and (
         after.face == OPEN and after.corner == OPEN
     )
@@ -264,10 +265,10 @@ def _opened(before, after):
 
 @kernel
 def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i):
-    """Enter alignment or, if ``is_inside``, the four corners inside; return whether the run ends.
+    """Record alignment or, if ``is_inside``, all corners inside; return whether the run ends.
 
-    The first instant counts (R8), also if the part is lifted again and falls once more. The
-    insertion scene gives the run its horizon once more.
+    The first instant counts (R8), even if the part is lifted and falls again. In the insertion
+    scene the horizon begins anew.
     """
     time = runs[i, TIME]
     inserts = scene.events.inserts == 1
@@ -287,10 +288,10 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
 def skip_chatter(before, runs, i):
     """Advance by a moment without event location, if the two modes agree within the tolerance.
 
-    On a hard base the rounding of a length causes a load: a contact or a slip near zero then
-    alternates without time passing (chatter, Zeno behaviour). The moment doubles each time. If the
-    two modes differ by more than a step's tolerance after it, the run does not advance, and fails
-    in the end.
+    On a hard base, rounding of a length causes a load. A contact or slip near zero then alternates
+    without time passing (chatter, Zeno behaviour). The moment doubles at every such event. Where
+    the two modes differ by more than a step's tolerance, the run stays where it is; it fails after
+    too many events.
     """
     time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     q, tolerance = state_in(runs, STATE, i), runs[i, TOLERANCE]
@@ -306,12 +307,12 @@ def skip_chatter(before, runs, i):
         admitted = tolerance * (1.0 + abs(q[n]))
         if not (abs(there[n] - here[n]) <= admitted and abs(halves[n] - here[n]) <= admitted):
             return
-    keep_state(hold_sticking(here, p, mode), runs, i)
+    store_state(hold_sticking(here, p, mode), runs, i)
     runs[i, TIME] = time + moment
 
 
 @kernel
-def make_event(which, length, step, scene, control, runs, i):
+def apply_event(which, length, step, scene, control, runs, i):
     """Apply the transition of the event ``which`` at the run's state: next mode, or end.
 
     ``length`` is the time from the last step to the event, ``step`` the length of the whole step.
@@ -326,10 +327,10 @@ def make_event(which, length, step, scene, control, runs, i):
     runs[i, NEXT_STEP] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
     q = scene.events.reset(which, state_in(runs, STATE, i), p, before)
     mode, outcome, reason = scene.events.transition(which, time, q, p, before, scene.declared)
-    if outcome == CONTINUES and is_counted(before, p) and _opened(before, mode):
+    if outcome == CONTINUES and is_counted(before, p) and _is_lift_off(before, mode):
         runs[i, LIFT_OFFS] += 1.0
-    keep_state(hold_sticking(q, p, mode), runs, i)
-    keep_mode(mode, runs, i)
+    store_state(hold_sticking(q, p, mode), runs, i)
+    store_mode(mode, runs, i)
     if outcome == _ALIGNED:
         printed_criterion = p.printed_alignment_criterion != 0.0
         inside = which == scene.events.corners_inside
@@ -368,7 +369,7 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
 
 @kernel
 def end_period(scene, history, settling_noise, runs, i):
-    """Enter a completed period; end the run if it may settle and its motion is periodic."""
+    """Count a completed period; end the run if it may settle and its motion is periodic."""
     periods = int(runs[i, PERIODS]) + 1
     runs[i, PERIODS] = periods
     _note_end_of_period(runs, i)

@@ -1,4 +1,4 @@
-"""Queue of parameter sets that all threads share: each takes the next when it has room."""
+"""Queue of parameter sets, shared by all threads: a thread takes the next set when it has room."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ def new_queue(waiting: int, threads: int) -> Queue:
 
 @intrinsic
 def _added_one(_context: Any, queue: Any) -> Any:
-    """Add one to an array's first number, atomically, and return its former value."""
+    """Add one to an array's first number atomically; return the value before."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         array = context.make_array(signature.args[0])(context, builder, arguments[0])
@@ -42,7 +42,7 @@ _take = _added_one_in_python if config.DISABLE_JIT else _added_one
 
 @kernel
 def next_in(queue):
-    """Take and return the row of the next parameter set; beyond the last if none waits."""
+    """Take the next parameter set and return its row; a row beyond the last if none waits."""
     return _take(queue)  # type: ignore[call-arg]
 
 

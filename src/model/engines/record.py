@@ -2,7 +2,8 @@
 
 A batch is an array ``runs`` of shape (runs, SIZE): ``runs[i, TIME]`` is the time that run ``i`` has
 reached. Counts and flags are whole numbers stored as floats. The columns are the fields of
-``Constants`` and ``RunResult``, working numbers, the state, the mode, and levels of events.
+``Constants`` and ``RunResult``, working numbers, the state, the mode and, for every event, its
+closest approach in this period and whether it happened.
 """
 
 from math import isnan
@@ -82,10 +83,10 @@ SIZE = MADE + MOST_EVENTS
 constants_of = reader(Constants, "runs, i", "runs[i, {}]".format)
 # (runs, row, i): the ``State`` of run ``i`` from column ``row`` on; (q, runs, row, i) writes it.
 state_in = reader(State, "runs, row, i", "runs[i, row + {}]".format)
-keep_state_in = writer(State, "runs, row, i", "runs[i, row + {}]".format)
+store_state_in = writer(State, "runs, row, i", "runs[i, row + {}]".format)
 # (runs, i): the ``Mode`` of run ``i``; (mode, runs, i) writes it.
 mode_of = reader(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
-keep_mode = writer(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
+store_mode = writer(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
 
 
 @inlined_kernel
@@ -101,13 +102,13 @@ def constants_in(row):
 
 
 @inlined_kernel
-def keep_state(q, runs, i):
+def store_state(q, runs, i):
     """Write ``q`` as the state of run ``i``."""
-    keep_state_in(q, runs, STATE, i)
+    store_state_in(q, runs, STATE, i)
 
 
 @kernel
-def keep_result(runs, i, results, row):
+def store_result(runs, i, results, row):
     """Write the ``RunResult`` of run ``i``, which has ended, into ``results[row]``."""
     tau_align = runs[i, TAU_ALIGN]
     until = runs[i, TIME] if isnan(tau_align) else tau_align

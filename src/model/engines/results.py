@@ -86,20 +86,20 @@ Flag = TypeVar("Flag")
 Table = TypeVar("Table")
 
 
-class Kind(NamedTuple):
-    """Types of a kind of results: of one run, in arrays of runs, and in stored arrays of runs."""
+class ValueTypes(NamedTuple):
+    """Types of a result's values: of one run, in arrays of runs, and in stored arrays of runs."""
 
     scalar: Callable[[Any], Any]
     array: type[np.generic]
     stored: type[np.generic]
 
 
-_KINDS: Mapping[Any, Kind] = {
-    OutcomeT: Kind(Outcome, np.int8, np.int8),
-    ReasonT: Kind(Reason, np.int8, np.int8),
-    Real: Kind(float, np.float64, np.float64),
-    Count: Kind(int, np.int64, np.int32),
-    Flag: Kind(bool, np.bool_, np.int8),
+_VALUE_TYPES: Mapping[Any, ValueTypes] = {
+    OutcomeT: ValueTypes(Outcome, np.int8, np.int8),
+    ReasonT: ValueTypes(Reason, np.int8, np.int8),
+    Real: ValueTypes(float, np.float64, np.float64),
+    Count: ValueTypes(int, np.int64, np.int32),
+    Flag: ValueTypes(bool, np.bool_, np.int8),
 }
 
 
@@ -179,8 +179,10 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
 
 
 RESULTS: Mapping[str, Result] = entries(Results)
-KINDS: dict[str, Kind] = {
-    f.name: _KINDS[f.type]._replace(stored=np.int64) if RESULTS[f.name].wide else _KINDS[f.type]
+VALUE_TYPES: dict[str, ValueTypes] = {
+    f.name: _VALUE_TYPES[f.type]._replace(stored=np.int64)
+    if RESULTS[f.name].wide
+    else _VALUE_TYPES[f.type]
     for f in fields(Results)
 }
 
@@ -205,13 +207,13 @@ IN_SLOT: Mapping[str, Result] = {
         "how an aligned run ends in the insertion scene", flags=InsertionOutcome, line=None
     )
 }
-KINDS |= {
-    name: _KINDS[OutcomeT if each.flags else Real]
+VALUE_TYPES |= {
+    name: _VALUE_TYPES[OutcomeT if each.flags else Real]
     for name, each in {**UNVIBRATED_CONTROL, **IN_SLOT}.items()
 }
 
-# Further numbers of a run from its engine; see ``RunResult``.
-_BESIDES = (
+# Numbers of a run that its engine writes besides ``Results``; see ``RunResult``.
+_ENGINE_ONLY = (
     "time",
     "end_tilt",
     "end_on_edge",
@@ -225,7 +227,7 @@ _BESIDES = (
 
 class RunResult(
     numbers(  # type: ignore[misc]
-        "RunResult", [*(name for name in RESULTS if not RESULTS[name].estimated), *_BESIDES]
+        "RunResult", [*(name for name in RESULTS if not RESULTS[name].estimated), *_ENGINE_ONLY]
     )
 ):
     """Results of one run as its engine writes them, each a float or an array of runs.

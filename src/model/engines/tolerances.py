@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 # The estimated error is below the true one for about one point in a hundred (decision 3), by a
 # small factor. An error of 1 % in a force changes a duration by a thousand times this margin.
 MARGIN = 10.0
-UNKNOWN_ERROR = 1e-4  # without an estimate: the difference that makes a point sensitive
+UNKNOWN_ERROR = 1e-4  # of a run without an estimate: the difference that makes a set sensitive
 # The reference engine computes largest tilts and forces from samples.
 TILT_SAMPLED = 1e-4
 FORCE_SAMPLED = 2e-2
@@ -24,7 +24,7 @@ FORCE_SAMPLED = 2e-2
 SHARE_SETTLED = 1e-2
 # Without vibration a part that comes to rest still moves by this much when its run ends.
 TILT_AT_REST = 1e-3
-# Of a run that lasts to the horizon the share moves by less than 1e-9 at tighter tolerances.
+# The share of a run that lasts to the horizon changes by less than 1e-9 at tighter tolerances.
 SHARE_AT_HORIZON = 1e-6
 
 
@@ -56,13 +56,13 @@ def of_sampled_force(runs: Compared) -> Array:
 
 
 def of_share(runs: Compared) -> Array:
-    """Admit the change of a share of the time that another end of the run causes."""
+    """Admit the change of a share of time if the run ends at another time."""
     ends = [runs.outcome == Outcome.ALIGNED, runs.outcome == Outcome.HORIZON_REACHED]
     return np.select(ends, [by_error(runs) + 1e-8, SHARE_AT_HORIZON], SHARE_SETTLED)
 
 
 def of_rest(runs: Compared) -> Array:
-    """Admit what is left of the motion where a part comes to rest."""
+    """Admit the remaining motion of a part that comes to rest."""
     return np.full(runs.value.shape, TILT_AT_REST)
 
 

@@ -1,1 +1,1 @@
-"""Second floor: runs. One trajectory, or a batch of them on several cores."""
+"""Runs: one trajectory, or a batch of them on several cores, with error estimates."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import KINDS, RESULTS, Results, RunResult, results_table
+from model.engines.results import RESULTS, VALUE_TYPES, Results, RunResult, results_table
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
 from model.runs.engines import Array, Engine, engine_for, error_carrying_engine
@@ -85,6 +85,5 @@ def align(
         raise ValueError(f"cores = {cores!r}: must be >= 1")
     run = engine_for(settings, engine, cores)
     carrying = error_carrying_engine(settings, engine, cores)
-    found = estimate(run, settings.rows(rows_of), settings.tolerance, carrying)
-    columns = found.columns()
-    return Alignments(**{name: columns[name].astype(KINDS[name].array) for name in RESULTS})
+    columns = estimate(run, settings.rows(rows_of), settings.tolerance, carrying).columns()
+    return Alignments(**{name: columns[name].astype(VALUE_TYPES[name].array) for name in RESULTS})

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.batch.event_kernels import in_vector_kernels
-from model.engines.batch.scheduling import integrate_all, new_many
+from model.engines.batch.scheduling import integrate_all, new_batch_memory
 from model.engines.queue import Queue, new_queue
 from model.engines.results import RunResult
-from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_single
+from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_scalar_memory
 from model.engines.scalar.tableaux import DOP853
 from model.physics.variants import Variants
 from model.runs.settings import Settings
@@ -28,8 +28,8 @@ def scalar_engine(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -
     """Return the reference engine, one run at a time; it fills ``track`` as ``integrate`` does."""
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
-        single = new_single(DOP853.method)
-        integrate_each(rows, tolerances, *settings.for_kernels, track, queue, results, single)
+        memory = new_scalar_memory(DOP853.method)
+        integrate_each(rows, tolerances, *settings.for_kernels, track, queue, results, memory)
 
     return _on_cores(fill, cores)
 
@@ -41,8 +41,8 @@ def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = Fa
     scene = in_vector_kernels(settings.scene)
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
-        many = new_many(scene, settings.may_settle)
-        integrate_all(rows, tolerances, scene, method, control, queue, results, many)
+        memory = new_batch_memory(scene, settings.may_settle)
+        integrate_all(rows, tolerances, scene, method, control, queue, results, memory)
 
     return _on_cores(fill, cores)
 

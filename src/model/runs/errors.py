@@ -1,27 +1,27 @@
-"""Error estimates: from the error that a run carries, or from its neighbours.
+"""Error estimates: from the error that a run carries, or from neighbouring runs.
 
-The batch engine carries the error of a run along (engines/batch/carried_error.py), which gives that
-of its times. It runs at a ``FINER``-th of the tolerance, where few sets carry an error larger than
-the tolerance promises; those are run again at a smaller one. The error estimate of the first run,
-times the ratio of the tolerances and divided by 4, is a lower bound of the final estimate: errors
-may cancel by chance. Of such a set a neighbour decides on the flag: a run from a start displaced by
-the tolerance, which may part from it by far more than its own error.
+Carried errors. The batch engine carries the error of a run along (engines/batch/carried_error.py),
+and with it the errors of its times. It runs at a ``FINER``-th of the tolerance. The few sets whose
+error is larger than the tolerance promises are run again at a smaller tolerance. In the second run
+errors may cancel by chance: its estimate is at least that of the first run, times the ratio of the
+tolerances and divided by 4. Whether such a set is sensitive, a neighbour decides: a run from a
+start displaced by the tolerance, which may depart by far more than the run's own error.
 
-Neighbours decide where a run carries no error (reference engine), or one that is too large for the
-linearised motion, where a set starts nearly flat, or with a gap below the tolerance. A neighbour is
-run at ``COARSER`` times the tolerance and with x(0) displaced by the tolerance. A set is run again
-at a smaller tolerance if the two outcomes differ, or if their times are far apart or differ by more
-than the tolerance promises.
+Neighbours. They give the estimate where a run carries no error (reference engine), or one too large
+for the linearised motion, where a part starts nearly flat, or with a gap below the tolerance. A
+neighbour is run at ``COARSER`` times the tolerance, with x(0) displaced by the tolerance. The set
+is run again at a smaller tolerance if the two outcomes differ, or if their times are far apart or
+differ by more than the tolerance promises.
 
-A set is sensitive if the run with the displaced start, at the smaller tolerance, still ends with
-another outcome or at another time: the digits of its alignment time would be meaningless. A set
-with a nearly flat start is also sensitive if an initial tilt larger by ``TILTED`` changes its end:
-no device has so exact a tilt, but the tilt decides whether such a part rests on its edge or on its
-corner, or touches the base at all.
+Sensitive sets. A set is sensitive if the run with the displaced start, at the smaller tolerance,
+still ends with another outcome or at another time: the digits of its alignment time would be
+meaningless. A set with a nearly flat start is also sensitive if an initial tilt larger by
+``TILTED`` changes its end. No device has so exact a tilt, but it decides whether such a part rests
+on its edge or on its corner, or touches the base at all.
 
-If a run and its neighbour differ in lift-offs, sticking, or other events and the largest tilt, and
-both reach the horizon, a run at another tolerance may align by chance. The reason of such a set is
-``CHAOTIC``: a sensitive dependence; chaos is not tested for.
+Chaotic runs. If a run and its neighbour both reach the horizon, but differ in lift-offs, sticking,
+or other events and the largest tilt, a run at another tolerance may align by chance. The reason of
+such a set is ``CHAOTIC``. It stands for sensitive dependence; chaos is not tested for.
 """
 
 from typing import Any, NamedTuple
@@ -35,18 +35,18 @@ from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Constants
 from model.runs.engines import Array, Run
 
-FINER = 100.0  # tolerance over that of runs that carry their error
+FINER = 100.0  # tolerance asked for over the tolerance of runs that carry their error
 COARSER = 16.0
 SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same
-SHARPER = 1e3  # tolerance over that of the second runs of a set
-PROMISED = 100.0  # largest error, carried or to a neighbour, over the tolerance: not run again
+SHARPER = 1e3  # tolerance asked for over the tolerance of a set that is run again
+PROMISED = 100.0  # error over the tolerance above which a set is run again
 FINEST = 1e-14  # smallest tolerance
 RESOLUTION = 1e-14  # relative rounding of an alignment time
 NEARLY_FLAT = 1e-6  # initial tilt below which a part is nearly flat
 TILTED = 10.0 * FLAT  # additional tilt of its neighbour
 
 _SAFETY = 4.0
-_CARRIED = 3.0  # estimate of an error over the error that a run carries; decision 3
+_CARRIED = 3.0  # estimate over the error that a run carries; decision 3
 
 
 class Estimate(NamedTuple):
@@ -82,7 +82,7 @@ class Estimate(NamedTuple):
 def estimate(run: Run, rows: Array, tolerance: float, carrying: Run | None = None) -> Estimate:
     """Run every row, shape (n, constants), and estimate its error; see the module.
 
-    ``carrying`` is the same engine, whose runs carry their errors along, where there is one.
+    ``carrying`` is the engine whose runs carry their errors, if there is one.
     """
     sharper = tolerance if carrying is None else max(tolerance / FINER, FINEST)
     first = run if carrying is None else carrying
@@ -96,30 +96,30 @@ def estimate(run: Run, rows: Array, tolerance: float, carrying: Run | None = Non
         # Lower bound from the first run, in case errors cancel in the second.
         least = found.tau_error[imprecise] * reduced / sharper / _SAFETY
         np.maximum(finer.tau_error, least, out=finer.tau_error)
-        _renew(found, imprecise, finer)
+        _replace_estimates(found, imprecise, finer)
     doubtful = found.sensitive.copy()
     if doubtful.any():
-        known = Estimate(**{name: each[doubtful] for name, each in found._asdict().items()})
-        _renew(found, doubtful, _by_neighbours(run, rows[doubtful], known, tolerance))
-    grows = np.flatnonzero(imprecise & ~found.sensitive)
-    if grows.size:
-        displaced = _displaced(rows[grows], "misalignment", tolerance)
-        other = RunResult(*run(displaced, COARSER * found.tolerance[grows]).T)
-        mine = RunResult(*found.results[grows].T)
-        found.sensitive[grows] = _ends_apart(Constants(*rows[grows].T), mine, other)
-        found.rhs_evaluations[grows] += other.rhs_evaluations
+        known = Estimate(**{name: column[doubtful] for name, column in found._asdict().items()})
+        _replace_estimates(found, doubtful, _by_neighbours(run, rows[doubtful], known, tolerance))
+    again = np.flatnonzero(imprecise & ~found.sensitive)
+    if again.size:
+        displaced = _displaced(rows[again], "misalignment", tolerance)
+        neighbour = RunResult(*run(displaced, COARSER * found.tolerance[again]).T)
+        own = RunResult(*found.results[again].T)
+        found.sensitive[again] = _ends_apart(Constants(*rows[again].T), own, neighbour)
+        found.rhs_evaluations[again] += neighbour.rhs_evaluations
     return found
 
 
-def _renew(found: Estimate, which: NDArray[np.bool_], renewed: Estimate) -> None:
-    """Replace the estimates of ``which`` sets by others."""
+def _replace_estimates(found: Estimate, which: NDArray[np.bool_], renewed: Estimate) -> None:
+    """Replace the estimates of ``which`` sets by ``renewed`` ones, and add their evaluations."""
     renewed.rhs_evaluations[:] += found.rhs_evaluations[which]
     for kept, new in zip(found, renewed, strict=True):
         kept[which] = new
 
 
 def _by_carried_errors(run: Run, rows: Array, tolerance: Array) -> Estimate:
-    """Run each row once; ``sensitive`` where the error that it carries is no estimate."""
+    """Run each row once; ``sensitive`` marks sets whose carried error is no estimate."""
     p, results = Constants(*rows.T), run(rows, tolerance)
     found = RunResult(*results.T)
     is_small = found.largest_error <= SENSITIVE
@@ -127,35 +127,35 @@ def _by_carried_errors(run: Run, rows: Array, tolerance: Array) -> Estimate:
     inserted = found.tau_align + found.tau_inserted
     return Estimate(
         results=results,
-        tau_error=_error_of(found.tau_align, _CARRIED * found.time_error, tolerance),
-        insertion_error=_error_of(inserted, _CARRIED * found.end_error, tolerance),
+        tau_error=_time_error(found.tau_align, _CARRIED * found.time_error, tolerance),
+        insertion_error=_time_error(inserted, _CARRIED * found.end_error, tolerance),
         sensitive=~is_small | is_flat | _is_too_narrow(p, tolerance),
         rhs_evaluations=found.rhs_evaluations.copy(),
         tolerance=tolerance,
     )
 
 
-def _by_neighbours(run: Run, rows: Array, known: Estimate, neighbour: float) -> Estimate:
-    """Compare ``known`` results with second runs, and three more where they differ by much.
+def _by_neighbours(run: Run, rows: Array, known: Estimate, asked: float) -> Estimate:
+    """Compare ``known`` results with neighbours; where they differ by much, run the sets again.
 
-    ``neighbour`` is the tolerance asked for, and the displacement of a neighbour's start.
+    ``asked`` is the tolerance asked for.
     """
     tolerance = known.tolerance
     first = _compare(run, rows, tolerance, results=known.results)
     error = np.fmax(first.tau_error, first.insertion_error)
-    imprecise = error > PROMISED * neighbour
+    imprecise = error > PROMISED * asked
     again = (first.sensitive | imprecise) & (tolerance > FINEST)
     if not again.any():
         return first
-    reduced, least = np.minimum(tolerance, neighbour / SHARPER), np.zeros(len(rows))
+    reduced, least = np.minimum(tolerance, asked / SHARPER), np.zeros(len(rows))
     few = imprecise & ~first.sensitive
-    reduced[few] = tolerance[few] * PROMISED * neighbour / (_SAFETY * error[few])
+    reduced[few] = tolerance[few] * PROMISED * asked / (_SAFETY * error[few])
     reduced = np.maximum(reduced, FINEST)
     # Lower bound from the first two runs, in case the later ones agree by chance.
     least[few] = first.tau_error[few] * reduced[few] / tolerance[few] / _SAFETY
-    second = _compare(run, rows[again], reduced[again], neighbour)
+    second = _compare(run, rows[again], reduced[again], asked)
     np.maximum(second.tau_error, least[again], out=second.tau_error)
-    _renew(first, again, second)
+    _replace_estimates(first, again, second)
     return first
 
 
@@ -175,8 +175,8 @@ def outcomes_differ(
     """
     periodic = (Outcome.SETTLED, Outcome.HORIZON_REACHED)
     same = np.isin(outcome, periodic) & np.isin(other, periodic) & alike
-    found: NDArray[np.bool_] = (outcome != other) & ~same
-    return found
+    differ: NDArray[np.bool_] = (outcome != other) & ~same
+    return differ
 
 
 def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[np.bool_]:
@@ -190,18 +190,16 @@ def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[n
     repetition = np.maximum(run.period, other.period) * excitation
     with np.errstate(divide="ignore", invalid="ignore"):
         repetitions = longer / repetition
-        each = np.rint(more / repetitions)
-        repeats: NDArray[np.bool_] = (repetition > 0.0) & (
-            np.abs(more - each * repetitions) <= each
-        )
-    found: NDArray[np.bool_] = (more == 0.0) | repeats
-    return found
+        per_repetition = np.rint(more / repetitions)
+        repeats = np.abs(more - per_repetition * repetitions) <= per_repetition
+    alike: NDArray[np.bool_] = (more == 0.0) | ((repetition > 0.0) & repeats)
+    return alike
 
 
-def _end(run: RunResult) -> Array:
+def _end_time(run: RunResult) -> Array:
     """Return the times of alignment, or of insertion, or of leaving the scene; else NaN.
 
-    A jammed part comes to rest at no definite time: for it, that of all corners inside.
+    A jammed part comes to rest at no definite time; its time is when all corners are inside.
     """
     time: Array = run.time
     ends = np.isin(run.outcome, (Outcome.LEFT_SCENE, Outcome.INSERTED))
@@ -213,14 +211,14 @@ def _end(run: RunResult) -> Array:
 def _ends_apart(
     p: Constants, run: RunResult, other: RunResult, motions_alike: bool = False
 ) -> NDArray[np.bool_]:
-    """Return a mask of the runs that end otherwise than their neighbours, or at another time.
+    """Return a mask of the runs with another outcome or end time than their neighbours.
 
-    ``motions_alike``: True if the motions count as alike however often they lift off.
+    ``motions_alike``: True if motions count as alike however often the part lifts off.
     """
-    found: NDArray[np.bool_] = np.abs(_end(run) - _end(other)) > SENSITIVE
-    found |= np.abs(run.tau_align - other.tau_align) > SENSITIVE
+    apart: NDArray[np.bool_] = np.abs(_end_time(run) - _end_time(other)) > SENSITIVE
+    apart |= np.abs(run.tau_align - other.tau_align) > SENSITIVE
     alike = _lift_off_alike(p, run, other) | motions_alike
-    return found | outcomes_differ(run.outcome, other.outcome, alike)
+    return apart | outcomes_differ(run.outcome, other.outcome, alike)
 
 
 def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
@@ -232,40 +230,41 @@ def _are_chaotic(run: RunResult, other: RunResult) -> NDArray[np.bool_]:
     # The same motion may have more events where several happen at once, but no larger tilt.
     tilts_more = np.abs(run.tilt_max - other.tilt_max) > SENSITIVE
     differ |= (run.separations != other.separations) | ((run.events != other.events) & tilts_more)
-    found: NDArray[np.bool_] = at_horizon & differ
-    return found
+    chaotic: NDArray[np.bool_] = at_horizon & differ
+    return chaotic
 
 
-def _error_of(time: Array, difference: Array, tolerance: Array) -> Array:
+def _time_error(time: Array, difference: Array, tolerance: Array) -> Array:
     """Return the estimated error of a time, from its ``difference`` to that of another run."""
-    found: Array = np.abs(difference) + tolerance + RESOLUTION * (1.0 + time)
-    return found
+    error: Array = np.abs(difference) + tolerance + RESOLUTION * (1.0 + time)
+    return error
 
 
 def _is_too_narrow(p: Constants, tolerance: Array) -> NDArray[np.bool_]:
     """Return a mask of the sets with a gap below the tolerance."""
-    found: NDArray[np.bool_] = p.slot_half_width - p.half_width < tolerance
-    return found
+    narrow: NDArray[np.bool_] = p.slot_half_width - p.half_width < tolerance
+    return narrow
 
 
 def _compare(
     run: Run,
     rows: Array,
     tolerance: Array,
-    neighbour: float | None = None,
+    asked: float | None = None,
     results: Array | None = None,
 ) -> Estimate:
-    """Run each row twice, and a third time, for the flag, from a start displaced by ``neighbour``.
+    """Estimate errors from neighbours, whose starts are displaced by the ``tolerance`` of a row.
 
-    Without ``neighbour`` the second run decides the flag. Rows that start nearly flat are run once
-    more. The first runs are not made if their ``results`` are known.
+    For the flag of sensitivity each row is also run from a start displaced by the tolerance
+    ``asked`` for; by default the neighbour decides it. Rows that start nearly flat have another
+    neighbour, tilted more. The rows themselves are not run if their ``results`` are known.
     """
     p = Constants(*rows.T)
     every = np.arange(len(rows))
     flat = np.flatnonzero(np.abs(p.initial_tilt) < NEARLY_FLAT)
     others = [(every, _displaced(rows, "misalignment", tolerance))]
-    if neighbour is not None:
-        others.append((every, _displaced(rows, "misalignment", neighbour)))
+    if asked is not None:
+        others.append((every, _displaced(rows, "misalignment", asked)))
     others.append((flat, _displaced(rows[flat], "initial_tilt", TILTED)))
     starts = [displaced for _, displaced in others]
     tolerances = [COARSER * tolerance[which] for which, _ in others]
@@ -280,16 +279,16 @@ def _compare(
     fine, coarse = RunResult(*results.T), RunResult(*ran[0].T)
     sensitive = _is_too_narrow(p, tolerance)
     for (which, _), displaced in zip(others, ran, strict=True):
-        mine, other = RunResult(*results[which].T), RunResult(*displaced.T)
-        sensitive[which] |= _ends_apart(Constants(*rows[which].T), mine, other, which is flat)
+        own, other = RunResult(*results[which].T), RunResult(*displaced.T)
+        sensitive[which] |= _ends_apart(Constants(*rows[which].T), own, other, which is flat)
         spent[which] += other.rhs_evaluations
     fine.reason[_are_chaotic(fine, coarse)] = Reason.CHAOTIC  # a view of ``results``
     inserted = fine.tau_align + fine.tau_inserted
     later = inserted - (coarse.tau_align + coarse.tau_inserted)
     return Estimate(
         results=results,
-        tau_error=_error_of(fine.tau_align, fine.tau_align - coarse.tau_align, tolerance),
-        insertion_error=_error_of(inserted, later, tolerance),
+        tau_error=_time_error(fine.tau_align, fine.tau_align - coarse.tau_align, tolerance),
+        insertion_error=_time_error(inserted, later, tolerance),
         sensitive=sensitive,
         rhs_evaluations=spent,
         tolerance=tolerance,

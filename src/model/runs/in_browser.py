@@ -24,12 +24,12 @@ from model.compile.source import defined
 from model.compile.views import reader, writer
 from model.compile.webassembly import NUMBERS, Function, array_at, compile_modules, whole_numbers
 from model.engines.batch.event_kernels import in_vector_kernels
-from model.engines.batch.event_search import Search
-from model.engines.batch.scheduling import Many, Waiting, integrate_all, new_many
+from model.engines.batch.event_search import SearchMemory
+from model.engines.batch.scheduling import BatchMemory, Waiting, integrate_all, new_batch_memory
 from model.engines.lifecycle import Control, History
-from model.engines.record import keep_result
+from model.engines.record import store_result
 from model.engines.results import RunResult
-from model.engines.scalar.loop import Single, Workspace, new_single
+from model.engines.scalar.loop import ScalarMemory, Workspace, new_scalar_memory
 from model.engines.scalar.tableaux import DOP853
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
@@ -48,7 +48,7 @@ _write_constants = writer(Constants, "row", "row[{}]".format)
 
 @kernel
 def _resolve(given, row):
-    """Write the ``Constants`` of the parameters ``given`` into ``row``, consistent readings."""
+    """Write the ``Constants`` of the parameters ``given`` into ``row``, consistent variants."""
     _write_constants(resolved(_read_given(given)), row)
 
 
@@ -56,7 +56,7 @@ def _resolve(given, row):
 
 
 def _memory_of(value: Any, offset: int = 0) -> tuple[str, int]:
-    """Return the code that makes a value of the shapes of ``value`` in ``memory``, and its end.
+    """Return the code that makes a value like ``value`` in ``memory`` at ``offset``, and its end.
 
     ``value`` is an array, or a named tuple of arrays and of such tuples.
     """
@@ -75,19 +75,19 @@ _ARGUMENTS: dict[str, Any] = dict.fromkeys(
     ("given", "control", "rows", "out", "results", "memory"), NUMBERS
 )
 _ARGUMENTS["rows"] = types.int32
-_TUPLES: tuple[Any, ...] = (Single, Workspace, Many, Search, History, Waiting)
+_TUPLES: tuple[Any, ...] = (ScalarMemory, Workspace, BatchMemory, SearchMemory, History, Waiting)
 _KERNELS: tuple[Any, ...] = (
     array_at,
     whole_numbers,
     _resolve,
     integrate_trace,
     integrate_all,
-    keep_result,
+    store_result,
 )
 
 
 def _function(name: str, size: int, lines: list[str], scene: SceneKernels) -> Function:
-    """Make an exported function from its lines; its memory of ``size`` numbers begins as zeros."""
+    """Make an exported function from its lines; it first sets its ``size`` numbers to zero."""
     known: dict[str, Any] = {each.__name__: each for each in (*_TUPLES, *_KERNELS)}
     known |= {"scene": scene, "method": DOP853.method, "control_in": _control_in}
     head = [f"def {name}({', '.join(_ARGUMENTS)}):", f"array_at(memory, 0, ({size},))[:] = 0.0"]
@@ -103,20 +103,20 @@ def _scalar(scene: Scene) -> tuple[Function, int]:
 
     It runs one set; ``out`` is the track, shape (``rows``, columns).
     """
-    single, size = _memory_of(new_single(DOP853.method), _CONSTANTS)
+    single, size = _memory_of(new_scalar_memory(DOP853.method), _CONSTANTS)
     lines = [
         f"row = array_at(memory, 0, ({_CONSTANTS},))",
         f"_resolve(array_at(given, 0, ({_GIVEN},)), row)",
         f"single, track = {single}, array_at(out, 0, (rows, {len(COLUMNS)}))",
         "integrate_trace(row, control[0], scene, method, control_in(control), track, single)",
-        f"keep_result(single.runs, 0, array_at(results, 0, (1, {_RESULTS})), 0)",
+        f"store_result(single.runs, 0, array_at(results, 0, (1, {_RESULTS})), 0)",
     ]
     return _function("run_one", size, lines, in_kernels(scene)), size
 
 
 @kernel
 def _fill_no_errors(_kind, _block, _coefficients, _given, _error):
-    """Take the place of ``fill_errors``, a fifth of the page: its runs carry no error."""
+    """Replace ``fill_errors``, a fifth of the page's size: runs of the page carry no error."""
 
 
 def _batch(scene: Scene) -> tuple[Function, int]:
@@ -128,7 +128,7 @@ def _batch(scene: Scene) -> tuple[Function, int]:
     members = kernels.events.members | {"fill_errors": _fill_no_errors}
     events = GeneratedKernels(f"{kernels.events.name}-without-errors", members, set())
     kernels = kernels._replace(events=events)
-    many, size = _memory_of(new_many(kernels), 8)
+    many, size = _memory_of(new_batch_memory(kernels), 8)
     lines = [
         f"sets = array_at(given, 0, (rows, {_GIVEN}))",
         f"constants = array_at(out, 0, (rows, {_CONSTANTS}))",
@@ -149,7 +149,7 @@ def _batch(scene: Scene) -> tuple[Function, int]:
 
 
 class Modules(NamedTuple):
-    """The two engines as WebAssembly, and what a page must know to call them."""
+    """The two engines as WebAssembly, and the ``interface`` by which a page calls them."""
 
     run_one: bytes
     run_many: bytes
@@ -157,7 +157,7 @@ class Modules(NamedTuple):
 
 
 def interface(scene: Scene = INSERTION) -> dict[str, Any]:
-    """Return the names and numbers by which a page calls the engines and reads their results."""
+    """Return the names and numbers with which a page calls the engines and reads their results."""
     return {
         "parameters": PARAMETER_NAMES,
         "columns": COLUMNS,
@@ -170,7 +170,11 @@ def interface(scene: Scene = INSERTION) -> dict[str, Any]:
 
 
 def _compile(folder: Path) -> None:
-    """Write the modules and their interface into ``folder``: a run goes on into the slot."""
+    """Write the modules and their interface into ``folder``.
+
+    ``run_one``, for the animation of a run, has the insertion scene; ``run_many``, for maps, ends
+    at alignment.
+    """
     made = _scalar(INSERTION), _batch(ALIGNMENT)
     table = interface() | {"functions": {}}
     compiled = compile_modules([function for function, _ in made])
@@ -185,7 +189,7 @@ def _folder() -> Path:
 
 
 def are_cached() -> bool:
-    """Return whether ``modules`` needs not compile them."""
+    """Return whether the modules are compiled already."""
     return _folder().exists()
 
 

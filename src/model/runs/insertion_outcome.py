@@ -1,4 +1,4 @@
-"""Ends of aligned runs in the slot, by the insertion scene."""
+"""Outcomes of aligned runs in the insertion scene: inserted, jammed, or another end."""
 
 from dataclasses import replace
 

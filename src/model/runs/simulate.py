@@ -7,7 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import KINDS, RESULTS, TRACK_VARIABLES, Results, RunResult, results_table
+from model.engines.results import (
+    RESULTS,
+    TRACK_VARIABLES,
+    VALUE_TYPES,
+    Results,
+    RunResult,
+    results_table,
+)
 from model.engines.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.notation import STATE_SIZE
@@ -118,5 +125,5 @@ def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array
         contact_force=variables["contact_force"],
         side_force=variables["side_force"],
         right_force=variables["right_force"],
-        **{name: KINDS[name].scalar(results[name]) for name in RESULTS},
+        **{name: VALUE_TYPES[name].scalar(results[name]) for name in RESULTS},
     )

@@ -1,4 +1,4 @@
-"""Runs to be shown: a track with the mode, the contact forces and the event of every row."""
+"""Trace of a run: its track with the mode, the contact forces and the event of every row."""
 
 from typing import Any, NamedTuple
 
@@ -13,11 +13,11 @@ from model.engines.record import (
     OUTCOME,
     TRACKED,
     constants_of,
-    keep_result,
     mode_of,
+    store_result,
 )
 from model.engines.results import TRACK_VARIABLES, RunResult
-from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_single, track_run
+from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, track_run
 from model.events.kernels import MOST_EVENTS
 from model.events.transitions import CONTINUES
 from model.physics.modes import Mode
@@ -36,11 +36,11 @@ COLUMNS = (
     "time", *TRACK_VARIABLES, "event",
     *(f"mode_{name}" for name in Mode._fields), *(f"at_{name}" for name in _FORCES._fields),
 )  # fmt: skip
-"""Columns of a track: time, variables, number of the event that led there from 1, mode, forces."""
+"""Columns of a track: time, variables, number from 1 of the event just passed, mode, forces."""
 
 _USUAL_TRACK = 4096  # rows; a longer one is run again with enough rows
-_keep_mode = writer(Mode, "track, row", lambda n: f"track[row, {_FIRST_MODE + n}]")
-_keep_forces = writer(_FORCES, "track, row", lambda n: f"track[row, {_FIRST_FORCE + n}]")
+_store_mode = writer(Mode, "track, row", lambda n: f"track[row, {_FIRST_MODE + n}]")
+_store_forces = writer(_FORCES, "track, row", lambda n: f"track[row, {_FIRST_FORCE + n}]")
 _state_at = reader(State, "track, row", lambda n: f"track[row, {n + 1}]")
 
 
@@ -49,13 +49,13 @@ def _note_modes(mode, event, track, first, end, p):
     """Write event, mode and forces of the rows ``first`` to ``end`` of a track."""
     for row in range(first, min(end, track.shape[0])):
         track[row, _EVENT] = event
-        _keep_mode(mode, track, row)
-        _keep_forces(motion(track[row, 0], _state_at(track, row), p, mode), track, row)
+        _store_mode(mode, track, row)
+        _store_forces(motion(track[row, 0], _state_at(track, row), p, mode), track, row)
 
 
 @kernel
 def _mark_events(runs, i):
-    """Mark the events so far in another way that counts alike; the next one has the usual mark."""
+    """Set ``MADE`` to 2 for the events so far, so that the next event is the only 1."""
     for which in range(MOST_EVENTS):
         if runs[i, MADE + which] != 0.0:
             runs[i, MADE + which] = 2.0
@@ -71,12 +71,12 @@ def _next_event(runs, i):
 
 
 @kernel
-def integrate_trace(row, tolerance, scene, method, control, track, single):
+def integrate_trace(row, tolerance, scene, method, control, track, memory):
     """Integrate as ``integrate`` does, with event, mode and forces in the track; see ``COLUMNS``.
 
-    An event's row is that after it; the row before it has the same time.
+    At an event two rows have the same time, before and after it; the second has its number.
     """
-    runs, history, work = single.runs, single.history, single.work
+    runs, history, work = memory.runs, memory.history, memory.work
     i = runs.shape[0] - 1
     begin(row, tolerance, scene, control, runs, i)
     track_run(scene.events, track, work.scratch, runs, i)
@@ -106,10 +106,10 @@ def trace_run(parameters: Parameters, settings: Settings) -> Trace:
     scene, method, control = settings.for_kernels
     rows = _USUAL_TRACK
     while True:
-        single, track = new_single(method), np.empty((rows, len(COLUMNS)))
-        integrate_trace(row, settings.tolerance, scene, method, control, track, single)
+        memory, track = new_scalar_memory(method), np.empty((rows, len(COLUMNS)))
+        integrate_trace(row, settings.tolerance, scene, method, control, track, memory)
         results = np.empty((1, len(RunResult._fields)))
-        keep_result(single.runs, 0, results, 0)
+        store_result(memory.runs, 0, results, 0)
         found = RunResult(*results[0].tolist())
         if found.tracked <= rows:
             return Trace(found._asdict(), track[: int(found.tracked)])

@@ -2,8 +2,8 @@
 
 A run is vibratory alignment if its control comes to rest on the edge A1 (paper, sect. 1: the part
 "gets tilted and takes stable equilibrium position"; then vibration moves it). The control is
-pressed at once, as the run; where only its overshoot makes it fall in, it rests if it is pressed
-slowly.
+pressed as suddenly as the run. A part that falls in only because it overshoots would rest under a
+slow press: ``slow_tilt`` gives the tilt of that rest.
 """
 
 from dataclasses import replace
@@ -26,13 +26,13 @@ from model.runs.settings import Settings
 Array = NDArray[np.float64]
 
 
-class Unvibrations(NamedTuple):
+class UnvibratedEnds(NamedTuple):
     """Ends of unvibrated runs: arrays of shape (n,).
 
     Attributes:
         outcome: values of ``Unvibrated``. A part ``RESTS`` if it comes to rest with A1 on its
-            bottom face as the only contact; ``LEAVES`` is all else that does not align: it leaves
-            the scene, leans on A2 as well, or does not come to rest within the horizon.
+            bottom face as the only contact. A part that neither rests nor aligns ``LEAVES``: it
+            leaves the scene, leans on A2 as well, or does not come to rest within the horizon.
         tilt: tilt of the rest in radians; NaN unless the part rests.
     """
 
@@ -40,12 +40,14 @@ class Unvibrations(NamedTuple):
     tilt: Array
 
 
-def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> Unvibrations:
-    """Run the sets of ``batch`` without excitation from the simultaneous start; equal ones once.
+def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> UnvibratedEnds:
+    """Run the sets of ``batch`` without excitation, from the simultaneous start.
+
+    Sets that differ only in their excitation are run once.
 
     Args:
         batch: the vibrated runs.
-        settings: of the runs; the horizon must leave the part the time to come to rest.
+        settings: of the vibrated runs; within their horizon the part must come to rest.
         cores: number of threads.
     """
     still = np.zeros(len(batch))
@@ -60,13 +62,13 @@ def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> Unvibrations
     ends = np.where(rests, Unvibrated.RESTS, Unvibrated.LEAVES)
     ends = np.where(found.outcome == Outcome.ALIGNED, Unvibrated.ALIGNS, ends).astype(np.int8)
     which = which.reshape(-1)
-    return Unvibrations(ends[which], np.where(rests, found.end_tilt, np.nan)[which])
+    return UnvibratedEnds(ends[which], np.where(rests, found.end_tilt, np.nan)[which])
 
 
 def slow_tilt(batch: Batch, settings: Settings) -> Array:
     """Return the tilts at which parts rest under a slow press, shape (n,); NaN without rest.
 
-    NaN as well unless the readings are consistent, since physics/rest.py knows no others.
+    NaN as well for printed variants of the equations, which physics/rest.py does not have.
     """
     tilts = np.full(len(batch), np.nan)
     if settings.readings == Variants.consistent():
@@ -98,7 +100,7 @@ def unvibrated_words(parameters: Parameters, settings: Settings) -> str:
 
 @kernel
 def _rest_of_each(rows, tilts):
-    """Write the tilt of each part that rests under a slow press into ``tilts``."""
+    """Write the tilts of parts that rest under a slow press into ``tilts``."""
     for row in range(rows.shape[0]):
         rest = rest_under_press(constants_in(rows[row]))
         if rest.found:

@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
-from model.engines.results import IN_SLOT, KINDS, RESULTS, UNVIBRATED_CONTROL
+from model.engines.results import IN_SLOT, RESULTS, UNVIBRATED_CONTROL, VALUE_TYPES
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.runs.align import align
@@ -187,7 +187,10 @@ def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dat
     points = sweep.points_of_chunk(chunk, chunks)
     found = _computed(sweep, sweep.batch(points), cores)
     variables: dict[str, Any] = {
-        name: (POINT, found[name].astype(KINDS[name].stored if name in VARIABLES else np.float64))
+        name: (
+            POINT,
+            found[name].astype(VALUE_TYPES[name].stored if name in VARIABLES else np.float64),
+        )
         for name in sweep.variables
     }
     if sweep.kind == "history":

@@ -1,4 +1,4 @@
-"""The error of a run at an event: that of a displaced run, which reaches the event later."""
+"""The carried error at an event: equal to the displacement of a run from a displaced start."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The masks of events by kinds of mode: no event that may apply is left out."""
+"""Masks of events for the modes of lanes: they contain every event that may apply."""
 
 from itertools import product
 

@@ -1,4 +1,4 @@
-"""The series of the batch engine: they solve the equations of motion, and hold what is watched."""
+"""Series of the batch engine: they solve the equations of motion and give event quantities."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from model.engines.batch.event_search import (
     first_crossing,
     values_at,
 )
-from model.engines.batch.kinds import (
+from model.engines.batch.mode_kinds import (
     ALIGNMENT_KINDS,
     BETWEEN_WALLS,
     FREE,
@@ -23,27 +23,27 @@ from model.engines.batch.kinds import (
     SIDE_CONTACTS,
     SLIDES,
     STICKS,
-    Kind,
+    ModeKind,
 )
 from model.engines.batch.peaks import largest_until
 from model.engines.batch.series import (
-    CONSISTENT,
     GIVEN,
+    LANE_CONSTANTS,
     EventQuantities,
     recurrences,
 )
 from model.engines.batch.series_kernels import series_filler
-from model.engines.batch.series_plan import (
+from model.engines.batch.series_layout import (
     ERROR_ORDER,
     FRACTIONS,
     NODES,
     ORDER,
     ORDERS,
-    ORDERS_THERE,
     ROWS,
     SINES,
+    SUMMED_ORDERS,
     TILT,
-    Plan,
+    Layout,
 )
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
@@ -76,7 +76,7 @@ EVENTS = in_vector_kernels(ALIGNMENT).events
 
 def kind_of(support: int, side: int) -> int:
     """Return the number of the kind of mode with these states of A1 and A2."""
-    return ALIGNMENT_KINDS.index(Kind(ON_RIGHT_EDGE, support, side))
+    return ALIGNMENT_KINDS.index(ModeKind(ON_RIGHT_EDGE, support, side))
 
 
 WATCHED = [k for k in range(EVENTS.count) if f"enter_{k}" in EVENTS.members]
@@ -98,7 +98,9 @@ class Step:
         flat = new_workspace(EVENTS.rows)
         self.w = flat.reshape(EVENTS.rows, WIDTH)
         self.w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
-        named = dict(zip(np.array(Constants._fields)[CONSISTENT].tolist(), self.w, strict=False))
+        named = dict(
+            zip(np.array(Constants._fields)[LANE_CONSTANTS].tolist(), self.w, strict=False)
+        )
         named["contact_stiffness"][:] = 50.0
         named["friction"][:] = 0.3
         self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
@@ -120,36 +122,32 @@ class Step:
 
     def constants(self, lane: int) -> Constants:
         values = np.zeros(len(Constants._fields))
-        values[CONSISTENT] = self.w[: GIVEN - 2, lane]
+        values[LANE_CONSTANTS] = self.w[: GIVEN - 2, lane]
         return Constants(*values.tolist())
 
     def mode(self, lane: int) -> Mode:
         face, slip, side, side_slip = (
-            int(self.w[row, lane])
-            for row in (
-                FACE, SUPPORT_SLIP, SIDE,
-                SIDE_SLIP,
-            )
-        )  # fmt: skip
+            int(self.w[row, lane]) for row in (FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP)
+        )
         return Mode(RIGHT_EDGE, face, OPEN, 0.0, False, slip, side, side_slip, False)
 
-    def watches(self, which: int, lane: int) -> bool:
+    def applies(self, which: int, lane: int) -> bool:
         """Whether an event applies in the mode of a lane."""
         applies = self.w[EVENTS.samples + which, lane] != NEVER
         return bool(applies and self.applicable & 1 << which)
 
     def at(self, time: float, lane: int) -> np.ndarray:
-        """States and what is watched, a time after the start of the step."""
+        """States and event quantities at ``time`` after the start of the step."""
         return time ** np.arange(len(self.series)) @ self.series[:, :SINES, lane]
 
     def rates(self, time: float, lane: int) -> np.ndarray:
-        """The same, of the states' time derivative."""
+        """Time derivatives of the states at ``time`` after the start of the step."""
         orders = np.arange(1, len(self.series))
         return (orders * time ** (orders - 1)) @ self.series[1:, :6, lane]
 
 
 def residual(step: Step, time: float) -> float:
-    """By how much the series miss the equations of motion, largest of all workspace."""
+    """Largest difference, over all lanes, between the series and the equations of motion."""
     missed = 0.0
     for lane in range(WIDTH):
         q = State(*step.at(time, lane)[:6].tolist())
@@ -188,7 +186,7 @@ def test_the_series_solve_the_equations_of_motion_to_their_order(support: int, s
         assert slope >= 0.95 * (len(step.series) - 2)
 
 
-def mode_of(kind: Kind, signs: np.ndarray) -> Mode:
+def mode_of(kind: ModeKind, signs: np.ndarray) -> Mode:
     """Return a mode of a kind, with these signs of the slips."""
     support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     slips = np.where([support.sticks, side.sticks], 0, signs).astype(int).tolist()
@@ -220,7 +218,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
     flat = new_workspace(workspace.EVENT_ROWS)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
-    row = {name: n for n, name in enumerate(np.array(Constants._fields)[CONSISTENT].tolist())}
+    row = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
     w[row["contact_stiffness"]], w[row["friction"]] = 50.0, 0.3
     signs = rng.choice([-1.0, 1.0], (2, WIDTH))
     w[GIVEN - 2 : GIVEN] = signs
@@ -241,7 +239,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
     time, orders = 1e-3, np.arange(1, ORDER + 1)
     for lane in range(WIDTH):
         values = np.zeros(len(Constants._fields))
-        values[CONSISTENT] = w[: GIVEN - 2, lane]
+        values[LANE_CONSTANTS] = w[: GIVEN - 2, lane]
         p, mode = Constants(*values.tolist()), mode_of(kind, signs[:, lane])
         found = time ** np.arange(ORDER + 1) @ series[:, :SINES, lane]
         q = State(*found[:6].tolist())
@@ -270,7 +268,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
 
 
 @each_kind
-def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: int) -> None:
+def test_event_quantities_equal_the_scalar_functions(support: int, side: int) -> None:
     step = Step(support, side, 0.1)
     for lane in range(WIDTH):
         for time in (0.0, 1e-3):
@@ -294,7 +292,7 @@ def test_what_is_watched_is_what_the_scalar_functions_say(support: int, side: in
             )
 
 
-FOLLOWED = [TILT, *range(6, SINES - 2)]  # rows that are sampled at every node
+SAMPLED_ROWS = [TILT, *range(6, SINES - 2)]  # rows that are sampled at every node
 
 
 @each_kind
@@ -302,10 +300,10 @@ def test_curvature_bounds_bound_the_distance_from_a_line(support: int, side: int
     step = Step(support, side, 0.05, tolerance=1e-6)
     for lane in range(WIDTH):
         length = step.w[workspace.LENGTH, lane]
-        bends = step.w[workspace.VALUES + NODES * SINES :][FOLLOWED, lane]
+        bends = step.w[workspace.VALUES + NODES * SINES :][SAMPLED_ROWS, lane]
         for start in (0.0, 0.25, 0.5, 0.75):
             left, middle, right = (
-                step.at((start + part) * length, lane)[FOLLOWED] for part in (0.0, 0.125, 0.25)
+                step.at((start + part) * length, lane)[SAMPLED_ROWS] for part in (0.0, 0.125, 0.25)
             )
             off = np.abs(middle - 0.5 * (left + right))
             assert (off <= 0.25**2 / 8.0 * bends * (1.0 + 1e-9) + 1e-12).all()
@@ -313,18 +311,18 @@ def test_curvature_bounds_bound_the_distance_from_a_line(support: int, side: int
 
 def operations(support: int, side: int) -> int:
     """Return the floating-point operations of the series of one run in a kind of mode."""
-    plan, count = Plan(recurrences(Kind(ON_RIGHT_EDGE, support, side))), 0
-    for row in plan.stage:
-        orders = ORDER + 1 if plan.is_ahead(row) else ORDER
-        if row.kind in ("product", "quotient"):
+    layout, count = Layout(recurrences(ModeKind(ON_RIGHT_EDGE, support, side))), 0
+    for row in layout.stage:
+        orders = ORDER + 1 if layout.is_ahead(row) else ORDER
+        if row.rule in ("product", "quotient"):
             count += orders * (orders + 1)  # a product and a sum for each term
-        elif row.kind == "sum":
-            count += 2 * orders * len(row.of[1])
-    return count + 2 * ORDER * sum(len(each.terms) for each in plan.series.accelerations)
+        elif row.rule == "sum":
+            count += 2 * orders * len(row.operands[1])
+    return count + 2 * ORDER * sum(len(each.terms) for each in layout.series.accelerations)
 
 
 def test_a_sliding_part_takes_ten_products() -> None:
-    sliding = recurrences(Kind(ON_RIGHT_EDGE, SLIDES, FREE))
+    sliding = recurrences(ModeKind(ON_RIGHT_EDGE, SLIDES, FREE))
     assert len(sliding.accelerations) == 3
     # Two for sine and cosine, four for where the edge is, four for its forces: of each order.
     products = 10 * ORDER * (ORDER + 1)
@@ -349,12 +347,12 @@ def test_series_of_levels_are_those_of_the_levels(support: int, side: int) -> No
     step, compared = Step(support, side, 0.4, tolerance=1e-6), 0
     series = np.zeros(QUANTITIES * TERMS)
     assert (step.w[workspace.LENGTH] > 0.03).all()
-    nodes, orders = (0.0, *FRACTIONS), (ORDER, *ORDERS_THERE)
+    nodes, orders = (0.0, *FRACTIONS), (ORDER, *SUMMED_ORDERS)
     rows = EVENTS.samples + EVENTS.count * np.arange(NODES)
     for lane in range(WIDTH):
         for which in WATCHED:
             expected = step.w[rows + which, lane]
-            if step.watches(which, lane):
+            if step.applies(which, lane):
                 flat = step.w.reshape(-1)
                 found = np.concatenate([
                     sampled(which, np.array([node]), series, flat, lane, last)
@@ -392,7 +390,7 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
             flat = step.w.reshape(-1)
             for lane in range(WIDTH):
                 for which in WATCHED:
-                    if not step.watches(which, lane) or EVENTS.is_partial(which):
+                    if not step.applies(which, lane) or EVENTS.is_partial(which):
                         continue
                     values = sampled(which, places, series, flat, lane)
                     if values[0] <= 1e-6:

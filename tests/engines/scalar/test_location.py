@@ -1,8 +1,8 @@
-"""Switches located inside one step whose dense output is written by hand.
+"""Events located inside one step whose dense output is written by hand.
 
-The part hangs high above the base, in all tests but one, and only the switch OVERTURNED, a limit
-near π/2 less |φ|, can come near zero; φ is chosen so that this function is any polynomial g < 1.5
-we like, with roots known beforehand.
+In all tests but one the part hangs high above the base. Only the level of the event OVERTURNED, a
+limit near π/2 less |φ|, can then reach zero. φ is chosen so that this level is a polynomial g < 1.5
+with known roots.
 """
 
 from math import cos, pi, sin
@@ -60,7 +60,7 @@ def test_a_single_crossing_is_found(locate, root, other):
     assert theta == pytest.approx(root, abs=ROUNDING)
 
 
-def test_no_crossing_is_no_switch(locate):
+def test_no_crossing_is_no_event(locate):
     assert locate(with_roots(1.0 + 1e-9, 1.5)) == (-1, NO_EVENT)
 
 
@@ -89,21 +89,21 @@ def test_a_double_crossing_beside_an_end_of_the_step_is_found(locate, first, sec
 
 @pytest.mark.parametrize("lowest", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("where", [0.3, 0.5, 0.62])
-def test_a_graze_that_stays_above_zero_is_no_switch(locate, lowest, where):
+def test_a_graze_that_stays_above_zero_is_no_event(locate, lowest, where):
     graze = with_roots(where, where) + lowest
     assert locate(graze) == (-1, NO_EVENT)
 
 
 @pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("where", [0.3, 0.5, 0.62])
-def test_a_graze_that_goes_below_zero_is_a_switch(locate, depth, where):
+def test_a_graze_that_goes_below_zero_is_an_event(locate, depth, where):
     which, theta = locate(with_roots(where, where) - depth)
     assert which == OVERTURNED
     # (θ - w)² = depth at θ = w - √depth, determined to 1e-15 / (2 √depth).
     assert theta == pytest.approx(where - np.sqrt(depth), abs=1e-14 / np.sqrt(depth) + ROUNDING)
 
 
-def test_a_function_that_starts_on_its_zero_and_rises_does_not_switch_there(locate):
+def test_a_function_that_starts_on_its_zero_and_rises_has_no_event_there(locate):
     assert locate(with_roots(0.0, -1.0, scale=0.5)) == (-1, NO_EVENT)
     which, theta = locate(with_roots(0.0, 0.4, scale=-1.0))  # up, and down again at 0.4
     assert (which, theta) == (OVERTURNED, pytest.approx(0.4, abs=ROUNDING))
@@ -111,13 +111,13 @@ def test_a_function_that_starts_on_its_zero_and_rises_does_not_switch_there(loca
     assert (which, theta) == (OVERTURNED, pytest.approx(0.1, abs=ROUNDING))
 
 
-def test_a_function_that_starts_on_its_zero_and_falls_events_at_once(locate):
+def test_a_function_that_starts_on_its_zero_and_falls_has_an_event_at_once(locate):
     which, theta = locate(with_roots(0.0, 2.0))
     assert (which, theta) == (OVERTURNED, 0.0)
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.3, 5.0, -0.2])
-def test_parts_that_overlap_as_they_begin_to_be_watched_meet_at_once(device, constants, rate):
+def test_parts_that_overlap_as_their_level_begins_to_apply_meet_at_once(device, constants, rate):
     # A1 is 0.01 behind the bottom face; at the largest rate it is out after 1/500 of the step.
     p, tilt, depth = constants(device), 0.05, 0.01
     place = (device.half_height - (device.slot_half_width - 0.3) * sin(tilt)) / cos(tilt)

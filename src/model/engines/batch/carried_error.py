@@ -2,9 +2,11 @@
 
 Every step adds its local error, the next term of its series. Between events the error obeys the
 linearised equations of motion (``ErrorWriter`` of series_code.py). At an event it is multiplied by
-the saltation matrix: a displaced run reaches the event later, and goes on in the mode before it in
-the meantime (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
+the saltation matrix: a displaced run reaches the event later, and until then moves in the mode
+before it (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
 section 7.2).
+
+Input: the workspace after ``step_all``, and the run's record. Output: the errors in the record.
 """
 
 from math import inf
@@ -12,16 +14,16 @@ from math import inf
 from model.compile.jit import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
-from model.engines.batch.series_plan import ERROR_ORDER, ORDER, REMAINDER, ROWS
+from model.engines.batch.series_layout import ERROR_ORDER, ORDER, REMAINDER, ROWS
 from model.engines.batch.workspace import COEFFICIENTS
 from model.engines.record import (
     ERROR,
     LARGEST_ERROR,
     TIME,
     constants_of,
-    keep_state_in,
     mode_of,
     state_in,
+    store_state_in,
 )
 from model.engines.scalar.step import moved, rates_of
 from model.events.friction import hold_sticking
@@ -48,7 +50,7 @@ def _size(q):
 def carry_error(length, w, lane, runs, i):
     """Carry the error of run ``i`` through a step of its lane, or through its part to an event.
 
-    The local error is what the series omits: its next term.
+    The local error is the first term that the series omits.
     """
     power = length ** (ORDER + 1)
     for n in range(STATE_SIZE):
@@ -70,18 +72,18 @@ def _derivative(events, which, time, q, p, mode, direction, later):
 
 
 @inlined_kernel
-def _keeps_friction(pressed, slip, presses, slips):
-    """Return whether a contact slides on, begins to slide, or presses no more."""
-    if pressed:
-        return not presses or slips == slip or slip == STICKING
-    return not presses or slips != STICKING
+def _keeps_friction(presses, slip, presses_after, slip_after):
+    """Return whether a contact slides on, begins to slide, or no longer presses."""
+    if presses:
+        return not presses_after or slip_after == slip or slip == STICKING
+    return not presses_after or slip_after != STICKING
 
 
 @inlined_kernel
 def _is_continuous(kind, before, after):
-    """Return whether forces and velocities are continuous at an event, so that the error is.
+    """Return whether forces and velocities, and with them the error, are continuous at an event.
 
-    They are where a load is zero, and where friction reaches its limit.
+    They are where a load passes zero, and where friction reaches its limit.
     """
     return (
         kind != LENGTH
@@ -112,7 +114,7 @@ def apply_saltation(events, which, q, before, runs, i):
     held = hold_sticking(moved(q, factor, at_event), p, after)
     jump = moved(held, -1.0, hold_sticking(q, p, after))
     error = moved(moved(_ORIGIN, 1.0 / factor, jump), -late, rates_after)
-    keep_state_in(error, runs, ERROR, i)
+    store_state_in(error, runs, ERROR, i)
     runs[i, LARGEST_ERROR] = max(runs[i, LARGEST_ERROR], _size(error))
 
 
@@ -120,7 +122,8 @@ def apply_saltation(events, which, q, before, runs, i):
 def error_of_time(events, which, q, before, runs, i):
     """Bound of the error of the time of an event at ``q``, which ends the mode ``before``.
 
-    The errors of the states do not cancel in it: they are estimates.
+    The contributions of the states are summed by size: their errors are estimates, and need not
+    cancel.
     """
     time, p, error = runs[i, TIME], constants_of(runs, i), state_in(runs, ERROR, i)
     across = 0.0

@@ -1,8 +1,9 @@
 """Kernels of the batch engine that loop over events, generated from the table of a scene.
 
-numba vectorizes loops over lanes only if every level is written out with places known at compile
-time; the code is therefore generated, a line for each event, from the forms of the levels
-(traced.py). Events that apply in no mode of the lanes are omitted.
+Input: an event table, with its levels as linear forms (level_forms.py). Output: the members that
+``vector_kernels_of`` lists, for step.py, event_search.py and scheduling.py. numba vectorizes loops
+over lanes only if every level is written out, with places known at compile time: the code is
+generated, a line for each event. Events that apply in no mode of the lanes are omitted.
 """
 
 from collections.abc import Iterator
@@ -17,37 +18,31 @@ from model.compile.jit import inlined_kernel, kernel, python_of
 from model.compile.source import Lines, Writer
 from model.compile.vector_code import WIDTH
 from model.engines.batch import step, workspace
-from model.engines.batch.kinds import (
+from model.engines.batch.level_forms import LinearForm, P, forms_of, is_nothing, rendered
+from model.engines.batch.mode_kinds import (
     MODES_OF_A_KIND,
-    held_modes,
     kind_in,
     kinds_of,
+    lane_modes,
     mode_in_kind,
     numbers_of,
 )
-from model.engines.batch.series import (
-    EventQuantities,
-)
+from model.engines.batch.series import EventQuantities
 from model.engines.batch.series_kernels import errors_filler, series_filler, series_sampler
-from model.engines.batch.series_plan import NODES, ORDER, ROWS, SINES
-from model.engines.batch.traced import LinearForm, P, forms_of, is_nothing, rendered
-from model.engines.batch.workspace import (
-    COEFFICIENTS,
-    EVENT_ROWS,
-    ROW,
-    VALUES,
-)
+from model.engines.batch.series_layout import NODES, ORDER, ROWS, SINES
+from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
 from model.events.kernels import SceneKernels, combined_count, kernels_of
 from model.events.levels import NEVER, NOTHING
 from model.events.scenes import Scene
 from model.events.table import Event, Table
 
 TERMS = ORDER + 1  # of the series of each quantity
-_AT_ONCE = 8  # events in a loop over lanes: the compiler does not vectorize shorter ones
+_EVENTS_PER_LOOP = 8  # events in a loop over lanes: the compiler does not vectorize shorter ones
+_BOUND_SCALE = f"{step.CURVATURE!r} * "  # from the bound of |g''| to the curvature bound
 _CORNERS = "corner_load", "wall_load"  # the last quantities, of the insertion scene
 
 
-_RUBS = P._replace(friction=1.0)
+_ROUGH = P._replace(friction=1.0)  # constants with which every level applies that needs friction
 
 
 class Case(NamedTuple):
@@ -58,7 +53,13 @@ class Case(NamedTuple):
 
 
 class LaneEvent:
-    """Event that has a level in some mode of the lanes."""
+    """Event that has a level in some mode of the lanes.
+
+    Attributes:
+        number: index in the event table.
+        cases: cases of its level.
+        places: places of the modes in which it applies; see ``LaneMode``.
+    """
 
     def __init__(self, number: int, event: Event, inserts: bool) -> None:
         self.number = number
@@ -66,7 +67,7 @@ class LaneEvent:
         self.places: set[tuple[int, int]] = set()
         for applies, level in event.level:
             here = python_of(applies)
-            places = {place for mode, place in held_modes(inserts) if here(_RUBS, mode)}
+            places = {place for mode, place in lane_modes(inserts) if here(_ROUGH, mode)}
             if not places:
                 continue
             forms = forms_of(event.source, level, inserts)
@@ -81,7 +82,7 @@ class LaneEvent:
         return any(not form.is_known for case in self.cases for form in case.forms)
 
 
-def _loads(forms: tuple[LinearForm, ...], row: str, scale: str = "") -> Lines:
+def _load_lines(forms: tuple[LinearForm, ...], row: str, scale: str = "") -> Lines:
     """Lines that load the rows of forms, from ``row`` on."""
     names = dict.fromkeys(name for form in forms for name in form.factors)
     for name in names:
@@ -121,22 +122,22 @@ def _selected(event: LaneEvent, texts: list[str], otherwise: str, write: Writer)
 
 def _in_loops(events: list[LaneEvent]) -> Iterator[tuple[str, list[LaneEvent]]]:
     """Yield events for one loop over lanes, with the condition that one of them may apply."""
-    for first in range(0, len(events), _AT_ONCE):
-        group = events[first : first + _AT_ONCE]
+    for first in range(0, len(events), _EVENTS_PER_LOOP):
+        group = events[first : first + _EVENTS_PER_LOOP]
         yield f"applicable & {sum(1 << each.number for each in group)}", group
 
 
 _LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
 
 
-def _sample_lanes(singles: list[LaneEvent], samples: int, count: int, write: Writer) -> Lines:
+def _sample_lines(singles: list[LaneEvent], samples: int, count: int, write: Writer) -> Lines:
     """Levels of one quantity at every node, with constant offsets for each node.
 
     The loop over lanes is a kernel inlined for each node: numba takes 4 s longer for five of them.
     """
     for number, (condition, events) in enumerate(_in_loops(singles)):
         lines = [f"for i in range({WIDTH}):"]
-        lines += [f"    {each}" for each in (*_LANE, *_loads(_all_forms(events), "row"))]
+        lines += [f"    {each}" for each in (*_LANE, *_load_lines(_all_forms(events), "row"))]
         for event in events:
             values = [_value(case.forms[0]) for case in event.cases]
             selected = _selected(event, values, "NEVER", write)
@@ -148,13 +149,13 @@ def _sample_lanes(singles: list[LaneEvent], samples: int, count: int, write: Wri
             yield f"    sample_{number}({row}, {sample}, w)"
 
 
-def _enter_bounds(singles: list[LaneEvent], bounds: int, write: Writer) -> Lines:
+def _bound_lines(singles: list[LaneEvent], bounds: int, write: Writer) -> Lines:
     """Curvature bounds of levels of one quantity."""
-    row, factor = str(VALUES + NODES * SINES), f"{step._CURVATURE!r} * "
+    row = str(VALUES + NODES * SINES)
     for condition, events in _in_loops(singles):
         yield f"if {condition}:"
         yield f"    for i in range({WIDTH}):"
-        lines = [*_LANE, *_loads(_all_forms(events), row, factor)]
+        lines = [*_LANE, *_load_lines(_all_forms(events), row, _BOUND_SCALE)]
         for event in events:
             values = [_bound(case.forms[0]) for case in event.cases]
             selected = _selected(event, values, "0.0", write)
@@ -162,8 +163,10 @@ def _enter_bounds(singles: list[LaneEvent], bounds: int, write: Writer) -> Lines
         yield from (f"        {each}" for each in lines)
 
 
-def _of_four(combined: list[LaneEvent], row: str, scale: str, text: Any, missing: str) -> Lines:
-    """Choice of the four quantities of an event, or of their bounds."""
+def _quantity_lines(
+    combined: list[LaneEvent], row: str, scale: str, text: Any, missing: str
+) -> Lines:
+    """Lines that return the four quantities of the event ``which``, or their bounds."""
     yield "p, mode = constants_of_lane(w, i), mode_of_lane(w, i)"
     for event in combined:
         forms = event.cases[0].forms
@@ -172,12 +175,12 @@ def _of_four(combined: list[LaneEvent], row: str, scale: str, text: Any, missing
         ]
         last = event is combined[-1]
         yield "if True:" if last else f"if which == {event.number}:"
-        yield from (f"    {each}" for each in _loads(forms, row, scale))
+        yield from (f"    {each}" for each in _load_lines(forms, row, scale))
         yield f"    return {', '.join(values)}"
 
 
-def _screen(several: list[LaneEvent], singles: list[LaneEvent]) -> Lines:
-    """Screening of the events that may apply."""
+def _screen_lines(several: list[LaneEvent], singles: list[LaneEvent]) -> Lines:
+    """Lines that screen the events that may apply."""
     for condition, events in _in_loops(singles):
         yield f"if {condition}:"
         yield f"    for i in range({WIDTH}):"
@@ -187,7 +190,7 @@ def _screen(several: list[LaneEvent], singles: list[LaneEvent]) -> Lines:
         yield f"if applicable & {1 << each.number}: screen_combined(events, {each.number}, w)"
 
 
-def _enter(event: LaneEvent, write: Writer) -> Lines:
+def _series_lines(event: LaneEvent, write: Writer) -> Lines:
     """Series of the quantities of one event, in the fraction of the step."""
     yield "p, mode, length = constants_of_lane(w, i), mode_of_lane(w, i), w[LENGTH * WIDTH + i]"
     for case in event.cases:
@@ -196,7 +199,7 @@ def _enter(event: LaneEvent, write: Writer) -> Lines:
         yield "    scale = 1.0"
         yield f"    for order in range({TERMS}):"
         yield f"        row = {COEFFICIENTS} + order * {ROWS}"
-        yield from (f"        {each}" for each in _loads(case.forms, "row", "scale * "))
+        yield from (f"        {each}" for each in _load_lines(case.forms, "row", "scale * "))
         for n, form in enumerate(case.forms):
             yield f"        g{n} = {_value(form, '(sign * {})')}"
             yield f"        if order > 0: g{n} = g{n} - {_constant(form)}"
@@ -205,10 +208,10 @@ def _enter(event: LaneEvent, write: Writer) -> Lines:
         yield "    return"
 
 
-def _masks(watched: list[LaneEvent], kinds: int) -> NDArray[np.int64]:
+def _masks(lane_events: list[LaneEvent], kinds: int) -> NDArray[np.int64]:
     """Return the masks of the events that may apply in each mode of each kind."""
     masks = np.zeros((kinds, MODES_OF_A_KIND), np.int64)
-    for event in watched:
+    for event in lane_events:
         for place in event.places:
             masks[place] |= 1 << event.number
     return masks
@@ -216,15 +219,15 @@ def _masks(watched: list[LaneEvent], kinds: int) -> NDArray[np.int64]:
 
 @cache
 def vector_kernels_of(table: Table) -> GeneratedKernels:
-    """Return the kernels of a table: those of ``kernels_of``, and those of the batch engine.
+    """Return the kernels of ``kernels_of`` for a table, with further ones for the batch engine.
 
     Members:
         rows, kinds: number of rows of the workspace, and of kinds of modes.
         samples, bounds, subintervals: first rows of the levels at the nodes, of their curvature
             bounds, and of the masks of subintervals that may contain a down-crossing.
         applicable(kind, mode): mask of the events that may apply in a mode of this kind.
-        sample_lanes(applicable, w), enter_bounds(applicable, w): write levels of one quantity, and
-            their bounds; only events of such a mask are sampled, screened and noted.
+        sample_lanes(applicable, w), enter_bounds(applicable, w): write the levels of one quantity,
+            and their bounds, of the events in the mask ``applicable``.
         quantities_in(which, row, w, i), bounds_of(which, w, i): quantities of a level of several,
             and their bounds.
         applies(which, p, mode): True if a level of several quantities applies.
@@ -233,7 +236,7 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
             is the sign of the argument of its absolute value.
         mode_of_lane(w, i): the ``Mode`` of a lane; kind_of(mode): see ``kind_in``.
         fill_series, fill_errors, sample_series: see series_kernels.py.
-        takes_size(which, p, mode), is_partial(which): see ``LinearForm`` and ``LaneEvent``.
+        has_absolute(which, p, mode), is_partial(which): see ``LinearForm`` and ``LaneEvent``.
     """
     combined, count, base = combined_count(table), len(table), kernels_of(table)
     inserts = base.inserts == 1
@@ -247,11 +250,11 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
         "samples": samples, "bounds": bounds, "subintervals": subintervals,
         "rows": subintervals + count, "kinds": len(kinds),
     }  # fmt: skip
-    watched = [
+    lane_events = [
         each for k, event in enumerate(table) if (each := LaneEvent(k, event, inserts)).cases
     ]
-    several = [each for each in watched if each.number < combined]
-    singles = [each for each in watched if each.number >= combined]
+    several = [each for each in lane_events if each.number < combined]
+    singles = [each for each in lane_events if each.number >= combined]
     write = Writer(
         base.name, NEVER=NEVER, NOTHING=NOTHING, WIDTH=WIDTH, CANDIDATES=workspace.CANDIDATES,
         LENGTH=workspace.LENGTH, constants_of_lane=workspace.constants_of_lane,
@@ -260,42 +263,42 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
         find_single=step.find_single, find_combined=step.find_combined,
     )  # fmt: skip
     write.write(
-        kernel, "sample_lanes(applicable, w)", _sample_lanes(singles, samples, count, write)
+        kernel, "sample_lanes(applicable, w)", _sample_lines(singles, samples, count, write)
     )
-    write.write(kernel, "enter_bounds(applicable, w)", _enter_bounds(singles, bounds, write))
+    write.write(kernel, "enter_bounds(applicable, w)", _bound_lines(singles, bounds, write))
     write.write(
         inlined_kernel, "quantities_in(which, row, w, i)",
-        _of_four(several, "row", "", _value, "NOTHING"),
+        _quantity_lines(several, "row", "", _value, "NOTHING"),
     )  # fmt: skip
     write.write(
         inlined_kernel, "bounds_of(which, w, i)",
-        _of_four(several, str(VALUES + NODES * SINES), f"{step._CURVATURE!r} * ", _bound, "0.0"),
+        _quantity_lines(several, str(VALUES + NODES * SINES), _BOUND_SCALE, _bound, "0.0"),
     )  # fmt: skip
     write.choose(
         "applies(which, p, mode)",
         ((k.number, f"{write.name(k.cases[0].applies)}(p, mode)") for k in several),
         "False",
     )
-    write.write(kernel, "screen(events, applicable, w)", _screen(several, singles))
+    write.write(kernel, "screen(events, applicable, w)", _screen_lines(several, singles))
     write.write(kernel, "find(events, candidates, w)", iter([
         f"find_{'combined' if k.number < combined else 'single'}(events, {k.number}, candidates, w)"
-        for k in watched
+        for k in lane_events
     ]))  # fmt: skip
-    for each in watched:
+    for each in lane_events:
         head = f"enter_{each.number}(sign, series, w, i)"
-        write.write(inlined_kernel, head, _enter(each, write))
+        write.write(inlined_kernel, head, _series_lines(each, write))
     write.write(kernel, "enter_series(which, sign, series, w, i)", iter([
-        f"{'if' if k is watched[0] else 'elif'} which == {k.number}: "
+        f"{'if' if k is lane_events[0] else 'elif'} which == {k.number}: "
         f"enter_{k.number}(sign, series, w, i)"
-        for k in watched
+        for k in lane_events
     ]))  # fmt: skip
     write.choose(
-        "takes_size(which, p, mode)",
+        "has_absolute(which, p, mode)",
         (
             (k.number, f"{write.name(case.applies)}(p, mode)")
             for k in singles
             for case in k.cases
-            if case.forms[0].takes_size
+            if case.forms[0].has_absolute
         ),
         "False",
     )
@@ -304,7 +307,7 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
     )
     write.known |= {"NUMBERS": numbers_of(kinds), "kind_in": kind_in}
     write.write(inlined_kernel, "kind_of(mode)", iter(("return kind_in(NUMBERS, mode)",)))
-    write.known |= {"MASKS": _masks(watched, len(kinds)), "mode_in_kind": mode_in_kind}
+    write.known |= {"MASKS": _masks(lane_events, len(kinds)), "mode_in_kind": mode_in_kind}
     write.write(
         inlined_kernel, "applicable(kind, mode)", iter(("return MASKS[kind, mode_in_kind(mode)]",))
     )

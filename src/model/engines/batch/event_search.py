@@ -1,9 +1,10 @@
 """Event search inside the step of one lane: the first event, and its state.
 
-Every level is a constant plus multiples of event quantities, or the largest of four such sums.
-The series of its quantities therefore follow from the series of the event quantities, and its
-zeros are located on them. A level with an absolute value is searched twice, once for each sign of
-its argument.
+Input: the lane's rows of the workspace after ``step_all``. Output: the event and its place in the
+step, for scheduling.py. Every level is a constant plus multiples of event quantities, or the
+largest of four such sums. The series of its quantities therefore follow from the series of the
+event quantities, and its zeros are located on them. A level with an absolute value is searched
+twice, once for each sign of its argument.
 """
 
 from math import inf
@@ -14,12 +15,8 @@ import numpy as np
 from model.compile.jit import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch.event_kernels import TERMS
-from model.engines.batch.series_plan import FRACTIONS, NODES, ORDER, ROWS
-from model.engines.batch.step import (
-    TOO_FLAT_TO_TELL,
-    one_stays_above,
-    stays_above,
-)
+from model.engines.batch.series_layout import FRACTIONS, NODES, ORDER, ROWS
+from model.engines.batch.step import TOO_FLAT_TO_TELL, one_stays_above, stays_above
 from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
@@ -39,16 +36,16 @@ from model.physics.notation import STATE_SIZE, State
 QUANTITIES = 4  # of a level
 _SUBINTERVAL = FRACTIONS[0]
 _FINEST = 2.0**-24  # smallest part of a step, which is not divided
-_MOST_PARTS = 64  # parts of a subinterval; beyond, sixteenths of the step are not divided
+_MOST_PARTS = 64  # parts of a subinterval after which sixteenths of the step are not divided
 _LEAVING = 2.0**-4  # part in which a level of one quantity that starts at zero is assumed monotonic
 _ROOT_ITERATIONS = 60
-_CLOSE = 1e-8  # distance to a root; the next iteration squares it
+_CLOSE = 1e-8  # last relative correction of a root: the error left is of the order of its square
 
 
-class Search(NamedTuple):
+class SearchMemory(NamedTuple):
     """Memory of the search in one step.
 
-    ``series`` are those of one level's quantities; the others are as in the ``Workspace`` of the
+    ``series`` holds the quantities of one level; the others are as in the ``Workspace`` of the
     reference engine, with a dense output of the order of the series.
     """
 
@@ -59,10 +56,10 @@ class Search(NamedTuple):
     samples: np.ndarray
 
 
-def new_search() -> Search:
-    """Return a ``Search``."""
+def new_search_memory() -> SearchMemory:
+    """Return a ``SearchMemory``."""
     shapes = (STATE_SIZE,), (STATE_SIZE, ORDER), (SAMPLED, STATE_SIZE), (SAMPLED, MOST_SAMPLES)
-    return Search(np.zeros(QUANTITIES * TERMS), *map(np.zeros, shapes))
+    return SearchMemory(np.zeros(QUANTITIES * TERMS), *map(np.zeros, shapes))
 
 
 @inlined_kernel
@@ -204,21 +201,21 @@ def _bounds(count, left, right, series):
 
 
 @inlined_kernel
-def _leaves(before, after, on_event):
+def _falls_from_zero(before, after, on_event):
     return before < -on_event or after < -REST_SLIP
 
 
 @inlined_kernel
-def _all_leave(before, after, on_event):
+def _all_fall_from_zero(before, after, on_event):
     """Return whether all quantities that are zero at the left place are below zero at the right.
 
     Others may be above zero there: the largest of all is negative only for a time in between.
     """
     return (
-        _leaves(before[0], after[0], on_event)
-        and _leaves(before[1], after[1], on_event)
-        and _leaves(before[2], after[2], on_event)
-        and _leaves(before[3], after[3], on_event)
+        _falls_from_zero(before[0], after[0], on_event)
+        and _falls_from_zero(before[1], after[1], on_event)
+        and _falls_from_zero(before[2], after[2], on_event)
+        and _falls_from_zero(before[3], after[3], on_event)
     )
 
 
@@ -238,13 +235,16 @@ def _crossing_between(is_partial, count, left, end, series):
             f, g = largest(before)[0], largest(after)[0]
             on_event = ON_AN_EVENT if left == 0.0 and not is_partial else REST_SLIP
             begins = -on_event <= f <= REST_SLIP and g > -REST_SLIP
-            # A function that is zero to rounding throughout would be divided without end.
+            # Bounds the work on a level that is zero to rounding all the time.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
-            # A negative level that rises has no down-crossing, nor one that stays at zero: in the
-            # first part or, if it has several quantities, which are places, the first sixteenth.
+            # A level that rises from below zero has no down-crossing. Nor has one that begins at
+            # zero and does not fall: in the first part or, if its quantities are several, which are
+            # places, in the first sixteenth of the step.
             starts = left == 0.0 or (count > 1 and left < _LEAVING)
             may_fall = (f > 0.0 or g < 0.0) and not (starts and begins)
-            may_fall = may_fall or (begins and count > 1 and _all_leave(before, after, on_event))
+            may_fall = may_fall or (
+                begins and count > 1 and _all_fall_from_zero(before, after, on_event)
+            )
             is_monotonic = _all_are_monotonic(before, after, most)
             decided = may_fall and is_monotonic
             if decided or (may_fall and g < 0.0 and width <= finest):
@@ -298,14 +298,14 @@ def _crossing_of(events, which, sign, until, series, w, lane):
 def crossing(events, which, until, series, w, lane):
     """The first down-crossing of level ``which`` before ``until``, or NO_EVENT."""
     first = _crossing_of(events, which, 1.0, until, series, w, lane)
-    if events.takes_size(which, constants_of_lane(w, lane), events.mode_of_lane(w, lane)):
+    if events.has_absolute(which, constants_of_lane(w, lane), events.mode_of_lane(w, lane)):
         other = _crossing_of(events, which, -1.0, min(until, first), series, w, lane)
         first = min(first, other)
     return first
 
 
 @kernel
-def _searched(events, w, lane, runs, search, i):
+def _search_dense_output(events, w, lane, runs, search, i):
     """(which, θ) of the first event, by the reference engine's location on the dense output."""
     time, h = runs[i, TIME], w[LENGTH * WIDTH + lane]
     p, mode = constants_of(runs, i), mode_of(runs, i)
@@ -323,7 +323,10 @@ def _searched(events, w, lane, runs, search, i):
 
 @inlined_kernel
 def _is_flat(events, which, until, series, w, lane):
-    """Return whether a corner's level comes so low that the part may be flat."""
+    """Return whether the level of a corner contact is so low in the step that the part may be flat.
+
+    Samples are taken at the nodes and at ``until``.
+    """
     until = min(until, 1.0)
     lowest = largest(values_at(QUANTITIES, until, series))[0]
     lowest = min(lowest, w[(events.samples + which) * WIDTH + lane])
@@ -345,7 +348,7 @@ def _is_met(events, which, theta, w, lane):
 @kernel
 def first_event(events, w, lane, runs, search, i):
     """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none."""
-    first, which_first, is_open, series = NO_EVENT, -1, False, search.series
+    first, which_first, is_undecided, series = NO_EVENT, -1, False, search.series
     candidates = int(w[CANDIDATES * WIDTH + lane])
     while candidates != 0:
         which = lowest_bit(candidates)
@@ -355,13 +358,13 @@ def first_event(events, w, lane, runs, search, i):
             theta == NO_EVENT or not _is_met(events, which, theta, w, lane)
         ):
             may_be_flat = theta != NO_EVENT or _is_flat(events, which, first, series, w, lane)
-            is_open = is_open or may_be_flat
+            is_undecided = is_undecided or may_be_flat
         elif events.is_conditional(which):
-            is_open = is_open or theta != NO_EVENT
+            is_undecided = is_undecided or theta != NO_EVENT
         elif theta < first:
             first, which_first = theta, which
-    if is_open:
-        which, theta = _searched(events, w, lane, runs, search, i)
+    if is_undecided:
+        which, theta = _search_dense_output(events, w, lane, runs, search, i)
         if theta < first and which < events.combined:
             first, which_first = theta, which
     return which_first, first

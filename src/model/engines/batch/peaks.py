@@ -1,18 +1,15 @@
-"""Largest tilt and normal force inside the step of one lane."""
+"""Largest tilt and normal force inside the step of one lane.
+
+Input: the lane's rows of the workspace after ``step_all``, and the largest values so far. Output:
+the new largest values, for scheduling.py.
+"""
 
 from math import inf
 
 from model.compile.jit import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch.event_search import row_at
-from model.engines.batch.series_plan import (
-    FRACTIONS,
-    NODES,
-    ORDER,
-    ROWS,
-    SINES,
-    TILT,
-)
+from model.engines.batch.series_layout import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT
 from model.engines.batch.step import curvature_bound
 from model.engines.batch.workspace import (
     COEFFICIENTS,
@@ -66,7 +63,7 @@ def _peak(row, sign, theta, until, w, lane):
 
 @kernel
 def _highest(row, sign, until, known, w, lane):
-    """The larger of ``known`` and the maximum of a row times ``sign`` before ``until``."""
+    """The larger of a ``known`` value and the maximum of a row times ``sign`` before ``until``."""
     first, node = (VALUES + row) * WIDTH + lane, SINES * WIDTH
     bound = curvature_bound(row, w, lane)
     g = (

@@ -1,9 +1,11 @@
 """The batch engine: many runs at once; runs in the same kind of mode share SIMD vectors.
 
-Runs wait in queues, one for each kind of mode; the fullest queue makes a step. A step without
-candidates for events is accepted. Otherwise events are located on the series, to their full order,
-and the run advances to the first one without another step. Transitions at events and ends of
-periods are shared with the reference engine, which also steps runs in modes that lanes do not hold.
+The batch engine ends here. Input: rows of constants, of which threads take the next from a queue.
+Output: rows of results. Runs wait in queues, one for each kind of mode; the runs of the fullest
+queue make a step together (step.py). A step without an event is accepted. Otherwise the run
+advances to the first event, located on its series to their full order (event_search.py), without
+another step. Transitions and ends of periods are shared with the reference engine (lifecycle.py),
+which also steps runs in modes that lanes do not hold.
 """
 
 from math import inf, isnan, nan
@@ -15,20 +17,20 @@ from model.compile.jit import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
 from model.engines.batch.carried_error import apply_saltation, carry_error, error_of_time
-from model.engines.batch.event_search import Search, first_event, new_search, state_at
+from model.engines.batch.event_search import SearchMemory, first_event, new_search_memory, state_at
 from model.engines.batch.peaks import largest_until
-from model.engines.batch.series import CONSISTENT, SIDE_SIGN, SUPPORT_SIGN
-from model.engines.batch.series_plan import NODES, ORDER
+from model.engines.batch.series import LANE_CONSTANTS, SIDE_SIGN, SUPPORT_SIGN
+from model.engines.batch.series_layout import NODES, ORDER
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane, copy_mode, lowest_bit
 from model.engines.lifecycle import (
     History,
+    apply_event,
     begin,
     end_period,
     end_step,
     fail,
     is_counted,
-    make_event,
     new_history,
     note_step,
 )
@@ -57,10 +59,10 @@ from model.engines.record import (
     TOLERANCE,
     constants_of,
     is_watched,
-    keep_result,
-    keep_state,
     mode_of,
     state_in,
+    store_result,
+    store_state,
 )
 from model.engines.scalar.location import NO_EVENT
 from model.engines.scalar.loop import Workspace, advance, new_workspace
@@ -95,7 +97,7 @@ _GATHERED = (
 @kernel
 def _gather(events, runs, i, w, lane):
     """Copy run ``i`` into a lane."""
-    for place, row in enumerate(CONSISTENT):
+    for place, row in enumerate(LANE_CONSTANTS):
         w[place * WIDTH + lane] = runs[i, row]
     for place, row in _GATHERED:
         w[place * WIDTH + lane] = runs[i, row]
@@ -107,9 +109,9 @@ def _gather(events, runs, i, w, lane):
 
 @kernel
 def _note_closest(events, until, w, lane, runs, i):
-    """Lower closest approaches to those of a step, or of its subintervals before an event.
+    """Lower closest approaches by the samples of a step before ``until``.
 
-    A mode starts on zeros of its own levels: leaving such a zero is not an approach to an event.
+    A level that starts at zero is left out, as by ``note_closest`` of the reference engine.
     """
     last, applicable = int(until * (NODES - 1)), int(w[workspace.APPLICABLE * WIDTH + lane])
     while applicable != 0:
@@ -124,10 +126,11 @@ def _note_closest(events, until, w, lane, runs, i):
 
 
 @inlined_kernel
-def _pass_periods(scene, until, history, control, w, lane, runs, i):
-    """Enter the excitation periods that end in a step, before ``until``.
+def _record_periods(scene, until, history, control, w, lane, runs, i):
+    """Record the excitation periods that end in a step, before ``until``.
 
-    The run may end with one of them. Closest approaches of a step in two periods count in both.
+    The run may end with one of them. Closest approaches of a step that lies in two periods count in
+    both.
     """
     start, length = runs[i, TIME], w[workspace.LENGTH * WIDTH + lane]
     p, mode = constants_of_lane(w, lane), scene.events.mode_of_lane(w, lane)
@@ -137,7 +140,7 @@ def _pass_periods(scene, until, history, control, w, lane, runs, i):
         and runs[i, STOP] < runs[i, DEADLINE]
     ):
         q = state_at((runs[i, STOP] - start) / length, w, lane)
-        keep_state(hold_sticking(q, p, mode), runs, i)
+        store_state(hold_sticking(q, p, mode), runs, i)
         runs[i, TIME] = runs[i, STOP]
         end_period(scene, history, control.settling_noise, runs, i)
         if is_watched(runs, i):
@@ -146,7 +149,7 @@ def _pass_periods(scene, until, history, control, w, lane, runs, i):
 
 @inlined_kernel
 def _carries_error(scene, control, runs, i):
-    """Return whether run ``i`` carries its error: in the scene of the paper until it aligns."""
+    """Return whether run ``i`` carries its error: without insertion, only until it aligns."""
     needed = scene.events.inserts == 1 or isnan(runs[i, TAU_ALIGN])
     return control.carries_error != 0.0 and needed
 
@@ -157,7 +160,7 @@ def _advance(scene, until, history, control, w, lane, runs, i):
     length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, TIME]
     if is_watched(runs, i):
         _note_closest(scene.events, until, w, lane, runs, i)
-    _pass_periods(scene, until, history, control, w, lane, runs, i)
+    _record_periods(scene, until, history, control, w, lane, runs, i)
     continues = runs[i, OUTCOME] == CONTINUES
     if not continues:
         until = (runs[i, TIME] - start) / length
@@ -196,9 +199,9 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
         q, before = state_at(theta, w, lane), mode_of(runs, i)
         carries = _carries_error(scene, control, runs, i)
         had_aligned = not isnan(runs[i, TAU_ALIGN])
-        keep_state(q, runs, i)
+        store_state(q, runs, i)
         step = w[workspace.LENGTH * WIDTH + lane]
-        make_event(which, theta * step, step, scene, control, runs, i)
+        apply_event(which, theta * step, step, scene, control, runs, i)
         if carries:
             aligns = not (had_aligned or isnan(runs[i, TAU_ALIGN]))
             if aligns or runs[i, OUTCOME] != CONTINUES:
@@ -211,14 +214,14 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
 
 
 @inlined_kernel
-def _continue(scene, method, control, many, lane, i):
+def _continue(scene, method, control, memory, lane, i):
     """Continue run ``i`` after the step of its lane."""
-    w, runs, history = many.w, many.runs, many.history
+    w, runs, history = memory.w, memory.runs, memory.history
     runs[i, EVALUATIONS] += ORDER
     length = w[workspace.LENGTH * WIDTH + lane]
-    if scene.events.inserts == 1 and isnan(length):  # two loads that begin at zero have no quotient
+    if scene.events.inserts == 1 and isnan(length):  # shares of loads that begin at zero: 0 / 0
         runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
-        advance(scene, method, control, many.work.nodes[:0], history, many.work, runs, i)
+        advance(scene, method, control, memory.work.nodes[:0], history, memory.work, runs, i)
     elif isnan(length) or is_too_short(length, runs[i, TIME]):
         q = state_in(runs, STATE, i)
         rates = rates_of(runs[i, TIME], q, constants_of(runs, i), mode_of(runs, i))
@@ -226,7 +229,7 @@ def _continue(scene, method, control, many, lane, i):
     else:
         which, theta = -1, NO_EVENT
         if w[workspace.CANDIDATES * WIDTH + lane] != 0.0:
-            which, theta = first_event(scene.events, w, lane, runs, many.search, i)
+            which, theta = first_event(scene.events, w, lane, runs, memory.search, i)
         if theta == NO_EVENT:
             _accept_step(scene, history, control, w, lane, runs, i)
         else:
@@ -247,43 +250,45 @@ class Waiting(NamedTuple):
     counts: np.ndarray
 
 
-class Many(NamedTuple):
+class BatchMemory(NamedTuple):
     """Memory of the batch engine for POOL runs; ``runs`` has shape (POOL, SIZE)."""
 
     w: np.ndarray
     runs: np.ndarray
     history: History
     work: Workspace
-    search: Search
+    search: SearchMemory
     waiting: Waiting
     together: np.ndarray  # shape (WIDTH,), the runs of the step
 
 
-def new_many(scene: SceneKernels, may_settle: bool = True) -> Many:
-    """Return a ``Many`` without runs, and without histories unless runs ``may_settle``."""
+def new_batch_memory(scene: SceneKernels, may_settle: bool = True) -> BatchMemory:
+    """Return a ``BatchMemory`` without runs; histories only if runs ``may_settle``."""
     work, w = new_workspace(DOP853.method), workspace.new_workspace(scene.events.rows)
     kinds = scene.events.kinds
     waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
     together = np.zeros(WIDTH, np.int64)
     history = new_history(POOL if may_settle else 1, scene.events.count)
-    return Many(w, np.zeros((POOL, SIZE)), history, work, new_search(), waiting, together)
+    return BatchMemory(
+        w, np.zeros((POOL, SIZE)), history, work, new_search_memory(), waiting, together
+    )
 
 
 @inlined_kernel
-def _enqueue(scene, method, control, many, endings, i):
+def _enqueue(scene, method, control, memory, results, i):
     """Put run ``i`` into the queue of its kind of mode, or write its result if it has ended.
 
     The reference engine advances it until lanes can hold its mode. Returns True if the run waits.
     """
-    runs, waiting = many.runs, many.waiting
+    runs, waiting = memory.runs, memory.waiting
     kind = scene.events.kind_of(mode_of(runs, i))
     while runs[i, OUTCOME] == CONTINUES and kind < 0:
         if _carries_error(scene, control, runs, i):
             runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
-        advance(scene, method, control, many.work.nodes[:0], many.history, many.work, runs, i)
+        advance(scene, method, control, memory.work.nodes[:0], memory.history, memory.work, runs, i)
         kind = scene.events.kind_of(mode_of(runs, i))
     if runs[i, OUTCOME] != CONTINUES:
-        keep_result(runs, i, endings, int(runs[i, ROW_OF_BATCH]))
+        store_result(runs, i, results, int(runs[i, ROW_OF_BATCH]))
         return False
     waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
     waiting.counts[kind] += 1
@@ -291,16 +296,16 @@ def _enqueue(scene, method, control, many, endings, i):
 
 
 @kernel
-def _begin_next(rows, tolerances, queue, scene, method, control, many, endings, i):
+def _begin_next(rows, tolerances, queue, scene, method, control, memory, results, i):
     """Start the next parameter set of the queue, if there is one, as run ``i``."""
     waits = False
     while not waits:
         row = next_in(queue)
         if row >= rows.shape[0]:
             return
-        begin(rows[row], tolerances[row], scene, control, many.runs, i)
-        many.runs[i, ROW_OF_BATCH], many.runs[i, NEXT_STEP] = row, _FIRST_LONGEST
-        waits = _enqueue(scene, method, control, many, endings, i)
+        begin(rows[row], tolerances[row], scene, control, memory.runs, i)
+        memory.runs[i, ROW_OF_BATCH], memory.runs[i, NEXT_STEP] = row, _FIRST_LONGEST
+        waits = _enqueue(scene, method, control, memory, results, i)
 
 
 @inlined_kernel
@@ -325,12 +330,12 @@ def _dequeue(kind, waiting, together):
 
 
 @kernel
-def _step_together(events, kind, count, control, many):
+def _step_together(events, kind, count, control, memory):
     """Make a step of ``count`` runs in the same kind of mode."""
-    w, runs = many.w, many.runs
+    w, runs = memory.w, memory.runs
     applicable = 0
     for lane in range(WIDTH):  # lanes without a run repeat the last one
-        i = many.together[min(lane, count - 1)]
+        i = memory.together[min(lane, count - 1)]
         _gather(events, runs, i, w, lane)
         may_apply = events.applicable(kind, mode_of(runs, i))
         w[workspace.APPLICABLE * WIDTH + lane] = float(may_apply)
@@ -339,30 +344,30 @@ def _step_together(events, kind, count, control, many):
 
 
 @kernel
-def integrate_all(rows, tolerances, scene, method, control, queue, endings, many):
+def integrate_all(rows, tolerances, scene, method, control, queue, results, memory):
     """Run the parameter sets of a queue to their ends, many at a time.
 
     Args:
-        rows: shape (n, constants), the fields of ``Constants``, consistent readings only.
+        rows: shape (n, constants), the fields of ``Constants``, consistent variants only.
         tolerances: tolerance of each run, shape (n,).
         scene: ``SceneKernels`` of ``in_vector_kernels``.
         method: ``Method`` of DOP853.
         control: ``Control``.
         queue: queue of ``new_queue``; threads that share it share the sets.
-        endings: results, shape (n, len(RunResult._fields)), filled for the sets taken.
-        many: ``Many``, overwritten.
+        results: shape (n, len(RunResult._fields)), filled for the sets taken.
+        memory: ``BatchMemory``, overwritten.
     """
-    counts = many.waiting.counts
+    counts = memory.waiting.counts
     counts[:] = 0
     for i in range(min(POOL, fair_share(queue))):
-        _begin_next(rows, tolerances, queue, scene, method, control, many, endings, i)
+        _begin_next(rows, tolerances, queue, scene, method, control, memory, results, i)
     kind = _fullest(counts)
     while counts[kind] > 0:
-        count = _dequeue(kind, many.waiting, many.together)
-        _step_together(scene.events, kind, count, control, many)
+        count = _dequeue(kind, memory.waiting, memory.together)
+        _step_together(scene.events, kind, count, control, memory)
         for lane in range(count):
-            i = many.together[lane]
-            _continue(scene, method, control, many, lane, i)
-            if not _enqueue(scene, method, control, many, endings, i):
-                _begin_next(rows, tolerances, queue, scene, method, control, many, endings, i)
+            i = memory.together[lane]
+            _continue(scene, method, control, memory, lane, i)
+            if not _enqueue(scene, method, control, memory, results, i):
+                _begin_next(rows, tolerances, queue, scene, method, control, memory, results, i)
         kind = _fullest(counts)

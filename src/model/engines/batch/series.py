@@ -1,11 +1,11 @@
-"""The motion as power series in time, traced from the equations of motion.
+"""The motion as Taylor series in time, traced from the equations of motion.
 
-``motion`` and the places of edges and corners are called once for each kind of mode with symbols in
-place of numbers. They return sums of rows, each with a constant factor. A row is a series whose
-next coefficient follows from the known ones: a state (by its rate), sine or cosine of an angle, a
-product, a quotient, a sum, or the rate of another row. Recurrences as in Moore, Interval Analysis
-(1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005) 99-117. ``series_code``
-generates kernels from them.
+Input: a kind of mode (mode_kinds.py). Output: its ``Recurrences``, which series_layout.py places in
+memory and series_code.py writes as code. ``motion`` and the corner positions are called once with
+symbols in place of numbers. They return sums of rows, each row with a constant factor. A row is a
+series whose next coefficient follows from the known ones: a state (by its rate), sine or cosine of
+an angle, a product, a quotient, a sum, or the rate of another row. Recurrences as in Moore,
+Interval Analysis (1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005) 99-117.
 """
 
 from collections.abc import Callable
@@ -15,29 +15,24 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from model.compile.jit import Symbol, python_of
-from model.engines.batch.kinds import SIDE_CONTACTS, Kind, mode_of_kind
+from model.engines.batch.mode_kinds import SIDE_CONTACTS, ModeKind, mode_of_kind
 from model.events.levels import corner_positions
-from model.physics.contacts import (
-    Contact,
-    contact_load,
-    corner_on_wall,
-    edge_on_face,
-    edge_on_side,
-)
+from model.physics.contacts import Contact, contact_load, corner_on_wall, edge_on_face, edge_on_side
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.trigonometry import sine_cosine
 
-# Constant during a step: a number, a given quantity by its place, or an operation on others.
+# Constant during a step: a number, ("given", place), or (operation, constant, constant).
 Constant = float | tuple[Any, ...]
 
-# Columns of the constants that select no variant of the equations; the signs of the slips follow.
-CONSISTENT = np.array(
+# Columns of ``Constants`` that lanes hold: all that select no variant of the equations. The signs
+# of the slips follow.
+LANE_CONSTANTS = np.array(
     [row for row, name in enumerate(Constants._fields) if not name.startswith("printed_")]
 )
-SUPPORT_SIGN, SIDE_SIGN = len(CONSISTENT), len(CONSISTENT) + 1
-GIVEN = len(CONSISTENT) + 2
+SUPPORT_SIGN, SIDE_SIGN = len(LANE_CONSTANTS), len(LANE_CONSTANTS) + 1
+GIVEN = len(LANE_CONSTANTS) + 2
 
 
 def _sum(a: Constant, b: Constant) -> Constant:
@@ -66,10 +61,16 @@ def _inverse(a: Constant) -> Constant:
 
 
 class TaylorSeries(NamedTuple):
-    """One series: its kind, and the rows or the sum from which it is computed."""
+    """One series: the rule of its coefficients, and the rows or the sum to which it is applied."""
 
-    kind: str  # "state", "time", "sine", "cosine", "product", "quotient", "sum" or "rate"
-    of: tuple[Any, ...]
+    rule: str  # "state", "time", "sine", "cosine", "product", "quotient", "sum" or "rate"
+    operands: tuple[Any, ...]
+
+    @property
+    def factors(self) -> "tuple[TaylorSeries, TaylorSeries]":
+        """Factors of a product; of a quotient, itself and its divisor."""
+        one, other = self.operands
+        return (one, other) if self.rule == "product" else (self, other)
 
 
 _CONTACTS = tuple(python_of(each) for each in (edge_on_face, edge_on_side, corner_on_wall))
@@ -79,8 +80,8 @@ _CONTACTS = tuple(python_of(each) for each in (edge_on_face, edge_on_side, corne
 class Sum(Symbol):
     """Sum of a constant and of rows, each with a constant factor.
 
-    ``multiple`` refers to a sum of which this one is a multiple, so that products with either share
-    one row.
+    ``multiple`` = (factor, origin) where this sum is a multiple of another one: products with
+    either then share one row.
     """
 
     constant: Constant
@@ -88,10 +89,10 @@ class Sum(Symbol):
     multiple: "tuple[Constant, Sum] | None" = None
 
     def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Return the rule of a function: sine and cosine become rows and are not traced.
+        """Return the replacement of a function in a trace, or the function itself.
 
-        Rates of depth and place of a contact are taken from the series of depth and place. Contacts
-        of a mode that lanes hold press.
+        Sine and cosine become rows. The closing rate and slip of a contact become rates of its
+        depth and place. An edge and a corner that share friction are known to press.
         """
         if function is python_of(sine_cosine):
             return _sine_cosine
@@ -127,8 +128,8 @@ class Sum(Symbol):
             return other.times(self.constant)
         (a, f, row), (b, g, other_row) = self._as_row(), other._as_row()
         both = TaylorSeries("product", tuple(sorted((row, other_row), key=repr)))
-        found = Sum(_product(a, b), {both: _product(f, g)})
-        return found + Sum(0.0, {other_row: _product(a, g)}) + Sum(0.0, {row: _product(b, f)})
+        squared = Sum(_product(a, b), {both: _product(f, g)})
+        return squared + Sum(0.0, {other_row: _product(a, g)}) + Sum(0.0, {row: _product(b, f)})
 
     def _as_row(self) -> tuple[Constant, Constant, TaylorSeries]:
         """Return (constant, factor, row): this sum as a constant and a multiple of one row."""
@@ -199,11 +200,11 @@ def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
 
 
 class EventQuantities(NamedTuple):
-    """Quantities of which levels of events are functions, in modes that lanes hold.
+    """Quantities from which the levels of events are computed, in modes that lanes hold.
 
-    Places as in ``CornerPositions``; the loads of the edge and of the corner on either side; for
-    either side the slip or, while the contact sticks, the friction force. The loads of the corners
-    are those of the insertion scene.
+    Places as in ``CornerPositions``; for either side the loads of its edge and of its corner, and
+    the slip or, while the contact sticks, the friction force. Only the insertion scene has loads of
+    corners.
     """
 
     right_along_face: Any
@@ -224,22 +225,22 @@ class EventQuantities(NamedTuple):
 
 
 class Recurrences(NamedTuple):
-    """The series of one kind of mode: accelerations, and the quantities of ``EventQuantities``."""
+    """The series of one kind of mode: accelerations, and ``EventQuantities`` in their order."""
 
     accelerations: tuple[Sum, Sum, Sum]
-    watched: tuple[Sum, ...]
+    quantities: tuple[Sum, ...]
 
 
 def _load(contact: Contact, q: State, p: Constants) -> Any:
     return contact_load(contact.depth, contact.closing_rate, q, p)
 
 
-def recurrences(kind: Kind, inserts: bool = False) -> Recurrences:
+def recurrences(kind: ModeKind, inserts: bool = False) -> Recurrences:
     """Return the ``Recurrences`` of a kind of mode, with the loads of corners if it ``inserts``.
 
-    ``motion`` uses the consistent readings; open and released contacts have the same equations.
+    The equations are the consistent variants. They are the same for open and released contacts.
     """
-    places = {row: place for place, row in enumerate(CONSISTENT)}
+    places = {row: place for place, row in enumerate(LANE_CONSTANTS)}
     fields = range(len(Constants._fields))
     constants: list[Any] = [_given(places[row]) if row in places else 0.0 for row in fields]
     p = Constants(*constants)
@@ -254,7 +255,7 @@ def recurrences(kind: Kind, inserts: bool = False) -> Recurrences:
     support_slip = (corner if support.slip_at_corner else edge).slip
     side_slip = (left_corner if side.slip_at_corner else left_edge).slip
     places = corner_positions(q, p)._asdict()
-    watched = EventQuantities(
+    quantities = EventQuantities(
         **{name: place for name, place in places.items() if name in EventQuantities._fields},
         face_load=_load(edge, q, p),
         support_friction=at.support_friction if support.sticks else support_slip,
@@ -264,4 +265,4 @@ def recurrences(kind: Kind, inserts: bool = False) -> Recurrences:
         wall_load=_load(left_corner, q, p) if inserts else 0.0,
     )
     accelerations = _as_sum(at.x), _as_sum(at.y), _as_sum(at.tilt)
-    return Recurrences(accelerations, tuple(map(_as_sum, watched)))
+    return Recurrences(accelerations, tuple(map(_as_sum, quantities)))

@@ -1,4 +1,8 @@
-"""Kernels that fill the series of runs, in every kind of mode, and sum them at the nodes."""
+"""Kernels that fill the series of runs, in every kind of mode, and sum them at the nodes.
+
+Input: the code of series_code.py for every kind. Output: three kernels on the workspace, which
+event_kernels.py adds to the kernels of a scene and step.py calls.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,23 +10,19 @@ from typing import Any
 from model.compile.jit import kernel
 from model.compile.source import defined
 from model.compile.vector_code import VectorWriter, vector_function
-from model.engines.batch.kinds import (
-    Kind,
-)
-from model.engines.batch.series import (
-    recurrences,
-)
+from model.engines.batch.mode_kinds import ModeKind
+from model.engines.batch.series import recurrences
 from model.engines.batch.series_code import ErrorWriter, SeriesWriter
-from model.engines.batch.series_plan import (
+from model.engines.batch.series_layout import (
     FRACTIONS,
     NODES,
     ORDER,
-    ORDERS_THERE,
     ROWS,
     SINES,
     STATE_ROWS,
+    SUMMED_ORDERS,
     TILT,
-    Plan,
+    Layout,
 )
 
 
@@ -51,7 +51,7 @@ class _SamplesWriter(VectorWriter):
         self.keep(value, self.base(self.values, row), node * SINES)
 
     def _end_of_state(self, row: str) -> tuple[()]:
-        """One of the states at the last node: the others are not needed."""
+        """Sum a state at the last node: at other nodes states are not needed."""
         total = self.vector(0.0)
         for order in range(ORDER, -1, -1):
             total = self.fma(total, self.times[-1], self._coefficient(row, order))
@@ -59,14 +59,14 @@ class _SamplesWriter(VectorWriter):
         return ()
 
     def _one_row(self, index: str) -> tuple[()]:
-        """Sum the tilt, or a event quantity, at all nodes, and bound its second derivative."""
+        """Sum the tilt, or an event quantity, at all nodes, and bound its second derivative."""
         is_first = self.count("icmp eq", index, "0")
         other = self.count("add", index, str(STATE_ROWS - 1))
         row = self.result(f"select i1 {is_first}, i64 {TILT}, i64 {other}")
         sums, bound = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
         for order in range(ORDER, -1, -1):
             coefficient = self._coefficient(row, order)
-            for node, last in enumerate(ORDERS_THERE):
+            for node, last in enumerate(SUMMED_ORDERS):
                 if order <= last:
                     sums[node] = self.fma(sums[node], self.times[node], coefficient)
             if order > 1:
@@ -79,13 +79,13 @@ class _SamplesWriter(VectorWriter):
 
 
 def _filler(
-    name: str, writer: type[SeriesWriter], kinds: Sequence[Kind], inserts: bool, places: str
+    name: str, writer: type[SeriesWriter], kinds: Sequence[ModeKind], inserts: bool, places: str
 ) -> Any:
     """Make the kernel (kind, block, ``places``) that calls the function written for a kind."""
 
-    def written(kind: Kind) -> Any:
+    def written(kind: ModeKind) -> Any:
         def write(label: str) -> VectorWriter:
-            return writer(label, Plan(recurrences(kind, inserts)))
+            return writer(label, Layout(recurrences(kind, inserts)))
 
         return vector_function("_".join(map(str, (name, inserts, *kind))), write)
 
@@ -96,23 +96,23 @@ def _filler(
     return kernel(defined(name, "\n".join(lines), known, f"{len(kinds)}_kinds"))
 
 
-def series_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
+def series_filler(kinds: Sequence[ModeKind], inserts: bool) -> Any:
     """Make the kernel (kind, block, coefficients, given, last) that fills the coefficients of runs.
 
-    ``block`` holds vectors on cache lines. At the place ``coefficients`` in it stand ROWS of them
-    for each order, of which the first holds the states and sines; at ``given``, GIVEN of them; at
-    ``last`` the last order of the states. ``kind`` is an index of ``kinds``; ``inserts`` as in
-    ``recurrences``.
+    ``kind`` is an index of ``kinds``; ``inserts`` as in ``recurrences``. ``block`` holds vectors,
+    aligned to cache lines; the others are places in it. At ``coefficients`` stand ROWS vectors for
+    each order, the states and sines of the first order given; at ``given``, GIVEN constants and
+    signs; at ``last``, the last order of the states.
     """
     places = "coefficients, given, last"
     return _filler("fill_series", SeriesWriter, kinds, inserts, places)
 
 
-def errors_filler(kinds: Sequence[Kind], inserts: bool) -> Any:
+def errors_filler(kinds: Sequence[ModeKind], inserts: bool) -> Any:
     """Make the kernel (kind, block, errors, given, coefficients) that fills the series of errors.
 
-    The coefficients are filled. At ``errors`` stand the errors of the states, in the layout of the
-    coefficients, up to ERROR_ORDER; the first is given.
+    ``errors``, ``given`` and ``coefficients``, which are filled already, are places in ``block``;
+    see ``ErrorWriter``.
     """
     return _filler("fill_errors", ErrorWriter, kinds, inserts, "errors, given, coefficients")
 
@@ -121,9 +121,8 @@ def series_sampler(count: int) -> Any:
     """Make the kernel (block, coefficients, lengths, values) that sums series at nodes of steps.
 
     It sums the tilt and the first ``count`` event quantities at the nodes of steps of the given
-    ``lengths``. At ``values`` stand SINES vectors for each node and, behind them, as many bounds of
-    the second derivative with respect to the fraction of the step. The other states are summed at
-    the last node only.
+    ``lengths``; the other states at the last node only. At ``values`` stand SINES vectors for each
+    node, then as many bounds of the second derivative with respect to the fraction of the step.
     """
     sample = vector_function(f"sample_{count}", lambda name: _SamplesWriter(name, count))
     code = (

@@ -1,9 +1,12 @@
 """One step of a power series in every lane, and the candidates for events in it.
 
-Between two samples a level g(θ), θ the fraction of the step, lies above the line through them less
-its curvature bound: an eighth of their squared distance times the largest |g''|, which follows
-from the coefficients of the series. A level that stays above zero by this bound has no event in
-between. The kernels that loop over events are generated from the table (event_kernels.py).
+Input: constants, modes and states of the lanes (scheduling.py). Output, in the workspace: series
+and samples, the candidates for events with their subintervals, and the state at the step's end.
+
+Let g(θ) be a level, θ the fraction of the step. Between two samples it lies below their line by no
+more than its curvature bound: an eighth of the squared distance times the largest |g''|, which
+follows from the coefficients of the series. If the line stays above zero by more than this bound,
+there is no event in between. Kernels that loop over events come from event_kernels.py.
 """
 
 from math import floor
@@ -12,15 +15,7 @@ import numpy as np
 
 from model.compile.jit import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
-from model.engines.batch.series_plan import (
-    FRACTIONS,
-    NODES,
-    ORDER,
-    REMAINDER,
-    ROWS,
-    SINES,
-    TILT,
-)
+from model.engines.batch.series_layout import FRACTIONS, NODES, ORDER, REMAINDER, ROWS, SINES, TILT
 from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
@@ -45,16 +40,16 @@ from model.events.levels import FLAT, NEVER, ON_AN_EVENT, largest
 from model.physics.modes import CLOSED
 from model.physics.trigonometry import sine_cosine
 
-ALL_SUBINTERVALS = 15
+ALL_SUBINTERVALS = 15  # mask
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
 TOO_FLAT_TO_TELL = 10.0 * FLAT
 # The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
-_CURVATURE = FRACTIONS[0] ** 2 / 8.0
+CURVATURE = FRACTIONS[0] ** 2 / 8.0
 
 
 @kernel
-def _turn(w):
-    """Enter sine and cosine of the tilt and of the excitation's angle at the start of the step."""
+def _set_sines(w):
+    """Write sine and cosine of the tilt and of the excitation's angle at the step's start."""
     first = COEFFICIENTS + SINES
     for i in range(WIDTH):
         p = constants_of_lane(w, i)
@@ -82,8 +77,9 @@ def _root(value, order):
 def _step_of(order, admitted, w, i):
     """Step at which the largest term of an order, over 1 + |value|, equals ``admitted``.
 
-    Terms of states and of places count: in flight the series of the states end sooner than those of
-    the places, which turn with the tilt. Ratios are compared by products, cheaper than divisions.
+    Terms of states and of places count: in flight the series of the states end sooner than the
+    series of the places, which turn with the tilt. Ratios are compared by products, cheaper than
+    divisions.
     """
     largest_size, its_scale = 1e-200, 1.0
     for n in range(CONTACTS_AT):
@@ -97,7 +93,7 @@ def _step_of(order, admitted, w, i):
 
 @kernel
 def _set_lengths(w):
-    """Enter the steps at which the larger of the last two terms equals the admissible error."""
+    """Set the steps at which the larger of the last two terms equals the admissible error."""
     for i in range(WIDTH):
         admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
         step = min(_step_of(ORDER, admitted, w, i), _step_of(ORDER - 1, admitted, w, i))
@@ -109,14 +105,14 @@ def _set_lengths(w):
 @inlined_kernel
 def curvature_bound(row, w, i):
     """Return the bound of a row's distance from the line through two of its samples."""
-    return _CURVATURE * w[(VALUES + NODES * SINES + row) * WIDTH + i]
+    return CURVATURE * w[(VALUES + NODES * SINES + row) * WIDTH + i]
 
 
 @inlined_kernel
 def stays_above(left, right, bound, least=-ON_AN_EVENT):
     """Return whether a level with this curvature bound stays above zero between two places.
 
-    It may be zero at one of them, or ``least`` at the left one, if it leaves the zero.
+    A level known to rise may begin at ``least``; one known to fall need only end above zero.
     """
     rise = right - left
     return (
@@ -130,7 +126,7 @@ def stays_above(left, right, bound, least=-ON_AN_EVENT):
 def one_stays_above(left, right, bounds):
     """Return whether one of four quantities ``stays_above``, and with it the largest of them.
 
-    One that begins below zero does not: until it rises the others decide.
+    A quantity that begins below zero does not: the others decide until it rises.
     """
     return (
         stays_above(left[0], right[0], bounds[0], -REST_SLIP)
@@ -168,14 +164,14 @@ def screen_single(events, which, w, i):
 
 
 @inlined_kernel
-def _enter_subintervals(events, which, mask, w, i):
+def _set_subintervals(events, which, mask, w, i):
     w[(events.subintervals + which) * WIDTH + i] = mask
     w[CANDIDATES * WIDTH + i] += float(1 << which) if mask > 0.0 else 0.0
 
 
 @inlined_kernel
 def find_single(events, which, candidates, w):
-    """Enter the subintervals that may contain a down-crossing of a level of one quantity."""
+    """Write the subintervals that may contain a down-crossing of a level of one quantity."""
     if candidates & (1 << which) == 0:
         return
     for i in range(WIDTH):
@@ -185,7 +181,7 @@ def find_single(events, which, candidates, w):
             stays_above(g[0], g[1], bound), stays_above(g[1], g[2], bound),
             stays_above(g[2], g[3], bound), stays_above(g[3], g[4], bound),
         )  # fmt: skip
-        _enter_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
+        _set_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
 
 
 @inlined_kernel
@@ -230,7 +226,7 @@ def screen_combined(events, which, w):
 
 @inlined_kernel
 def find_combined(events, which, candidates, w):
-    """Enter the subintervals that may contain a down-crossing of the largest of quantities."""
+    """Write the subintervals that may contain a down-crossing of the largest of quantities."""
     if candidates & (1 << which) == 0:
         return
     for i in range(WIDTH):
@@ -244,7 +240,7 @@ def find_combined(events, which, candidates, w):
         g = _samples_of(events, which, w, i)
         flat = events.is_partial(which) & (_lowest_of(g) < TOO_FLAT_TO_TELL)
         mask = float(ALL_SUBINTERVALS) if flat else mask
-        _enter_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
+        _set_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
 
 
 @inlined_kernel
@@ -267,8 +263,8 @@ def _force_at_most(events, loads, w, i):
 
 
 @kernel
-def _enter_largest(events, w):
-    """Enter upper bounds of |tilt| and of normal forces in the step."""
+def _set_largest(events, w):
+    """Write upper bounds of |tilt| and of normal forces in the step."""
     for i in range(WIDTH):
         support, side = loads_of(events.mode_of_lane(w, i))
         w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
@@ -278,7 +274,7 @@ def _enter_largest(events, w):
 
 @kernel
 def _end_steps(events, w):
-    """Enter the state at the end of every step, with sticking contacts at rest."""
+    """Write the state at the end of every step, with sticking contacts at rest."""
     for i in range(WIDTH):
         end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
         end = hold_sticking(end, constants_of_lane(w, i), events.mode_of_lane(w, i))
@@ -290,12 +286,12 @@ def _end_steps(events, w):
 
 @kernel
 def step_all(events, kind, applicable, control, w):
-    """Make one step in every lane, and enter the candidates for events in it.
+    """Make one step in every lane, and find the candidates for events in it.
 
     ``applicable`` is the mask of the events that may apply in any lane. Upper bounds of tilt and
-    forces are entered if ``control`` requires them.
+    forces are written unless ``control`` asks for alignment only.
     """
-    _turn(w)
+    _set_sines(w)
     carries_error = control.carries_error != 0.0
     for i in range(WIDTH):
         w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
@@ -316,5 +312,5 @@ def step_all(events, kind, applicable, control, w):
         w[CANDIDATES * WIDTH + i] = 0.0
     events.find(events, candidates, w)
     if control.alignment_only == 0.0:
-        _enter_largest(events, w)
+        _set_largest(events, w)
     _end_steps(events, w)

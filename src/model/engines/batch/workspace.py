@@ -2,11 +2,12 @@
 
 A row of the workspace ``w`` holds one number per lane: row r of lane i is ``w[r * WIDTH + i]``.
 Loops over lanes are plain arithmetic, so that the compiler vectorizes them; the series are written
-for vectors (series_code.py).
+for vectors (series_code.py). scheduling.py copies runs into lanes, step.py fills the other rows,
+and event_search.py, peaks.py and carried_error.py read them lane by lane.
 
 Lanes hold the modes in which the part rests on A1 or flies, alone or with A2 on its left side face;
-in the insertion scene also those on A2, and those in the slot (series.py lists their kinds). Other
-modes, and readings of the printed equations, are left to the reference engine.
+in the insertion scene also those on A2, and those in the slot (mode_kinds.py lists their kinds).
+Other modes, and printed variants of the equations, are left to the reference engine.
 """
 
 from collections.abc import Sequence
@@ -17,19 +18,8 @@ import numpy as np
 from model.compile.jit import inlined_kernel
 from model.compile.vector_code import WIDTH
 from model.compile.views import reader
-from model.engines.batch.series import (
-    CONSISTENT,
-    GIVEN,
-    EventQuantities,
-)
-from model.engines.batch.series_plan import (
-    FURTHER_ROWS,
-    NODES,
-    ORDERS,
-    ROWS,
-    SINES,
-    TILT,
-)
+from model.engines.batch.series import GIVEN, LANE_CONSTANTS, EventQuantities
+from model.engines.batch.series_layout import FURTHER_ROWS, NODES, ORDERS, ROWS, SINES, TILT
 from model.engines.scalar.tableaux import Array
 from model.physics.modes import START, Mode
 from model.physics.notation import STATE_SIZE, State
@@ -83,8 +73,8 @@ def new_workspace(rows: int) -> Array:
     return numbers[first : first + count]
 
 
-# (w, i): ``Constants`` of lane ``i``, consistent readings.
-_PLACES = {row: place for place, row in enumerate(CONSISTENT)}
+# (w, i): ``Constants`` of lane ``i``, consistent variants.
+_PLACES = {row: place for place, row in enumerate(LANE_CONSTANTS)}
 constants_of_lane = reader(
     Constants,
     "w, i",
@@ -95,8 +85,8 @@ constants_of_lane = reader(
 state_in_lane = reader(State, "w, row, i", "w[(row + {}) * WIDTH + i]".format, WIDTH=WIDTH)
 
 
-# Fields of ``Mode`` in which lanes differ: in the alignment scene, and more in the insertion
-# scene. The others are as in ``START``.
+# Fields of ``Mode`` in which lanes differ in the alignment scene, and further ones in which they
+# differ in the insertion scene. All others are as in ``START``.
 _VARIED = tuple(map(Mode._fields.index, ("face", "support_slip", "side", "side_slip", "dropped")))
 _FIXED = Mode._fields.index("corner_offset")
 _VARIED_IN_SLOT = tuple(n for n in range(len(Mode._fields)) if n not in (*_VARIED, _FIXED))

@@ -1,15 +1,16 @@
 """Event location: the first down-crossing of a level inside a step.
 
-The step's dense output is sampled at its quarters, and near its ends, for the slopes there. A sign
-change between two samples brackets an event; from a sampled minimum that could hide a double
-crossing the level is followed downward. The event is first located on the dense output; the loop
-then repeats the step up to it, so that the state at the event has the full order of the method.
+Levels are sampled on the step's dense output, at its quarters and, for their slopes, near its ends.
+A sign change between two samples brackets an event. A sampled minimum could hide a double crossing:
+parabolas descend from it to the lowest point. The event is located on the dense output first; the
+loop then repeats the step up to it, so that the state at the event has the full order of the
+method.
 """
 
 import numpy as np
 
 from model.compile.jit import inlined_kernel, kernel
-from model.engines.scalar.step import interpolate, keep_in
+from model.engines.scalar.step import interpolate, store_in
 from model.events.levels import NEVER, ON_AN_EVENT, largest
 
 NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
@@ -21,7 +22,7 @@ _ROOT_ITERATIONS = 60
 _DIP_ITERATIONS = 12
 _UNEVEN = 8.0  # ratio of the intervals beside a minimum above which they are uneven
 _HALVINGS = 30
-_STRETCHES = 4  # parts in which each quantity of a condition is assumed monotonic
+_STRETCHES = 4  # parts between two samples; in each, quantities are assumed monotonic
 
 
 @inlined_kernel
@@ -34,7 +35,7 @@ def sample_step(events, time, h, until, y, dense, p, mode, nodes, samples):
     for i in range(NODES):
         theta = until * NODE_PLACES[i]
         q = interpolate(theta, h, y, dense)
-        keep_in(q, nodes[i])
+        store_in(q, nodes[i])
         events.sample_into(time + theta * h, q, p, mode, samples[i])
 
 
@@ -49,10 +50,10 @@ def _value(events, which, part, theta, time, h, y, dense, p, mode):
 
 @kernel
 def _after_start(events, which, part, high, f_high, time, h, y, dense, p, mode):
-    """Bracket (low, f, high, f) of a level that starts at zero, to rounding, and ends negative.
+    """Bracket (low, f, high, f) the down-crossing of a level that starts at zero, to rounding.
 
-    A mode often starts on a zero of its own levels. If the level rises first, its down-crossing
-    lies behind the rise; if it never rises, the mode ends where it starts: the bracket is empty.
+    A mode often starts at a zero of one of its own levels. If the level rises first, the bracket
+    lies behind the rise. If it never rises, the mode ends where it starts: the bracket is empty.
     """
     for _ in range(_HALVINGS):
         theta = 0.5 * high
@@ -134,24 +135,24 @@ def _dip(events, which, left, middle, right, f_left, f_middle, f_right, time, h,
 
 
 @kernel
-def _all_met(events, which, leaves, low, before, high, after, time, h, y, dense, p, mode):
-    """Place in [low, high] where all quantities of ``which`` are first negative, or ``NO_EVENT``.
+def _all_met(events, which, starting, low, before, high, after, time, h, y, dense, p, mode):
+    """First place in [low, high] where all quantities of a level are negative, or ``NO_EVENT``.
 
-    Each is assumed monotonic between its values ``before`` and ``after``: all are negative between
-    the last root at which one becomes negative and the first at which another becomes positive.
-    ``leaves`` is the number of the quantity that is zero when the mode begins, or WHOLE for none.
+    Each is assumed monotonic between its values ``before`` and ``after``: all are negative from the
+    last root of a falling quantity to the first root of a rising one. ``starting`` is the index of
+    the quantity that is zero when the mode begins, or WHOLE for none.
     """
     first, last = low, high
     for part in range(len(before)):
         g_low, g_high = before[part], after[part]
         if g_high > 0.0:
-            if g_low > 0.0 or part == leaves:
+            if g_low > 0.0 or part == starting:
                 return NO_EVENT
             theta = _root(events, which, part, low, g_low, high, g_high, time, h, y, dense, p, mode)
             last = min(last, theta)
-        elif g_low > 0.0 or part == leaves:
+        elif g_low > 0.0 or part == starting:
             left, right = low, high
-            if part == leaves:
+            if part == starting:
                 left, g_low, right, g_high = _after_start(
                     events, which, part, right, g_high, time, h, y, dense, p, mode
                 )
@@ -163,19 +164,19 @@ def _all_met(events, which, leaves, low, before, high, after, time, h, y, dense,
 
 
 @kernel
-def _instant(events, which, f_low, low, high, time, h, y, dense, p, mode):
-    """First down-crossing of a level of several quantities between two samples, or ``NO_EVENT``.
+def _brief_crossing(events, which, f_low, low, high, time, h, y, dense, p, mode):
+    """First down-crossing of a level that may be negative only between two samples, or NO_EVENT.
 
-    The level is not negative at either sample, or starts at zero, but its largest quantity differs
-    between them: it may be negative in between.
+    The level, the largest of several quantities, is not negative at either sample, or starts at
+    zero. Another quantity is the largest at the second sample: all may be negative in between.
     """
     left, before = low, events.quantities(which, time, interpolate(low, h, y, dense), p, mode)
     for i in range(1, _STRETCHES + 1):
         right = low + (high - low) * i / _STRETCHES
         after = events.quantities(which, time, interpolate(right, h, y, dense), p, mode)
-        leaves = int(largest(before)[1]) if i == 1 and f_low <= 0.0 else WHOLE
+        starting = int(largest(before)[1]) if i == 1 and f_low <= 0.0 else WHOLE
         theta = _all_met(
-            events, which, leaves, left, before, right, after, time, h, y, dense, p, mode
+            events, which, starting, left, before, right, after, time, h, y, dense, p, mode
         )
         if theta != NO_EVENT:
             return theta
@@ -192,9 +193,9 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
     low, high = NODE_PLACES[i - 1], NODE_PLACES[i]
     f_low, f_high = samples[i - 1, which], samples[i, which]
     if f_low < -ON_AN_EVENT and (i > 1 or (events.is_conditional(which) and f_high > f_low)):
-        return NO_EVENT  # negative since the start of the mode, or a zero passed over
+        return NO_EVENT  # negative since the mode began, or since a zero that its guard refused
     if f_low < -ON_AN_EVENT and which < events.combined:
-        return low  # met as it begins to apply, however soon it ends: parts that already overlap
+        return low  # parts that overlap when the level begins to apply meet at once
     if f_high < 0.0:
         if f_low <= 0.0:
             low, f_low, high, f_high = _after_start(
@@ -203,7 +204,7 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
         return _root(events, which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode)
     turning = events.count + which
     if which < events.combined and samples[i - 1, turning] != samples[i, turning]:
-        return _instant(events, which, f_low, low, high, time, h, y, dense, p, mode)
+        return _brief_crossing(events, which, f_low, low, high, time, h, y, dense, p, mode)
     if i == NODES - 1 or f_high > f_low or f_high > samples[i + 1, which]:
         return NO_EVENT
     theta = _dip(

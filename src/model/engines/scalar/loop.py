@@ -8,10 +8,10 @@ import numpy as np
 from model.compile.jit import inlined_kernel, kernel
 from model.engines.lifecycle import (
     History,
+    apply_event,
     begin,
     end_step,
     fail,
-    make_event,
     new_history,
     note_step,
 )
@@ -30,10 +30,10 @@ from model.engines.record import (
     TRACKED,
     constants_of,
     is_watched,
-    keep_result,
-    keep_state,
     mode_of,
     state_in,
+    store_result,
+    store_state,
 )
 from model.engines.results import TRACK_VARIABLES
 from model.engines.scalar.location import NO_EVENT, NODE_PLACES, NODES, first_event, sample_step
@@ -47,10 +47,10 @@ from model.engines.scalar.step import (
     error_estimate,
     interpolate,
     is_too_short,
-    keep_in,
     moved,
     right_hand_side,
     state_of,
+    store_in,
     take_step,
 )
 from model.engines.scalar.tableaux import Method
@@ -96,7 +96,7 @@ def new_workspace(method: Method) -> Workspace:
 
 @inlined_kernel
 def _accepted_step(time, h, y, p, mode, method, tolerance, work):
-    """Shrink ``h`` until a step is accepted; return (h, next h, rejected steps), h = 0 if none."""
+    """Shrink ``h`` until a step is accepted; return (h or 0, next h, number of rejected steps)."""
     rejected = 0
     while True:
         take_step(time, h, y, p, mode, method, work.k, work.y_end)
@@ -115,10 +115,10 @@ def _accepted_step(time, h, y, p, mode, method, tolerance, work):
 
 @kernel
 def _secant_to_event(events, which, f, by, time, length, h, y, p, mode, method, resolution, work):
-    """Advance the step's end by ``by``, and by the secant method as long as the level decreases.
+    """Move the step's end by ``by``, then by the secant method while it halves the level.
 
-    Meant for a level so flat that the dense output does not show its zero. Returns and writes the
-    same as ``_step_to_event``.
+    For a level so flat that the dense output does not show its zero. Returns and writes the same as
+    ``_step_to_event``.
     """
     taken = 0
     for _ in range(_MOST_SECANTS):
@@ -132,7 +132,7 @@ def _secant_to_event(events, which, f, by, time, length, h, y, p, mode, method, 
         length, by, f = length + by, -g * by / (g - f), g
         if abs(by) <= resolution:
             rates = state_of(work.k[method.stages])
-            keep_in(moved(state_of(work.y_end), by, rates), work.y_end)
+            store_in(moved(state_of(work.y_end), by, rates), work.y_end)
             return length + by, taken
     take_step(time, length, y, p, mode, method, work.k, work.y_end)
     return length, taken + 1
@@ -142,13 +142,13 @@ def _secant_to_event(events, which, f, by, time, length, h, y, p, mode, method, 
 def _step_to_event(events, which, theta, time, h, y, p, mode, method, resolution, work):
     """Repeat the step up to the event: (length, steps taken), the state in ``work.y_end``.
 
-    Newton's iteration on whole steps: the event is as accurate as a step, whatever the order of the
-    dense output, which gives the slope only. A last correction below ``resolution`` moves along the
-    tangent.
+    Newton's iteration repeats whole steps and takes only the level's slope from the dense output:
+    the event is as accurate as a step. A last correction below ``resolution`` moves the state along
+    its rates.
     """
     length = theta * h
     if length == 0.0:
-        keep_in(state_of(y), work.y_end)
+        store_in(state_of(y), work.y_end)
         return 0.0, 0
     near = 1e-3
     low, high = max(theta - near, 0.0), min(theta + near, 1.0)
@@ -170,7 +170,7 @@ def _step_to_event(events, which, theta, time, h, y, p, mode, method, resolution
         better = min(max(length + correction, 0.0), h)
         if abs(better - length) <= resolution:
             rates = state_of(work.k[method.stages])
-            keep_in(moved(state_of(work.y_end), better - length, rates), work.y_end)
+            store_in(moved(state_of(work.y_end), better - length, rates), work.y_end)
             length = better
             break
         if taken < 4:
@@ -219,13 +219,13 @@ def _largest(events, nodes, samples):
 
 @kernel
 def track_sample(events, track, time, q, sample, runs, i):
-    """Count and write a row of the track, over the oldest one if the track is full."""
+    """Append a row to the track; a full track overwrites its oldest row."""
     row, rows = int(runs[i, TRACKED]), track.shape[0]
     runs[i, TRACKED] = row + 1
     if rows > 0:
         row = row % rows if row >= rows else row
         track[row, 0] = time
-        keep_in(q, track[row, 1 : 1 + STATE_SIZE])
+        store_in(q, track[row, 1 : 1 + STATE_SIZE])
         track[row, 7] = max(events.support_force(sample), 0.0)
         track[row, 8] = max(events.side_force(sample), 0.0)
         track[row, 9] = max(events.right_force(sample), 0.0)
@@ -242,9 +242,10 @@ def track_run(events, track, scratch, runs, i):
 
 @inlined_kernel
 def note_closest(events, samples, last, runs, i):
-    """Lower the run's closest approaches to those of a step, except of levels that start at zero.
+    """Lower the run's closest approaches by the samples of a step.
 
-    A mode starts on zeros of its own levels: leaving such a zero is not an approach to an event.
+    A level that starts at zero is left out: a mode starts at zeros of its own levels, and to leave
+    one is not to approach an event.
     """
     for which in range(events.count):
         if samples[0, which] != NEVER and samples[0, which] > ON_AN_EVENT:
@@ -259,7 +260,7 @@ def advance(scene, method, control, track, history, work, runs, i):
     """Advance run ``i`` by one step, or up to the first event in it."""
     time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     y, tolerance, h = work.y, runs[i, TOLERANCE], runs[i, NEXT_STEP]
-    keep_in(state_in(runs, STATE, i), y)
+    store_in(state_in(runs, STATE, i), y)
     stop = runs[i, STOP]
     h_try = stop - time if time + 1.0001 * h >= stop else h
     right_hand_side(time, y, p, mode, work.k[0])
@@ -278,18 +279,9 @@ def advance(scene, method, control, track, history, work, runs, i):
     if found:
         while NODE_PLACES[last] > theta:
             last -= 1
+        resolution = EVENT_RESOLUTION * sqrt(tolerance)
         length, taken = _step_to_event(
-            scene.events,
-            which,
-            theta,
-            time,
-            h_step,
-            y,
-            p,
-            mode,
-            method,
-            EVENT_RESOLUTION * sqrt(tolerance),
-            work,
+            scene.events, which, theta, time, h_step, y, p, mode, method, resolution, work
         )
         runs[i, EVALUATIONS] += taken * method.stages
     if is_watched(runs, i):
@@ -305,21 +297,21 @@ def advance(scene, method, control, track, history, work, runs, i):
     tilt, force = _largest(scene.events, work.nodes, work.samples)
     note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
 
-    keep_state(state_of(work.y_end), runs, i)
+    store_state(state_of(work.y_end), runs, i)
     reached_stop = not found and h_step == h_try and h_try == stop - time
     runs[i, TIME] = stop if reached_stop else time + length
     # A step shortened by a stop is no reason for a shorter next step.
     runs[i, NEXT_STEP] = max(h, h_next) if h_step == h_try and h_try != h else h_next
     if found:
         track_run(scene.events, track, work.scratch, runs, i)
-        make_event(which, length, h_step, scene, control, runs, i)
+        apply_event(which, length, h_step, scene, control, runs, i)
         track_run(scene.events, track, work.scratch, runs, i)
     else:
-        keep_state(hold_sticking(state_in(runs, STATE, i), p, mode), runs, i)
+        store_state(hold_sticking(state_in(runs, STATE, i), p, mode), runs, i)
     end_step(scene, reached_stop, history, control, runs, i)
 
 
-class Single(NamedTuple):
+class ScalarMemory(NamedTuple):
     """Memory for one run at a time: its record, shape (1, SIZE), history and workspace."""
 
     runs: np.ndarray
@@ -327,13 +319,13 @@ class Single(NamedTuple):
     work: Workspace
 
 
-def new_single(method: Method) -> Single:
-    """Return a ``Single`` for ``method``."""
-    return Single(np.zeros((1, SIZE)), new_history(1), new_workspace(method))
+def new_scalar_memory(method: Method) -> ScalarMemory:
+    """Return a ``ScalarMemory`` for ``method``."""
+    return ScalarMemory(np.zeros((1, SIZE)), new_history(1), new_workspace(method))
 
 
 @kernel
-def integrate(row, tolerance, scene, method, control, track, single):
+def integrate(row, tolerance, scene, method, control, track, memory):
     """Run one parameter set to its end.
 
     Args:
@@ -343,12 +335,12 @@ def integrate(row, tolerance, scene, method, control, track, single):
         method: ``Method``.
         control: ``Control``.
         track: shape (rows, 10), filled with time, state and normal forces of support, left and
-            right side. ``RunResult.tracked`` is the number of rows of a whole track; row n is at
-            n modulo the rows there are, so that a shorter track holds the last ones.
-        single: ``Single``, overwritten.
+            right side. A track shorter than ``RunResult.tracked``, the number of rows of the whole
+            run, holds the last ones: row n of the run is row n modulo ``rows``.
+        memory: ``ScalarMemory``, overwritten.
     """
-    runs, history, work = single.runs, single.history, single.work
-    i = runs.shape[0] - 1  # the only one; numba would compile callees for the literal 0
+    runs, history, work = memory.runs, memory.history, memory.work
+    i = runs.shape[0] - 1  # 0; as a literal, numba would compile the callees again for it
     begin(row, tolerance, scene, control, runs, i)
     track_run(scene.events, track, work.scratch, runs, i)
     while runs[i, OUTCOME] == CONTINUES:
@@ -356,10 +348,10 @@ def integrate(row, tolerance, scene, method, control, track, single):
 
 
 @kernel
-def integrate_each(rows, tolerances, scene, method, control, track, queue, endings, single):
+def integrate_each(rows, tolerances, scene, method, control, track, queue, results, memory):
     """Integrate the rows of ``rows`` taken from ``queue``; shapes as in ``integrate_all``."""
     row = next_in(queue)
     while row < rows.shape[0]:
-        integrate(rows[row], tolerances[row], scene, method, control, track, single)
-        keep_result(single.runs, 0, endings, row)
+        integrate(rows[row], tolerances[row], scene, method, control, track, memory)
+        store_result(memory.runs, 0, results, row)
         row = next_in(queue)

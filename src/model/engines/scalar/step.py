@@ -23,7 +23,7 @@ def state_of(y):
 
 
 @inlined_kernel
-def keep_in(q, out):
+def store_in(q, out):
     """Write the state ``q``, or its rates, into ``out``, shape (6,)."""
     out[0], out[1], out[2] = q.x, q.y, q.tilt
     out[3], out[4], out[5] = q.x_rate, q.y_rate, q.tilt_rate
@@ -45,7 +45,7 @@ def are_finite(rates):
 @inlined_kernel
 def right_hand_side(time, y, p, mode, out):
     """Write dy/dτ into ``out``, shape (6,)."""
-    keep_in(rates_of(time, state_of(y), p, mode), out)
+    store_in(rates_of(time, state_of(y), p, mode), out)
 
 
 @inlined_kernel
@@ -68,7 +68,7 @@ def _combination(weights, count, k):
 def _stage(i, time, h, y, p, mode, method, k, trial):
     """Evaluate stage ``i`` into ``k[i]``, and its state into ``trial``."""
     s0, s1, s2, s3, s4, s5 = _combination(method.a[i], i, k)
-    keep_in(moved(state_of(y), h, State(s0, s1, s2, s3, s4, s5)), trial)
+    store_in(moved(state_of(y), h, State(s0, s1, s2, s3, s4, s5)), trial)
     right_hand_side(time + method.c[i] * h, trial, p, mode, k[i])
 
 

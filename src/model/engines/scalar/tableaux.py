@@ -28,9 +28,8 @@ class Method(NamedTuple):
 class Tableau:
     """An explicit Runge-Kutta method with a continuous extension.
 
-    Row ``stages`` of ``a`` holds the weights of the step: the stage after the last is the end of
-    the step, and is the first of the next one. Later rows are stages of the continuous extension
-    only.
+    Row ``stages`` of ``a`` holds the weights of the step; its stage is evaluated at the step's end
+    and is the first stage of the next step. Later rows are stages of the continuous extension only.
 
     Attributes:
         name: as used in the literature.

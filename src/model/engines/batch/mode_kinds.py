@@ -1,6 +1,8 @@
-"""The modes that lanes hold, and their kinds: those of a kind have the same series.
+"""The modes that lanes hold, and their kinds: modes of a kind have the same series.
 
-What a further contact changes in the modes of lanes is in this file.
+The batch engine begins here. Input: the fields of ``Mode``. Output: the kinds of modes, for which
+series.py derives series; all modes that lanes hold, for which event_kernels.py selects events; and
+kernels that number the mode of a run. For lanes to hold a further contact, add its modes here.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.compile.jit import inlined_kernel, python_of
-from model.engines.batch.traced import MODE
+from model.engines.batch.level_forms import MODE
 from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, START, STICKING, Mode
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 _STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
+# Stages of a fall: ``dropped``, ``in_slot`` and ``corners_inside``.
 _FALLS = (False, False, False), (True, False, False), (True, True, False), (True, True, True)
 
 # Where the support is: A1 or A2 under the bottom face, or A1 and B1 on the right side of the slot.
@@ -25,7 +28,7 @@ FREE, SLIDES, STICKS = range(3)  # states of an edge alone; see ``SIDE_CONTACTS`
 
 
 class SideContacts(NamedTuple):
-    """Contacts that press on one side, where their slip counts, and whether it is zero."""
+    """Contacts that press on one side, the one whose slip counts, and whether it sticks."""
 
     edge: bool
     corner: bool
@@ -38,22 +41,23 @@ SIDE_CONTACTS = (
     SideContacts(False, False, False, False),
     *(SideContacts(*where, sticks) for where in _WHERE for sticks in (False, True)),
 )
-"""Every ``SideContacts`` that occurs; the number of one is its index, FREE if nothing presses."""
+"""Every ``SideContacts`` that occurs, numbered by its index; FREE where nothing presses."""
 
 
-class Kind(NamedTuple):
-    """A kind of mode: the place of the support, and the numbers of what presses on either side."""
+class ModeKind(NamedTuple):
+    """A kind of mode: place of the support, and numbers of the ``SIDE_CONTACTS`` of both sides."""
 
     place: int
     support: int
     side: int
 
 
+# Numbers of ``SIDE_CONTACTS``: an edge alone or none, a corner alone, both.
 _EDGE, _CORNER, _BOTH = (FREE, SLIDES, STICKS), (3, 4), (5, 6, 7, 8)
 
 
-def _kinds(place: int, supports: Iterable[int], sides: Iterable[int]) -> tuple[Kind, ...]:
-    return tuple(Kind(place, *pair) for pair in product(supports, sides))
+def _kinds(place: int, supports: Iterable[int], sides: Iterable[int]) -> tuple[ModeKind, ...]:
+    return tuple(ModeKind(place, *pair) for pair in product(supports, sides))
 
 
 ALIGNMENT_KINDS = _kinds(ON_RIGHT_EDGE, _EDGE, _EDGE)
@@ -68,12 +72,12 @@ INSERTION_KINDS = (
 """Kinds of modes that lanes hold, in the order of their numbers."""
 
 
-def kinds_of(inserts: bool) -> tuple[Kind, ...]:
-    """Return the kinds of modes that lanes hold."""
+def kinds_of(inserts: bool) -> tuple[ModeKind, ...]:
+    """Return the kinds of modes that lanes hold, in a scene that ``inserts`` or not."""
     return INSERTION_KINDS if inserts else ALIGNMENT_KINDS
 
 
-def mode_of_kind(kind: Kind, slips: Sequence[Any]) -> Mode:
+def mode_of_kind(kind: ModeKind, slips: Sequence[Any]) -> Mode:
     """Return a mode of this kind, with the ``slips`` of support and side where those slide."""
     support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     support_slip, side_slip = (
@@ -90,8 +94,8 @@ def mode_of_kind(kind: Kind, slips: Sequence[Any]) -> Mode:
     )  # fmt: skip
 
 
-def numbers_of(kinds: Sequence[Kind]) -> NDArray[np.int64]:
-    """Return the index of each kind of mode in ``kinds``, -1 for others; shape of all kinds."""
+def numbers_of(kinds: Sequence[ModeKind]) -> NDArray[np.int64]:
+    """Return the table [place, support, side] of indices in ``kinds``; -1 where a kind is not."""
     numbers = np.full((3, len(SIDE_CONTACTS), len(SIDE_CONTACTS)), -1)
     for number, kind in enumerate(kinds):
         numbers[kind] = number
@@ -100,7 +104,7 @@ def numbers_of(kinds: Sequence[Kind]) -> NDArray[np.int64]:
 
 @inlined_kernel
 def _side_contacts(edge, corner, slip_at_corner, slip):
-    """Return the number of what presses on one side; see ``SIDE_CONTACTS``."""
+    """Return the number of the contacts that press on one side; see ``SIDE_CONTACTS``."""
     where = 0
     if corner == CLOSED:
         where = 2 + int(slip_at_corner) if edge == CLOSED else 1
@@ -123,27 +127,27 @@ def kind_in(numbers, mode):
     return numbers[place, support, side]
 
 
-MODES_OF_A_KIND = 32  # of a kind of mode
+MODES_OF_A_KIND = 32  # numbers of ``mode_in_kind``
 
 
 @inlined_kernel
 def mode_in_kind(mode):
-    """Return the number of a mode in its kind: which contacts are released, and whether it fell."""
+    """Return the number of a mode in its kind, from its released contacts and ``dropped``."""
     right = int(mode.face == RELEASED) + 2 * int(mode.corner == RELEASED)
     left = int(mode.side == RELEASED) + 2 * int(mode.wall == RELEASED)
     return right + 4 * left + 16 * int(mode.dropped)
 
 
-class HeldMode(NamedTuple):
-    """A mode that lanes hold, and its place among them: the numbers of its kind and in it."""
+class LaneMode(NamedTuple):
+    """A mode that lanes hold, and its place: the number of its kind, and its number in the kind."""
 
     mode: Mode
     place: tuple[int, int]
 
 
 @cache
-def held_modes(inserts: bool) -> list[HeldMode]:
-    """Modes that lanes hold, of friction coefficients and slips that suffice for all events."""
+def lane_modes(inserts: bool) -> list[LaneMode]:
+    """Enumerate every mode that lanes hold, with slips of one sign: no event depends on it."""
     within = _STATES if inserts else (OPEN,)
     edges = (RIGHT_EDGE, LEFT_EDGE) if inserts else (RIGHT_EDGE,)
     modes = [
@@ -163,4 +167,4 @@ def held_modes(inserts: bool) -> list[HeldMode]:
     numbers = numbers_of(kinds_of(inserts))
     kind_of, mode_in = python_of(kind_in), python_of(mode_in_kind)
     places = ((kind_of(numbers, mode), mode_in(mode)) for mode in modes)
-    return [HeldMode(*each) for each in zip(modes, places, strict=True) if each[1][0] >= 0]
+    return [LaneMode(*each) for each in zip(modes, places, strict=True) if each[1][0] >= 0]

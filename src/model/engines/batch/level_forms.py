@@ -1,8 +1,7 @@
-"""Level functions as expressions of the rows of a SIMD workspace, by symbolic tracing.
+"""Levels of events as linear forms of workspace rows, by symbolic tracing.
 
-A level is called once with symbols in place of numbers. The returned expression is written into
-kernels in the forms that the batch engine needs. It yields the factor of each row, the presence of
-an absolute value, and the quantities that no row holds.
+Input: a level of the event table. Output: a ``LinearForm`` of each of its quantities, which
+event_kernels.py writes into kernels. A level is called once with symbols in place of numbers.
 """
 
 from collections.abc import Callable
@@ -34,19 +33,19 @@ class LinearForm(Symbol):
 
     Attributes:
         tree: the expression: (operation, operands), ("row", name), ("constant", text or number).
-        factors: of each row, up to the sign.
-        takes_size: True if there is an absolute value.
-        is_known: False for a quantity that no row holds, or that is not linear in them.
+        factors: factor of each row, up to its sign.
+        has_absolute: True if it contains an absolute value.
+        is_known: False for a quantity that no row holds, or that is not linear in the rows.
     """
 
     tree: tuple[Any, ...]
     factors: dict[str, Number]
-    takes_size: bool = False
+    has_absolute: bool = False
     is_known: bool = True
 
     def _with(self, operation: str, other: Any, factors: dict[str, Number]) -> "LinearForm":
         return LinearForm(
-            (operation, self.tree, other.tree), factors, self.takes_size or other.takes_size,
+            (operation, self.tree, other.tree), factors, self.has_absolute or other.has_absolute,
             self.is_known and other.is_known,
         )  # fmt: skip
 
@@ -77,18 +76,18 @@ class LinearForm(Symbol):
         if self.factors and other.factors:
             return UNKNOWN
         one, constant = (self, other) if self.factors else (other, self)
-        kind, *value = constant.tree
-        number = kind == "constant" and isinstance(value[0], float)
+        operation, *value = constant.tree
+        number = operation == "constant" and isinstance(value[0], float)
         by: Number = value[0] if number else rendered(constant, str)
         factors = {row: _times(factor, by) for row, factor in one.factors.items()}
         return self._with("*", other, factors)
 
     def __neg__(self) -> "LinearForm":
-        return LinearForm(("neg", self.tree), self.factors, self.takes_size, self.is_known)
+        return LinearForm(("neg", self.tree), self.factors, self.has_absolute, self.is_known)
 
     def __abs__(self) -> "LinearForm":
         return LinearForm(
-            ("abs", self.tree), self.factors, True, self.is_known and not self.takes_size
+            ("abs", self.tree), self.factors, True, self.is_known and not self.has_absolute
         )
 
     def __eq__(self, other: object) -> bool:
@@ -112,20 +111,20 @@ def _row(name: str) -> Any:
     return LinearForm(("row", name), {name: 1.0})
 
 
-def rendered(form: LinearForm, row: Callable[[str], str], size: str = "abs({})") -> str:
-    """Return the expression with other texts for rows and absolute values."""
+def rendered(form: LinearForm, row: Callable[[str], str], absolute: str = "abs({})") -> str:
+    """Return the form as source text, with ``row`` of each name, and this text of ``absolute``."""
 
     def text(tree: tuple[Any, ...]) -> str:
-        kind, *of = tree
-        if kind == "constant":
+        operation, *of = tree
+        if operation == "constant":
             return of[0] if isinstance(of[0], str) else repr(of[0])
-        if kind == "row":
+        if operation == "row":
             return row(of[0])
-        if kind == "abs":
-            return size.format(text(of[0]))
-        if kind == "neg":
+        if operation == "abs":
+            return absolute.format(text(of[0]))
+        if operation == "neg":
             return f"(-{text(of[0])})"
-        return f"({text(of[0])} {kind} {text(of[1])})"
+        return f"({text(of[0])} {operation} {text(of[1])})"
 
     return text(form.tree)
 
@@ -144,10 +143,10 @@ def _if(condition: str) -> Any:
 
 
 def _quantities(inserts: bool) -> dict[Source, Any]:
-    """Quantities of the sources that the workspace holds, as forms of its rows.
+    """Quantities of every source that the workspace holds, as forms of its rows.
 
-    These are the contacts of the edges and, if the scene ``inserts``, of the corners with the
-    walls, and places of all edges and corners. Without insertion the support is A1.
+    The sources are the corner positions, the contacts of the edges and, if the scene ``inserts``,
+    of the corners with the walls. Without insertion the support is A1.
     """
     places = {name: _row(name) for name in CornerPositions._fields if not name.endswith("_rise")}
     unknown = dict.fromkeys(CornerPositions._fields, UNKNOWN)
@@ -167,7 +166,7 @@ def _quantities(inserts: bool) -> dict[Source, Any]:
         right, left = _if(f"mode.edge == {RIGHT_EDGE}"), _if(f"mode.edge == {LEFT_EDGE}")
         along_face = right * along_face + left * places["left_along_face"]
         along_axis = right * along_axis + left * places["left_along_axis"]
-    found = {
+    sources = {
         PLACES: CornerPositions(**(unknown | places)),
         FACE: ContactState(P.half_height + along_axis, _row("face_load"), along_face),
         SIDE: ContactState(
@@ -175,7 +174,7 @@ def _quantities(inserts: bool) -> dict[Source, Any]:
         ),
         FORCES: Motion(**forces),
     }
-    return found if not inserts else found | {
+    return sources if not inserts else sources | {
         RIGHT_SIDE: ContactState(
             P.half_width - places["right_along_face"], _row("face_load"),
             places["right_along_axis"],
@@ -199,15 +198,15 @@ def forms_of(
 ) -> tuple[LinearForm, ...] | None:
     """Return the quantities of a level as forms; None if the workspace does not hold its source.
 
-    A missing quantity of a level of several is NOTHING, and so is one that is not known.
+    In a level of several quantities, one that it lacks or that is not known is NOTHING.
     """
     if source not in QUANTITIES[inserts]:
         return None
     mode = MODE if inserts else MODE._replace(edge=RIGHT_EDGE)
-    found = python_of(level)(QUANTITIES[inserts][source], P, mode)
-    return tuple(map(_as_form, found if isinstance(found, tuple) else (found,)))
+    forms = python_of(level)(QUANTITIES[inserts][source], P, mode)
+    return tuple(map(_as_form, forms if isinstance(forms, tuple) else (forms,)))
 
 
 def is_nothing(form: LinearForm) -> bool:
-    """Return whether a level of several quantities does not have this one."""
+    """Return whether the form stands for a quantity that its level lacks."""
     return form.tree == ("constant", NOTHING)
