@@ -15,8 +15,8 @@ from verification.fuzz import SETTINGS, draw
 @pytest.mark.parametrize("number", [1844, 4419, 5677, 7856, 9260])
 @pytest.mark.parametrize("engine", ["scalar", None])
 def test_sets_that_once_chattered_come_on(number, engine):
-    # Hard bases on which rounding of a length is a load, on parts of hardly any inertia; and a part
-    # that is pressed only later, with no load and no force along the face at the start.
+    # Parts of hardly any inertia on hard bases, where rounding of a length causes a load; and one
+    # part that is pressed only later, without load or force along the face at the start.
     run = align(draw(2007, number, 1), SETTINGS, engine=engine, cores=1)
     assert run.reason[0] in (Reason.NONE, Reason.TOO_MANY_EVALUATIONS)
 
@@ -41,8 +41,8 @@ def standing(device):
     ("at_once", "before", "moment"),
     [
         (17, START, 2e-12),
-        (30, START._replace(face=OPEN), 1e-12 * 2.0**14),  # the base does nothing yet
-        (50, START._replace(face=OPEN), 0.0),  # but would by then
+        (30, START._replace(face=OPEN), 1e-12 * 2.0**14),  # the contact makes no difference yet
+        (50, START._replace(face=OPEN), 0.0),  # in a longer moment it does
         (62, START, 0.0),  # beyond the horizon
     ],
 )

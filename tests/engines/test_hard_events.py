@@ -218,8 +218,8 @@ def test_a_run_along_a_boundary_ends_with_a_defined_outcome(device, changes, tol
         device.replace(**changes), tolerance=tolerance, horizon=30.0, may_settle=False,
         max_evaluations=3_000_000,
     )  # fmt: skip
-    # It gets through, without an evaluation limit or steps without length. With errors as large as
-    # what separates the two modes it may say that they alternate.
+    # The run ends without the evaluation limit or steps of no length. If its errors are as large as
+    # the difference between the two modes, it may report chatter.
     if run.outcome is Outcome.FAILED:
         assert run.reason is Reason.CHATTER
         assert tolerance > 1e-8

@@ -192,9 +192,9 @@ def slope(counts, errors):
 
 @each_stretch
 def test_order_down_to_rounding(begun, stretch):
-    # Its errors are proportional to h^8 below about 1e-10, and rounding leaves about 3e-13 of them
-    # where an event is met at a small slope: two decades, in which h changes by a factor of two.
-    # Five halvings would take twelve. Many sizes and ends make up for it.
+    # Errors are proportional to h^8 below about 1e-10. Rounding adds about 3e-13 where an event is
+    # located at a small slope. Between the two lie two decades, in which h changes by a factor of
+    # two; five halvings would need twelve. Many sizes and ends make up for it.
     counts = np.array([6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 18, 20, 22, 24, 26, 28, 32, 36])
     errors = mean_errors(stretch, begun(stretch), counts, repeats=10)
     asymptotic = (errors < 1e-10) & (errors > 5e-13)

@@ -92,15 +92,15 @@ def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(
         lanes = align(batch, SETTINGS, engine="batch")
         aligned = ~(exact.sensitive | lanes.sensitive) & (exact.outcome == Outcome.ALIGNED)
         assert aligned.sum() > COUNT
-        # The truth has an error of its own: a set that amplifies errors is run at 1e-14 by either
-        # engine, and the reference errs more there.
+        # The reference has an error too: a set that amplifies errors is run at 1e-14 by either
+        # engine, where the reference errs more.
         allowed = lanes.tau_error + exact.tau_error
         ratio = (np.abs(exact.tau_align - lanes.tau_align) / allowed)[aligned]
         assert (ratio <= 1.0).mean() >= 0.95
         assert ratio.max() <= 10.0
         ratios.append(ratio)
-    # Of all together: the median of some hundred is off by a tenth now and then, and that of 1,400
-    # near sets is 25, of 890 wide ones 27 to 30.
+    # The median of all sets together: that of some hundred varies by a tenth. It is 25 for 1,400
+    # near sets, and 27 to 30 for 890 wide ones.
     assert 1.0 / np.median(np.concatenate(ratios)) <= 30.0
 
 

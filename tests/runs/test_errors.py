@@ -238,7 +238,7 @@ def test_chance_is_said_whatever_the_tolerance(number, fixed_study):
     settings, batch = trial.settings.settings, trial.batch(np.array([number]))
     found = [align(batch, settings, tolerance=tolerance) for tolerance in (1e-8, 1e-9, 1e-10)]
     assert all(run.sensitive[0] or run.reason[0] == Reason.CHAOTIC for run in found)
-    # The end of this run is chance too: 1442 falls in or continues by the rounding of an event.
+    # This end depends on chance too: whether 1442 falls in depends on the rounding of an event.
     run = simulate(batch[0], settings)
     assert run.sensitive or (run.reason == Reason.CHAOTIC and "chance" in run.message)
 

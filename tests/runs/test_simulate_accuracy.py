@@ -49,13 +49,13 @@ def mean_errors(batch, tolerances, engine):
 
 @each_run
 def test_alignment_time_converges_with_the_tolerance_across_events(device, changes):
-    # An error per step proportional to the tolerance gives a global error proportional to it, if no
-    # event adds an error of its own; steps shrink with tol^(1/order), with which the sum of local
-    # errors loses that much at most: slopes of 7/8 to 1. The error of one run scatters by a
-    # factor of ten, since steps and events fall differently on each other at each tolerance: the
-    # geometric mean over 32 neighbouring devices does not. An event located only to a step's length
-    # would show 1/8, one located on a dense output of lower order 1/2 to 7/8. Above 1e-8 a
-    # step is so long, for the contact's own period of 0.6, that errors are not asymptotic yet.
+    # Local errors proportional to the tolerance give a global error proportional to it, if no event
+    # adds an error. The number of steps grows with tol^(-1/order): slopes of 7/8 to 1. The error of
+    # one run scatters by a factor of ten, since events lie elsewhere in the steps at every
+    # tolerance; the geometric mean over 32 neighbouring devices does not. An event located only to
+    # a step's length would give a slope of 1/8, one located on a dense output of lower order 1/2 to
+    # 7/8. Above 1e-8 a step is so long, for the contact's period of 0.6, that errors are not
+    # asymptotic yet.
     p = device.replace(**changes)
     near = Batch.of(p, press_force=p.press_force * np.linspace(0.97, 1.03, 32))
     tolerances = 10.0 ** -np.arange(8.0, 12.1, 0.5)
@@ -67,9 +67,9 @@ def test_alignment_time_converges_with_the_tolerance_across_events(device, chang
 
 @each_run
 def test_the_lanes_series_converge_with_the_tolerance_across_events(device, changes):
-    # The tolerance is that of the last term kept: what follows falls a little faster than it, and
-    # a step so long that the first terms do not tell yet loses more. An event that adds an error of
-    # its own would show below 0.8.
+    # The tolerance bounds the last term that is summed: omitted terms fall a little faster than it.
+    # They are larger in long steps, where the first terms do not decrease regularly yet. An event
+    # that adds an error would give a slope below 0.8.
     p = device.replace(**changes)
     near = Batch.of(p, press_force=p.press_force * np.linspace(0.97, 1.03, 32))
     tolerances = 10.0 ** -np.arange(8.0, 12.1, 0.5)

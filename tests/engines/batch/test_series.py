@@ -159,7 +159,8 @@ def residual(step: Step, time: float) -> float:
 
 @each_kind
 def test_a_carried_error_is_the_derivative_of_the_series(support, side):
-    # Linearised at the displaced state: apart by some hundred displacements at the highest order.
+    # The series are linearised at the displaced state: at the highest order that is a difference of
+    # some hundred displacements.
     error = 1e-8 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
     more, less = (Step(support, side, 0.1, displacement=each) for each in (error, -error))
     errors = more.w[workspace.ERROR : workspace.ERROR + ORDERS * ROWS].reshape(ORDERS, ROWS, WIDTH)
@@ -176,8 +177,8 @@ def test_the_series_solve_the_equations_of_motion_to_their_order(support: int, s
     assert residual(step, 1e-3) < 1e-10
     for series in (step.series, step.further):
         step.series = series
-        # Half the time, 2^-15 of what is missed: shorter steps between, as long as it is not
-        # rounding.
+        # The residual falls by 2^-15 if the time is halved: times closer than that are needed for
+        # enough residuals above rounding.
         times = 2.0 * 0.9 ** np.arange(60)
         missed = np.array([residual(step, time) for time in times])
         clean = (missed < 1e-4) & (missed > 1e-11)

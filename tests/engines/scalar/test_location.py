@@ -76,7 +76,7 @@ def test_the_fraction_does_not_depend_on_time_and_length(locate, h):
 def test_a_double_crossing_between_two_samples_is_found(locate, first, second):
     which, theta = locate(with_roots(first, second))
     assert which == OVERTURNED
-    # The slope at the root is second - first: as much less well determined is it.
+    # The slope at the root is second - first: rounding moves the root by 1e-15 over it.
     assert theta == pytest.approx(first, abs=1e-15 / (second - first) + ROUNDING)
 
 

@@ -98,7 +98,7 @@ def test_error_estimate_bounds_the_true_local_error(p, h):
     estimate = steps.error(BEGIN, h, 1.0)  # over 1 + |y|, root mean square
     exact = Steps(p, SLIDING).run(BEGIN, h, 16)
     scaled = (steps.end - exact) / (1.0 + np.maximum(abs(BEGIN), abs(exact)))
-    # The step is of higher order than what is estimated: its error is smaller.
+    # The step is of higher order than the estimate: its error is smaller.
     assert np.sqrt(np.mean(scaled**2)) < estimate
 
 
