@@ -70,7 +70,7 @@ MUTATIONS = {
         "top, side_top, bottom, side_bottom = -1.01 * drive, -side_drive, g11, g22",
     ),
 }
-# What acts in every run of every figure (friction: Fig. 7 starts at none, but not all of it).
+# Errors that act in every figure (friction too: Fig. 7 varies it from zero on).
 EVERYWHERE = {
     "lateral damping", "lateral stiffness", "axial damping", "axial stiffness", "tilt damping",
     "tilt stiffness", "press force", "excitation", "contact stiffness", "contact damping",
@@ -80,7 +80,7 @@ FIGURES = list(COMPUTED)
 
 
 def mutated(folder: Path, mutation: str) -> Path:
-    """A copy of the sources with one error in it."""
+    """Copy of the sources with one error in it."""
     source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
     file, old, new = MUTATIONS[mutation]
     replace(source / "model" / "physics" / file, old, new)
@@ -147,24 +147,23 @@ def test_without_a_mutation_no_unit_test_fails(tried: dict[str, tuple[int, str]]
     assert code == pytest.ExitCode.OK, told
 
 
-# All errors in one copy of the sources, each switched on by a constant of the kernels. It is
-# compiled once, where a copy for each would be compiled sixteen times. The switch is a factor, so
-# that the kernels that are read off the equations have it too.
+# All errors in one copy of the sources, each switched on by a constant of the kernels: one copy is
+# compiled instead of sixteen. The switch is a factor, so that traced kernels have it too.
 ERRORS = {name: number for number, name in enumerate(MUTATIONS, start=1)}
 SWITCHED = "(1.0 + 0.01 * p.error_{})"
-# Its kernel does not know p: the force is multiplied where it acts.
+# The kernel of sticking friction does not take p: the force is multiplied where it acts.
 STICKING = (
     "motion.py",
     "        x += stick * t[0]",
     "        stick *= 1.01\n        x += stick * t[0]",
 )
-IS_ON = "{f'error_{n}': np.full(len(self), environ['ERROR'] == str(n)) * 1.0 for n in range(1, 17)}"
+IS_ON = "{f'error_{n}': float(environ['ERROR'] == str(n)) for n in range(1, 17)}"
 CARRIED = [
     ("physics/parameters.py", "import math\n", "import math\nfrom os import environ\n"),
     (
         "physics/parameters.py",
-        "        columns: dict[str, Any] = dict(self.values)\n",
-        f"        columns = {{**self.values, **{IS_ON}}}\n",
+        "        rows = np.empty(",
+        f"        columns |= {IS_ON}\n        rows = np.empty(",
     ),
     (
         "physics/parameters.py",
@@ -175,7 +174,7 @@ CARRIED = [
 
 
 def switchable(folder: Path) -> Path:
-    """A copy of the sources with every error in it, none of them switched on."""
+    """Copy of the sources with all errors in it; the variable ``ERROR`` switches one on."""
     source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
     edits = list(CARRIED)
     for name, edit in MUTATIONS.items():
@@ -186,8 +185,8 @@ def switchable(folder: Path) -> Path:
     return source
 
 
-# Computes every figure with each error, and with none first; prints which variables differ by more
-# than a reference allows, and whether anything differs at all, by error and figure.
+# Computes every figure without an error, then with each. Prints, by error and figure, which
+# variables differ by more than the reference allows, and whether anything differs at all.
 COMPARE = """
 import json, os, sys
 from pathlib import Path
