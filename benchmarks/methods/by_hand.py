@@ -23,7 +23,7 @@ from model.compile.jit import inlined_kernel, kernel
 from model.engines.lifecycle import start
 from model.engines.record import constants_in
 from model.engines.scalar.step import moved, state_of, store_in
-from model.events.levels import (
+from model.events.event_functions import (
     FLAT,
     LARGEST_TILT,
     corner_positions,

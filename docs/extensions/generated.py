@@ -79,12 +79,12 @@ def _events() -> str:
     rows = (
         (
             f"`{event.name}`",
-            " ".join(_says(level) for _, level in event.level),
+            " ".join(_says(function) for _, function in event.function),
             _says(event.transition),
         )
         for event in EVENTS
     )
-    return _table(("event", "level", "what follows"), rows)
+    return _table(("event", "event function", "transition"), rows)
 
 
 def _help_of(parser: argparse.ArgumentParser) -> str:

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.methods import by_hand
 from model import Variants
 from model.engines.scalar.step import state_of
-from model.events.levels import corner_positions, edge_inside
+from model.events.event_functions import corner_positions, edge_inside
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.modes import (

@@ -1,8 +1,8 @@
-"""Scenes of a few lines, run by the project's own engine from any state.
+"""Runs of the scalar engine from any state, on parts that reduce to a closed form.
 
-A part is reduced to what a closed form is about by its parameters: without friction, flat and with
-the edge A1 right under its mass centre it is a ball; with an immense inertia it cannot tilt; with a
-weak spring that is relaxed far away a constant force pulls it.
+The parameters reduce the part: without friction, flat and with the edge A1 under its mass centre it
+is a ball; with an immense inertia it cannot tilt; a weak spring that is relaxed far away pulls it
+with a constant force.
 """
 
 from collections.abc import Callable
@@ -20,17 +20,17 @@ from model.engines.scalar.tableaux import DOP853
 from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
 from model.events.transitions import CONTINUES
-from model.physics.modes import CLOSED, START, Mode
+from model.physics.modes import CLOSED, OPEN, START, Mode
 from model.physics.motion import motion
 from model.physics.notation import State
 from model.physics.parameters import Constants
 
 LOCKED = 1e12
-"""An inertia with which no moment of these scenes turns the part."""
+"""An inertia so large that no moment of these scenes turns the part."""
 
 
 class Step(NamedTuple):
-    """A step of the engine: from (time, state, mode) to what a switch at its end left."""
+    """A step of the engine: time, state and mode before it, and after the event at its end."""
 
     time: float
     state: np.ndarray
@@ -40,11 +40,11 @@ class Step(NamedTuple):
     end_mode: Mode
 
 
-class Course:
-    """A run from any state, or from the start, with every step that the engine made.
+class SteppedRun:
+    """A run from any state, by default from the start, with every step of the engine.
 
-    ``changes`` are constants that no parameter of a device may have. With ``tau_align`` the run
-    starts in the slot.
+    ``changes`` set constants to values that the rules of parameters refuse. With ``tau_align`` the
+    run starts in the slot.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Course:
         *,
         horizon: float,
         tolerance: float = 1e-12,
-        until: Callable[["Course"], bool] = lambda _: False,
+        until: Callable[["SteppedRun"], bool] = lambda _: False,
         scene: Scene = ALIGNMENT,
         tau_align: float = np.nan,
         **changes: float,
@@ -65,7 +65,7 @@ class Course:
         row = np.array(self.p)
         self.parameters, self.steps = parameters, []
         single = new_scalar_memory(DOP853.method)
-        # Runs settle in the slot: what they do before is another test's.
+        # Only in the slot may a run settle.
         noise = NOISE * tolerance * (scene is not ALIGNMENT)
         control = Control(horizon, 50_000_000, noise, alignment_only=0.0, pressed=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
@@ -96,7 +96,7 @@ class Course:
     def state(self) -> np.ndarray:
         return np.array([self.steps[0].state] + [step.end_state for step in self.steps])
 
-    def switches(self, field: str, was, becomes) -> list[Step]:
+    def mode_changes(self, field: str, was, becomes) -> list[Step]:
         """The steps at whose end ``field`` of the mode goes from ``was`` to ``becomes``."""
         return [
             step
@@ -108,7 +108,7 @@ class Course:
         """The steps that end as A1 meets the bottom face."""
         return [
             step for step in self.steps
-            if step.mode.face != CLOSED and step.mode.face == 0 and step.end_mode.face == CLOSED
+            if step.mode.face == OPEN and step.end_mode.face == CLOSED
         ]  # fmt: skip
 
     def places(self, step: Step, fractions: np.ndarray) -> list[tuple[float, State]]:
@@ -126,7 +126,7 @@ class Course:
         ]
 
     def forces(self, time: float, q: State, mode: Mode):
-        """``Motion`` at a place of the course."""
+        """Return the ``Motion`` at one instant."""
         return motion(time, q, self.p, mode)
 
 
@@ -138,16 +138,16 @@ def _mode(runs) -> Mode:
 
 
 @pytest.fixture(scope="session")
-def course():
-    return Course
+def stepped_run():
+    return SteppedRun
 
 
 @pytest.fixture(scope="session")
 def ball(device):
-    """The part as a ball of unit mass over A1, above a base of given stiffness and damping.
+    """Parameters of a ball: the flat part over A1, on a base of given stiffness and damping.
 
-    Flat, without friction, and with the edge right under the mass centre no moment and no lateral
-    force ever arises. ``height`` is that of the free surface below the part's mass centre.
+    Without friction, and with the edge right under the mass centre, no moment and no lateral force
+    ever arises.
     """
 
     def make(stiffness, damping, **changes):

@@ -17,20 +17,20 @@ FLIGHT = START._replace(face=OPEN)
 
 
 def pulling(stiffness, damping):
-    """Restitution of the two-sided dashpot, which holds the ball until it leaves the surface."""
+    """Restitution of a dashpot that also pulls, until the ball leaves the undeformed surface."""
     decay = damping / 2
     return exp(-pi * decay / sqrt(stiffness - decay**2))
 
 
 def pushing(stiffness, damping):
-    """Restitution of the clamped dashpot, which lets go as its force vanishes (their eq. 20)."""
+    """Restitution of a dashpot that only pushes, until its force vanishes (their eq. 20)."""
     decay = damping / 2
     omega = sqrt(stiffness - decay**2)
     return exp(-decay / omega * (pi - atan2(2 * decay * omega, omega**2 - decay**2)))
 
 
 def damping_for(restitution, stiffness):
-    """Damping of the base with this clamped restitution, by bisection."""
+    """Damping of a base with this restitution of ``pushing``, by bisection."""
     low, high = 0.0, 1.999 * sqrt(stiffness)
     for _ in range(100):
         middle = 0.5 * (low + high)
@@ -44,17 +44,17 @@ def test_the_published_numbers_are_those_of_the_formulas():
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e8])
-def test_restitution_of_a_contact_that_only_pushes(course, ball, at, stiffness):
-    # k = 100, h = 1 by similarity: the same damping ratio on a base so stiff that the axial
-    # spring of stiffness 1, which acts all the time, is weak by its side.
+def test_restitution_of_a_contact_that_only_pushes(stepped_run, ball, at, stiffness):
+    # The damping ratio of k = 100, h = 1, on a base so stiff that the axial spring, of stiffness 1,
+    # is weak beside it.
     p = ball(stiffness, sqrt(stiffness) / 10.0)
-    run = course(p, at(0.0, -1.0), horizon=5.0 / sqrt(stiffness))
-    (end,) = run.switches("face", RELEASED, OPEN)
+    run = stepped_run(p, at(0.0, -1.0), horizon=5.0 / sqrt(stiffness))
+    (end,) = run.mode_changes("face", RELEASED, OPEN)
     # The axial spring adds 1/k to the stiffness and decelerates by 1 over a depth of 1/√k.
     assert end.end_state[4] == pytest.approx(pushing(100.0, 1.0), abs=2.0 / stiffness + 1e-10)
 
 
-def test_restitution_on_the_base_of_the_paper_with_its_axial_spring(course, ball, at):
+def test_restitution_on_the_base_of_the_paper_with_its_axial_spring(stepped_run, ball, at):
     # k = 100, h = 1, and the axial spring relaxed at the touch: while the base presses, the
     # oscillator has stiffness 101; after its force has vanished at (d, v), stiffness 1 alone.
     decay = 0.5
@@ -64,19 +64,19 @@ def test_restitution_on_the_base_of_the_paper_with_its_axial_spring(course, ball
     depth = exp(-decay * free) * np.sin(omega * free) / omega
     closing = exp(-decay * free) * (np.cos(omega * free) - decay * np.sin(omega * free) / omega)
     rebound = sqrt(closing**2 + depth**2)  # energy over the way out, z'' = -z
-    run = course(ball(100.0, 1.0), at(0.0, -1.0), horizon=0.6)
-    (release,) = run.switches("face", CLOSED, RELEASED)
-    (end,) = run.switches("face", RELEASED, OPEN)
+    run = stepped_run(ball(100.0, 1.0), at(0.0, -1.0), horizon=0.6)
+    (release,) = run.mode_changes("face", CLOSED, RELEASED)
+    (end,) = run.mode_changes("face", RELEASED, OPEN)
     assert release.end == pytest.approx(free, abs=1e-11)
     assert end.end_state[4] == pytest.approx(rebound, abs=1e-11)
     assert rebound == pytest.approx(pushing(100.0, 1.0), abs=2e-2 * 100.0 / 101.0)
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e8])
-def test_restitution_of_a_contact_that_also_pulls(course, ball, at, stiffness):
-    # The pressing mode, continued as if the base could pull: its field does not clamp the load.
+def test_restitution_of_a_contact_that_also_pulls(stepped_run, ball, at, stiffness):
+    # The vector field of the closed mode does not clamp the load: continued, the base pulls.
     p = ball(stiffness, sqrt(stiffness) / 10.0)
-    run = course(p, at(0.0, -1.0), horizon=1e-9)
+    run = stepped_run(p, at(0.0, -1.0), horizon=1e-9)
     out = pi / sqrt(stiffness * (1.0 - 0.05**2))
     first = run.steps[0]._replace(end=out / 8)
     for _ in range(8):  # eight steps of π/8 each, of error 1e-2 (π/8)^9 / 9!
@@ -87,9 +87,11 @@ def test_restitution_of_a_contact_that_also_pulls(course, ball, at, stiffness):
 
 
 @pytest.mark.parametrize(("height", "gravity"), [(0.5, 3.0), (0.01, 1e4)])
-def test_impact_time(course, ball, at, height, gravity):
+def test_impact_time(stepped_run, ball, at, height, gravity):
     p = ball(1e4, 1.0, press_force=gravity)
-    run = course(p, at(height), FLIGHT, horizon=10.0, until=lambda run: len(run.impacts()) == 1)
+    run = stepped_run(
+        p, at(height), FLIGHT, horizon=10.0, until=lambda run: len(run.impacts()) == 1
+    )
     # z'' = -g - z, z = height at rest: with the axial spring a cosine about -g.
     met = run.impacts()[0].end
     assert met == pytest.approx(acos(gravity / (gravity + height)), rel=1e-11)
@@ -101,22 +103,22 @@ RESTITUTION = 0.6
 
 
 @pytest.fixture(scope="module")
-def accumulations(course, ball, at):
-    """By stiffness: when the last bounce ends, over t∞, and how many there were."""
+def accumulations(stepped_run, ball, at):
+    """By stiffness: time of the last impact over t∞, number of impacts, and the run."""
     height, gravity = 0.01, 1e4
     limit = sqrt(2 * height / gravity) * (1 + RESTITUTION) / (1 - RESTITUTION)
     found = {}
     for stiffness in (1e9, 1e11, 1e13):
         p = ball(stiffness, damping_for(RESTITUTION, stiffness), press_force=gravity)
-        run = course(p, at(height), FLIGHT, horizon=1.02 * limit)
+        run = stepped_run(p, at(height), FLIGHT, horizon=1.02 * limit)
         impacts = run.impacts()
         found[stiffness] = impacts[-1].end / limit, len(impacts), run
     return found
 
 
 def test_bounces_accumulate_at_the_zeno_time_as_the_base_stiffens(accumulations):
-    # Each of the contacts lasts some π/√k, which comes late; bounces end where the rebound no
-    # longer lifts the ball over its static depth g/k, v ~ g/√k, which ends early by some 1/√k.
+    # Every contact lasts some π/√k, which delays the end. Bounces cease where the rebound no longer
+    # lifts the ball over its static depth g/k, at v ~ g/√k, which is early by some 1/√k.
     for stiffness, (share, count, run) in accumulations.items():
         limit = run.impacts()[-1].end / share
         assert abs(share - 1.0) < count * pi / sqrt(stiffness) / limit
@@ -124,7 +126,7 @@ def test_bounces_accumulate_at_the_zeno_time_as_the_base_stiffens(accumulations)
 
 
 def test_the_number_of_bounces_grows_as_the_logarithm_of_the_stiffness(accumulations):
-    # Bounces go on while v0 e^n > g/√k, times a factor that depends on e alone: a hundredfold
+    # Bounces go on while v0 e^n > g/√k, up to a factor that depends on e alone: a hundredfold
     # stiffness makes ln(10)/ln(1/e) = 4.5 more.
     counts = [count for _, count, _ in accumulations.values()]
     more = log(10.0) / log(1.0 / RESTITUTION)
@@ -135,12 +137,12 @@ def test_the_number_of_bounces_grows_as_the_logarithm_of_the_stiffness(accumulat
 def test_successive_rebounds_lose_the_same_share(accumulations):
     _, _, run = accumulations[1e13]
     speeds = np.array([-step.end_state[4] for step in run.impacts()])
-    # The weight acts during contact, too: a share of g/(√k v), which doubles with each bounce.
+    # The weight acts during contact, too: an error of g/(√k v), which grows by the factor 1/e.
     assert speeds[1:4] / speeds[:3] == pytest.approx(RESTITUTION, rel=1e-3)
 
 
-def test_after_the_bounces_the_ball_lies_in_the_base(course, ball, at):
+def test_after_the_bounces_the_ball_lies_in_the_base(stepped_run, ball, at):
     # A depth of g/k, less what the axial spring takes; a damping ratio of 1/2 damps the rest.
-    run = course(ball(1e4, 100.0, press_force=50.0), at(0.01), FLIGHT, horizon=1.0)
+    run = stepped_run(ball(1e4, 100.0, press_force=50.0), at(0.01), FLIGHT, horizon=1.0)
     assert run.outcome is Outcome.HORIZON_REACHED
     assert run.p.half_height - run.state[-1, 1] == pytest.approx(50.0 / (1e4 + 1.0), rel=1e-10)

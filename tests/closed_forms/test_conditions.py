@@ -1,6 +1,6 @@
-"""Conditions of several quantities: met for an instant, at the start, or all at the same time.
+"""Conditions on several quantities: met for an instant, at the start, or all at the same time.
 
-What decides is exact, so that the answer hangs neither on the steps nor on rounding.
+The event location decides exactly, so that the outcome depends neither on steps nor on rounding.
 """
 
 from math import cos, sin
@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import brentq
 
 from model import ALIGNMENT
+from model.events.event_functions import FLAT
 from model.events.friction import decide_friction
 from model.events.kernels import ALIGNMENT_EVENTS
-from model.events.levels import FLAT
 from model.events.outcomes import Outcome, Reason
 from model.events.table import CORNER_END
 from model.events.transitions import CONTINUES
@@ -25,7 +25,7 @@ TOLERANCES = [1e-4, 1e-7, 1e-10, 1e-13]
 
 @pytest.fixture(scope="module")
 def bare(device):
-    """The part without springs, dampers, press or excitation but for the axial spring of 1."""
+    """The part without springs, dampers, press and excitation, except for the axial spring."""
     return device.replace(
         lateral_stiffness=0.0, tilt_stiffness=0.0, lateral_damping=0.0, axial_damping=0.0,
         tilt_damping=0.0, press_force=0.0, frequency=0.0, phase=0.0, rest_y=device.half_height,
@@ -34,7 +34,9 @@ def bare(device):
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("late", [0.1, 0.5, 0.9])
-def test_a_part_that_flies_across_the_slot_falls_in_for_an_instant(course, bare, late, tolerance):
+def test_a_part_that_flies_across_the_slot_falls_in_for_an_instant(
+    stepped_run, bare, late, tolerance
+):
     # Upright, it is over the slot for 2 (l - a) / speed: that is a hundredth of the flight. In
     # this window it comes down to the plane.
     speed, start = 40.0, 3.0
@@ -43,17 +45,19 @@ def test_a_part_that_flies_across_the_slot_falls_in_for_an_instant(course, bare,
     # y = b + c cos τ - c sin τ / tan(falls): down to b at ``falls``.
     height = 0.05
     state = np.array([start, bare.half_height + height, 0.0, -speed, -height / np.tan(falls), 0.0])
-    run = course(bare, state, FREE, horizon=1.0, tolerance=tolerance)
+    run = stepped_run(bare, state, FREE, horizon=1.0, tolerance=tolerance)
     assert run.outcome == Outcome.ALIGNED
     assert run.tau_align == pytest.approx(falls, abs=max(1e-2 * tolerance, 1e-12))
 
 
 @pytest.mark.parametrize("tilt", [1e-13, 1e-10, 1e-6])
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-def test_a_part_that_comes_down_beside_the_slot_stands_on_its_edge(course, bare, tilt, tolerance):
+def test_a_part_that_comes_down_beside_the_slot_stands_on_its_edge(
+    stepped_run, bare, tilt, tolerance
+):
     # All of its bottom reaches the plane at once, or nearly so; no corner comes out of the slot.
     state = np.array([bare.half_width, bare.half_height + 0.1, tilt, 0.0, -1.0, 0.0])
-    run = course(bare, state, FREE, horizon=0.2, tolerance=tolerance, until=lambda run: (
+    run = stepped_run(bare, state, FREE, horizon=0.2, tolerance=tolerance, until=lambda run: (
         run.steps[-1].end_mode.face == CLOSED
     ))  # fmt: skip
     assert run.outcome == CONTINUES
@@ -61,10 +65,10 @@ def test_a_part_that_comes_down_beside_the_slot_stands_on_its_edge(course, bare,
 
 
 @pytest.mark.parametrize("side", ["edge", "corner"])
-def test_a_flat_part_stands_on_its_edge(course, device, side):
+def test_a_flat_part_stands_on_its_edge(stepped_run, device, side):
     # Less than FLAT is flat, whichever way: rounding must not choose.
     tilt = -0.5 * FLAT if side == "edge" else -2.0 * FLAT
-    run = course(device.replace(initial_tilt=tilt, misalignment=0.4), horizon=1e-3)
+    run = stepped_run(device.replace(initial_tilt=tilt, misalignment=0.4), horizon=1e-3)
     mode = run.steps[0].mode
     assert (mode.face, mode.corner) == ((CLOSED, OPEN) if side == "edge" else (OPEN, CLOSED))
 
@@ -76,17 +80,19 @@ def over_the_slot(bare, **changes):
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-def test_what_starts_over_the_slot_and_falls_is_aligned_at_once(course, bare, tolerance):
+def test_a_part_that_starts_over_the_slot_and_falls_aligns_at_once(stepped_run, bare, tolerance):
     # It falls by 1e-12 before the excitation lifts it: 950 periods pass in 2 π.
     start = over_the_slot(bare, press_force=0.045, frequency=950.0, phase=-3.179)
-    run = course(start, horizon=1.0, tolerance=tolerance)
+    run = stepped_run(start, horizon=1.0, tolerance=tolerance)
     assert (run.outcome, run.tau_align) == (Outcome.ALIGNED, 0.0)
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-def test_what_starts_over_the_slot_and_is_lifted_aligns_as_it_comes_down(course, bare, tolerance):
+def test_a_part_that_is_lifted_from_over_the_slot_aligns_on_its_return(
+    stepped_run, bare, tolerance
+):
     start = over_the_slot(bare, press_force=-0.1, frequency=0.5)
-    run = course(start, horizon=10.0, tolerance=tolerance)
+    run = stepped_run(start, horizon=10.0, tolerance=tolerance)
 
     def height(tau):  # y - b of y'' = b - y + 0.1 - sin 0.5 τ
         return 0.1 * (1.0 - cos(tau)) - (sin(0.5 * tau) - 0.5 * sin(tau)) / 0.75
@@ -114,7 +120,7 @@ def test_a_corner_that_slides_into_the_slot_past_the_edge_aligns(device, constan
 
 @pytest.mark.parametrize("pull", [-1.0, 1.0])
 @pytest.mark.parametrize("stiffness", [1e2, 1e7])
-def test_what_carries_no_load_yet_does_not_stick(device, constants, pull, stiffness):
+def test_an_unloaded_contact_that_is_pulled_does_not_stick(device, constants, pull, stiffness):
     # At rest, just touching: a lateral spring pulls, and friction has nothing to hold it with.
     p = constants(device.replace(
         contact_stiffness=stiffness, rest_x=device.misalignment + pull, lateral_stiffness=10.0
@@ -125,7 +131,7 @@ def test_what_carries_no_load_yet_does_not_stick(device, constants, pull, stiffn
     assert mode.support_slip == np.sign(pull)
 
 
-def test_what_carries_no_load_and_is_not_pulled_sticks(device, constants):
+def test_an_unloaded_contact_that_is_not_pulled_sticks(device, constants):
     p = constants(device)
     q = State(device.misalignment, p.half_height, 0.0, 0.0, 0.0, 0.0)
     mode, possible = decide_friction(0.0, q, p, START, True, True)
@@ -138,10 +144,10 @@ def test_what_carries_no_load_and_is_not_pulled_sticks(device, constants):
     ("side", "reason"), [(1, Reason.MOVED_AWAY), (-1, Reason.OVERSHOT)], ids=["right", "left"]
 )
 def test_a_part_that_comes_down_beside_the_slot_has_left_the_scene(
-    course, bare, side, reason, tolerance
+    stepped_run, bare, side, reason, tolerance
 ):
     # All of it is beyond the edge, tilted so that the corner at the slot is the lower one.
     x = side * (bare.slot_half_width + 2.0 * bare.half_width)
     state = np.array([x, bare.half_height + 0.1, 0.05 * side, 0.0, -1.0, 0.0])
-    run = course(bare, state, FREE, horizon=1.0, tolerance=tolerance)
+    run = stepped_run(bare, state, FREE, horizon=1.0, tolerance=tolerance)
     assert (run.outcome, run.reason) == (Outcome.LEFT_SCENE, reason)

@@ -1,10 +1,10 @@
-"""The work done on the part is what is stored and what is dissipated, in every run.
+"""Energy balance of every run: the work done on the part equals the energy stored and dissipated.
 
-Work is done by excitation and press force. Stored is the energy of motion, springs and base,
-½ k_a d² for a depth d behind a contact. Dissipated is what suspension, base and friction take: the
-base h_a ḋ² while it presses, and while it is released, n = 0, what its spring gives up, -k_a d ḋ. A
-contact that ends with the base still pushed in, as the edge leaves the face, loses that. Integrals
-over a step of the engine are Gauss's, on its dense output.
+Excitation and press force do the work. Energy is stored in motion, in springs and in the base,
+½ k_a d² at a contact of depth d. It is dissipated by suspension, friction and base: h_a ḋ² while
+the base presses, and -k_a d ḋ, the energy that its spring gives up, while the contact is released
+(n = 0). A contact that ends with the base still deformed, as the edge leaves the face, loses the
+energy stored there. Integrals over a step are by Gauss's rule, on the dense output.
 """
 
 from dataclasses import replace
@@ -48,9 +48,10 @@ NODES, WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 
 
 class Balance(NamedTuple):
-    """Up to alignment or the end; ``least`` is the lowest rate of dissipation met.
+    """Energy balance up to alignment or the end of a run.
 
-    ``exchanged`` is what work, dissipation and store come to, and 1.
+    ``missing`` is the error of the balance, ``exchanged`` its scale: the sum of work, dissipation
+    and stored energy, plus 1. ``least`` is the lowest rate of dissipation.
     """
 
     missing: float
@@ -63,7 +64,7 @@ class Balance(NamedTuple):
 
 @kernel
 def in_base(state, depth, closing, p):
-    """(stored, dissipated per time) in the base at one contact."""
+    """(energy stored, power dissipated) in the base at one contact."""
     stored = 0.5 * p.contact_stiffness * depth * depth
     if state == CLOSED:
         return stored, p.contact_damping * closing * closing
@@ -74,7 +75,7 @@ def in_base(state, depth, closing, p):
 
 @kernel
 def in_bases(q, p, mode):
-    """(stored, dissipated per time) at every contact together."""
+    """(energy stored, power dissipated) in the base at all contacts."""
     face = edge_on_face(mode.edge, q, p)
     corner = corner_on_flat(mode.edge, q, p)
     side = edge_on_side(LEFT_EDGE, q, p)
@@ -94,7 +95,7 @@ def stored(q, p, mode):
 
 @kernel
 def powers(time, q, p, mode):
-    """(work of excitation and press force, dissipation) per time."""
+    """(power of excitation and press force, power dissipated)."""
     forces = motion(time, q, p, mode)
     work = -(p.press_force + sin(p.frequency * time + p.phase)) * q.y_rate
     lost = p.lateral_damping * q.x_rate**2 + p.axial_damping * q.y_rate**2
@@ -109,7 +110,7 @@ def powers(time, q, p, mode):
 def balance_of(
     row, judged, tolerance, scene, method, control, track, single, apart, nodes, weights,
 ):  # fmt: skip
-    """Run ``row`` and account for every step as a part with the constants ``judged`` would."""
+    """Run ``row``, and balance the energy of every step with the constants ``judged``."""
     runs, history, work = single.runs, single.history, single.work
     i = runs.shape[0] - 1
     begin(row, tolerance, scene, control, runs, i)

@@ -16,7 +16,7 @@ from model.physics.notation import RIGHT_EDGE
 LOCKED = 1e12
 
 
-def test_coulomb_oscillator_comes_to_rest_where_it_must(course, device):
+def test_coulomb_oscillator_comes_to_rest_where_it_must(stepped_run, device):
     # m = k = μN = 1, from x = 12 at v = 6. Each half period is a half circle in the plane of x and
     # v about x = -sign(v): about -1 with radius √(13² + 6²) = √205 first, then 2 less each. It
     # turns at √205 - 1, 3 - √205, … and sticks at the first |x| <= 1: 15 - √205.
@@ -32,7 +32,7 @@ def test_coulomb_oscillator_comes_to_rest_where_it_must(course, device):
     depth = 4.0 / 101.0
     p = p.replace(friction=1.0 / (100.0 * depth))
     state = np.array([centre + 12.0, p.half_height - depth, 0.0, 6.0, 0.0, 0.0])
-    run = course(p, state, START._replace(support_slip=1), horizon=30.0)
+    run = stepped_run(p, state, START._replace(support_slip=1), horizon=30.0)
     x, radius = run.state[:, 0] - centre, sqrt(205.0)
     turns = [step for step in run.steps if step.mode.support_slip != step.end_mode.support_slip]
     expected = [(-1) ** i * (radius - 1.0 - 2.0 * i) for i in range(8)]
@@ -51,8 +51,8 @@ PERIOD = 2 * pi / CREEP_FREQUENCY
 
 
 @pytest.fixture(scope="module")
-def creep(course, device):
-    """Mean velocity along the face, over Aω, for tan α/μ; friction force μN over that of 1."""
+def creep(stepped_run, device):
+    """Mean velocity along the face over Aω, at a slope of tan α = ``slope`` times ``friction``."""
 
     def make(slope, friction):
         # The part lies on its side, tilted until its bottom face is all but upright, and locked:
@@ -73,7 +73,7 @@ def creep(course, device):
         # A start that is a fifth too slow; what is off decays within (π/2) Aω/μN = 25 periods.
         start = 0.8 * sin(pi * slope / 2.0) / CREEP_FREQUENCY
         periods, last = 150, 50
-        run = course(
+        run = stepped_run(
             p, np.array([x, y, TILT, 0.0, start, 0.0]), START._replace(support_slip=1),
             horizon=periods * PERIOD, tolerance=1e-13,
         )  # fmt: skip

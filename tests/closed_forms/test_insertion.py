@@ -3,7 +3,7 @@
 D. E. Whitney, J. Dyn. Syst. Meas. Control 104 (1982) 65-77. A peg of width d = 2a, tilted by θ in a
 hole of width D = 2l, touches both sides at the depth h with D = d cos θ + h sin θ. It is wedged
 where friction can hold it between the two points: μ d sin θ >= D - d cos θ, about θ >= c/μ. It is
-jammed while the press on it stays below the friction that its suspension's side force allows.
+jammed while the press stays below the friction that the lateral force of its suspension causes.
 """
 
 from math import acos, atan, cos, hypot, radians, sin
@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from model import INSERTION, Outcome
-from model.events.levels import corner_positions, edge_inside
+from model.events.event_functions import corner_positions, edge_inside
 from model.events.outcomes import Reason
 from model.physics.contacts import corner_on_wall, edge_on_face, edge_on_side
 from model.physics.modes import CLOSED, OPEN, START, STICKING
@@ -37,7 +37,7 @@ def peg(device):
 
 
 def placed(parameters, tilt, corner_x, corner_y):
-    """State at rest, tilted by ``tilt`` > 0, with the corner B1 at a place."""
+    """State at rest, tilted by ``tilt`` > 0, with the corner B1 at (``corner_x``, ``corner_y``)."""
     a, b = parameters.half_width, parameters.half_height
     x = corner_x - a * cos(tilt) - b * sin(tilt)
     y = corner_y - a * sin(tilt) + b * cos(tilt)
@@ -46,7 +46,7 @@ def placed(parameters, tilt, corner_x, corner_y):
 
 @pytest.mark.parametrize("side", [RIGHT_EDGE, LEFT_EDGE])
 @pytest.mark.parametrize(("degrees", "clearance"), [(2.0, 0.02), (5.0, 0.09), (10.0, 0.09)])
-def test_two_point_contact_depth(course, peg, side, degrees, clearance):
+def test_two_point_contact_depth(stepped_run, peg, side, degrees, clearance):
     tilt, away = radians(degrees), 1e-9  # from the wall
     wide = 2.0 * (1.0 + clearance)
     depth = (wide - away - 2.0 * cos(tilt)) / sin(tilt)
@@ -56,7 +56,7 @@ def test_two_point_contact_depth(course, peg, side, degrees, clearance):
     device = peg(clearance=clearance, inertia=LOCKED)
     state = placed(device, tilt, 0.5 * wide - away, corner_y)
     device = device.replace(rest_y=state[1], press_force=3.0)
-    run = course(
+    run = stepped_run(
         device, mirror * state, FREE, horizon=10.0, scene=INSERTION, tau_align=0.0, **NEVER,
         until=lambda run: run.steps[-1].end_mode != FREE,
     )  # fmt: skip
@@ -70,7 +70,7 @@ def test_two_point_contact_depth(course, peg, side, degrees, clearance):
 
 @pytest.mark.parametrize(("friction", "clearance"), [(0.1, 2e-3), (0.3, 2e-3), (0.3, 2e-2)])
 @pytest.mark.parametrize("factor", [1.001, 0.999])
-def test_wedging_limit(course, peg, friction, clearance, factor):
+def test_wedging_limit(stepped_run, peg, friction, clearance, factor):
     load, wide = 1e-3, 2.0 * (1.0 + clearance)
     limit = atan(friction) - acos((1.0 + clearance) / hypot(1.0, friction))
     tilt = factor * limit
@@ -83,7 +83,7 @@ def test_wedging_limit(course, peg, friction, clearance, factor):
     device = device.replace(rest_x=state[0], rest_y=state[1])
     mode = FREE._replace(in_slot=True, corner=CLOSED, side=CLOSED, slip_at_corner=True)
     assert mode.support_slip == mode.side_slip == STICKING
-    run = course(device, state, mode, horizon=60.0, scene=INSERTION, tau_align=0.0, **NEVER)
+    run = stepped_run(device, state, mode, horizon=60.0, scene=INSERTION, tau_align=0.0, **NEVER)
     if factor > 1.0:
         assert (run.outcome, run.reason) == (Outcome.JAMMED, Reason.WEDGED)
         assert run.state[-1] == pytest.approx(state, abs=1e-10)
@@ -93,7 +93,7 @@ def test_wedging_limit(course, peg, friction, clearance, factor):
 
 
 @pytest.mark.parametrize("factor", [0.99, 1.01])
-def test_jammed_by_too_little_force(course, peg, factor):
+def test_jammed_by_too_little_force(stepped_run, peg, factor):
     friction, push = 0.2, 3.0  # by the lateral spring, onto the right side of the slot
     device = peg(friction=friction, inertia=1e16, lateral_stiffness=1.0, contact_stiffness=1e4)
     depth = push / 2e4  # half on A1, half on B1
@@ -102,7 +102,7 @@ def test_jammed_by_too_little_force(course, peg, factor):
         rest_x=state[0] + push, rest_y=state[1], press_force=factor * friction * push
     )
     mode = FREE._replace(in_slot=True, face=CLOSED, corner=CLOSED)
-    run = course(device, state, mode, horizon=60.0, scene=INSERTION, tau_align=0.0, **NEVER)
+    run = stepped_run(device, state, mode, horizon=60.0, scene=INSERTION, tau_align=0.0, **NEVER)
     if factor < 1.0:
         assert (run.outcome, run.reason) == (Outcome.JAMMED, Reason.LACK_OF_FORCE)
         assert run.state[-1] == pytest.approx(state, abs=1e-9)
@@ -112,12 +112,12 @@ def test_jammed_by_too_little_force(course, peg, factor):
         assert state[1] - run.state[:, 1].min() == pytest.approx(2.0 * excess, rel=1e-6)
 
 
-def test_energy_of_a_smooth_part_that_slides_in(course, device):
+def test_energy_of_a_smooth_part_that_slides_in(stepped_run, device):
     smooth = device.replace(
         friction=0.0, contact_damping=0.0, lateral_damping=0.0, axial_damping=0.0,
         tilt_damping=0.0, frequency=0.0, tilt_stiffness=10.0, half_height=2.0, inertia=3.0,
     )  # fmt: skip
-    run = course(smooth, horizon=300.0, scene=INSERTION)
+    run = stepped_run(smooth, horizon=300.0, scene=INSERTION)
     p = run.p
     assert run.outcome is Outcome.INSERTED
 

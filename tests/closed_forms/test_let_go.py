@@ -1,7 +1,6 @@
-"""A part that its left edge lets go: the bottom corner B2 stands as deep behind the wall as A2 was.
+"""A part that slides off its left edge: then its corner B2 is as deep behind the wall as A2 was.
 
-It comes out, or it is pushed further in, whatever the steps: they are as long as the tolerance lets
-them.
+It comes out, or is pushed further in, at every tolerance and so at every length of the steps.
 """
 
 from math import cos, sin
@@ -34,13 +33,13 @@ def beside_a2(device):
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-def test_it_comes_out_and_aligns(course, device, beside_a2, tolerance):
+def test_it_comes_out_and_aligns(stepped_run, device, beside_a2, tolerance):
     p = device.replace(friction=0.0)
     mode = START._replace(edge=LEFT_EDGE)
-    run = course(
+    run = stepped_run(
         p, beside_a2(1e-3 - p.half_width, 0.5), mode, horizon=1.0, tolerance=tolerance
     )  # fmt: skip
-    (end,) = run.switches("face", CLOSED, OPEN)
+    (end,) = run.mode_changes("face", CLOSED, OPEN)
     assert run.tau_align > end.end
     # From where A2 left it, B2 has DEPTH sin |φ| to go.
     way = DEPTH * sin(-TILT)
@@ -48,9 +47,9 @@ def test_it_comes_out_and_aligns(course, device, beside_a2, tolerance):
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-def test_what_moves_further_in_leaves_the_scene(course, device, beside_a2, tolerance):
+def test_what_moves_further_in_leaves_the_scene(stepped_run, device, beside_a2, tolerance):
     state = beside_a2(-device.half_width, -0.5, behind=-1e-4)
-    run = course(
+    run = stepped_run(
         device, state, START._replace(face=OPEN), horizon=1.0, tolerance=tolerance
     )  # fmt: skip
     assert (run.outcome, run.reason) == (Outcome.LEFT_SCENE, Reason.CORNER_ON_WALL)

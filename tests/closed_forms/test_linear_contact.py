@@ -1,4 +1,4 @@
-"""Motion on a base in one mode is linear where the part cannot tilt: the matrix exponential."""
+"""In one mode the motion of a part that cannot tilt is linear: against the matrix exponential."""
 
 from math import cos, sin
 
@@ -33,7 +33,7 @@ def system(p, slides):
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize(("stiffness", "damping"), [(100.0, 1.0), (1e4, 100.0), (1e6, 10.0)])
 def test_sliding_contact_follows_the_matrix_exponential(
-    course, device, friction, stiffness, damping
+    stepped_run, device, friction, stiffness, damping
 ):
     p = device.replace(
         inertia=LOCKED, initial_tilt=TILT, rest_tilt=TILT, friction=friction, press_force=3.0,
@@ -44,7 +44,7 @@ def test_sliding_contact_follows_the_matrix_exponential(
     p = p.replace(rest_y=y0)
     # It slides up the face at 1: friction, at most 0.3 · 4, cannot stop it within the horizon.
     start = np.array([p.misalignment, y0, TILT, cos(TILT), sin(TILT), 0.0])
-    run = course(p, start, START._replace(support_slip=1), horizon=0.3, tolerance=1e-13)
+    run = stepped_run(p, start, START._replace(support_slip=1), horizon=0.3, tolerance=1e-13)
     assert {(step.mode.face, step.mode.support_slip) for step in run.steps} <= {
         (CLOSED, 1),
         (1, -1),
@@ -60,7 +60,7 @@ def test_sliding_contact_follows_the_matrix_exponential(
         assert found[[3, 4]] == pytest.approx(z[2:4], abs=1e-10 * max(1.0, stiffness**0.5 / 10))
 
 
-def test_sticking_contact_follows_the_matrix_exponential(course, device):
+def test_sticking_contact_follows_the_matrix_exponential(stepped_run, device):
     # Sticking takes away the motion along the face: one degree of freedom across it is left.
     p = device.replace(
         inertia=LOCKED, initial_tilt=TILT, rest_tilt=TILT, friction=2.0, press_force=3.0,
@@ -72,7 +72,7 @@ def test_sticking_contact_follows_the_matrix_exponential(course, device):
     c, s = cos(TILT), sin(TILT)
     depth = 0.02
     start = np.array([p.misalignment + s * depth, y0 - c * depth, TILT, 0.0, 0.0, 0.0])
-    run = course(p, start, START._replace(support_slip=STICKING), horizon=1.5, tolerance=1e-13)
+    run = stepped_run(p, start, START._replace(support_slip=STICKING), horizon=1.5, tolerance=1e-13)
     assert {step.mode.support_slip for step in run.steps} == {STICKING}
     # Of ζ = e_n·(C - C0): -(k_a + k_x s² + c²) ζ - (h_a + h_x s² + h_y c²) ζ' - c (f0 + sin ντ).
     stiffness = p.contact_stiffness + p.lateral_stiffness * s * s + c * c

@@ -1,7 +1,7 @@
 """A horizon of 100,000 periods: the phase of the excitation must not drift.
 
-A pressed part that cannot tilt and does not rub is a linear oscillator on base and axial spring; it
-ends on the forced motion Im(Y e^(iντ)), Y = -1/(k_a + 1 - ν² + iν(h_a + h_y)), whenever that is.
+A pressed part that cannot tilt, without friction, is a linear oscillator on base and axial spring.
+After the transient it has the forced motion Im(Y e^(iντ)), Y = -1/(k_a + 1 - ν² + iν(h_a + h_y)).
 """
 
 from math import pi

@@ -1,7 +1,7 @@
 """A part over the left edge moves as the mirror image of one over the right edge, to the bit.
 
-The scene has a contact that its image lacks, A2 on the left side face: courses are compared up to
-where it, or an alignment, comes in.
+The scene has a contact that its mirror image lacks, A2 on the left side face: runs are compared up
+to this contact or an alignment.
 """
 
 from itertools import takewhile
@@ -36,13 +36,13 @@ def what_matters(mode):
 
 
 @pytest.mark.parametrize(("changes", "least", "lands"), RUNS.values(), ids=list(RUNS))
-def test_a_mirrored_run_is_the_mirror_image(course, device, changes, least, lands):
+def test_a_mirrored_run_is_the_mirror_image(stepped_run, device, changes, least, lands):
     p = device.replace(**changes)
     p = p.replace(rest_x=p.misalignment)
-    right = course(p, horizon=20.0)
+    right = stepped_run(p, horizon=20.0)
     start = right.steps[0]
     image = p.replace(rest_x=-p.rest_x, rest_tilt=-p.rest_tilt)
-    left = course(image, FLIP * start.state, mirrored(start.mode), horizon=20.0)
+    left = stepped_run(image, FLIP * start.state, mirrored(start.mode), horizon=20.0)
     common = list(
         takewhile(
             lambda step: step.end_mode.side == OPEN and not step.end_mode.dropped, right.steps

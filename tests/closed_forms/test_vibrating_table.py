@@ -23,7 +23,7 @@ DOUBLES = sqrt(EXISTS**2 + (2 * (1 + E**2) / (1 + E) ** 2) ** 2)
 
 
 def damping_for(restitution, stiffness):
-    """As in test_ball: the clamped dashpot's damping ratio by bisection."""
+    """Damping of a base that only pushes with this restitution, by bisection, as in test_ball."""
     low, high = 0.0, 0.999
     for _ in range(100):
         ratio = 0.5 * (low + high)
@@ -34,8 +34,8 @@ def damping_for(restitution, stiffness):
 
 
 @pytest.fixture(scope="module")
-def impacts(course, ball, at):
-    """Times of the impacts over the period, from a start on the orbit or as near as there is."""
+def impacts(stepped_run, ball, at):
+    """Times of the impacts in periods, from a start on the periodic orbit or, without one, near."""
 
     def make(acceleration, periods, stiffness=STIFFNESS):
         gravity = 1 / acceleration
@@ -45,7 +45,7 @@ def impacts(course, ball, at):
             stiffness, damping_for(E, stiffness), press_force=gravity, frequency=FREQUENCY,
             phase=phase + pi,
         )  # fmt: skip
-        run = course(p, at(0.0, up), START._replace(face=OPEN), horizon=periods * PERIOD)
+        run = stepped_run(p, at(0.0, up), START._replace(face=OPEN), horizon=periods * PERIOD)
         return np.array([step.end for step in run.impacts()]) / PERIOD, phase
 
     return make

@@ -23,8 +23,8 @@ import pytest
 from scipy.optimize import brentq
 
 from model import Outcome, Parameters, simulate
+from model.events.event_functions import corner_positions, edge_inside
 from model.events.friction import decide_friction
-from model.events.levels import corner_positions, edge_inside
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.modes import CLOSED, OPEN, SLIP_NEGATIVE, STICKING, Mode
@@ -50,10 +50,11 @@ class Hole(NamedTuple):
 
 @pytest.fixture
 def hole(device, constants):
-    """A peg at rest in the hole, tilted, A2 as deep in its side and B1 in the wall as is said.
+    """A tilted peg at rest in the hole, with A2 and B1 at these depths in side face and wall.
 
-    How far the peg is in the hole follows, unless it is given: then how deep A2 is does. Nothing
-    but ``press`` acts on the peg, across the hole; the axial spring is weak beside the contacts.
+    Either ``depth_at_edge`` or ``far``, the distance of the peg into the hole, is given; the other
+    follows. Only ``press`` acts on the peg, across the hole: the axial spring is weak beside the
+    contacts.
     """
 
     def make(tilt, depth_at_edge=0.0, depth_in_wall=0.0, far=None, press=0.0, **changes):
@@ -86,7 +87,7 @@ def hole(device, constants):
 
 @pytest.mark.parametrize("clearance", [0.02, 0.09])
 @pytest.mark.parametrize("degrees", [2.0, 5.0, 10.0])
-def test_two_point_contact_depth(course, hole, clearance, degrees):
+def test_two_point_contact_depth(stepped_run, hole, clearance, degrees):
     # The peg slides into the hole on its corner, slowly turning upright, until its side meets the
     # edge. Its mass centre goes at a constant speed: no friction, and no moment turns it.
     tilt, speed, turning = radians(degrees), 1.0, 1e-3
@@ -100,7 +101,7 @@ def test_two_point_contact_depth(course, hole, clearance, degrees):
     lowering = turning * (corner - scene.state[0])  # so that the corner stays at its height
     start = scene.state + [0.0, 0.0, 0.0, -speed, lowering, -turning]
     slides = scene.mode._replace(support_slip=SLIP_NEGATIVE)
-    run = course(
+    run = stepped_run(
         scene.parameters, start, slides, horizon=20.0, **scene.changes,
         until=lambda run: run.steps[-1].end_mode.side == CLOSED,
     )  # fmt: skip
@@ -126,7 +127,7 @@ def test_two_point_contact_depth(course, hole, clearance, degrees):
 @pytest.mark.parametrize(
     ("friction", "clearance"), [(0.1, 5e-4), (0.1, 2e-3), (0.3, 5e-4), (0.3, 2e-3), (0.3, 2e-2)]
 )
-def test_wedging_limit(course, hole, friction, clearance):
+def test_wedging_limit(stepped_run, hole, friction, clearance):
     # Pressed together between edge and wall by equal and opposite forces and let go: beyond the
     # limit the peg stays as it is for ever, below it the forces push it out.
     load = 1e-3
@@ -145,7 +146,7 @@ def test_wedging_limit(course, hole, friction, clearance):
         at_rest = State(*scene.state), scene.p, scene.mode, True, True
         mode, possible = decide_friction(0.0, *at_rest)
         assert possible
-        run = course(scene.parameters, scene.state, mode, horizon=2.0, **scene.changes)
+        run = stepped_run(scene.parameters, scene.state, mode, horizon=2.0, **scene.changes)
         assert run.outcome is Outcome.HORIZON_REACHED
         last = run.steps[-1]
         holds = run.forces(last.end, State(*last.end_state), last.end_mode)
@@ -166,7 +167,7 @@ def test_wedging_limit(course, hole, friction, clearance):
 
 
 def inverse_mass(contact, friction, inertia):
-    """Least acceleration of a contact apart by a unit normal force, sliding either way."""
+    """Least acceleration by which a unit normal force opens a contact that slides either way."""
 
     def along(force):
         return dot(contact.normal, force[0], force[1], force[2] / inertia)

@@ -1,4 +1,4 @@
-"""The insertion scene: the same alignment, and both engines agree on what follows."""
+"""The insertion scene: the same alignment as without it, and both engines agree on the end."""
 
 import numpy as np
 import pytest
@@ -65,7 +65,7 @@ def test_both_engines_agree(by_engine):
     assert np.median(share) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_the_alignment_is_that_of_the_alignment_scene(batch):
+def test_both_scenes_have_the_same_alignment(batch):
     settings = Settings(horizon=80.0)
     before = run_once(batch, settings)
     after = run_once(batch, Settings(scene=INSERTION, horizon=80.0))

@@ -1,4 +1,4 @@
-"""Every way to end has its words and its advice."""
+"""Outcomes and reasons: texts and remedies."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, re
 
 
 def test_values_are_those_stored_in_datasets():
-    # Flags in files on disk: a renumbering would falsify them.
+    # Datasets on disk hold these flags: a renumbering would falsify them.
     names = ["ALIGNED", "SETTLED", "LEFT_SCENE", "HORIZON_REACHED", "FAILED"]
     assert [Outcome(i).name for i in range(5)] == names
     assert Reason.NONE == 0
@@ -39,6 +39,6 @@ def test_texts_tell_outcomes_and_reasons_apart():
         (Reason.IMPOSSIBLE_START, "initial_tilt"),
     ],
 )
-def test_a_remedy_names_what_to_change(reason, word):
+def test_a_remedy_names_the_setting_or_parameter_to_change(reason, word):
     outcome = Outcome.LEFT_SCENE if reason is Reason.UNDECLARED_CONTACT else Outcome.FAILED
     assert word in remedy(outcome, reason)

@@ -1,4 +1,4 @@
-"""Contacts that a scene declares."""
+"""Scenes: the contacts that they declare."""
 
 import pytest
 

@@ -1,10 +1,10 @@
-"""When a motion counts as periodic: sequences of states made by hand, one a period."""
+"""The criterion of periodic steady state, on sequences of states made by hand, one per period."""
 
 import numpy as np
 import pytest
 
+from model.events.event_functions import NEVER
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_EVENTS
-from model.events.levels import NEVER
 from model.events.steady_state import (
     HISTORY,
     LONGEST_PERIOD,
@@ -64,9 +64,9 @@ def test_a_growing_motion_does_not_settle(first_settled):
     assert first_settled(1e-6 * 1.05 ** np.arange(100.0)) is None
 
 
-def test_a_slow_approach_settles_only_once_what_is_left_is_small(first_settled):
-    # Differences of 0.9^n: the rest of the motion is 0.9^n * 9, not 0.9^n; with the distance to a
-    # switch of 1e-3 it must be below that by the safety margin.
+def test_a_slow_approach_settles_only_once_the_rest_of_the_motion_is_small(first_settled):
+    # With differences of 0.9^n the rest of the motion is 9 · 0.9^n. It must be smaller than the
+    # distance of 1e-3 to an event by the safety factor.
     states = 1.0 + 0.9 ** np.arange(300.0)
     closest = 1e-3
     count, period = first_settled(states, closest=closest)
@@ -75,7 +75,7 @@ def test_a_slow_approach_settles_only_once_what_is_left_is_small(first_settled):
     assert left < closest / 10
 
 
-def test_a_switch_that_is_nearly_reached_forbids_settling(first_settled):
+def test_an_event_that_is_nearly_reached_forbids_settling(first_settled):
     states = 1.0 + 0.5 ** np.arange(100.0)
     assert first_settled(states, closest=FAR) is not None
     # Noise of 1e-8 may move a length by 1e-8 times lever arms of 6, a load by a hundred times that.

@@ -1,11 +1,11 @@
-"""A creep that hides under a fast transient must not pass for a motion that repeats itself."""
+"""A creep under a fast transient must not pass for a periodic steady state."""
 
 import numpy as np
 import pytest
 
 from model import Outcome, Parameters, simulate
+from model.events.event_functions import NEVER
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_EVENTS
-from model.events.levels import NEVER
 from model.events.steady_state import (
     HISTORY,
     LONGEST_PERIOD,
@@ -30,7 +30,7 @@ CREEPING = Parameters(
     rest_tilt=0.0023258541802665695,
 )  # fmt: skip
 
-# Every period moves the part 8e-6; when the differences were nearly that, their ratio was .97.
+# Every period moves the part by 8e-6. As the differences came near to that, their ratio was 0.97.
 CREEPING_UNDER_ITS_TRANSIENT = Parameters(
     half_width=0.834191413668121, half_height=4.738306115865365, clearance=0.04958405253325964,
     misalignment=0.29266265898377913, initial_tilt=0.0002425760594668097,
@@ -100,7 +100,7 @@ def test_a_creep_under_a_transient_does_not_settle(settled, ratio, creep):
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 0.7, 0.8, 0.9])
 @pytest.mark.parametrize("creep", [1e-5, 1e-6, 1e-7, -1e-5, -1e-6, -1e-7])
 def test_a_creep_along_its_transient_does_not_settle(settled, ratio, creep):
-    # The ratio of the differences rises from the transient's to 1, and explains nearly all of them.
+    # The ratio of the differences rises from that of the transient to 1.
     moved = creep * periods(300) + 1e-3 * ratio ** periods(300)
     assert settled(moved * np.array([1.0, 0.1, 0.1, 0.5, 0.1, 0.1]), 1e-4) is None
 

@@ -1,4 +1,4 @@
-"""Each switching function: where it is positive, where it is zero, where it does not apply.
+"""Event functions: where each is positive, where it is zero, where it does not apply.
 
 States are placed by hand: the part upright unless said otherwise, with the device's a = 1.0476, b =
 4.1057 and slot half-width l = 1.09 a.
@@ -9,8 +9,9 @@ from math import cos, sin
 import numpy as np
 import pytest
 
+from model import Variants
+from model.events.event_functions import NEVER
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
-from model.events.levels import NEVER
 from model.events.table import EVENTS
 from model.physics.contacts import contact_load, edge_on_face
 from model.physics.modes import (
@@ -37,7 +38,7 @@ def p(device, constants):
 
 @pytest.fixture(scope="module")
 def sample(p):
-    """{name: value} of all switching functions; ``changes`` alter the upright part at rest."""
+    """Values of all event functions by name; ``changes`` alter the upright part at rest."""
 
     def make(mode, time=0.0, **changes):
         q = State(0.0, p.half_height + 1.0, 0.0, 0.0, 0.0, 0.0)._replace(**changes)
@@ -52,11 +53,11 @@ def applying(sample):
     return {name for name, value in sample.items() if value != NEVER}
 
 
-def test_every_function_has_its_own_index():
+def test_every_event_has_its_own_number():
     assert sorted(INDEX.values()) == list(range(len(EVENTS)))
 
 
-# ---------------------------------------------------------------------------- which apply in a mode
+# ------------------------------------------------------------------------ event functions of a mode
 
 FLIGHT = {
     "ALIGNED", "RIGHT_EDGE_ENTERS", "LEFT_EDGE_ENTERS", "RIGHT_CORNER_LANDS", "LEFT_CORNER_LANDS",
@@ -119,9 +120,7 @@ def test_one_function_alone_is_as_in_the_sample(device, constants, random_states
     assert compared == set(range(len(EVENTS))) - {INDEX["CORNERS_INSIDE"]}  # once it has dropped
 
 
-def test_printed_friction_never_switches(device, constants):
-    from model import Variants  # noqa: PLC0415
-
+def test_printed_friction_has_no_event(device, constants):
     out = np.empty(MOST_SAMPLES)
     q = State(0.2, device.half_height - 0.01, 0.0, 0.1, 0.0, 0.0)
     p = constants(device, Variants(friction_law="printed"))
@@ -242,12 +241,12 @@ def test_the_side_ends_at_the_corners(p, sample):
     assert sample(mode, y=-p.half_height + 0.3)["SIDE_END"] == pytest.approx(0.3, abs=ROUNDING)
 
 
-def test_the_corner_s_contact_ends_over_the_slot(p, sample):
+def test_the_contact_of_a_corner_ends_over_the_slot(p, sample):
     x = 0.3 + p.slot_half_width - p.half_width
     assert sample(ON_CORNER, x=x)["CORNER_END"] == pytest.approx(0.3, abs=ROUNDING)
 
 
-def test_the_corner_s_load_counts_from_where_it_began(p, sample):
+def test_the_load_of_a_corner_counts_from_its_offset(p, sample):
     mode = ON_CORNER._replace(corner_offset=0.01)
     s = sample(mode, x=1.0, y=p.half_height - 0.03)
     assert s["CORNER_LOAD"] == pytest.approx(p.contact_stiffness * 0.02, abs=1e-11)
@@ -281,7 +280,7 @@ def test_overturned_just_below_ninety_degrees_on_both_sides(sample):
     assert sample(FREE, y=100.0, tilt=1.58)["OVERTURNED"] < 0.0
 
 
-def test_side_friction_uses_the_side_s_own_slip(p, sample):
+def test_friction_of_the_side_uses_its_own_slip(p, sample):
     for y_rate in (0.2, -0.2):
         mode = FREE._replace(side=CLOSED, side_slip=SLIP_POSITIVE)
         s = sample(mode, x=-0.1, y=p.half_height - 0.3, y_rate=y_rate)

@@ -43,13 +43,13 @@ def p(device, constants):
     return constants(device)
 
 
-def follows(which, q, p, mode, scene=ALIGNMENT):
-    """(mode, outcome, reason) after a switch at τ = 0."""
+def transition(which, q, p, mode, scene=ALIGNMENT):
+    """(mode, outcome, reason) after an event at τ = 0."""
     return ALIGNMENT_EVENTS.transition(which, 0.0, q, p, mode, scene.declared)
 
 
 def pressed(p, tilt=0.0, x=0.3, depth=0.02, **rates):
-    """A1 ``depth`` behind the bottom face."""
+    """State with A1 ``depth`` behind the bottom face."""
     r_x = p.slot_half_width - x
     y = (p.half_height - depth - r_x * sin(tilt)) / cos(tilt)
     rest = {"x_rate": 0.0, "y_rate": 0.0, "tilt_rate": 0.0}
@@ -61,8 +61,8 @@ def pressed(p, tilt=0.0, x=0.3, depth=0.02, **rates):
 
 @pytest.mark.parametrize("factor", [0.98, 1.02])
 def test_friction_coefficient_decides_between_sticking_and_sliding(p, factor):
-    # At rest: the ratio |T| / n that sticking needs is a number; μ just above it sticks, just below
-    # it slides.
+    # At rest, sticking needs a certain ratio |T| / n: with μ just above it the part sticks, just
+    # below it slides.
     q = pressed(p, tilt=0.05)
     at = motion(0.0, q, p, START)
     needed = abs(at.support_friction) / at.support_load
@@ -70,7 +70,7 @@ def test_friction_coefficient_decides_between_sticking_and_sliding(p, factor):
     mode, possible = decide_friction(0.0, q, rougher, START, True, True)
     assert possible
     assert (mode.support_slip == STICKING) == (factor < 1.0)
-    if factor > 1.0:  # against what friction would have to be: the way the part is driven
+    if factor > 1.0:  # against the friction that sticking would need, in the direction of the drive
         assert mode.support_slip == (SLIP_POSITIVE if at.support_friction < 0.0 else SLIP_NEGATIVE)
         assert motion(0.0, q, rougher, mode).support_drive * mode.support_slip > 0.0
 
@@ -97,14 +97,14 @@ def test_a_slipping_contact_keeps_the_sign_of_its_slip(p, x_rate):
 def test_broken_sticking_slips_against_the_friction_that_was_needed(p):
     q = pressed(p, tilt=0.3)
     needed = motion(0.0, q, p, START).support_friction
-    mode, outcome, _ = follows(SUPPORT_SLIP, q, p, START)
+    mode, outcome, _ = transition(SUPPORT_SLIP, q, p, START)
     assert outcome == CONTINUES
     assert mode.support_slip == (SLIP_NEGATIVE if needed > 0.0 else SLIP_POSITIVE)
 
 
 def test_slip_that_comes_to_rest_sticks_where_friction_suffices(p):
     rough = p._replace(friction=5.0)
-    mode, outcome, _ = follows(
+    mode, outcome, _ = transition(
         SUPPORT_SLIP, pressed(p, tilt=0.05), rough, START._replace(support_slip=SLIP_NEGATIVE)
     )
     assert (mode.support_slip, outcome) == (STICKING, CONTINUES)
@@ -128,30 +128,30 @@ def test_held_sticking_removes_the_slip_by_friction_impulses(p, random_states, b
             assert turned == pytest.approx(impulse * row[2], abs=1e-11)
 
 
-def test_nothing_is_held_that_does_not_stick(p):
+def test_sliding_and_open_contacts_are_not_held(p):
     assert hold_sticking(ANY, p, START._replace(support_slip=SLIP_POSITIVE)) == ANY
     assert hold_sticking(ANY, p, FREE) == ANY
 
 
-# -------------------------------------------------------------------------- contacts made and lost
+# --------------------------------------------------------------------------- contacts made and lost
 
 
 def test_an_edge_that_enters_through_the_bottom_presses(p):
-    mode, outcome, _ = follows(RIGHT_EDGE_ENTERS, pressed(p, depth=0.0, y_rate=-1.0), p, FREE)
+    mode, outcome, _ = transition(RIGHT_EDGE_ENTERS, pressed(p, depth=0.0, y_rate=-1.0), p, FREE)
     assert (mode.edge, mode.face, outcome) == (RIGHT_EDGE, CLOSED, CONTINUES)
 
 
 def test_an_edge_that_enters_through_the_left_side_presses_there(p):
     gap = p.slot_half_width - p.half_width
     q = State(-gap, p.half_height - 0.3, 0.0, -1.0, 0.0, 0.0)
-    mode, outcome, _ = follows(LEFT_EDGE_ENTERS, q, p, FREE)
+    mode, outcome, _ = transition(LEFT_EDGE_ENTERS, q, p, FREE)
     assert (mode.face, mode.side, outcome) == (OPEN, CLOSED, CONTINUES)
 
 
 def test_an_edge_that_enters_through_another_face_leaves_the_scene(p):
     gap = p.slot_half_width - p.half_width
     q = State(gap, p.half_height - 0.3, 0.0, 1.0, 0.0, 0.0)  # A1 through the right side
-    _, outcome, reason = follows(RIGHT_EDGE_ENTERS, q, p, FREE)
+    _, outcome, reason = transition(RIGHT_EDGE_ENTERS, q, p, FREE)
     assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.EDGE_ON_OTHER_FACE)
 
 
@@ -170,32 +170,34 @@ def test_a_contact_that_is_not_declared_leaves_the_scene(p, which, scene):
         LEFT_EDGE_ENTERS: State(-gap, p.half_height - 0.3, 0.0, -1.0, 0.0, 0.0),
         RIGHT_CORNER_LANDS: State(1.0, p.half_height, -0.05, 0.0, -1.0, 0.0),
     }[which]
-    _, outcome, reason = follows(which, q, p, FREE, scene)
+    _, outcome, reason = transition(which, q, p, FREE, scene)
     assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
-    _, outcome, _ = follows(which, q, p, FREE)  # where it is declared the run goes on
+    _, outcome, _ = transition(which, q, p, FREE)  # where it is declared the run goes on
     assert outcome == CONTINUES
 
 
 def test_both_sides_of_the_slot_at_once_leave_the_scene(p):
     q = State(0.0, p.half_height, 0.0, 0.0, -1.0, 0.0)
     wide = p._replace(slot_half_width=0.5)  # a part that spans the slot
-    _, outcome, reason = follows(LEFT_EDGE_ENTERS, q, wide, START)
+    _, outcome, reason = transition(LEFT_EDGE_ENTERS, q, wide, START)
     assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.BOTH_SIDES)
 
 
 def test_a_lost_load_releases_the_contact_until_the_gap_opens(p):
     # Leaving at speed: k_a d + h_a ḋ = 100 * 0.02 - 2 = 0 with the base still pushed in.
     q = pressed(p, y_rate=2.0)
-    mode, outcome, _ = follows(FACE_LOAD, q, p, START)
+    mode, outcome, _ = transition(FACE_LOAD, q, p, START)
     assert (mode.face, outcome) == (RELEASED, CONTINUES)
-    reloaded, _, _ = follows(FACE_RELOAD, q, p, mode)
+    reloaded, _, _ = transition(FACE_RELOAD, q, p, mode)
     assert reloaded.face == CLOSED
-    opened, _, _ = follows(FACE_GAP, q, p, mode)
+    opened, _, _ = transition(FACE_GAP, q, p, mode)
     assert opened.face == OPEN
 
 
 def test_without_damping_the_load_and_the_gap_end_together(p):
-    mode, _, _ = follows(FACE_LOAD, pressed(p, depth=1e-17), p._replace(contact_damping=0.0), START)
+    mode, _, _ = transition(
+        FACE_LOAD, pressed(p, depth=1e-17), p._replace(contact_damping=0.0), START
+    )
     assert mode.face == OPEN
 
 
@@ -212,6 +214,6 @@ def test_without_damping_the_load_and_the_gap_end_together(p):
         (OVERTURNED, FREE, Reason.OVERTURNED),
     ],
 )
-def test_ends_outside_the_scene_say_how(p, which, mode, reason):
-    _, outcome, said = follows(which, ANY, p, mode)
+def test_leaving_the_scene_has_a_reason(p, which, mode, reason):
+    _, outcome, said = transition(which, ANY, p, mode)
     assert (outcome, said) == (Outcome.LEFT_SCENE, reason)

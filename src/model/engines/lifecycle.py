@@ -48,10 +48,10 @@ from model.engines.record import (
     store_state,
 )
 from model.engines.scalar.step import short_step
+from model.events.event_functions import FLAT, NEVER
 from model.events.friction import decide_friction, hold_sticking
 from model.events.insertion import end_in_slot
 from model.events.kernels import MOST_EVENTS
-from model.events.levels import FLAT, NEVER
 from model.events.outcomes import Outcome, Reason
 from model.events.steady_state import (
     HISTORY,

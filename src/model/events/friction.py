@@ -19,8 +19,8 @@ from model.physics.notation import State
 
 # A slip below this counts as zero: rounding of velocities of order one, with a margin.
 REST_SLIP = 1e-12
-# A load below NO_LOAD, or below what rounding of lengths causes on a hard base, counts as zero; the
-# friction states are then tried a moment later.
+# A load below NO_LOAD, or below the rounding of lengths times the stiffness of the base, counts as
+# zero; the friction states are then tried a moment later.
 NO_LOAD = 1e-12
 _ROUNDING = 4e-16
 _MOMENT = 1e-5
@@ -38,8 +38,8 @@ def _friction_holds(slip_state, friction, load, drive, p):
 def _may_begin(slip_state, friction, drive, least):
     """Return whether an unloaded contact at rest may start in a friction state.
 
-    ``drive`` is the acceleration of the slip without friction: a state against it would end at once
-    and return.
+    ``drive`` is the acceleration of the slip without friction. A state against it would end and
+    begin again at once.
     """
     if slip_state == STICKING:
         return abs(friction) <= least
@@ -70,9 +70,9 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     """Return (mode, possible): the mode with consistent friction states, if there are any.
 
     A contact that slips keeps the sign of its slip. For a contact at rest every state is tried,
-    sticking first, and the first set of states consistent with its own accelerations is taken. If a
-    contact at rest carries no load yet, its forces at this instant decide nothing: the states are
-    tried on the motion a moment later, and on the drives without friction.
+    sticking first; the first combination that is consistent with its own accelerations holds. If a
+    contact at rest carries no load yet, its forces at this instant decide nothing: its states are
+    tried on the motion a moment later, and against the drives without friction.
     """
     mode = with_slip_place(mode)
     if never_sticks(p):
@@ -88,7 +88,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     support_unloaded = support_at_rest and now.support_load <= least
     side_unloaded = side_at_rest and now.side_load <= least
     no_load = support_unloaded or side_unloaded
-    begins = now  # the motion as slip begins: without friction where there is no load
+    begins = now  # the motion as slip begins; without friction, as there is no load
     if no_load:
         support_begins = -1 if support_at_rest else sign(now.support_slip)
         side_begins = -1 if side_at_rest else sign(now.side_slip)

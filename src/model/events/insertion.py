@@ -8,8 +8,9 @@ the wall. Until alignment the two scenes have the same events.
 from math import sqrt
 
 from model.compile.jit import inlined_kernel, kernel
-from model.events import levels, table, transitions
-from model.events.levels import corner_positions, edge_inside
+from model.events import event_functions as functions
+from model.events import table, transitions
+from model.events.event_functions import corner_positions, edge_inside
 from model.events.outcomes import Outcome, Reason
 from model.events.scenes import CONTACT_NAMES, Scene
 from model.events.table import CONDITIONS, CONTACTS, Event, Source, changed, of_contact, state_is
@@ -100,12 +101,12 @@ _on_right_wall = state_is("corner", OPEN, in_slot=True, negated=True)
 _on_left_wall = state_is("wall", OPEN, negated=True)
 
 
-# ---------------------------------------------------------------------------- what follows an event
+# -------------------------------------------------------------------------------------- transitions
 
 
 @inlined_kernel
 def _inside(_time, _q, _p, mode, _declared):
-    """Note the paper's corner conditions, once."""
+    """Record, once, that the paper's corner conditions hold."""
     return with_corners_inside(mode), _ALIGNED, _NONE
 
 
@@ -213,31 +214,31 @@ def _left_wall_depth(q, p, _mode):
 
 # ---------------------------------------------------------------------------------------- the table
 
-RIGHT_SIDE = Source(levels.right_side_state, _on_right_side)
-RIGHT_WALL = Source(levels.right_wall_state, _on_right_wall)
-LEFT_WALL = Source(levels.left_wall_state, _on_left_wall)
+RIGHT_SIDE = Source(functions.right_side_state, _on_right_side)
+RIGHT_WALL = Source(functions.right_wall_state, _on_right_wall)
+LEFT_WALL = Source(functions.left_wall_state, _on_left_wall)
 
 TABLE = (
     *CONDITIONS,
-    Event("inserted", table.PLACES, ((_is_in, levels.not_inserted),), _inserted),
+    Event("inserted", table.PLACES, ((_is_in, functions.not_inserted),), _inserted),
     # A bottom corner meets the slot's wall from inside.
     Event(
         "right_corner_touches", table.PLACES,
-        ((_right_corner_meets_side, levels.right_corner_in_slot),), _right_corner_touches,
+        ((_right_corner_meets_side, functions.right_corner_in_slot),), _right_corner_touches,
     ),
     Event(
         "left_corner_touches", table.PLACES,
-        ((_left_corner_meets_side, levels.left_corner_in_slot),), _left_corner_touches,
+        ((_left_corner_meets_side, functions.left_corner_in_slot),), _left_corner_touches,
     ),
     # A bottom corner lands on the flat base after the part has come out of the slot.
     Event(
         "right_corner_lands_again", table.PLACES,
-        ((_right_corner_lands_again, levels.right_corner_over_flat),),
+        ((_right_corner_lands_again, functions.right_corner_over_flat),),
         transitions.right_corner_lands,
     ),
     Event(
         "left_corner_lands_again", table.PLACES,
-        ((_left_corner_lands_again, levels.left_corner_over_flat),),
+        ((_left_corner_lands_again, functions.left_corner_over_flat),),
         transitions.left_corner_lands,
     ),
     *CONTACTS,
@@ -246,29 +247,37 @@ TABLE = (
         transitions.of_contact(_right_side_depth, _right_side), "right", in_slot=True,
     ),
     Event(
-        "right_side_end", RIGHT_SIDE, ((_on_right_side, levels.before_side_end),), _right_side_ends
+        "right_side_end", RIGHT_SIDE, ((_on_right_side, functions.before_side_end),),
+        _right_side_ends,
     ),
     *of_contact(
         "right_wall", "corner", RIGHT_WALL,
         transitions.of_contact(_right_wall_depth, _right_wall), "right", in_slot=True,
     ),
     Event(
-        "right_wall_end", RIGHT_WALL, ((_on_right_wall, levels.below_plane),), _right_wall_ends
+        "right_wall_end", RIGHT_WALL, ((_on_right_wall, functions.below_plane),), _right_wall_ends
     ),
     *of_contact(
         "left_wall", "wall", LEFT_WALL, transitions.of_contact(_left_wall_depth, with_wall), "side"
     ),
-    Event("left_wall_end", LEFT_WALL, ((_on_left_wall, levels.below_plane),), _left_wall_ends),
+    Event("left_wall_end", LEFT_WALL, ((_on_left_wall, functions.below_plane),), _left_wall_ends),
 )  # fmt: skip
 TABLE = changed(
-    TABLE, "corners_inside", level=((_has_fallen_in, levels.corners_outside),), transition=_inside
+    TABLE,
+    "corners_inside",
+    function=((_has_fallen_in, functions.corners_outside),),
+    transition=_inside,
 )
 TABLE = changed(TABLE, "right_edge_enters", transition=_right_edge_enters)
 TABLE = changed(
-    TABLE, "right_corner_lands", level=((_right_corner_lands, levels.right_corner_above),)
+    TABLE, "right_corner_lands", function=((_right_corner_lands, functions.right_corner_above),)
 )
-TABLE = changed(TABLE, "left_corner_lands", level=((_left_corner_lands, levels.left_corner_above),))
-TABLE = changed(TABLE, "left_wall", level=((_left_corner_meets_wall, levels.left_corner_off_wall),))
+TABLE = changed(
+    TABLE, "left_corner_lands", function=((_left_corner_lands, functions.left_corner_above),)
+)
+TABLE = changed(
+    TABLE, "left_wall", function=((_left_corner_meets_wall, functions.left_corner_off_wall),)
+)
 
 INSERTION = Scene("insertion", frozenset(CONTACT_NAMES), TABLE)
 """The alignment scene, continued in the slot: edges on both side faces, corners on both walls."""
@@ -304,8 +313,8 @@ def is_wedged(q, p, mode):
 def end_in_slot(outcome, reason, q, p, mode):
     """Outcome and reason of a run that ends after alignment.
 
-    A part is at rest if its motion has settled, or if it sticks at two points. It has climbed out
-    if a bottom corner is above the plane, also while it bounces.
+    A part is at rest if its motion has settled, or if it sticks at two points at the horizon. It
+    has climbed out if a bottom corner is above the plane, even while it bounces.
     """
     if outcome == _LEFT_SCENE:
         return _CLIMBED_OUT, reason

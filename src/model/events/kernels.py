@@ -1,4 +1,4 @@
-"""Kernels generated from a table of events: sampling, single levels, and transitions."""
+"""Kernels generated from a table of events: samples, single event functions, transitions."""
 
 import hashlib
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from numba.extending import typeof_impl
 from model.compile.generated_kernels import GeneratedKernels
 from model.compile.jit import Symbol, inlined_kernel, kernel, python_of
 from model.compile.source import Lines, Writer, is_generated
-from model.events import levels
+from model.events import event_functions as functions
 from model.events.scenes import Declared, Scene
 from model.events.table import EVENTS, PLACES_OF_FORCES, Event, Source, Table
 from model.physics.modes import START
@@ -49,7 +49,7 @@ def in_kernels(scene: Scene) -> SceneKernels:
 
 
 class _Any(Symbol):
-    """Stand-in for every number where only the form of a result matters."""
+    """Symbol for any number, where only the type of a result matters."""
 
     def _same(self, _other: Any = None) -> "_Any":
         return self
@@ -58,19 +58,19 @@ class _Any(Symbol):
 
 
 def _is_combined(event: Event) -> bool:
-    """Return whether the level is the largest of several quantities."""
-    if event.source.of is not levels.places:
+    """Return whether the event function is the largest of several quantities."""
+    if event.source.of is not functions.places:
         return False
     p, at = Constants(*[_ANY] * len(Constants._fields)), _ANY_PLACES
-    return isinstance(python_of(event.level[0][1])(at, p, START), tuple)
+    return isinstance(python_of(event.function[0][1])(at, p, START), tuple)
 
 
 _ANY: Any = _Any()
-_ANY_PLACES = levels.CornerPositions(*[_ANY] * len(levels.CornerPositions._fields))
+_ANY_PLACES = functions.CornerPositions(*[_ANY] * len(functions.CornerPositions._fields))
 
 
 def combined_count(table: Table) -> int:
-    """Return the number of events whose level has several quantities; these come first.
+    """Return the number of events with several quantities; these come first.
 
     Raises:
         ValueError: such an event comes after another one, or there are too many events.
@@ -84,7 +84,7 @@ def combined_count(table: Table) -> int:
 
 
 def _sample(table: Table, combined: int, write: Writer) -> Lines:
-    """All levels, followed by the index of the largest quantity of each with several."""
+    """All levels; then, for every event with several quantities, the index of the largest."""
     sources: dict[Source, list[int]] = {}
     for number, event in enumerate(table):
         sources.setdefault(event.source, []).append(number)
@@ -94,8 +94,8 @@ def _sample(table: Table, combined: int, write: Writer) -> Lines:
         yield f"if {write.name(source.exists)}(p, mode):"
         yield f"    at = {write.name(source.of)}(time, q, p, mode)"
         for k in numbers:
-            for applies, level in table[k].level:
-                value = f"{write.name(level)}(at, p, mode)"
+            for applies, function in table[k].function:
+                value = f"{write.name(function)}(at, p, mode)"
                 yield f"    if {write.name(applies)}(p, mode):"
                 yield (
                     f"        f{k}, g{k} = largest({value})"
@@ -107,17 +107,17 @@ def _sample(table: Table, combined: int, write: Writer) -> Lines:
 
 
 def _level(table: Table, combined: int, write: Writer) -> Lines:
-    """A single level, of an event that applies."""
+    """The level of one event, which applies."""
     for source, group in groupby(enumerate(table), key=lambda each: each[1].source):
         events = list(group)
         yield f"if {events[0][0]} <= which <= {events[-1][0]}:"
         yield f"    at = {write.name(source.of)}(time, q, p, mode)"
         for k, event in events:
             yield f"    if which == {k}:"
-            *others, last = event.level
-            for applies, level in others:
+            *others, last = event.function
+            for applies, function in others:
                 yield f"        if {write.name(applies)}(p, mode):"
-                yield f"            return {write.name(level)}(at, p, mode)"
+                yield f"            return {write.name(function)}(at, p, mode)"
             value = f"{write.name(last[1])}(at, p, mode)"
             yield (
                 f"        return largest({value})[0]"
@@ -128,10 +128,10 @@ def _level(table: Table, combined: int, write: Writer) -> Lines:
 
 
 def _quantities(table: Table, combined: int, write: Writer) -> Lines:
-    """The four quantities of a level that is the largest of several."""
-    yield f"at = {write.name(levels.places)}(time, q, p, mode)"
+    """The four quantities of one event with several."""
+    yield f"at = {write.name(functions.places)}(time, q, p, mode)"
     for k in range(combined):
-        value = f"{write.name(table[k].level[0][1])}(at, p, mode)"
+        value = f"{write.name(table[k].function[0][1])}(at, p, mode)"
         yield f"return {value}" if k == combined - 1 else f"if which == {k}: return {value}"
 
 
@@ -151,7 +151,7 @@ def _start(table: Table) -> Lines:
 
 
 def _fingerprint(function: Callable[..., Any]) -> bytes:
-    """Bytes that tell a function from others, also by the functions that it encloses."""
+    """Bytes that identify a function: its file, name and code, and the values that it encloses."""
     code = function.__code__
     file = Path(code.co_filename).name if is_generated(function) else code.co_filename
     found = repr((file, code.co_qualname, code.co_names, code.co_consts)).encode()
@@ -168,7 +168,7 @@ def _label(table: Table) -> str:
         return "alignment"
     digest = hashlib.sha256()
     for event in table:
-        cases = (each for case in event.level for each in case)
+        cases = (each for case in event.function for each in case)
         parts = event.source.of, event.source.exists, *cases, event.transition, event.reset
         digest.update(repr((event.name, event.kind, event.force_on, event.start)).encode())
         for part in filter(None, (*parts, event.guard)):
@@ -188,7 +188,7 @@ def kernels_of(table: Table) -> GeneratedKernels:
         sample_into(time, q, p, mode, out): writes the sample into ``out``.
         level(which, time, q, p, mode), quantities(which, time, q, p, mode): level and quantities of
             one event.
-        guard(which, time, q, p, mode): True if a zero of its level is the event.
+        guard(which, time, q, p, mode): True if a down-crossing of the level is the event.
         is_conditional(which): True if ``guard`` may be False.
         reset(which, q, p, mode), transition(which, time, q, p, mode, declared): see ``Event``.
         kind(which): LENGTH, LOAD or FRICTION.
@@ -198,7 +198,7 @@ def kernels_of(table: Table) -> GeneratedKernels:
         inserts: 1 if runs continue after alignment until the part is inserted, else 0.
     """
     combined, label = combined_count(table), _label(table)
-    write = Writer(label, NEVER=levels.NEVER, largest=levels.largest)
+    write = Writer(label, NEVER=functions.NEVER, largest=functions.largest)
     events = list(enumerate(table))
     write.write(inlined_kernel, "sample(time, q, p, mode)", _sample(table, combined, write))
     size = len(table) + combined
@@ -211,13 +211,11 @@ def kernels_of(table: Table) -> GeneratedKernels:
     write.write(kernel, "start_is_impossible(q, p, mode)", _start(table))
     for place in PLACES_OF_FORCES:
         write.write(inlined_kernel, f"{place}_force(sample)", _force(table, place))
+    corners = write.name(functions.corner_positions)
     write.choose(
         "guard(which, time, q, p, mode)",
         (
-            (
-                k,
-                f"{write.name(each.guard)}({write.name(levels.corner_positions)}(q, p), p, mode)",
-            )
+            (k, f"{write.name(each.guard)}({corners}(q, p), p, mode)")
             for k, each in events
             if each.guard
         ),

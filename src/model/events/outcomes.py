@@ -17,7 +17,7 @@ class Outcome(IntEnum):
 
 
 class InsertionOutcome(IntEnum):
-    """End of an aligned run in the insertion scene, as ``Outcome``; NOT_ALIGNED: it was not run."""
+    """End of an aligned run in the insertion scene, as in ``Outcome``; NOT_ALIGNED: not run."""
 
     NOT_ALIGNED = -1
     HORIZON_REACHED = Outcome.HORIZON_REACHED
@@ -28,7 +28,7 @@ class InsertionOutcome(IntEnum):
 
 
 class Unvibrated(IntEnum):
-    """End of the same run without vibration; the values are the flags stored in datasets."""
+    """End of the unvibrated control; the values are the flags stored in datasets."""
 
     ALIGNS = 0
     RESTS = 1
@@ -36,10 +36,7 @@ class Unvibrated(IntEnum):
 
 
 class Reason(IntEnum):
-    """Reason for leaving the scene or for failure, or sensitive dependence up to the horizon.
-
-    NONE where there is nothing to add to the outcome.
-    """
+    """Reason of an outcome; NONE where the outcome says it all."""
 
     NONE = 0
     MOVED_AWAY = 1

@@ -45,7 +45,7 @@ class Scene:
 
 
 class Declared(NamedTuple):
-    """Flags of the kinds of contact that a scene declares."""
+    """Flags of the contacts that a scene declares."""
 
     edge_on_face: bool
     edge_on_side: bool

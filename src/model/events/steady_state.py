@@ -1,22 +1,21 @@
 """Periodic steady state: the criterion by which a run that will never align may stop.
 
-After each excitation period the state is compared with the state n periods earlier. If the
-differences are small and contract twice in a row, by a ratio ρ < 1 over n periods, the remaining
-transient is at most Δ/(1 - ρ). What is left of the differences without a contracting transient may
-be a creep: it is assumed to last. The steady state is reached when neither of these changes,
-multiplied by five, suffices for alignment or for any event that did not happen in the last n
-periods.
+After every excitation period the state is compared with the state n periods earlier. If the
+difference Δ is small and contracts twice in a row, by a ratio ρ < 1 over n periods, the remaining
+transient is at most Δ/(1 - ρ). The rest of the difference, which does not contract, may be a creep:
+it is assumed to last. The steady state is reached when neither change, times five, can bring about
+alignment or any other event that did not happen in the last n periods.
 """
 
 from model.compile.jit import inlined_kernel, kernel
-from model.events.levels import NEVER
+from model.events.event_functions import NEVER
 from model.events.table import FRICTION, LOAD
 from model.physics.notation import STATE_SIZE, State
 
 LONGEST_PERIOD = 8
 HISTORY = 3 * LONGEST_PERIOD + 1  # periods whose states are kept
 _LINEAR = 1e-3  # largest difference at which contraction counts as a property of the cycle
-_NEARLY_LINEAR = 1e-2  # and largest of the two differences before it
+_NEARLY_LINEAR = 1e-2  # largest of the two differences before it
 _CONTRACTION = 0.98
 _SAFETY = 5.0
 _LASTING = 3000.0  # assumed duration of a creep: ten times the usual horizon
@@ -26,7 +25,7 @@ _LASTING = 3000.0  # assumed duration of a creep: ten times the usual horizon
 def _repeats(count, n, states, admitted):
     """Return whether no component of the state differs by more than ``admitted`` over n periods."""
     now, then = states[count % HISTORY], states[(count - n) % HISTORY]
-    for i in range(STATE_SIZE):  # noqa: SIM110 - most end at the first
+    for i in range(STATE_SIZE):  # noqa: SIM110 - mostly the first component decides
         if not abs(now[i] - then[i]) <= admitted:
             return False
     return True
@@ -34,9 +33,9 @@ def _repeats(count, n, states, admitted):
 
 @kernel
 def watched_until(count, states):
-    """Return the last period whose events decide whether a run has settled, as known so far.
+    """Return the last period, as known so far, whose events decide whether the run has settled.
 
-    A run that settles has nearly repeated its motion over n periods twice before the last n.
+    Before the last n periods, a run that settles has nearly repeated its motion twice.
     """
     last = 0
     for n in range(1, LONGEST_PERIOD + 1):
@@ -58,9 +57,9 @@ def record_state(count, y, states):
 
 @kernel
 def record_closest(count, closest, lowest):
-    """Store the lowest levels of the events in period ``count``.
+    """Store the lowest levels of the events in period ``count`` in the ring ``lowest``.
 
-    ``lowest``, shape (LONGEST_PERIOD, events), is a ring.
+    Its shape is (LONGEST_PERIOD, events).
     """
     for which in range(closest.size):
         lowest[count % LONGEST_PERIOD, which] = closest[which]
@@ -86,10 +85,11 @@ def _largest(vector):
 
 @kernel
 def _creep(d0, d1, d2):
-    """Return the creep over one cycle, its largest component, and the ratio of the transient.
+    """Return (largest component of the creep over one cycle, ratio of the transient).
 
-    The differences are a creep c and a transient that contracts by a ratio r. Differences of
-    differences have no creep, which gives r, by least squares, and c (Aitken's Δ² process).
+    A difference is the sum of a creep c and a transient that contracts by a ratio r. The creep
+    cancels in the differences of differences, which give r by least squares, and then c (Aitken's
+    Δ² process).
     """
     product, square, largest = 0.0, 0.0, 0.0
     for i in range(STATE_SIZE):
@@ -103,7 +103,7 @@ def _creep(d0, d1, d2):
 
 @kernel
 def _reach(d0, d1, d2, cycles, noise):
-    """Return (bounds, contracts): bounds of the further motion as a ``State``, if it contracts.
+    """Return (bounds of the further motion as a ``State``, True if the motion contracts).
 
     ``d0``, ``d1``, ``d2`` are the differences over one cycle, the last one first; a creep is
     assumed to last for ``cycles`` cycles.
@@ -131,10 +131,10 @@ def _reach(d0, d1, d2, cycles, noise):
 
 @kernel
 def _change(kind, r, p):
-    """Bound of the change of a level of this kind if the state's components change by ``r``.
+    """Bound of the change of a level of this kind when the state's components change by ``r``.
 
-    Lengths and slips belong to points of the part at most half its diagonal from the centre; loads
-    are depths and closing rates times the base's stiffness and damping; a friction margin is the
+    Lengths and slips belong to points of the part at most half its diagonal from the centre. Loads
+    are depths and closing rates times the base's stiffness and damping. A friction margin is the
     difference of a load and the friction force that it causes.
     """
     arm = p.half_width + p.half_height
@@ -150,7 +150,7 @@ def _change(kind, r, p):
 
 @kernel
 def _no_event_follows(events, count, n, reach, lowest, p):
-    """Return whether all levels of the last ``n`` periods are farther from zero than they reach."""
+    """Return whether no level of the last ``n`` periods can still move as far as zero."""
     for i in range(n):
         for which in range(events.count):
             distance = lowest[(count - i) % LONGEST_PERIOD, which]
@@ -161,7 +161,7 @@ def _no_event_follows(events, count, n, reach, lowest, p):
 
 @kernel
 def settled_period(events, count, period, states, lowest, p, noise):
-    """Period (in excitation periods) of the periodic steady state, or 0 if there is none yet.
+    """Return the period of the steady state, in excitation periods; 0 if there is none yet.
 
     ``count`` excitation periods of length ``period`` have passed; ``noise`` is the size of
     differences caused by the integrator's error.

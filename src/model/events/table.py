@@ -1,9 +1,10 @@
-"""The table of events: the one list of the events that end a mode, and of their transitions.
+"""The table of events: all events that end a mode, with their event functions and transitions.
 
-An event happens at a down-crossing of its level. Everything that works on events is generated from
-this table: sampling and event location in both engines, closest approaches for the test of periodic
-steady state, and transitions to the next mode or to the end of the run. To add a contact, add its
-law to the physics, and to the table the events that begin it, end it and change its friction.
+An event happens where its event function crosses zero downward; the value of an event function is
+called its level. All code that works on events is generated from this table: sampling and event
+location in both engines, closest approaches for the test of periodic steady state, and transitions
+to the next mode or to the end of the run. To add a contact, add its law to the physics, and to the
+table the events that begin it, end it and change its friction.
 """
 
 from collections.abc import Callable
@@ -12,52 +13,53 @@ from typing import Any
 
 from model.compile.jit import inlined_kernel
 from model.compile.source import defined
-from model.events import friction, levels, transitions
+from model.events import event_functions as functions
+from model.events import friction, transitions
 from model.physics.modes import CLOSED, OPEN, RELEASED, STICKING
 from model.physics.motion import is_beside, is_supported, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 Kernel = Callable[..., Any]
-LENGTH, LOAD, FRICTION = range(3)  # kinds of levels, by their dependence on the state
+LENGTH, LOAD, FRICTION = range(3)  # how a level depends on the state
 START_TOLERANCE = 1e-9
 PLACES_OF_FORCES = "support", "side", "right"  # under the part, left side, right side
 
 
 @dataclass(frozen=True)
 class Source:
-    """Quantities of which levels are functions.
+    """Source of the quantities that event functions take.
 
     Attributes:
         of: (time, q, p, mode) -> named quantities.
-        exists: (p, mode) -> True if any event of these quantities may apply.
+        exists: (p, mode) -> True if any event of this source may apply.
     """
 
     of: Kernel
     exists: Kernel
 
 
-@dataclass(frozen=True, eq=False)  # an event is itself alone, so that tables hash fast
+@dataclass(frozen=True, eq=False)  # compared by identity, so that tables hash fast
 class Event:
-    """One event: the end of a mode, its level function and its transition.
+    """One event: the end of a mode, its event function and its transition.
 
     Attributes:
         name: name of the event.
-        source: quantities of which its level is a function.
-        level: cases (applies, level): where ``applies(p, mode)`` holds, the event happens at a
-            down-crossing of ``level(quantities, p, mode)``. If a level returns four quantities, its
-            value is the largest of them.
-        transition: transition (time, q, p, mode, declared) -> (mode, outcome, reason).
+        source: source of the quantities.
+        function: cases (applies, event function): where ``applies(p, mode)`` holds, the event
+            happens at a down-crossing of ``event_function(quantities, p, mode)``. A function may
+            return four quantities: its value is then the largest.
+        transition: (time, q, p, mode, declared) -> (mode, outcome, reason).
         reset: (q, p, mode) -> initial state of the next mode; the state at the event by default.
-        guard: (``CornerPositions``, p, mode) -> True if a zero of the level is the event; always by
+        guard: (``CornerPositions``, p, mode) -> True if a down-crossing is the event; always by
             default.
-        kind: kind of the level: LENGTH (also for a velocity), LOAD or FRICTION.
+        kind: how the level depends on the state: LENGTH (also for a velocity), LOAD or FRICTION.
         force_on: one of ``PLACES_OF_FORCES`` if the level is the normal force there.
         start: level below which a start is impossible.
     """
 
     name: str
     source: Source
-    level: tuple[tuple[Kernel, Kernel], ...]
+    function: tuple[tuple[Kernel, Kernel], ...]
     transition: Kernel
     reset: Kernel | None = None
     guard: Kernel | None = None
@@ -68,11 +70,11 @@ class Event:
 
 Table = tuple[Event, ...]
 
-PLACES = Source(levels.places, levels.always)
-FACE = Source(levels.face_state, levels.on_face)
-SIDE = Source(levels.side_state, levels.on_left_side)
-CORNER = Source(levels.corner_state, levels.on_corner)
-FORCES = Source(levels.forces, levels.rubs)
+PLACES = Source(functions.places, functions.always)
+FACE = Source(functions.face_state, functions.on_face)
+SIDE = Source(functions.side_state, functions.on_left_side)
+CORNER = Source(functions.corner_state, functions.on_corner)
+FORCES = Source(functions.forces, functions.rubs)
 
 
 # ----------------------------------------------------------------------------- where events apply
@@ -164,35 +166,35 @@ def _side_slides(p, mode):
     return is_beside(mode) and mode.side_slip != STICKING and not never_sticks(p)
 
 
-# ----------------------------------------------------------------------- zeros that are not events
+# ------------------------------------------------------------------------------------------- guards
 
 
 @inlined_kernel
 def _in_front_of_edge(edge, above, at, p):
-    """Return whether a corner meets the wall before it meets the edge.
+    """Return whether a corner has met the wall before its part has met the edge.
 
-    A part that is flat to FLAT reaches its edge and its corner together.
+    A part that is flat, to ``FLAT``, meets both together: then the edge carries it.
     """
-    _, place = levels.largest(above)
-    gap, _ = levels.largest(levels.edge_outside(edge, at, p))
-    return place == 0.0 or gap > levels.ON_AN_EVENT + 2.0 * levels.FLAT * p.half_width
+    _, place = functions.largest(above)
+    gap, _ = functions.largest(functions.edge_outside(edge, at, p))
+    return place == 0.0 or gap > functions.ON_AN_EVENT + 2.0 * functions.FLAT * p.half_width
 
 
 @inlined_kernel
 def _right_corner_first(at, p, mode):
-    return _in_front_of_edge(RIGHT_EDGE, levels.right_corner_off_wall(at, p, mode), at, p)
+    return _in_front_of_edge(RIGHT_EDGE, functions.right_corner_off_wall(at, p, mode), at, p)
 
 
 @inlined_kernel
 def _left_corner_first(at, p, mode):
-    return _in_front_of_edge(LEFT_EDGE, levels.left_corner_off_wall(at, p, mode), at, p)
+    return _in_front_of_edge(LEFT_EDGE, functions.left_corner_off_wall(at, p, mode), at, p)
 
 
 # ----------------------------------------------------------------------------- events of a contact
 
 
 def state_is(field: str, state: int, in_slot: bool | None = None, negated: bool = False) -> Kernel:
-    """Make the kernel (p, mode): True if the contact ``field`` is in a state, or is ``negated``.
+    """Make the kernel (p, mode): True if the contact ``field`` is in ``state``, or ``negated``.
 
     With ``in_slot``, only if the support is, or is not, the right side of the slot.
     """
@@ -215,20 +217,20 @@ def of_contact(
     Args:
         name: name of the contact.
         field: field of the mode that holds its normal state.
-        source: ``ContactState`` of the contact.
-        transition: what follows.
+        source: source of its ``ContactState``.
+        transition: its transitions.
         force_on: see ``Event``.
         in_slot: see ``state_is``.
     """
     presses, is_released = (state_is(field, state, in_slot) for state in (CLOSED, RELEASED))
     return (
         Event(
-            f"{name}_load", source, ((presses, levels.load),), transition.unloaded, kind=LOAD,
+            f"{name}_load", source, ((presses, functions.load),), transition.unloaded, kind=LOAD,
             force_on=force_on,
         ),
-        Event(f"{name}_gap", source, ((is_released, levels.depth),), transition.opens),
+        Event(f"{name}_gap", source, ((is_released, functions.depth),), transition.opens),
         Event(
-            f"{name}_reload", source, ((is_released, levels.missing_load),), transition.reloaded,
+            f"{name}_reload", source, ((is_released, functions.missing_load),), transition.reloaded,
             kind=LOAD,
         ),
     )  # fmt: skip
@@ -236,39 +238,39 @@ def of_contact(
 
 # ---------------------------------------------------------------------------------------- the table
 
-# Conditions on several quantities: the largest of them is the level.
+# Conditions on several quantities: the event function is the largest of them.
 CONDITIONS: Table = (
     # In flight: A1 beyond B1, B2 inside the slot.
-    Event("aligned", PLACES, ((_falls_in, levels.not_fallen_in),), transitions.fallen_in),
+    Event("aligned", PLACES, ((_falls_in, functions.not_fallen_in),), transitions.fallen_in),
     # The paper's four corner conditions.
     Event(
-        "corners_inside", PLACES, ((_has_fallen_in, levels.corners_outside),), transitions.inside
+        "corners_inside", PLACES, ((_has_fallen_in, functions.corners_outside),), transitions.inside
     ),
     # An edge enters the part.
     Event(
-        "right_edge_enters", PLACES, ((_right_edge_is_free, levels.right_edge_outside),),
+        "right_edge_enters", PLACES, ((_right_edge_is_free, functions.right_edge_outside),),
         transitions.right_edge_enters,
     ),
     Event(
-        "left_edge_enters", PLACES, ((_left_edge_is_free, levels.left_edge_outside),),
+        "left_edge_enters", PLACES, ((_left_edge_is_free, functions.left_edge_outside),),
         transitions.left_edge_enters, start=-START_TOLERANCE,
     ),
     # A bottom corner presses on the flat base.
     Event(
-        "right_corner_lands", PLACES, ((right_corner_is_free, levels.right_corner_above),),
+        "right_corner_lands", PLACES, ((right_corner_is_free, functions.right_corner_above),),
         transitions.right_corner_lands,
     ),
     Event(
-        "left_corner_lands", PLACES, ((left_corner_is_free, levels.left_corner_above),),
+        "left_corner_lands", PLACES, ((left_corner_is_free, functions.left_corner_above),),
         transitions.left_corner_lands,
     ),
     # A bottom corner meets the slot's wall from inside.
     Event(
-        "right_wall", PLACES, ((_right_corner_meets_wall, levels.right_corner_off_wall),),
+        "right_wall", PLACES, ((_right_corner_meets_wall, functions.right_corner_off_wall),),
         transitions.right_wall, guard=_right_corner_first,
     ),
     Event(
-        "left_wall", PLACES, ((left_corner_meets_wall, levels.left_corner_off_wall),),
+        "left_wall", PLACES, ((left_corner_meets_wall, functions.left_corner_off_wall),),
         transitions.left_wall, guard=_left_corner_first, start=-START_TOLERANCE,
     ),
 )  # fmt: skip
@@ -277,35 +279,39 @@ CONTACTS: Table = (
     # The edge under the bottom face loses its load; the gap opens; the load returns before the gap
     # opens; the edge passes the face's end toward the slot, or its far end.
     *of_contact("face", "face", FACE, transitions.FACE, "support", in_slot=False),
-    Event("face_end", FACE, ((levels.on_face, levels.before_face_end),), transitions.face_ends),
     Event(
-        "face_far_end", FACE, ((levels.on_face, levels.before_far_end),), transitions.far_end,
+        "face_end", FACE, ((functions.on_face, functions.before_face_end),), transitions.face_ends
+    ),
+    Event(
+        "face_far_end", FACE, ((functions.on_face, functions.before_far_end),), transitions.far_end,
         start=-START_TOLERANCE,
     ),
     # The same for A2 on the left side face; A2 passes an end of the face.
     *of_contact("side", "side", SIDE, transitions.SIDE, "side"),
     Event(
-        "side_end", SIDE, ((levels.on_left_side, levels.before_side_end),), transitions.side_ends
+        "side_end", SIDE, ((functions.on_left_side, functions.before_side_end),),
+        transitions.side_ends,
     ),
     # The same for a bottom corner on the flat base; the corner slides into the slot.
     *of_contact("corner", "corner", CORNER, transitions.CORNER, "support", in_slot=False),
     Event(
-        "corner_end", CORNER, ((levels.on_corner, levels.beside_slot),),
+        "corner_end", CORNER, ((functions.on_corner, functions.beside_slot),),
         transitions.corner_slides_in,
     ),
     # Slip reaches zero, or the friction force reaches its limit.
     Event(
         "support_slip", FORCES,
-        ((_support_sticks, levels.support_reserve), (_support_slides, levels.support_slip)),
+        ((_support_sticks, functions.support_reserve), (_support_slides, functions.support_slip)),
         transitions.support_turns, reset=friction.at_rest_on_support, kind=FRICTION,
     ),
     Event(
         "side_slip", FORCES,
-        ((_side_sticks, levels.side_reserve), (_side_slides, levels.side_slip)),
+        ((_side_sticks, functions.side_reserve), (_side_slides, functions.side_slip)),
         transitions.side_turns, reset=friction.at_rest_on_side, kind=FRICTION,
     ),
     Event(
-        "overturned", PLACES, ((levels.always, levels.upright),), transitions.overturned, start=0.0
+        "overturned", PLACES, ((functions.always, functions.upright),), transitions.overturned,
+        start=0.0,
     ),
 )  # fmt: skip
 

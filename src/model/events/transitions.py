@@ -7,8 +7,8 @@ and the contacts that the scene declares.
 from typing import Any, NamedTuple
 
 from model.compile.jit import inlined_kernel, kernel
+from model.events.event_functions import corner_positions, edge_inside
 from model.events.friction import decide_friction, sign
-from model.events.levels import corner_positions, edge_inside
 from model.events.outcomes import Outcome, Reason
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
@@ -124,7 +124,7 @@ def touching(depth, contact, q, p):
 
 @inlined_kernel
 def _on_edges(mode):
-    """Return the mode with a free support on the edges, if it was on the right side of the slot."""
+    """Return the mode with the support, if it was on the right side of the slot, on the edges."""
     return with_support(mode, False) if mode.in_slot else mode
 
 
@@ -208,7 +208,7 @@ def of_contact(depth: Any, put: Any) -> OfContact:
 
     Args:
         depth: kernel (q, p, mode) of its depth.
-        put: kernel (mode, state) of the mode with its normal state.
+        put: kernel (mode, state) that returns the mode with this normal state of the contact.
     """
 
     @inlined_kernel

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import RunResult
-from model.events.levels import FLAT
+from model.events.event_functions import FLAT
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Constants
 from model.runs.engines import Array, Run

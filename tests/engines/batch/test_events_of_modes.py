@@ -38,7 +38,7 @@ def test_masks_hold_every_event_that_applies(scene: Scene) -> None:
             continue
         mask, held = lanes.applicable(kind, mode), held + 1
         for which, event in enumerate(table):
-            applies = any(python_of(case)(p, mode) for case, _ in event.level)
+            applies = any(python_of(case)(p, mode) for case, _ in event.function)
             assert mask & 1 << which or not applies, (event.name, mode)
             left_out += not mask & 1 << which
     assert held > 50

@@ -47,8 +47,8 @@ from model.engines.batch.series_layout import (
 )
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
+from model.events.event_functions import NEVER, CornerPositions, corner_positions
 from model.events.insertion import INSERTION
-from model.events.levels import NEVER, CornerPositions, corner_positions
 from model.events.scenes import ALIGNMENT
 from model.events.table import number_of
 from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side

@@ -31,8 +31,8 @@ from model.engines.batch.series import EventQuantities
 from model.engines.batch.series_kernels import errors_filler, series_filler, series_sampler
 from model.engines.batch.series_layout import NODES, ORDER, ROWS, SINES
 from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
+from model.events.event_functions import NEVER, NOTHING
 from model.events.kernels import SceneKernels, combined_count, kernels_of
-from model.events.levels import NEVER, NOTHING
 from model.events.scenes import Scene
 from model.events.table import Event, Table
 
@@ -65,7 +65,7 @@ class LaneEvent:
         self.number = number
         self.cases: list[Case] = []
         self.places: set[tuple[int, int]] = set()
-        for applies, level in event.level:
+        for applies, level in event.function:
             here = python_of(applies)
             places = {place for mode, place in lane_modes(inserts) if here(_ROUGH, mode)}
             if not places:

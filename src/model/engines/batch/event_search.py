@@ -28,9 +28,9 @@ from model.engines.record import STATE, TIME, constants_of, mode_of
 from model.engines.scalar import location
 from model.engines.scalar.location import NO_EVENT, sample_step
 from model.engines.scalar.location import NODES as SAMPLED
+from model.events.event_functions import NOTHING, ON_AN_EVENT, largest
 from model.events.friction import REST_SLIP
 from model.events.kernels import MOST_SAMPLES
-from model.events.levels import NOTHING, ON_AN_EVENT, largest
 from model.physics.notation import STATE_SIZE, State
 
 QUANTITIES = 4  # of a level

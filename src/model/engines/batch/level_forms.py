@@ -10,8 +10,8 @@ from operator import mul
 from typing import Any
 
 from model.compile.jit import Symbol, python_of
+from model.events.event_functions import NOTHING, ContactState, CornerPositions
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
-from model.events.levels import NOTHING, ContactState, CornerPositions
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
 from model.physics.modes import CLOSED, Mode
 from model.physics.motion import Motion

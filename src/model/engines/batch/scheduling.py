@@ -68,9 +68,9 @@ from model.engines.scalar.location import NO_EVENT
 from model.engines.scalar.loop import Workspace, advance, new_workspace
 from model.engines.scalar.step import MOST_GROWTH, are_finite, is_too_short, rates_of
 from model.engines.scalar.tableaux import DOP853
+from model.events.event_functions import NEVER, ON_AN_EVENT
 from model.events.friction import hold_sticking
 from model.events.kernels import SceneKernels
-from model.events.levels import NEVER, ON_AN_EVENT
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
 from model.physics.modes import Mode

@@ -16,7 +16,7 @@ import numpy as np
 
 from model.compile.jit import Symbol, python_of
 from model.engines.batch.mode_kinds import SIDE_CONTACTS, ModeKind, mode_of_kind
-from model.events.levels import corner_positions
+from model.events.event_functions import corner_positions
 from model.physics.contacts import Contact, contact_load, corner_on_wall, edge_on_face, edge_on_side
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State

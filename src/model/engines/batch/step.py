@@ -35,8 +35,8 @@ from model.engines.batch.workspace import (
     loads_of,
     state_in_lane,
 )
+from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT, largest
 from model.events.friction import REST_SLIP, hold_sticking
-from model.events.levels import FLAT, NEVER, ON_AN_EVENT, largest
 from model.physics.modes import CLOSED
 from model.physics.trigonometry import sine_cosine
 

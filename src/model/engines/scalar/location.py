@@ -11,7 +11,7 @@ import numpy as np
 
 from model.compile.jit import inlined_kernel, kernel
 from model.engines.scalar.step import interpolate, store_in
-from model.events.levels import NEVER, ON_AN_EVENT, largest
+from model.events.event_functions import NEVER, ON_AN_EVENT, largest
 
 NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
 NODES = len(NODE_PLACES)

@@ -54,9 +54,9 @@ from model.engines.scalar.step import (
     take_step,
 )
 from model.engines.scalar.tableaux import Method
+from model.events.event_functions import NEVER, ON_AN_EVENT
 from model.events.friction import hold_sticking
 from model.events.kernels import MOST_SAMPLES
-from model.events.levels import NEVER, ON_AN_EVENT
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
 from model.physics.notation import STATE_SIZE

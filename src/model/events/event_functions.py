@@ -1,15 +1,15 @@
-"""Level functions of events, and the quantities of which they are functions.
+"""Event functions, and the quantities of which they are functions.
 
-A level is positive while a mode holds, and its event is its down-crossing of zero. It takes the
-quantities of one source (places of edges and corners, or depth, load and place of one contact) and
-is a constant plus multiples of them, or of the absolute value of one; the batch engine bounds and
-searches levels by this form. A level does not branch on the mode: for other forms in other modes
-the table has several cases.
+An event function is positive while a mode holds; its event is its down-crossing of zero. It takes
+the quantities of one source (positions of edges and corners, or depth, load and place of one
+contact) and is a constant plus multiples of them, or of the absolute value of one: a form that the
+batch engine can bound and search. It does not branch on the mode; where the form depends on the
+mode, the table states several cases.
 
 A condition on several quantities at once is the largest of them, each negative where its own
-condition is met. Such a level is not smooth and may be negative for an instant between two samples.
-The index of the largest quantity is therefore sampled with it: where the index changes, the event
-location searches each quantity.
+condition is met. Such a function is not smooth and may be negative for an instant between two
+samples. The index of the largest quantity is therefore sampled with it: where the index changes,
+the event location searches every quantity.
 """
 
 from math import pi
@@ -28,9 +28,9 @@ from model.physics.modes import OPEN
 from model.physics.motion import is_beside, is_supported, motion, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
-NEVER = 1e300  # the level of an event that does not apply
-NOTHING = -1e300  # a quantity that a condition does not have
-ON_AN_EVENT = 1e-8  # a level below this counts as on its event
+NEVER = 1e300  # value of an event function that does not apply
+NOTHING = -1e300  # stands for an unused one of a condition's four quantities
+ON_AN_EVENT = 1e-8  # an event function below this counts as zero
 FLAT = 1e-8  # a part tilted by less is flat: it rests on its edge
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
 
@@ -53,10 +53,10 @@ def largest(quantities):
 
 
 class CornerPositions(NamedTuple):
-    """Places of the edges in the frame of the part, and of the bottom corners beside the slot.
+    """Positions of the edges in the frame of the part, and of the bottom corners in the base's.
 
-    ``along_face`` and ``along_axis`` as in ``EdgePlace``, depth of A2 behind the left side under
-    the selected reading, (X, Y) of the corners, the tilt, and dY/dτ of the corners.
+    ``along_face`` and ``along_axis`` as in ``EdgePlace``, the depth of A2 behind the left side in
+    the selected variant, (X, Y) of the corners, the tilt, and dY/dτ of the corners.
     """
 
     right_along_face: float
@@ -100,7 +100,7 @@ def corner_positions(q, p):
 
 @inlined_kernel
 def places(_time, q, p, _mode):
-    """The ``CornerPositions``, as the source of levels."""
+    """The ``CornerPositions``, as a source of event functions."""
     return corner_positions(q, p)
 
 
@@ -161,12 +161,12 @@ def left_wall_state(_time, q, p, _mode):
     return _wall_state(LEFT_EDGE, q, p)
 
 
-# -------------------------------------------------------------------------- modes of the quantities
+# ------------------------------------------------------------- modes in which the quantities exist
 
 
 @inlined_kernel
 def always(_p, _mode):
-    """Return True: places exist in every mode."""
+    """Return True: positions exist in every mode."""
     return True
 
 
@@ -190,7 +190,7 @@ def on_corner(_p, mode):
 
 @inlined_kernel
 def rubs(p, mode):
-    """Return whether a contact presses whose friction state may change."""
+    """Return whether a contact presses, and friction states may change."""
     return not never_sticks(p) and (is_supported(mode) or is_beside(mode))
 
 
@@ -200,7 +200,7 @@ def forces(time, q, p, mode):
     return motion(time, q, p, mode)
 
 
-# ------------------------------------------------------------------------------------------- levels
+# ---------------------------------------------------------------------------------- event functions
 
 
 @inlined_kernel
@@ -231,7 +231,7 @@ def _off_wall(beside, corner_y):
 
 @inlined_kernel
 def right_corner_in_slot(at, p, _mode):
-    """Negative once B1 is behind the right wall, and less deep there than below the plane."""
+    """Negative once B1 is behind the right wall, by less than it is below the plane."""
     return _off_wall(at.right_corner_x - p.slot_half_width, at.right_corner_y)
 
 
@@ -243,7 +243,7 @@ def left_corner_in_slot(at, p, _mode):
 
 @inlined_kernel
 def right_corner_over_flat(at, p, _mode):
-    """``right_corner_above``, but negative only for a corner less deep there than in the wall."""
+    """``right_corner_above``, negative only if B1 is less far below the plane than in the wall."""
     _, below, tilt, rise = right_corner_above(at, p, _mode)
     return p.slot_half_width - at.right_corner_x - at.right_corner_y, below, tilt, rise
 
@@ -259,7 +259,7 @@ def left_corner_over_flat(at, p, _mode):
 def edge_inside(edge, at, p):
     """Depths of an edge in the part: (through bottom, left, right, top), all positive inside.
 
-    For the left edge the depth behind the left side follows the selected reading.
+    For the left edge, the depth behind the left side is that of the selected variant.
     """
     if edge == RIGHT_EDGE:
         face, axis = at.right_along_face, at.right_along_axis
@@ -291,7 +291,7 @@ def left_edge_outside(at, p, _mode):
 def right_corner_above(at, p, _mode):
     """Negative once B1 presses on the flat base beside the slot.
 
-    It is then below the plane, is the lower corner, and moves down. Otherwise the edge carries the
+    B1 is then below the plane, the lower corner, and moving down. Otherwise the edge carries the
     bottom face.
     """
     beside = p.slot_half_width - at.right_corner_x
@@ -307,10 +307,10 @@ def left_corner_above(at, p, _mode):
 
 @inlined_kernel
 def right_corner_off_wall(at, p, _mode):
-    """Negative once B1, not the lower corner, has run into the slot's wall from inside.
+    """Negative once B1, not being the lower corner, has run into the slot's wall from inside.
 
-    It is also negative once B1 comes down beside the slot with the whole part beside the slot;
-    otherwise an edge in front of such a corner carries the part.
+    Also negative once the whole part has come down beside the slot; in any other pose the part
+    meets the edge before this corner.
     """
     return p.slot_half_width - at.right_corner_x, at.right_corner_y, -at.tilt - FLAT, NOTHING
 
