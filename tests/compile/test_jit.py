@@ -1,4 +1,4 @@
-"""Compiled kernels, and the numba that they need."""
+"""Compiled kernels, and the bound on numba's version."""
 
 import gc
 import os
@@ -51,7 +51,7 @@ def empty(tmp_path, monkeypatch):
 
 
 def kept(folder):
-    """Names of the functions whose machine code is in ``folder``."""
+    """Return the names of the functions whose machine code is in ``folder``."""
     return {path.name.split("-")[0].split(".")[-1] for path in folder.rglob("*.nbc")}
 
 

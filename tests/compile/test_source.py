@@ -1,4 +1,4 @@
-"""Generated sources: what debuggers and tracebacks show of them."""
+"""Generated sources, as debuggers and tracebacks show them."""
 
 import inspect
 import linecache

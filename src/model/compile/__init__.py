@@ -1,1 +1,1 @@
-"""What turns Python functions into machine code: jit, generated sources, WebAssembly, cache."""
+"""Compilation of Python functions: numba kernels, generated sources, WebAssembly, cache."""

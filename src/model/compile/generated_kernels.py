@@ -1,4 +1,4 @@
-"""Generated kernels as a type: callers are compiled for the kernels that they are given."""
+"""Sets of generated kernels, each with a numba type of its own, for which callers are compiled."""
 
 import hashlib
 from collections.abc import Mapping
@@ -24,14 +24,14 @@ _SETS: dict[str, "GeneratedKernels"] = {}
 
 
 class GeneratedKernels:
-    """Kernels and whole numbers by name, passed to kernels as one argument.
+    """Set of kernels and integers, passed to other kernels as one argument.
 
-    A kernel that takes a set is compiled for it: numbers of the set are constants, and kernels of
-    the set can be inlined. A set holds no data at run time.
+    A kernel that takes a set is compiled for it: integers of the set are constants, and its kernels
+    can be inlined. A set holds no data at run time.
 
     Args:
         name: name of the set; sets of the same name have the same type.
-        members: kernels and whole numbers by name.
+        members: kernels and integers by name.
         sources: files that define the members. The contents of files outside the package become
             part of the name, since the cache of compiled kernels is keyed by the package's files.
     """
@@ -64,7 +64,7 @@ register_model(GeneratedKernelsType)(models.OpaqueModel)
 
 @typeof_impl.register(GeneratedKernels)
 def _type_of(kernels: GeneratedKernels, _context: Any) -> GeneratedKernelsType:
-    return kernels.type  # numba's own way to it takes 0.2 ms a call
+    return kernels.type  # without this, numba takes 0.2 ms a call to find the type
 
 
 @unbox(GeneratedKernelsType)

@@ -2,11 +2,12 @@
 
 numba compiles every function to machine code of its own, optimised together with all that it calls,
 and adds wrappers for calls from Python and C. Here a kernel is compiled to intermediate code once,
-and becomes machine code only as a part of a kernel that Python calls: a quarter of the compile time
-(docs/decisions/0025-compiling.md).
+as a *part*. Machine code is made only of a *whole*: a kernel that Python calls, linked with its
+parts. This takes a quarter of the compile time (docs/decisions/0025-compiling.md).
 
-Subclasses of numba's dispatcher, compiler, code library and cache do this. numba does not promise
-to keep what they override: hence the upper bound ``NUMBA_BELOW``, which is pyproject.toml's too.
+Subclasses of numba's dispatcher, compiler, code library and cache do this. They override internals,
+which any release of numba may change: hence the upper bound ``NUMBA_BELOW``, also in
+pyproject.toml.
 """
 
 import functools
@@ -20,7 +21,7 @@ from llvmlite import ir
 from model.compile.cache import cache_folder, config, numba_cache_in
 
 NUMBA_BELOW = (0, 69)
-"""First release of numba (major, minor) that these kernels have not been tried with."""
+"""First release of numba (major, minor) with which these kernels are untested."""
 
 
 def check_numba(version: str) -> None:
@@ -49,14 +50,14 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _CACHE_FOLDER = str(cache_folder())
 
-# --- A kernel as a part of others ---------------------------------------------------------------
+# --- Parts: kernels that other kernels call -----------------------------------------------------
 
 
 class _Library(JITCodeLibrary):
     """Code of one kernel.
 
     Attributes:
-        finished: code that it calls and that needs no optimising; see ``call_finished``.
+        finished: modules that it calls and that are optimised already; see ``call_finished``.
     """
 
     def __init__(self, *named: Any) -> None:
@@ -65,7 +66,7 @@ class _Library(JITCodeLibrary):
 
 
 class _PartLibrary(_Library):
-    """Intermediate code of one kernel; what it calls is linked once, into a whole."""
+    """Intermediate code of a part; the parts that it calls are linked later, into a whole."""
 
     def finalize(self) -> None:
         self._finalize_dynamic_globals()
@@ -73,11 +74,11 @@ class _PartLibrary(_Library):
 
 
 def with_parts(libraries: list[Any]) -> list[Any]:
-    """Return libraries and all that parts among them link, each once, and callers first.
+    """Return the libraries and, recursively, those that their parts link; each once.
 
-    LLVM's linker leaves out a function that nothing calls yet.
+    Callers come first, since LLVM's linker leaves out a function that nothing calls yet.
     """
-    seen, found = set(), []
+    seen, ordered = set(), []
 
     def visit(library: Any) -> None:
         if library not in seen:
@@ -85,18 +86,18 @@ def with_parts(libraries: list[Any]) -> list[Any]:
             if isinstance(library, _PartLibrary):
                 for each in library._linking_libraries:
                     visit(each)
-            found.append(library)
+            ordered.append(library)
 
     for each in libraries:
         visit(each)
-    return found[::-1]
+    return ordered[::-1]
 
 
 def call_finished(context: Any, builder: Any, name: str, code: str, arguments: list[Any]) -> None:
     """Write a call of the function ``name``, which ``code`` defines in LLVM's language.
 
-    Such code is written for vectors, and in the order in which it is to be computed. One pass
-    combines its operations, and wholes link it once they are optimised.
+    The code is vectorised and ordered already. Only one pass runs on it, which combines
+    instructions, and it is linked after the whole has been optimised.
     """
     library = context.active_code_library
     module = ll.parse_assembly(f"{library.create_ir_module(name)}\n{code}")
@@ -112,7 +113,7 @@ def call_finished(context: Any, builder: Any, name: str, code: str, arguments: l
 
 
 def link_finished(module: Any, libraries: list[Any]) -> None:
-    """Link the finished code that libraries call into their optimised ``module``."""
+    """Link the ``finished`` modules of the libraries into their optimised ``module``."""
     for library in libraries:
         for each in getattr(library, "finished", ()):
             module.link_in(each, preserve=True)
@@ -146,7 +147,7 @@ class Symbol:
     """
 
     def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Return the function to trace in place of a kernel: by default the kernel's own."""
+        """Return the function to trace in place of a kernel: by default its Python function."""
         return function
 
 
@@ -168,7 +169,7 @@ class _Part(CPUDispatcher):
         self._whole: _Whole | None = None
 
     def typeof_pyval(self, value: Any) -> Any:
-        """Return numba's type of an argument; numba takes long to find that a symbol has none."""
+        """Return numba's type of an argument; for a symbol at once, since numba searches long."""
         if _first_symbol(value) is not None:
             return numba.types.pyobject
         return super().typeof_pyval(value)
@@ -200,7 +201,7 @@ class _Part(CPUDispatcher):
         return super().get_call_template([numba.types.unliteral(each) for each in args], plain)
 
 
-# --- A kernel as Python calls it ----------------------------------------------------------------
+# --- Wholes: kernels that Python calls ----------------------------------------------------------
 
 
 class _WholeLibrary(_Library):
@@ -288,7 +289,7 @@ class _Whole(CPUDispatcher):
 
     def _compile_for_args(self, *args: Any, **named: Any) -> Any:
         collects = gc.isenabled()
-        gc.disable()  # compiling creates little garbage, and the collector takes a third of it
+        gc.disable()  # the collector would take a third of the time, and finds little garbage
         try:
             return super()._compile_for_args(*args, **named)  # type: ignore[misc]
         finally:
@@ -302,7 +303,7 @@ class _Whole(CPUDispatcher):
 def kernel(function: Function) -> Function:
     """Compile ``function`` at its first call: without Python objects or the GIL, cached on disk.
 
-    A kernel counts no references to arrays: its caller keeps them alive, and it creates none.
+    A kernel creates no arrays and counts no references to them: its caller keeps them alive.
     Arithmetic is IEEE, but a product and a sum may become one operation (fused multiply-add).
     """
     return _compiled(function, forceinline=False)
@@ -314,7 +315,7 @@ def inlined_kernel(function: Function) -> Function:
 
 
 def entry_point(function: Function) -> Function:
-    """Return a kernel for many short calls from Python, each a microsecond less: no symbols."""
+    """Return a kernel for frequent short calls from Python: it saves the symbol search, 1 µs."""
     called: Any = function.whole() if isinstance(function, _Part) else function
     return called
 

@@ -1,7 +1,7 @@
 """Functions generated as Python source, which debuggers and tracebacks show.
 
 The source of each function is a file beside the compiled kernels, and is registered with
-``linecache``. A function becomes a kernel as any other does.
+``linecache``.
 """
 
 import contextlib
@@ -38,7 +38,7 @@ def defined(name: str, code: str, known: Mapping[str, Any], label: str = "") -> 
 
 
 def _kept(name: str, code: str) -> str:
-    """Keep a source in a file that is named by its content, and return the path."""
+    """Write a source to a file named by its hash, unless it exists, and return the path."""
     digest = hashlib.sha256(code.encode()).hexdigest()[:16]
     path = _SOURCES / f"{name}-{digest}.py"
     linecache.cache[str(path)] = len(code), None, code.splitlines(keepends=True), str(path)
@@ -47,7 +47,7 @@ def _kept(name: str, code: str) -> str:
             _SOURCES.mkdir(exist_ok=True)
             with tempfile.NamedTemporaryFile("w", dir=_SOURCES, delete=False) as file:
                 file.write(code)
-            os.utime(file.name, (0, 0))  # numba compiles a file of another time anew
+            os.utime(file.name, (0, 0))  # numba recompiles if the modification time differs
             Path(file.name).replace(path)
     return str(path)
 
@@ -84,14 +84,14 @@ class Writer:
         return name
 
     def write(self, compiled: Callable[..., Any], head: str, lines: Lines) -> None:
-        """Make the kernel that begins with ``head`` and has these lines."""
+        """Make the kernel with the signature ``head`` and these lines, by ``compiled``."""
         code = "\n".join([f"def {head}:", *(f"    {each}" for each in lines)])
         name = head[: head.index("(")]
         self.members[name] = compiled(defined(name, code, self.known, self.label))
         self.known[name] = self.members[name]
 
     def choose(self, head: str, choices: Iterator[tuple[int, str]], otherwise: str) -> None:
-        """Make a kernel of ``which`` that returns another expression for each event."""
+        """Make a kernel that returns the expression whose number is ``which``, or ``otherwise``."""
 
         def lines() -> Lines:
             for number, expression in choices:

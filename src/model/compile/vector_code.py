@@ -18,10 +18,11 @@ _ALIGNMENT = 64
 
 
 class VectorWriter:
-    """Writes a function of pointers to vectors in LLVM's language.
+    """Writer of a function in LLVM's language, whose arguments are pointers to vectors.
 
-    Vectors and whole numbers are names of values in the code, or constants. The text is written
-    here, since llvmlite takes seven times as long for it. No vector is written after it was read.
+    Methods that compute return the name of the result in the code; their operands are such names,
+    or constants. The text is written here, since llvmlite takes seven times as long. Loads are
+    cached within a block: code must not change a vector that it has loaded, except by ``store``.
     """
 
     def __init__(self, name: str, pointers: int) -> None:
@@ -35,11 +36,11 @@ class VectorWriter:
         self.begin("entry")
 
     def code(self) -> str:
-        """Return the code of the function and of what it calls."""
+        """Return the code of the function, with the declarations that it needs."""
         return "\n".join((*self.lines, "ret void", "}"))
 
     def begin(self, block: str) -> None:
-        """Write what follows into a new block."""
+        """Begin a new block."""
         self.block = block
         self.bases: dict[tuple[str, str, int], str] = {}
         self.loaded: dict[tuple[str, str | int], str] = {}
@@ -56,7 +57,7 @@ class VectorWriter:
         return name
 
     def count(self, operation: str, a: str, b: str) -> str:
-        """The result of an operation on whole numbers."""
+        """The result of an operation on integers."""
         return self.result(f"{operation} i64 {a}, {b}")
 
     def do(self, operation: str, *of: str) -> str:
@@ -69,7 +70,7 @@ class VectorWriter:
         return self.result(f"call {_VECTOR} @llvm.{function}.v{WIDTH}f64({listed})")
 
     def fma(self, a: str, b: str, c: str) -> str:
-        """A b + c."""
+        """The sum ``a * b + c``."""
         return self.call("fmuladd", a, b, c)
 
     def vector(self, number: float) -> str:
@@ -77,7 +78,7 @@ class VectorWriter:
         return f"<{', '.join([str(ir.Constant(_DOUBLE, number))] * WIDTH)}>"
 
     def everywhere(self, count: str) -> str:
-        """The same, of a whole number that the code computes."""
+        """A vector with the integer ``count`` of the code everywhere."""
         number = self.result(f"sitofp i64 {count} to double")
         one = self.result(f"insertelement {_VECTOR} undef, double {number}, i64 0")
         first = f"<{WIDTH} x i32> zeroinitializer"
@@ -103,24 +104,28 @@ class VectorWriter:
             self.loaded[pointer, place] = loaded
         return self.loaded[pointer, place]
 
-    def keep(self, value: str, pointer: str, place: str | int) -> None:
+    def store(self, value: str, pointer: str, place: str | int) -> None:
         """Write the vector at a place."""
         address = self.address(pointer, place)
         self.lines.append(f"store {_VECTOR} {value}, {_POINTER} {address}, align {_ALIGNMENT}")
         self.loaded[pointer, place] = value
 
     def whole_number(self, pointer: str) -> str:
-        """The number at ``pointer``, as a whole number."""
+        """The number at ``pointer``, as an integer."""
         number = self.result(f"load double, {_DOUBLE.as_pointer()} {pointer}")
         return self.result(f"fptosi double {number} to i64")
 
     def merged(self, *cases: tuple[str, str]) -> str:
-        """The vector of the block from which the code came: cases (block, vector)."""
+        """The vector for the block that ran before (phi): cases (block, vector)."""
         listed = ", ".join(f"[{value}, %{block}]" for block, value in cases)
         return self.result(f"phi {_VECTOR} {listed}")
 
     def repeat(self, count: str, write: Callable[..., Sequence[str]], *starts: str) -> list[str]:
-        """Write a loop: ``write(index, *carried)`` gives the values carried on; their last ones."""
+        """Write a loop of ``count`` rounds, >= 1, and return the last values that it carries.
+
+        ``write(index, *carried)`` writes the body and returns the values of the next round, from
+        ``starts`` on.
+        """
         before, body, after = self.block, self.name("loop"), self.name("after")
         self.lines.append(f"br label %{body}")
         self.begin(body)
@@ -139,7 +144,10 @@ class VectorWriter:
 
 
 def vector_function(name: str, write: Callable[[str], VectorWriter]) -> Any:
-    """Return the kernel (block, places): a call of that code, with pointers into ``block``."""
+    """Make the kernel (block, places) that calls a written function.
+
+    Its arguments are pointers to the vectors of the array ``block`` with the numbers ``places``.
+    """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         block = context.make_array(signature.args[0])(context, builder, arguments[0])

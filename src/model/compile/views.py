@@ -1,8 +1,8 @@
-"""Kernels that read named tuples from arrays and write them there, made from the tuples' fields.
+"""Kernels that read a named tuple from an array or write it there, generated from its fields.
 
-Runs are rows of numbers, in which a named tuple takes consecutive places. numba cannot loop over
-the fields of a tuple: the one statement that names all of them is written here, from the fields
-themselves, so that a field that is added to a tuple needs no edit where the tuple is stored.
+Runs are rows of numbers, in which a named tuple takes consecutive columns. numba cannot loop over
+the fields of a tuple, so the statement that names them all is generated: whoever adds a field to a
+tuple has nothing to edit where it is stored.
 """
 
 import collections
@@ -16,35 +16,36 @@ _FROM_NUMBER = {int: "int({})", bool: "({} != 0.0)"}
 
 
 def numbers(name: str, fields: Sequence[str]) -> Any:
-    """Make a named tuple class of floats, to be the base of a class with a docstring."""
+    """Make a named tuple class of floats, as the base of a class with a docstring."""
     return collections.namedtuple(name, fields)
 
 
-def reader(kind: Any, arguments: str, place: Callable[[int], str], **names: Any) -> Any:
-    """Make the inlined kernel (``arguments``) that reads a ``kind``.
+def reader(tuple_class: Any, arguments: str, place: Callable[[int], str], **names: Any) -> Any:
+    """Make the inlined kernel (``arguments``) that reads a named tuple.
 
     Args:
-        kind: a named tuple class; fields annotated as int or bool are converted from floats.
+        tuple_class: class of the tuple; fields annotated as int or bool are converted from floats.
         arguments: names of the kernel's arguments, as "runs, i".
         place: expression of field n, as "runs[i, 3]" for n = 3.
         **names: other names in these expressions.
     """
-    types = kind.__annotations__
+    types = tuple_class.__annotations__
     values = [
         _FROM_NUMBER.get(types.get(field), "{}").format(place(n))
-        for n, field in enumerate(kind._fields)
+        for n, field in enumerate(tuple_class._fields)
     ]
-    lines = [f"return kind({', '.join(values)})"]
-    return _made("read", kind, arguments, lines, {"kind": kind, **names})
+    name = _name("read", tuple_class)
+    code = f"def {name}({arguments}):\n    return made({', '.join(values)})\n"
+    return inlined_kernel(defined(name, code, {"made": tuple_class, **names}))
 
 
-def writer(kind: Any, arguments: str, place: Callable[[int], str], **names: Any) -> Any:
-    """Make the inlined kernel (``value``, ``arguments``) that writes a ``kind``, as ``reader``."""
-    lines = [f"{place(n)} = value.{field}" for n, field in enumerate(kind._fields)]
-    return _made("write", kind, f"value, {arguments}", lines, names)
+def writer(tuple_class: Any, arguments: str, place: Callable[[int], str], **names: Any) -> Any:
+    """Make the inlined kernel (``value``, ``arguments``) that writes a tuple, as ``reader``."""
+    name = _name("write", tuple_class)
+    lines = [f"    {place(n)} = value.{field}" for n, field in enumerate(tuple_class._fields)]
+    code = "\n".join([f"def {name}(value, {arguments}):", *lines, ""])
+    return inlined_kernel(defined(name, code, names))
 
 
-def _made(does: str, kind: Any, arguments: str, lines: list[str], names: dict[str, Any]) -> Any:
-    name = f"{does}_{kind.__name__.strip('_').lower()}"
-    code = "\n    ".join([f"def {name}({arguments}):", *lines])
-    return inlined_kernel(defined(name, f"{code}\n", names))
+def _name(verb: str, tuple_class: Any) -> str:
+    return f"{verb}_{tuple_class.__name__.strip('_').lower()}"

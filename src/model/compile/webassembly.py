@@ -7,7 +7,7 @@ layout of structures are right from the first pass. From then on this process ca
 LLVM writes an object for a linker. One object alone is nearly a module: the addresses, indices and
 types in it are valid as they stand, and only the list of exported functions is missing.
 
-numba does not promise to keep what is replaced here: see ``NUMBA_BELOW`` in jit.py.
+Internals of numba are replaced here: see ``NUMBA_BELOW`` in jit.py.
 """
 
 import itertools
@@ -58,7 +58,7 @@ class Module(NamedTuple):
 
 @intrinsic
 def array_at(_context: Any, pointer: Any, offset: Any, shape: Any) -> Any:
-    """Return the array of ``shape``, a tuple, that starts ``offset`` numbers behind ``pointer``."""
+    """Return the array of ``shape``, a tuple, that starts ``offset`` numbers after ``pointer``."""
     kind = types.Array(pointer.dtype, len(shape), "C")
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -83,7 +83,7 @@ def array_at(_context: Any, pointer: Any, offset: Any, shape: Any) -> Any:
 
 @intrinsic
 def whole_numbers(_context: Any, pointer: Any) -> Any:
-    """Return a pointer to numbers as a pointer to whole numbers of eight bytes."""
+    """Return a pointer to numbers as a pointer to integers of eight bytes."""
     kind = types.CPointer(types.int64)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
@@ -115,7 +115,7 @@ class _Library(JITCodeLibrary):
 
 
 class _Unoptimised(_Library):
-    """The code of an exported function with all that it calls; optimised in ``_object``."""
+    """Code of an exported function with all that it calls; ``_object`` optimises it."""
 
     def finalize(self) -> None:
         self._linking_libraries = jit.with_parts(self._linking_libraries)
@@ -143,7 +143,7 @@ def _aim_at_webassembly() -> tuple[Any, Any]:
         cpu="generic", features=_FEATURES, opt=3, reloc="static", codemodel="default"
     )
     context: Any = cpu_target.target_context
-    context.refresh()  # sets up what is unused here, with the layout of this machine
+    context.refresh()  # before the switch: what it sets up for this machine is not used here
     codegen = context.codegen()
     codegen._tm, codegen._target_data = machine, machine.target_data
     codegen._data_layout = str(machine.target_data)
@@ -158,7 +158,7 @@ def _aim_at_webassembly() -> tuple[Any, Any]:
     codegen._add_module = codegen.set_env = lambda *_: None  # nothing is loaded into this process
     codegen._library_class = _Library
     context.__dict__.pop("target_data", None)
-    # The series are written by kernels that run as Python.
+    # Kernels that are called while compiling, to write the series, run as Python.
     part: Any = jit._Part
     part._compile_for_args = lambda self, *args, **_: (
         symbol.rule_of(self.py_func) if (symbol := jit._first_symbol(args)) else self.py_func
@@ -185,7 +185,7 @@ def _object(function: Function, codegen: Any, machine: Any) -> bytes:
     module = ll.parse_assembly(f"{text}\ndeclare double @llvm.sqrt.f64(double)\n")
     for each in itertools.chain(module.functions, module.global_variables):
         if not each.is_declaration and each.name != name:
-            each.linkage = "internal"  # so that what nobody needs goes
+            each.linkage = "internal"  # so that unused functions are dropped
     module.get_function(name).name = function.name
     passes, builder = codegen._module_pass_manager()
     passes.run(module, builder)
@@ -232,7 +232,7 @@ def _number(value: int) -> bytes:
 
 
 def _sections(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield kind and content of each section behind the eight bytes of the head."""
+    """Yield kind and content of each section after the header of eight bytes."""
     read = _Bytes(data)
     read.at = 8
     while read.at < len(data):
@@ -284,7 +284,7 @@ def _symbols(body: bytes) -> dict[bytes, int]:
 
 
 def _end_of_data(body: bytes) -> int:
-    """Return the end of the last segment of the section of data, in bytes."""
+    """Return the end of the last segment of the data section, in bytes."""
     read, end = _Bytes(body), 0
     for _ in range(read.number()):
         read.number()  # active, in memory 0

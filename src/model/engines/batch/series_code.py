@@ -69,7 +69,7 @@ class SeriesWriter(VectorWriter):
         return self.load(*self._place(self.memory, row, order))
 
     def _keep(self, value: str, row: TaylorSeries, order: str) -> None:
-        self.keep(value, *self._place(self.memory, row, order))
+        self.store(value, *self._place(self.memory, row, order))
 
     def _one_more(self, index: str) -> tuple[()]:
         order = self.count("add", index, "1")

@@ -48,7 +48,7 @@ class _SamplesWriter(VectorWriter):
         return self.load(self.base(self.coefficients, row), order * ROWS)
 
     def _enter(self, value: str, row: str, node: int) -> None:
-        self.keep(value, self.base(self.values, row), node * SINES)
+        self.store(value, self.base(self.values, row), node * SINES)
 
     def _end_of_state(self, row: str) -> tuple[()]:
         """Sum a state at the last node: at other nodes states are not needed."""
