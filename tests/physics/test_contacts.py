@@ -1,6 +1,6 @@
-"""The three kinds of contact, and the printed readings, from point coordinates alone.
+"""The contacts of the alignment scene, and their printed variants, from point coordinates alone.
 
-The reference knows the part only as a rigid body with corners: depths are signed distances between
+The reference takes the part as a rigid body with corners: depths are signed distances between
 points and lines, rates are central differences along a motion. Nothing here uses the algebra of
 contacts.py.
 """
@@ -39,11 +39,11 @@ class Part:
         self.edges = {RIGHT_EDGE: np.array([length, 0.0]), LEFT_EDGE: np.array([-length, 0.0])}
 
     def place(self, own):
-        """Place in the frame of a point fixed in the part."""
+        """Position of the point ``own``, which is fixed in the part."""
         return self.centre + self.turn @ np.asarray(own)
 
     def own(self, point):
-        """Point of the part that is at ``point``."""
+        """Coordinates in the part of the point at ``point``."""
         return self.turn.T @ (point - self.centre)
 
 
@@ -317,7 +317,7 @@ def test_each_printed_row_comes_from_its_own_switch(device, constants, random_st
         assert (arms.normal[2], arms.tangent[2]) == pytest.approx((q, b), abs=ROUNDING)
         assert arms.normal[:2] == mended.normal[:2]
         assert arms.tangent[:2] == mended.tangent[:2]
-        # Kinematics are geometry: no reading changes them.
+        # Kinematics are geometry: no variant changes them.
         for other in (signs, arms):
             assert other[:4] == mended[:4]
             assert other.slip_row == mended.slip_row

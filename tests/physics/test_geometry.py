@@ -1,4 +1,4 @@
-"""Corners and edges against cases worked by hand, and against rotation of the part's own points."""
+"""Corners and edges, against cases worked by hand and against rotated points of the part."""
 
 from math import atan2, cos, hypot, pi, sin, sqrt
 

@@ -1,6 +1,5 @@
 """Equations (3): each force alone, and their sum against a second right-hand side written here."""
 
-from dataclasses import fields
 from math import copysign, cos, hypot, pi, sin, tan
 
 import numpy as np
@@ -19,6 +18,7 @@ from model.physics.modes import (
 )
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from model.physics.variants import VARIANT_NAMES
 
 ROUNDING = 1e-13  # relative to forces of order 1 to 100, a few hundred roundings
 FREE = START._replace(face=OPEN)
@@ -29,7 +29,6 @@ NOTHING = Parameters(
     frequency=0.0, clearance=0.1, misalignment=0.2, rest_y=5.0,
 )  # fmt: skip
 """No force at y = 5: k_y = 1 by scaling, so the axial spring can only be relaxed."""
-EVENT_COUNT = [field.name for field in fields(Variants)]
 
 
 def accelerations(at):
@@ -41,7 +40,7 @@ def accelerations(at):
 
 @pytest.fixture
 def force_alone(constants):
-    """Accelerations of the free part at ``state`` when only ``changes`` act."""
+    """Accelerations of the part without contact at ``state``, when only ``changes`` act."""
 
     def make(state, time=0.0, **changes):
         q = State(*map(float, state))  # whole numbers would be compiled for anew
@@ -119,7 +118,7 @@ def cross(r, force):
 
 
 class Reference:
-    """Equations (3) from physics.md in vectors: unit directions, points, and r × F."""
+    """Equations (3) in vectors: unit directions, points, and r × F."""
 
     def __init__(self, time, state, parameters, readings):
         self.time, self.state = time, state
@@ -146,7 +145,7 @@ class Reference:
         return side * mirrored - self.set.half_height * tan(tilt)
 
     def with_sign(self, force):
-        """A force of the bottom face as it enters (3): U1 printed has the other sign."""
+        """Force on the bottom face as it enters (3): in print U1 has the other sign."""
         return force * [-1, 1] if self.printed("normal_sign") else force
 
     def face(self, side):
@@ -221,7 +220,7 @@ class Reference:
         return -self.set.friction * load * copysign(1.0, slip)
 
     def accelerations(self, *contacts):
-        """With every contact in ``contacts`` sliding."""
+        """Accelerations with all ``contacts`` sliding."""
         total = self.suspension()
         for load, slip, force in contacts:
             total = total + force(load, self.friction(load, slip))
@@ -236,7 +235,7 @@ def slip_sign(reading, slip):
 READINGS = {
     "consistent": Variants.consistent(),
     "printed": Variants.printed(),
-    **{name: Variants(**{name: "printed"}) for name in EVENT_COUNT},
+    **{name: Variants(**{name: "printed"}) for name in VARIANT_NAMES},
 }
 every_reading = pytest.mark.parametrize("readings", READINGS.values(), ids=list(READINGS))
 
@@ -363,7 +362,7 @@ def test_sticking_keeps_the_slip_acceleration_zero(
     for state in random_states(20, seed=5):
         at = motion(0.6, State(*state), p, mode)
         assert slip_acceleration(slip(p), state, at) == pytest.approx(0.0, abs=1e-5)
-        # The force that does it acts like friction: the sliding sum with T in place of ∓μ n.
+        # The sticking force acts like sliding friction: the same sum with T in place of ∓μ n.
         here = Reference(0.6, state, device, Variants())
         edge = mode.edge
         load, _, force = here.face(edge) if name != "corner" else here.corner(edge)

@@ -43,13 +43,13 @@ def test_both_signs_are_admitted(device, name):
 
 @pytest.mark.parametrize("name", PARAMETER_NAMES)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_what_is_not_finite_is_refused(device, name, value):
+def test_a_value_that_is_not_finite_is_refused(device, name, value):
     with pytest.raises(ValueError, match=f"{name} = .*must be a finite number"):
         device.replace(**{name: value})
 
 
 @pytest.mark.parametrize("value", ["1", True, [1.0], 1 + 0j])
-def test_what_is_no_number_is_refused(device, value):
+def test_a_value_that_is_not_a_number_is_refused(device, value):
     with pytest.raises(TypeError, match="friction = "):
         device.replace(friction=value)
 
@@ -142,7 +142,7 @@ def test_stack_and_item_are_a_round_trip(device):
         ({"pres_force": [1.0]}, "Did you mean 'press_force'"),
     ],
 )
-def test_batch_refuses_what_parameters_refuse_and_says_where(device, swept, message):
+def test_batch_applies_the_rules_of_parameters_and_names_the_row(device, swept, message):
     with pytest.raises(ValueError, match=message):
         Batch.of(device, **swept)
 
@@ -157,7 +157,7 @@ def test_rests_default_to_the_start_and_the_half_height(device, constants):
     assert (p.rest_x, p.rest_y) == (0.0, 1.0)
 
 
-def test_rests_follow_a_sweep_of_what_they_are_derived_from(device):
+def test_derived_rests_follow_a_sweep(device):
     batch = Batch.of(device, misalignment=[0.1, 0.3], half_height=[3.0, 4.0], clearance=[0.1, 0.2])
     rows = [Constants(*row) for row in batch.constants(Variants())]
     assert [row.rest_x for row in rows] == [0.1, 0.3]

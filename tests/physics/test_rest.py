@@ -51,10 +51,10 @@ def test_it_is_an_equilibrium_of_the_equations_of_motion(device, constants, rest
 @pytest.mark.parametrize("friction", [0.0, 0.02, 0.05, 0.3])
 @pytest.mark.parametrize("tilt_stiffness", [5.0, 10.0, 20.0])
 def test_a_run_that_is_pressed_slowly_ends_there(device, rest, friction, tilt_stiffness):
-    """An excitation of half a period raises the force from 0 to 2, with slip on the way.
+    """Half a period of the excitation raises the force from 0 to 2, with slip on the way.
 
-    In 314 units of time against a slowest motion of some 15 the run lags by a few thousandths, and
-    the path of 16 loads cuts a reversal of the slip short by as much.
+    It lasts 314 units of time, and the slowest motion of the part some 15: the run lags by a few
+    thousandths. The equilibria at 16 loads miss a reversal of the slip by as much.
     """
     slow = device.replace(friction=friction, tilt_stiffness=tilt_stiffness, initial_tilt=0.0)
     frequency = 0.01
@@ -67,7 +67,7 @@ def test_a_run_that_is_pressed_slowly_ends_there(device, rest, friction, tilt_st
         np.testing.assert_allclose(run.state[-1, :3], found[:3], rtol=5e-3, atol=5e-3)
 
 
-def test_a_part_with_hardly_an_arm_buckles(device, rest):
+def test_a_part_with_a_short_arm_buckles(device, rest):
     """The tilt is small until the stiffness k_φ + s² + k_x b² - f0 b is used up, then large."""
     p = device.replace(friction=1.0, misalignment=1.13, clearance=0.09)
     s, b = p.slot_half_width - p.misalignment, p.half_height  # s = 0.012

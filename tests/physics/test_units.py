@@ -1,4 +1,4 @@
-"""Devices in SI units: scaled as in the paper's sect. 2, refused in the value that was given."""
+"""Devices in SI units: scaled as in the paper's sect. 2; refusals name the value in SI."""
 
 import math
 
@@ -76,10 +76,10 @@ def test_a_device_goes_back_to_what_was_given():
     assert {name: back[name] for name in PEG.keys() & back.keys()} == pytest.approx(
         {name: PEG[name] for name in PEG.keys() & back.keys()}, rel=1e-14
     )
-    assert back["rest_x"] is None  # what is derived stays so
+    assert back["rest_x"] is None  # a derived value stays derived
 
 
-def test_what_a_device_leaves_out_is_the_models_own():
+def test_a_device_takes_the_models_defaults():
     found = device(PEG).parameters
     assert (found.contact_stiffness, found.contact_damping) == (100.0, 1.0)
     assert found.rest_x is None
@@ -104,7 +104,7 @@ def test_a_unit_must_be_positive(name, value):
 
 
 @pytest.mark.parametrize("name", PEG)
-def test_what_is_needed_is_named(name):
+def test_a_missing_quantity_is_named(name):
     with pytest.raises(ValueError, match=f"{name} is missing: a device needs mass, "):
         device({key: value for key, value in PEG.items() if key != name})
 

@@ -1,1 +1,1 @@
-"""Ground floor, the device: notation, parameters, contact geometry, forces, scenes."""
+"""Physics of the device: notation, parameters, geometry, contacts, forces, motion."""

@@ -6,8 +6,8 @@
 4. a bottom corner on the slot's wall, in the insertion scene: B1 on the right, B2 on the left one.
 
 A row is a triple (x, y, moment). Times a force it is that force's share of the generalized force;
-times (ẋ, ẏ, φ̇) it is the velocity of the touching point along that force (virtual work). Under a
-printed reading the force rows differ from the kinematic ones.
+times (ẋ, ẏ, φ̇) it is the velocity of the touching point along that force (virtual work). In a
+printed variant the force rows differ from the kinematic ones.
 """
 
 from math import sqrt
@@ -31,7 +31,7 @@ class Contact(NamedTuple):
         slip_drift: d slip / dτ at zero accelerations.
         normal: row of the normal force n.
         tangent: row of the friction force T.
-        slip_row: d slip / d(ẋ, ẏ, φ̇); equals ``tangent`` unless a reading is printed.
+        slip_row: d slip / d(ẋ, ẏ, φ̇); equals ``tangent`` except in printed variants.
     """
 
     depth: float
@@ -78,7 +78,7 @@ def edge_on_face(side, q, p):
 def edge_on_side(edge, q, p):
     """Return the contact of A2 with the left side face, or of A1 with the right one.
 
-    w = s + a at A2 and a - s at A1, force ±(n e_t + T e_n), torque r × F. Printed readings of A2:
+    w = s + a at A2 and a - s at A1, force ±(n e_t + T e_n), torque r × F. Printed variants, for A2:
     D2 as printed for w (R4), and the force entering (3) as at A1 with A2's q (R5).
     """
     place = edge_place(edge, q.x, q.y, q.tilt, p)

@@ -16,12 +16,11 @@ SLIP_NEGATIVE, STICKING, SLIP_POSITIVE = -1, 0, 1
 class Mode(NamedTuple):
     """State of every contact, which selects one smooth vector field.
 
-    Contacts on the same side share one friction state. The contacts of two sides press at most: the
-    ``support`` and the ``side``. The side is the left one: A2 on the left side face, B2 on the left
-    wall. The support is an edge on the bottom face and its corner on the flat base or, in the slot,
-    the right side: A1 on the right side face, B1 on the right wall. The slot is wider than the
-    part, so only one edge at a time carries the bottom face: ``edge``, which keeps the last one
-    after lift-off.
+    Contacts are grouped in two, the *support* and the *side*; those of a group share one friction
+    state. The support is an edge on the bottom face and its corner on the flat base or, in the
+    slot, the right side: A1 on the right side face, B1 on the right wall. The side is the left one:
+    A2 on the left side face, B2 on the left wall. The slot is wider than the part, so only one edge
+    at a time carries the bottom face: ``edge``, which keeps its value after lift-off.
 
     Attributes:
         edge: RIGHT_EDGE or LEFT_EDGE, the side on which the part is supported.
@@ -40,7 +39,7 @@ class Mode(NamedTuple):
         dropped: True after the part lost the edge past its corner B1 and falls into the slot.
         in_slot: True if the support is the right side of the slot; never in the alignment scene.
         wall: normal state of B2 on the left wall.
-        slip_at_wall: ``slip_at_corner`` of the left side.
+        slip_at_wall: as ``slip_at_corner``, for B2 and A2 on the left side.
         corners_inside: True once all four corner conditions have held.
     """
 
@@ -64,7 +63,7 @@ START = Mode(RIGHT_EDGE, CLOSED, OPEN, 0.0, False, STICKING, OPEN, STICKING, Fal
 
 
 def _changing(arguments: str, **changes: str) -> Any:
-    """Make the kernel (mode, ``arguments``) of the mode with other fields, given as expressions."""
+    """Make a kernel (mode, ``arguments``): the mode with fields changed to these expressions."""
     fields = ", ".join(changes.get(name, f"mode.{name}") for name in Mode._fields)
     code = f"def changed(mode{arguments}):\n    return Mode({fields})\n"
     return kernel(defined("changed", code, {"Mode": Mode, "OPEN": OPEN, "CLOSED": CLOSED}))
@@ -77,7 +76,7 @@ with_face = _changing(", edge, state", edge="edge", face="state")
 with_corner = _changing(
     ", edge, state, offset", edge="edge", corner="state", corner_offset="offset"
 )
-# (mode, in_slot): with the support on the right side of the slot or, without contact, on its edges.
+# (mode, in_slot): with a support without contact, on the right side of the slot or on its edges.
 with_support = _changing(", in_slot", face="OPEN", corner="OPEN", in_slot="in_slot")
 # (mode, state): with the normal state of A2 on the left side face, of B2 on the left wall.
 with_side = _changing(", state", side="state")
@@ -86,10 +85,10 @@ with_wall = _changing(", state", wall="state")
 with_friction = _changing(
     ", support_slip, side_slip", support_slip="support_slip", side_slip="side_slip"
 )
-# (mode): of a part that has lost its contact past the corner B1, or has all corners in the slot.
+# (mode): after the part has lost the edge past its corner B1; once all corners are in the slot.
 with_drop = _changing("", face="OPEN", dropped="True")
 with_corners_inside = _changing("", corners_inside="True")
-# (mode): with the slips taken at contacts that press: the same ones if possible.
+# (mode): with the slips decided by contacts that press: the same ones as before if possible.
 with_slip_place = _changing(
     "",
     slip_at_corner="mode.corner == CLOSED and (mode.slip_at_corner or mode.face != CLOSED)",

@@ -168,7 +168,7 @@ def never_sticks(p):
 
 @inlined_kernel
 def turning(moment, p):
-    """Return φ̈ from a moment; one division serves all, since it costs as a dozen products."""
+    """Return φ̈ from a moment; by the reciprocal, a division that all calls share."""
     return moment * (1.0 / p.inertia)
 
 

@@ -1,8 +1,8 @@
 """Parameters of the device and its excitation: named, validated, frozen; all dimensionless.
 
 The fields of ``Parameters`` are the one table of parameters: name, symbol, meaning, quantity,
-rule and default. Batches, the kernels' ``Constants``, SI units, the command line, the study's
-configuration and the datasets are made from it through ``FIELDS``.
+rule and default. Through ``FIELDS``, batches, ``Constants`` for kernels, SI units, the command
+line, the study's configuration and the datasets are made from it.
 """
 
 import dataclasses
@@ -41,15 +41,15 @@ Table = TypeVar("Table")
 
 @dataclass(frozen=True)
 class Field:
-    """One parameter: symbol in the paper, meaning, quantity and admissible range.
+    """Entry of one parameter.
 
     Attributes:
         symbol: symbol in the paper.
         description: meaning in a few words.
-        quantity: SI unit, for devices that are measured.
+        quantity: physical quantity, for devices in SI units.
         bound: admissible range; any finite number where empty.
-        derived: parameter whose value ``None`` means, if ``None`` is admissible.
-        measured: a device in SI units must state the parameter although it has a default.
+        derived: parameter whose value replaces ``None``; without one, ``None`` is refused.
+        measured: True if a device in SI units must state the parameter although it has a default.
     """
 
     symbol: str
@@ -71,7 +71,7 @@ class Field:
         return f"{self.description}, {self.symbol}"
 
     def admits(self, values: Any) -> Any:
-        """Return whether ``values``, a float or an array, keep the rule; NaN means None."""
+        """Return whether ``values``, a float or an array, obey the rule; NaN stands for None."""
         inside = abs(values) < math.inf
         if self.bound:
             inside = inside & (values > 0.0 if self.bound == "> 0" else values >= 0.0)
@@ -87,7 +87,7 @@ def entry(
     default: Any = MISSING,
     **rest: Any,
 ) -> Any:
-    """Return a field of ``Parameters``: the arguments of its ``Field``, and its default."""
+    """Return a field of ``Parameters``, with a ``Field`` of these arguments and a default."""
     return field_of(Field(symbol, description, quantity, bound, **rest), default)
 
 
@@ -186,14 +186,14 @@ class Parameters:
                 raise ValueError(f"{name} = {value!r}: {field.rule}")
             object.__setattr__(self, name, number)
             row.append(number)
-        # Batches are stacked from these bytes: a set is made once and run more often.
+        # ``Batch.stack`` joins these bytes, which is faster than to read every attribute.
         object.__setattr__(self, "_row", _ROW.pack(*row))
         if _misplaced(self.half_width, self.clearance, self.misalignment):
             raise ValueError(f"misalignment = {self.misalignment!r}: {_MISPLACED_RULE}")
 
     @property
     def slot_half_width(self) -> float:
-        """L = a (1 + δ), half-width of the slot."""
+        """Half-width of the slot, l = a (1 + δ)."""
         return self.half_width * (1.0 + self.clearance)
 
     def given(self) -> dict[str, float | None]:
@@ -224,10 +224,10 @@ _CONSTANTS = (
 
 
 class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
-    """Numbers that kernels compute with: defaults resolved, readings as 0.0 or 1.0.
+    """Numbers that kernels compute with: defaults resolved, variants as 0.0 or 1.0.
 
-    Parameters keep their names, but ``slot_half_width`` replaces the clearance; ``insertion_depth``
-    is that of the settings, and ``printed_*`` are the fields of ``Variants``.
+    Parameters keep their names, but ``slot_half_width`` replaces ``clearance``. Added are
+    ``insertion_depth``, from the settings, and ``printed_*``, from the fields of ``Variants``.
     """
 
     __slots__ = ()
@@ -240,7 +240,7 @@ class Given(numbers("Given", PARAMETER_NAMES)):  # type: ignore[misc]
 
 
 def _expression(name: str) -> str:
-    """Return a constant of the consistent readings, from the parameters ``given``, as source."""
+    """Return the source of a constant: its value from ``given``, with the consistent variants."""
     if name == "slot_half_width":
         return "given.half_width * (1.0 + given.clearance)"
     if name == "insertion_depth":
@@ -254,7 +254,7 @@ def _expression(name: str) -> str:
 
 
 def _resolver(**functions: Any) -> Any:
-    """Make the function (``Given``) -> ``Constants`` of numbers, or of arrays."""
+    """Make the function ``Given`` -> ``Constants``; ``functions`` take numbers, or arrays."""
     lines = [f"    {name}={_expression(name)}," for name in _CONSTANTS]
     code = "\n    ".join(["def resolved(given):", "return Constants(", *lines, ")"])
     return defined("resolved", code, {"Constants": Constants, **functions})
@@ -276,13 +276,15 @@ _resolved_arrays = _resolver(isnan=np.isnan, choose=np.where, clip=np.clip)
 
 @dataclass(frozen=True)
 class Batch:
-    """Many parameter sets: ``values[name]`` is an array of shape (n,), where NaN means None."""
+    """Parameter sets: ``values[name]`` is an array of shape (n,), where NaN stands for None."""
 
     values: Mapping[str, NDArray[np.float64]]
 
     @classmethod
     def of(cls, baseline: Parameters, **swept: ArrayLike) -> "Batch":
-        """Return ``baseline`` with the parameters in ``swept`` varied together, each of shape (n,).
+        """Return n sets: ``baseline`` with the parameters in ``swept``, of shape (n,), varied.
+
+        Row i takes element i of every array.
 
         Raises:
             ValueError: an unknown name, shapes that differ, or a value outside its rule.
@@ -311,14 +313,13 @@ class Batch:
 
     @classmethod
     def stack(cls, parameters: Sequence[Parameters]) -> "Batch":
-        """Return one row for each of ``parameters``, in order.
+        """Return the batch of these ``parameters``, in order.
 
         Raises:
             TypeError: not a sequence of ``Parameters``.
         """
         given: Any = parameters
-        each_of = [None] if isinstance(given, Parameters) else given
-        if not all(isinstance(each, Parameters) for each in each_of):
+        if isinstance(given, Parameters) or not all(isinstance(each, Parameters) for each in given):
             raise TypeError(
                 "a batch is a Batch or a sequence of Parameters such as [parameters], got "
                 f"{type(given).__name__}"
@@ -354,10 +355,10 @@ class Batch:
         return Parameters(**values)
 
     def insertion_depths(self) -> NDArray[np.float64]:
-        """Return the default depth at which a part counts as inserted, shape (n,).
+        """Return the default depths at which parts count as inserted, shape (n,).
 
-        It is half of the depth to which f0 presses the part against its axial spring, and at most
-        the half-width.
+        Half the depth to which f0 presses the part against its axial spring, at most the
+        half-width.
         """
         depths: NDArray[np.float64] = _resolved_arrays(Given(**self.values)).insertion_depth
         return depths
@@ -367,7 +368,7 @@ class Batch:
     ) -> NDArray[np.float64]:
         """Return the ``Constants`` of each parameter set as a row, shape (n, constants).
 
-        ``insertion_depth`` replaces that of ``insertion_depths``.
+        ``insertion_depth`` replaces the default, ``insertion_depths``.
         """
         columns = _resolved_arrays(Given(**self.values))._asdict()
         if readings.preload == "printed":

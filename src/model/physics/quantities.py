@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 
 class Quantity(NamedTuple):
-    """A kind of quantity: its SI unit, and its powers of the model's three units.
+    """Physical quantity: its SI unit, and its powers of the model's three units.
 
-    ``factor`` converts one unit of the model to SI where its three units are one: 1/(2π) for a
-    frequency, which is angular in the model and in hertz outside.
+    ``factor`` is a further factor from the model to SI: 1/(2π) for a frequency, which is angular in
+    the model and in hertz in SI.
     """
 
     unit: str

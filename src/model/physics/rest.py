@@ -7,8 +7,9 @@ moment M_φ of the suspension equilibrium asks for
     n = k_a d = -F·e_n,   T = -F·e_t,   s n + (b - d) T + M_φ = 0.
 
 While |T| <= μ n the edge sticks and s stays; beyond, it slides until |T| = μ n. The load rises from
-0 to the whole in steps short enough for both. A fold, where the equilibrium ceases to be stable,
-ends the path: the part topples or slides off. To first order, sticking,
+0 to its full value in steps, which are halved where no equilibrium is found. A fold, where the
+equilibrium ceases to be stable, ends the path: the part topples or slides off. To first order, and
+as long as the edge sticks,
 
     φ = f0 s / (k_φ + s² + k_x b² - f0 b)       (φ_st = 0, x_st = x(0), y_st = b).
 """
@@ -25,20 +26,20 @@ from model.physics.trigonometry import sine_cosine
 Start = Literal["simultaneous", "pressed"]
 """Start of a run: press and vibration set in together, or the part rests before it vibrates."""
 
-_LONGEST_STEP = 1.0 / 16.0  # of the load
-_SHORTEST_STEP = 1e-4  # the load of a fold is known to this share of the whole
-_LARGEST_TURN = 0.05  # of the tilt in one step, rad
+_LONGEST_STEP = 1.0 / 16.0  # of the full load
+_SHORTEST_STEP = 1e-4  # of the full load; to this the load at a fold is known
+_LARGEST_TURN = 0.05  # change of the tilt in one step, rad
 _ITERATIONS = 30
 _RESOLUTION = 1e-13  # of the equilibrium, in units of the forces and moments that balance
 _DIFFERENCE = 1e-7  # for derivatives
 
 
 class Rest(NamedTuple):
-    """State of a part that has been pressed slowly; all rates are zero.
+    """Pose of a part that has been pressed slowly; all rates are zero.
 
     Attributes:
-        x, y, tilt: mass centre and tilt; of the last equilibrium if there is no rest.
-        found: True if the part rests on A1 alone under the whole load.
+        x, y, tilt: mass centre and tilt; of the last equilibrium if the part finds no rest.
+        found: True if the part rests on A1 alone under the full load.
     """
 
     x: float
@@ -48,7 +49,7 @@ class Rest(NamedTuple):
 
 
 class _Balance(NamedTuple):
-    """Forces at one place and tilt: what equilibrium asks of the contact, and the moment left."""
+    """Contact forces that equilibrium requires at one place and tilt, and the residual moment."""
 
     load: float
     friction: float
@@ -69,7 +70,7 @@ def _unloaded_height(s, p):
 def _suspension(x, y, tilt, share, first, p):
     """(x, y, moment) of the forces without contact, excitation excluded.
 
-    ``first`` is the axial force at the first touch; of it ``share`` acts.
+    Of ``first``, the axial force at the first touch, only the part ``share`` acts.
     """
     force = applied_forces(0.0, State(x, y, tilt, 0.0, 0.0, 0.0), p)
     return force.x, force.y - excitation(0.0, p) - (1.0 - share) * first, force.moment
@@ -96,7 +97,7 @@ def _balance(s, tilt, share, first, p):
 
 @kernel
 def _slides_by(at, direction, p):
-    """Friction that equilibrium asks for beyond its limit, signed; ``direction`` is its sign."""
+    """Excess of the required friction over its limit; ``direction`` is the sign of the friction."""
     return at.friction - direction * p.friction * at.load
 
 
@@ -143,7 +144,7 @@ def _sliding(s, tilt, direction, share, first, p):
 
 @kernel
 def _loaded(s, tilt, share, first, p):
-    """(s, tilt, stable) under a ``share`` of the load, near an equilibrium under a smaller one."""
+    """(s, tilt, stable) under a ``share`` of the load, from the equilibrium under a smaller one."""
     held, stable = _sticking(s, tilt, share, first, p)
     if stable:
         at = _balance(s, held, share, first, p)
@@ -158,7 +159,7 @@ def _loaded(s, tilt, share, first, p):
 def rest_under_press(p):
     """Return the ``Rest`` of a part that is pressed slowly at its misalignment, tilted by φ_st.
 
-    Consistent readings only. The excitation does not act.
+    Consistent variants only. The excitation does not act.
     """
     sine, cosine = sine_cosine(p.rest_tilt)
     s = (p.slot_half_width - p.misalignment - p.half_height * sine) / cosine

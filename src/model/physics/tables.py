@@ -1,4 +1,4 @@
-"""Dataclasses whose fields are a table: each has an entry with its meaning."""
+"""Dataclasses that are tables: every field carries an entry with its meaning."""
 
 import inspect
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ def field_of(entry: Any, default: Any = MISSING) -> Any:
 
 
 def entries(table: Any) -> dict[str, Any]:
-    """Return the entries of a dataclass's fields by name, of those that have one."""
+    """Return the entries of a dataclass by the names of their fields."""
     return {f.name: f.metadata["entry"] for f in fields(table) if "entry" in f.metadata}
 
 

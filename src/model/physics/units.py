@@ -1,8 +1,8 @@
-"""SI units: the quantities of a device, against the dimensionless ones of the model.
+"""Conversion between the SI quantities of a device and the dimensionless parameters of the model.
 
 The paper's sect. 2 measures lengths in the excitation's amplitude F1/K_Y, time in 1/p with
 p² = K_Y/M, and forces in F1 = K_Y times the amplitude. Mass M, axial stiffness K_Y and amplitude of
-a device are thus its three units; every other quantity is a product of their powers.
+a device are thus its three units; every other unit is a product of their powers.
 """
 
 import math
@@ -19,7 +19,7 @@ from model.physics.parameters import (
 )
 from model.physics.quantities import Quantity
 
-# The quantities that are the units of a device: meaning and SI unit.
+# The quantities that serve as units of a device: meaning and SI unit.
 UNITS: Mapping[str, tuple[str, str]] = {
     "mass": ("mass of the part and what moves with it", "kg"),
     "axial_stiffness": ("stiffness of the holder along the assembly axis", "N/m"),
@@ -77,7 +77,7 @@ class Units:
 
 
 class Device(NamedTuple):
-    """A device measured in SI units: its three units, and its dimensionless parameters."""
+    """Device: its three units in SI, and its dimensionless parameters."""
 
     units: Units
     parameters: Parameters
@@ -86,9 +86,9 @@ class Device(NamedTuple):
 def device(quantities: Mapping[str, float]) -> Device:
     """Return the device with these ``quantities``, in SI units.
 
-    It must state the three of ``UNITS``, the parameters without a default and those that are
-    ``measured``. The others have the model's defaults where they are left out (K_a = 100 K_Y; the
-    springs relaxed at the start).
+    Required are the three of ``UNITS``, the parameters without a default, and those that must be
+    ``measured``. All others have the model's defaults (K_a = 100 K_Y; the springs relaxed at the
+    start).
 
     Raises:
         ValueError: a quantity unknown, missing or outside its rule, in its SI value.
@@ -101,7 +101,7 @@ def device(quantities: Mapping[str, float]) -> Device:
             raise ValueError(f"{name} is missing: a device needs {', '.join(needed)}")
     units = Units(**{name: quantities[name] for name in UNITS})
     given = {name: value for name, value in quantities.items() if name not in UNITS}
-    Parameters(**given)  # the rules hold in any units, so that a refusal names the values given
+    Parameters(**given)  # the rules hold in any units: a refusal here names the value in SI
     return Device(
         units,
         Parameters(

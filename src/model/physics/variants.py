@@ -1,7 +1,7 @@
-"""Variants of the paper's equations: one named reading per misprint or open question.
+"""Variants of the paper's equations: one switch for every misprint or open question.
 
-Each reading is ``"consistent"`` (the default) or ``"printed"``. R numbers are used in the figures
-and the documentation; R7 of that list (F1 must be an amplitude) cannot be run either way.
+R1 to R9 number them in docs/theory/variants.md. R7, that F1 must be an amplitude, has no switch:
+the equations cannot be run as printed.
 """
 
 from dataclasses import dataclass, fields
@@ -12,7 +12,7 @@ Variant = Literal["consistent", "printed"]
 
 @dataclass(frozen=True, kw_only=True)
 class Variants:
-    """Variants of the paper's equations; each value is ``"consistent"`` or ``"printed"``.
+    """Choice of the equations; every switch is ``"consistent"`` (the default) or ``"printed"``.
 
     Attributes:
         normal_sign: R1. Sign of the contact's horizontal component U1. Printed: that of the mirror
@@ -20,7 +20,7 @@ class Variants:
         friction_law: R2. Printed: T = +μ n for any slip. Consistent: Coulomb, with sticking.
         contact_damping_law: R3. Printed: n = k_a d - h_a √(ẋ² + ẏ²), with a speed in place of
             the closing rate. Consistent: n = k_a d + h_a ḋ. Both are clamped at 0.
-        side_gap: R4. Printed: the left side's depth is the printed D2, which mixes x and y terms.
+        side_gap: R4, the depth on the left side. Printed: D2, which mixes x and y terms.
             Consistent: distance of A2 from the line B2 D2.
         side_force: R5. Printed: n at A2 enters (3) like n at A1, with A2's q. Consistent: the
             force acts along the normal of the side face, e_t.
@@ -63,7 +63,7 @@ class Variants:
         return cls(**printed)
 
     def is_printed(self, name: str) -> float:
-        """Return 1.0 if the reading ``name`` is printed, else 0.0: the form that kernels take."""
+        """Return 1.0 if the switch ``name`` is printed, else 0.0, as kernels take it."""
         return float(getattr(self, name) == "printed")
 
 
