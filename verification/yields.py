@@ -41,7 +41,7 @@ def intervals(name: str, cores: int) -> np.ndarray:
     """Return the intervals of the repetitions, shape (repetitions, 2)."""
     stated = read_device(DEVICES / f"{name}.yaml", CASES[name])
     found = [
-        yield_of(stated, STARTS, SETTINGS, cores, devices=POINTS, seed=seed, blame=False)[0]
+        yield_of(stated, STARTS, SETTINGS, cores, devices=POINTS, seed=seed, indices=False)[0]
         for seed in range(1, 1 + REPETITIONS)
     ]
     return np.array([(each.low, each.high) for each in found])

@@ -10,8 +10,8 @@ from model import Settings
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import UnvibratedEnds
 from model.study import design as designs
-from model.study.assessment.yields import Devices
-from model.study.design import FARTHEST, Search, design_dataset, known_of, misjudged
+from model.study.assessment.yields import DeviceResults
+from model.study.design import FARTHEST, Search, at_other_friction, design_dataset, known_of
 from model.study.devices import read_device
 from model.study.io import write_dataset
 
@@ -36,7 +36,9 @@ def oracle(monkeypatch):
         goes_in = friction < 0.1 + force / 100.0
         time = np.where(goes_in, 1.0 / force, np.nan)
         nothing = np.where(goes_in, -1, 0)
-        return Devices(values, goes_in, time, time[:, None], 2.0 * force, 0.1 * force, nothing)
+        return DeviceResults(
+            values, goes_in, time, time[:, None], 2.0 * force, 0.1 * force, nothing
+        )
 
     monkeypatch.setattr(designs, "run_devices", run)
     return calls
@@ -96,7 +98,7 @@ def test_a_search_is_not_beaten_by_a_fine_grid(monkeypatch):
     best = search(limits).run(12, 12)
     force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 81), np.linspace(0.1, 0.9, 33))
     grid = search(limits).judge(np.stack([force.ravel(), tilt.ravel()], axis=1))
-    assert best.judged.score(limits)[best.best] <= grid.score(limits).min() + 1e-3
+    assert best.tried.score(limits)[best.best] <= grid.score(limits).min() + 1e-3
 
 
 def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatch):
@@ -105,9 +107,9 @@ def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatc
     assert best.feasible
     assert best.setting["press_force"] == pytest.approx(20.0, abs=1.0)  # 2 f0 = 40
     assert best.binding(FREE) == ["limit of contact_force"]
-    times = best.judged.measures["time"][best.front]
+    times = best.tried.measures["time"][best.front]
     assert (np.diff(times) > 0.0).all()
-    assert (np.diff(best.judged.margin[best.front]) > 0.0).all()
+    assert (np.diff(best.tried.margin[best.front]) > 0.0).all()
 
 
 def test_a_limit_that_none_keeps_is_named_with_what_it_would_take(monkeypatch):
@@ -127,7 +129,7 @@ def test_an_interrupted_search_is_continued_and_ends_alike(monkeypatch, tmp_path
     first.run(2, 8)
     before = sum(calls) - whole
     path = tmp_path / "design.nc"
-    dataset = design_dataset(first, designs.Design(first.all_known(), 0, {}))
+    dataset = design_dataset(first, designs.Design(first.tried(), 0, {}))
     write_dataset(dataset, path)
     import xarray as xr  # noqa: PLC0415
 
@@ -145,9 +147,9 @@ def test_a_misjudged_friction_moves_the_recommendation(monkeypatch):
     oracle(monkeypatch)
     one = search({"contact_force": 40.0})
     one.run(6, 12)
-    rough = misjudged(one, 0.3, 6, 12)
+    rough = at_other_friction(one, 0.3, 6, 12)
     assert (rough.feasible, rough.keeps) == (False, False)  # 0.35 asks for f0 > 25
-    smooth = misjudged(one, 0.1, 6, 12)
+    smooth = at_other_friction(one, 0.1, 6, 12)
     assert (smooth.feasible, smooth.keeps, smooth.share) == (True, True, 1.0)
 
 
@@ -166,4 +168,4 @@ def test_the_design_of_the_peg_is_not_beaten_by_a_full_grid():
     force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 9), np.linspace(0.1, 0.9, 9))
     grid = search(limits).judge(np.stack([force.ravel(), tilt.ravel()], axis=1))
     assert grid.keeps(limits).any()
-    assert best.judged.score(limits)[best.best] <= grid.score(limits).min()
+    assert best.tried.score(limits)[best.best] <= grid.score(limits).min()

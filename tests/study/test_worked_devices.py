@@ -25,7 +25,7 @@ def test_a_worked_device_goes_in_on_its_base(name, stiffness, shares):
     assert stated.doubts == []
     assert stated.resolved({})["contact_stiffness"] == pytest.approx(stiffness, rel=5e-3)
     assert every_start(Batch.stack([stated.device.parameters]), STARTS, QUICK)["goes_in"].all()
-    found, _ = yield_of(stated, STARTS, QUICK, devices=8, blame=False)
+    found, _ = yield_of(stated, STARTS, QUICK, devices=8, indices=False)
     assert shares[0] <= found.share <= shares[1]
 
 

@@ -10,7 +10,7 @@ from model import Settings
 from model.cli import main as cli
 from model.study.assessment import yields
 from model.study.assessment.yields import (
-    Devices,
+    DeviceResults,
     distribution,
     drawn,
     interval,
@@ -77,7 +77,7 @@ def oracle(monkeypatch, fails):
         bad = fails(values)
         times = np.where(bad, np.nan, 0.1 + np.arange(count))
         failing = np.where(bad, 1, -1)
-        return Devices(values, ~bad, times, times[:, None], times, times, failing)
+        return DeviceResults(values, ~bad, times, times[:, None], times, times, failing)
 
     monkeypatch.setattr(yields, "run_devices", run)
 
@@ -89,8 +89,8 @@ def test_the_quantity_that_fails_is_to_blame(monkeypatch):
     )
     found, _ = yield_of(stated, STARTS, COARSE, devices=512)
     assert found.low < 0.9 < found.high  # of u + 0.2 v > 0.8 on (-1, 1)²: a tenth
-    assert found.blame[0].quantity == "friction"
-    assert found.blame[0].failure_total > 0.8
+    assert found.sobol_indices[0].quantity == "friction"
+    assert found.sobol_indices[0].failure_total > 0.8
 
 
 def test_the_nearest_device_that_fails_is_by_its_largest_deviation_in_tolerances():
@@ -102,7 +102,7 @@ def test_the_nearest_device_that_fails_is_by_its_largest_deviation_in_tolerances
     }
     goes_in, none = np.array([True, False, False, False]), np.zeros(4)
     failing = np.array([-1, 0, 2, 1])
-    known = Devices(values, goes_in, none, none[:, None], none, none, failing)
+    known = DeviceResults(values, goes_in, none, none[:, None], none, none, failing)
     found = nearest_failing(stated, known, STARTS)
     assert found.quantities == {"friction": 0.17, "press_force": 11.8}
     assert found.distance == pytest.approx(0.6)
@@ -114,7 +114,7 @@ def test_no_device_is_named_where_nothing_fails(monkeypatch):
     oracle(monkeypatch, lambda v: v["friction"] > 1.0)
     found, known = yield_of(stated, STARTS, COARSE, devices=16)
     assert (found.share, found.high) == (1.0, 1.0)
-    assert np.isnan(found.blame[0].failure)
+    assert np.isnan(found.sobol_indices[0].failure)
     assert nearest_failing(stated, known, STARTS) is None
 
 

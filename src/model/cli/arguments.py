@@ -6,7 +6,7 @@ Every refusal is a ValueError of one line that names the value, the rule and the
 import argparse
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, get_args
 
@@ -18,7 +18,7 @@ from model.physics.rest import Start
 from model.physics.units import UNITS, Units
 from model.physics.variants import VARIANT_NAMES, Variants
 from model.runs.settings import SCENES, Settings
-from model.study.config import FIGURES, load_study, study_path
+from model.study.config import FIGURES, Study, load_study, study_path
 from model.study.devices import StatedDevice, read_device
 from model.study.devices.amounts import read_amount
 from model.study.devices.base import BASE
@@ -39,7 +39,7 @@ def add_command(
     Args:
         commands: the parsers.
         name: name of the command.
-        run: function of the command; returns the exit code.
+        run: takes the parsed arguments and returns the exit code.
         words: summary in the list of commands; the description begins with it.
         more: rest of the description.
         epilog: text below the options.
@@ -60,16 +60,16 @@ def add_json(parser: Any) -> None:
 def add_root(
     parser: Any, words: str = "results root with the history", default: str = "results"
 ) -> None:
-    """Add --root, the results root; ``words`` say which."""
+    """Add --root; ``words`` say which results root it is."""
     words = f"{words} (default: {default})"
     parser.add_argument("--root", type=Path, default=Path(default), metavar="DIR", help=words)
 
 
 def figure_name(text: str) -> str:
-    """Return ``fig06`` for fig06, 06 or 6.
+    """Return the name of a figure, ``fig06``, given as fig06, 06 or 6.
 
     Raises:
-        ValueError: no figure of the study.
+        ValueError: the study has no such figure.
     """
     name = f"fig{int(text):02}" if text.isdecimal() else text
     check_name(name, FIGURES, "figure")
@@ -77,7 +77,10 @@ def figure_name(text: str) -> str:
 
 
 def add_model_options(parser: Any, scene: str = "alignment") -> None:
-    """Add the options of a device and its run, and the table of parameters; ``scene``: default."""
+    """Add the options of a device and its run, and end the help with the table of parameters.
+
+    ``scene`` is the default of --scene.
+    """
     parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     add = parser.add_argument
     words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
@@ -91,18 +94,10 @@ def add_model_options(parser: Any, scene: str = "alignment") -> None:
     add("--readings", choices=_READINGS, help=words)
     names = ", ".join(VARIANT_NAMES)
     words = f"variant of one equation, consistent or printed; may be repeated: {names}"
-    add(
-        "--reading",
-        action="append",
-        default=[],
-        metavar="NAME=READING",
-        dest="switches",
-        help=words,
-    )
-    words = (
-        "press and vibration set in together, or the part rests under a slow press before it "
-        "vibrates (default: as in the device's file, or the study)"
-    )
+    metavar = "NAME=READING"
+    add("--reading", action="append", default=[], metavar=metavar, dest="switches", help=words)
+    words = "press and vibration set in together, or the part rests under a slow press before it "
+    words += "vibrates (default: as in the device's file, or the study)"
     add("--start", choices=get_args(Start), help=words)
     words = "end of a run: alignment, or insertion, jamming or climbing out after it "
     words += f"(default: {scene})"
@@ -116,47 +111,71 @@ def add_model_options(parser: Any, scene: str = "alignment") -> None:
 
 
 def announce_compilation() -> None:
-    """Announce at a terminal that the kernels are compiled first, if they are not cached."""
+    """Say at a terminal that the kernels are compiled first, unless they are cached."""
     if sys.stderr.isatty() and not any(cache_folder().rglob("*.nbi")):
         print("compiling the model, this once: about half a minute …", file=sys.stderr)
 
 
 def pairs(given: Sequence[str], option: str) -> dict[str, str]:
-    """Return NAME=VALUE, … as a dictionary."""
-    found: dict[str, str] = {}
+    """Return the values by name of an option that is given as NAME=VALUE, several times."""
+    values: dict[str, str] = {}
     for pair in given:
         name, equals, value = pair.partition("=")
         if not equals:
             raise ValueError(f"{option} {pair!r}: must be NAME=VALUE")
-        if name in found:
-            raise ValueError(f"{option} {name}: given twice, as {found[name]!r} and {value!r}")
-        found[name] = value
-    return found
+        if name in values:
+            raise ValueError(f"{option} {name}: given twice, as {values[name]!r} and {value!r}")
+        values[name] = value
+    return values
 
 
 def number(name: str, text: str, rule: str = "must be a number") -> float:
-    """Return ``text`` as a number; the error names its quantity."""
+    """Return ``text`` as a number.
+
+    Raises:
+        ValueError: it is none; the message has the ``name`` of the quantity and the ``rule``.
+    """
     try:
         return float(text)
     except ValueError:
         raise ValueError(f"{name} = {text!r}: {rule}") from None
 
 
-def device_of(
-    baseline: Parameters, arguments: argparse.Namespace
-) -> tuple[Units | None, Parameters, Start | None]:
-    """Return the device of --device and --set, its units if it is stated in SI, and its start.
+@dataclass(frozen=True)
+class Inputs:
+    """Device and settings that the options of ``add_model_options`` state, checked.
 
-    Without a device file --set changes the ``baseline``, which has neither.
+    Attributes:
+        study: the study; its device and settings hold where no option changes them.
+        stated: the device as its file states it, None without --device.
+        units: units of the device, None without --device.
+        parameters: dimensionless parameters of the device.
+        settings: settings of its runs.
     """
-    stated = stated_device(arguments)
+
+    study: Study
+    stated: StatedDevice | None
+    units: Units | None
+    parameters: Parameters
+    settings: Settings
+
+
+def read_inputs(arguments: argparse.Namespace) -> Inputs:
+    """Return the device and the settings of a command, and warn of doubtful values.
+
+    Without --device, --set changes the device of the study.
+    """
+    study = load_study(study_path())
+    stated, units, start = _stated_device(arguments), None, None
     if stated is None:
-        return None, _changed(baseline, arguments.changes), None
-    return *stated.device, stated.start
+        parameters = _changed(study.baseline, arguments.changes)
+    else:
+        (units, parameters), start = stated.device, stated.start
+    settings = _settings(study.settings.settings, arguments, units, start)
+    return Inputs(study, stated, units, parameters, settings)
 
 
-def stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
-    """Return the device of --device and --set as it is stated, and say what in it is doubtful."""
+def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     if arguments.device is None:
         return None
     stated = read_device(arguments.device, pairs(arguments.changes, "--set"))
@@ -177,15 +196,12 @@ def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
     return baseline.replace(**changes)
 
 
-def settings_of(
-    of_study: Settings,
-    arguments: argparse.Namespace,
-    units: Units | None = None,
-    start: Start | None = None,
+def _settings(
+    of_study: Settings, arguments: argparse.Namespace, units: Units | None, start: Start | None
 ) -> Settings:
-    """Return the study's settings, changed by the options of ``add_model_options``.
+    """Return the study's settings, changed by the options and by the ``start`` of a device file.
 
-    Horizon and depth are in SI units for a device with ``units``. ``start`` is that of its file.
+    Horizon and depth are in SI units for a device with ``units``.
     """
     switches: dict[str, Any] = asdict(of_study.readings)
     if arguments.readings:
@@ -193,10 +209,9 @@ def settings_of(
     for name, value in pairs(arguments.switches, "--reading").items():
         check_name(name, VARIANT_NAMES, "reading")
         switches[name] = value
-    horizon, tolerance = of_study.horizon, of_study.tolerance
+    horizon, tolerance, depth = of_study.horizon, of_study.tolerance, None
     if arguments.horizon is not None:
         horizon = _amount("horizon", arguments.horizon, TIME, units)
-    depth = None
     if arguments.insertion_depth is not None:
         depth = _amount("insertion_depth", arguments.insertion_depth, LENGTH, units)
     if arguments.tolerance is not None:
@@ -212,7 +227,7 @@ def settings_of(
 
 
 def _amount(name: str, text: str, quantity: Quantity, units: Units | None) -> float:
-    """Return ``text`` as a dimensionless number; with ``units`` it is in SI units."""
+    """Return a dimensionless number; ``text`` is in SI units for a device with ``units``."""
     if units is None:
         return number(name, text)
     return read_amount(name, text, quantity.unit).value / units.of(quantity)
@@ -223,10 +238,10 @@ def parameter_table(baseline: Parameters) -> str:
     rows = [("name", "symbol", "baseline", "SI unit", "meaning")]
     for name, field in FIELDS.items():
         value = getattr(baseline, name)
-        shown = f"as {field.derived}" if value is None else f"{value:g}"
+        default = f"as {field.derived}" if value is None else f"{value:g}"
         rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
         words = field.description + (f"; {rule}" if rule else "")
-        rows.append((name, field.symbol, shown, field.quantity.unit, words))
+        rows.append((name, field.symbol, default, field.quantity.unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
     units = [(name, unit, words) for name, (words, unit) in (UNITS | BASE).items()]  # type: ignore[operator]
     lines += ["what a file for --device states besides:", *in_columns(units)]

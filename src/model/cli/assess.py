@@ -1,9 +1,9 @@
-"""``vibralign assess``: assess a device: verdict, base, leeways, and its yield."""
+"""``vibralign assess``: assess a device: verdict, bases, leeways and yield."""
 
 import argparse
 import os
 import shlex
-from dataclasses import asdict
+from dataclasses import asdict, astuple, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,31 +13,29 @@ from model.cli.arguments import (
     add_json,
     add_model_options,
     announce_compilation,
-    device_of,
     number,
-    settings_of,
-    stated_device,
+    read_inputs,
 )
 from model.cli.files import check_file, check_picture
 from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, labelled, print_json
 from model.events.outcomes import SUCCESS_TEXT
-from model.physics.parameters import FIELDS
+from model.physics.parameters import FIELDS, Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.simulate import simulate
 from model.runs.unvibrated import unvibrated_words
-from model.show.si import in_words, quantity_of, range_words, scale, si_list, si_words
-from model.study.config import load_study, study_path
+from model.show.si import in_words, named_words, range_words, scale, si_list
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
-    from model.study.assessment import Assessment, Leeway, Nearest
+    from model.study.assessment import Assessment, BaseVerdict, Leeway, Nearest
     from model.study.assessment.yields import FailingDevice, Yield
+    from model.study.config import Ensemble
     from model.study.devices import StatedDevice
 
 _line = partial(labelled, width=16)
-_FEW = 256  # devices drawn around one that goes in from no start
+_FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
 
 
 def add(commands: Any) -> None:
@@ -72,13 +70,8 @@ def add(commands: Any) -> None:
 
 
 def _assess(arguments: argparse.Namespace) -> int:
-    study = load_study(study_path())
-    stated = stated_device(arguments)
-    if stated is None:
-        units, device, start = device_of(study.baseline, arguments)
-    else:
-        (units, device), start = stated.device, stated.start
-    settings = settings_of(study.settings.settings, arguments, units, start)
+    given = read_inputs(arguments)
+    stated, device, settings = given.stated, given.parameters, given.settings
     required, devices = _required(arguments, stated)
     if arguments.sheet is not None:
         check_file(arguments.sheet, "--sheet", ["html"])
@@ -88,42 +81,37 @@ def _assess(arguments: argparse.Namespace) -> int:
     announce_compilation()
     from model.study.assessment import assess  # noqa: PLC0415  (only this command)
 
-    ensemble, cores = study.maps.ensemble, os.cpu_count() or 1
-    found = assess(device, settings, ensemble, cores, stated=stated, bases=arguments.bases)
+    ensemble, cores = given.study.maps.ensemble, os.cpu_count() or 1
+    result = assess(device, settings, ensemble, cores, stated=stated, bases=arguments.bases)
     drawn, nearest = None, None
     if stated is not None and stated.tolerances:
-        drawn, nearest = _drawn(found, stated, ensemble, settings, cores, devices)
+        drawn, nearest = _drawn(result, stated, ensemble, settings, cores, devices)
     met = drawn is None or required is None or drawn.low >= required
     if arguments.json:
         print_json(
-            _record(found, units)
+            _record(result, given.units)
             | unvibrated_record(device, settings)
             | {"yield": drawn and _yield_record(drawn, nearest, stated, settings)}
         )
         return int(not met)
-    shown = None if arguments.dimensionless else units
-    verb = SUCCESS_TEXT[settings.success]
-    groups = {"Verdict": _report(found, shown, stated, verb)}
-    groups["Verdict"].append(unvibrated_words(device, settings))
-    if found.failing_start is not None:
-        run = simulate(device.replace(**found.failing_start), settings)
-        failing = ", ".join(f"{name} = {value:.4g}" for name, value in found.failing_start.items())
-        groups["Verdict"].append(_line("for example", f"{failing}: {run.message}"))
+    units = None if arguments.dimensionless else given.units
+    groups = {"Verdict": _verdict(result, units, stated, device, settings)}
     from_materials = stated is not None and stated.materials is not None
-    groups["Leeways"] = [*_advice(found, shown), *_varied(found, shown, from_materials)]
+    groups["Leeways"] = [*_advice(result, units), *_varied(result, units, from_materials)]
     if drawn is not None and stated is not None:
-        groups["Yield"] = _yield_report(found, drawn, nearest, stated, required, settings)
+        groups["Yield"] = _yield_report(result, drawn, nearest, stated, required, settings)
     print("\n".join(line for lines in groups.values() for line in lines))
     if arguments.sheet is not None and stated is not None:
         from model.cli.sheet import write_sheet  # noqa: PLC0415  (as above)
 
-        write_sheet(arguments.sheet, stated, groups, study, settings)
+        write_sheet(arguments.sheet, stated, groups, given.study, settings)
     return int(not met)
 
 
 def _required(
     arguments: argparse.Namespace, stated: "StatedDevice | None"
 ) -> tuple[float | None, int]:
+    """Return the yield of --require, or None, and the number of --devices."""
     from model.study.assessment.yields import check_devices  # noqa: PLC0415  (only this command)
 
     devices = check_devices(number("devices", arguments.devices))
@@ -138,15 +126,14 @@ def _required(
 
 
 def _drawn(
-    found: "Assessment",
+    result: "Assessment",
     stated: "StatedDevice",
-    ensemble: Any,
-    settings: Any,
+    ensemble: "Ensemble",
+    settings: "Settings",
     cores: int,
     devices: int,
 ) -> tuple["Yield", "FailingDevice | None"]:
-    from dataclasses import replace  # noqa: PLC0415
-
+    """Return the yield of a device, and the nearest drawn device that fails."""
     from model.study.assessment.yields import (  # noqa: PLC0415
         STATISTICAL_TOLERANCE,
         nearest_failing,
@@ -156,66 +143,68 @@ def _drawn(
 
     settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
     starts = starts_of(stated.device.parameters, ensemble)
-    if not found.aligned:  # the yield is low: a few devices say so
+    if not result.aligned:
         devices = min(devices, _FEW)
-    drawn, known = yield_of(stated, starts, settings, cores, devices=devices)
-    if found.failing_start is not None:
+    drawn, results = yield_of(stated, starts, settings, cores, devices=devices)
+    if result.failing_start is not None:
         return drawn, None
-    return drawn, nearest_failing(stated, known, starts)
+    return drawn, nearest_failing(stated, results, starts)
 
 
-def _report(
-    found: "Assessment", units: Units | None, stated: "StatedDevice | None", verb: str
+def _verdict(
+    result: "Assessment",
+    units: Units | None,
+    stated: "StatedDevice | None",
+    device: Parameters,
+    settings: "Settings",
 ) -> list[str]:
-    device = str(stated.source) if stated else "the study's, dimensionless (no --device)"
-    starts = f"{verb} from {found.aligned} of {found.starts} starts"
-    if found.bases and _open(stated):
+    source = str(stated.source) if stated else "the study's, dimensionless (no --device)"
+    verb = SUCCESS_TEXT[settings.success]
+    starts = f"{verb} from {result.aligned} of {result.starts} starts"
+    if result.bases and stated is not None and not stated.base_is_stated:
         starts += ", on a base of 100 times the axial stiffness"
-    lines = [_line("device", device)]
-    if found.depends_on_base:
+    lines = [_line("device", source)]
+    if result.depends_on_base:
         lines += ["depends on the base: measure it", _line("", starts)]
     else:
-        lines.append(_line("reliable" if found.reliable else "not reliable", starts))
-    if found.aligned:
-        times = range_words(found.tau_best, found.tau_worst, TIME, units)
+        lines.append(_line("reliable" if result.reliable else "not reliable", starts))
+    if result.aligned:
+        times = range_words(result.tau_best, result.tau_worst, TIME, units)
         lines.append(_line("alignment time", f"{times}, by the start"))
-    few, most = found.separations
-    hops = f"{few} to {most}" if few != most else str(few)
-    speed = in_words(found.impact_speed, SPEED, units)
+    fewest, most = result.separations
+    hops = f"{fewest} to {most}" if fewest != most else str(fewest)
+    speed = in_words(result.impact_speed, SPEED, units)
     lines.append(_line("lift-offs", hops + (f"; touches down at up to {speed}" if most else "")))
-    force = in_words(found.contact_force_max, FORCE, units)
-    tilt = in_words(found.tilt_max, ANGLE, units)
+    force = in_words(result.contact_force_max, FORCE, units)
+    tilt = in_words(result.tilt_max, ANGLE, units)
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}"))
-    return lines + _bases(found, units, verb)
+    if result.bases:
+        head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
+        lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]
+        lines.append(_line("stiff bases", _stiff_bases(result, units)))
+    lines.append(unvibrated_words(device, settings))
+    if result.failing_start is not None:
+        run = simulate(device.replace(**result.failing_start), settings)
+        start = ", ".join(f"{name} = {value:.4g}" for name, value in result.failing_start.items())
+        lines.append(_line("for example", f"{start}: {run.message}"))
+    return lines
 
 
-def _open(stated: "StatedDevice | None") -> bool:
-    return stated is not None and not stated.base_is_stated
+def _base_row(base: "BaseVerdict", units: Units | None) -> tuple[str, ...]:
+    impact = "damping as stated"
+    if base.restitution is not None:
+        impact = f"restitution {base.restitution:g}"
+    times = range_words(base.tau_best, base.tau_worst, TIME, units) if base.aligned else "-"
+    stiffness = in_words(base.contact_stiffness, STIFFNESS, units)
+    ratio = f"({base.contact_stiffness:,.0f} × axial)"
+    return stiffness, ratio, impact, f"{base.aligned} of {base.starts}", times
 
 
-def _bases(found: "Assessment", units: Units | None, verb: str) -> list[str]:
-    if not found.bases:
-        return []
-    rows = []
-    for each in found.bases:
-        impact = (
-            "damping as stated"
-            if each.restitution is None
-            else (f"restitution {each.restitution:g}")
-        )
-        times = range_words(each.tau_best, each.tau_worst, TIME, units) if each.aligned else "-"
-        stiffness = in_words(each.contact_stiffness, STIFFNESS, units)
-        ratio = f"({each.contact_stiffness:,.0f} × axial)"
-        rows.append((stiffness, ratio, impact, f"{each.aligned} of {each.starts}", times))
-    head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
-    return [head, *in_columns(rows), _line("stiff bases", _stiff_bases(found, units))]
-
-
-def _stiff_bases(found: "Assessment", units: Units | None) -> str:
-    stiffest = found.bases[-1].contact_stiffness
+def _stiff_bases(result: "Assessment", units: Units | None) -> str:
+    stiffest = result.bases[-1].contact_stiffness
     rigid, decided = (
         f"from {in_words(each, STIFFNESS, units)} on" if each and each < stiffest else None
-        for each in (found.rigid_from, found.decided_from)
+        for each in (result.rigid_from, result.decided_from)
     )
     if rigid:
         return f"neither verdict nor time changes {rigid} (2 %)"
@@ -223,29 +212,29 @@ def _stiff_bases(found: "Assessment", units: Units | None) -> str:
         return "the verdict still changes at the stiffest"
     return (
         f"the verdict does not change {decided}; the time changes by "
-        f"{100.0 * found.last_change:.2g} % over the last decade"
+        f"{100.0 * result.last_change:.2g} % over the last decade"
     )
 
 
-def _advice(found: "Assessment", units: Units | None) -> list[str]:
-    if found.failing_start is None:
+def _advice(result: "Assessment", units: Units | None) -> list[str]:
+    if result.failing_start is None:
         return []
-    if not found.nearest:
+    if not result.nearest:
         words = "no single parameter makes it reliable within a factor of four: change two (map)"
         return [_line("what to do", words)]
     lines = ["reliable instead, one parameter at a time, with"]
-    return lines + in_columns([_nearest_row(each, units) for each in found.nearest])
+    return lines + in_columns([_nearest_row(each, units) for each in result.nearest])
 
 
-def _varied(found: "Assessment", units: Units | None, from_materials: bool) -> list[str]:
-    if not found.leeways:
+def _varied(result: "Assessment", units: Units | None, from_materials: bool) -> list[str]:
+    if not result.leeways:
         return []
     held = "; the contact stiffness is held" if from_materials else ""
     lines = [f"stays reliable while, one parameter at a time (ends known to 0.4 %{held}),"]
-    return lines + in_columns([_row(each, units) for each in found.leeways])
+    return lines + in_columns([_leeway_row(each, units) for each in result.leeways])
 
 
-def _row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
+def _leeway_row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
     low, high, own = (
         _value(leeway.parameter, each, units) for each in (leeway.low, leeway.high, leeway.value)
     )
@@ -254,17 +243,14 @@ def _row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
     return leeway.parameter, f"from {low}", f"to {high}", f"its value {own}"
 
 
-def _nearest_row(each: "Nearest", units: Units | None) -> tuple[str, ...]:
+def _nearest_row(nearest: "Nearest", units: Units | None) -> tuple[str, ...]:
     ends = [
-        f"{_value(each.parameter, end, units)} or a little {word}"
-        for end, word in ((each.below, "less"), (each.above, "more"))
+        f"{_value(nearest.parameter, end, units)} or a little {word}"
+        for end, word in ((nearest.below, "less"), (nearest.above, "more"))
         if end is not None
     ]
-    return (
-        each.parameter,
-        ", or ".join(ends),
-        f"its value {_value(each.parameter, each.value, units)}",
-    )
+    own = _value(nearest.parameter, nearest.value, units)
+    return nearest.parameter, ", or ".join(ends), f"its value {own}"
 
 
 def _value(parameter: str, value: float, units: Units | None) -> str:
@@ -272,7 +258,7 @@ def _value(parameter: str, value: float, units: Units | None) -> str:
 
 
 def _yield_report(
-    found: "Assessment",
+    result: "Assessment",
     drawn: "Yield",
     failing: "FailingDevice | None",
     stated: "StatedDevice",
@@ -280,38 +266,26 @@ def _yield_report(
     settings: "Settings",
 ) -> list[str]:
     percent = [f"{100.0 * each:.4g} %" for each in (drawn.share, drawn.low, drawn.high)]
-    lines = [
-        _line(
-            "yield",
-            f"{percent[0]} ({percent[1]} to {percent[2]}): {drawn.going_in} of {drawn.devices} "
-            "devices within the tolerances go in from every start",
-        )
-    ]
+    words = f"{percent[0]} ({percent[1]} to {percent[2]}): {drawn.going_in} of {drawn.devices} "
+    words += "devices within the tolerances go in from every start"
+    lines = [_line("yield", words)]
     if required is not None:
         word = "met" if drawn.low >= required else "not met"
         lines.append(_line("required", f"{100.0 * required:.4g} %: {word}"))
     times = [("alignment time", drawn.time, TIME)] if drawn.going_in else []
     for name, values, quantity in (*times, ("contact force", drawn.force, FORCE)):
         lines.append(_line(name, f"{si_list(values, quantity)} (5, 50, 95 %)"))
-    if drawn.blame:
+    if drawn.sobol_indices:
         lines.append("to blame, Sobol' indices: first order and total, of failure and of time")
-        lines += in_columns(
-            [
-                (each.quantity, *(_index(v) for v in (
-                    each.failure, each.failure_total, each.time, each.time_total)))
-                for each in drawn.blame
-            ]
-        )  # fmt: skip
-    if found.failing_start is not None:
+        rows = [astuple(each) for each in drawn.sobol_indices]
+        lines += in_columns([(name, *map(_index, indices)) for name, *indices in rows])
+    if result.failing_start is not None:
         lines.append(_line("fails nearest", "the device itself is not reliable"))
     elif failing is None:
         lines.append(_line("fails nearest", "none of the devices drawn fails"))
     else:
-        off = ", ".join(
-            f"{name} = {si_words(value, quantity_of(name))}"
-            for name, value in failing.quantities.items()
-        )
-        words = f"{off}: fails at {100.0 * failing.distance:.3g} % of the tolerances"
+        words = f"{named_words(failing.quantities)}: fails at "
+        words += f"{100.0 * failing.distance:.3g} % of the tolerances"
         lines += [_line("fails nearest", words), f"  {_command(failing, stated, settings)}"]
     return lines
 
@@ -329,11 +303,13 @@ def _yield_record(
     nearest = None
     if failing is not None and stated is not None:
         nearest = asdict(failing) | {"command": _command(failing, stated, settings)}
-    return asdict(drawn) | {"share": drawn.share, "nearest_failing": nearest}
+    record = asdict(drawn)
+    record["blame"] = record.pop("sobol_indices")
+    return record | {"share": drawn.share, "nearest_failing": nearest}
 
 
 def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settings") -> str:
-    """Return the command line that runs a device which fails."""
+    """Return the command line that runs a failing device."""
     changes = {**stated.changes, **failing.quantities, **failing.start}
     words = [f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()]
     if settings.insertion_depth is not None:
@@ -343,12 +319,12 @@ def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settin
     return f"vibralign simulate --device {stated.source} {scene} {' '.join(words)}"
 
 
-def _record(found: "Assessment", units: Units | None) -> dict[str, Any]:
-    """The assessment as JSON, in SI units for a device in SI; NaN becomes null."""
-    record = asdict(found) | {
-        "reliable": found.reliable,
-        "depends_on_base": found.depends_on_base,
-        "rigid_from": found.rigid_from,
+def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
+    """Return the assessment for --json, in SI units for a device with ``units``."""
+    record = asdict(result) | {
+        "reliable": result.reliable,
+        "depends_on_base": result.depends_on_base,
+        "rigid_from": result.rigid_from,
     }
     time, stiffness = scale(units, TIME), scale(units, STIFFNESS)
     for each in (record, *record["bases"]):

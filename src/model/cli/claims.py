@@ -1,4 +1,4 @@
-"""``vibralign claims``: statements of the paper, judged by the data on disk."""
+"""``vibralign claims``: judge the claims of the paper by the data on disk."""
 
 import argparse
 from collections.abc import Mapping
@@ -37,21 +37,21 @@ def add(commands: Any) -> None:
 
 
 def _claims(arguments: argparse.Namespace) -> int:
-    # Data are read with xarray, which no other command should wait for.
+    # Imported here: importing xarray takes a second that no other command should wait for.
     from model.study.claims import judge, tally  # noqa: PLC0415
     from model.study.claims.ledger import lines_of  # noqa: PLC0415
     from model.tracking.comparison import open_dataset  # noqa: PLC0415
 
     data: Path = arguments.root / "data"
-    found = sorted(data.glob("fig*.nc"))
+    files = sorted(data.glob("fig*.nc"))
     if not arguments.regime:
-        found += sorted((data / "claims").glob("*.nc"))
-    if not found:
+        files += sorted((data / "claims").glob("*.nc"))
+    if not files:
         raise ValueError(
             f"--root {arguments.root}: holds no datasets of the study; build it (make), or name "
             "its results root"
         )
-    datasets = {path.stem: open_dataset(path) for path in found}
+    datasets = {path.stem: open_dataset(path) for path in files}
     if arguments.regime:
         return _regime(datasets, arguments.json)
     lines = lines_of(judge(datasets))

@@ -13,23 +13,21 @@ from model.cli.arguments import (
     add_model_options,
     announce_compilation,
     number,
-    settings_of,
-    stated_device,
+    read_inputs,
 )
 from model.cli.files import check_file, check_picture, save_picture
 from model.cli.tables import in_columns, labelled, print_json
 from model.physics.quantities import ANGLE, FORCE, TIME
-from model.show.si import quantity_of, si_words
-from model.study.config import load_study, study_path
+from model.show.si import named_words, si_words
 from model.study.devices.stated import VIBRATION
 
 if TYPE_CHECKING:
-    from model.study.design import Design, Misjudged, Search
+    from model.study.design import Design, OtherFriction, Search
 
 _MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
-_MISJUDGED = (2.0 / 3.0, 4.0 / 3.0)  # of the friction
-_STARTS = 4  # every so many starts of the study
-_TOLERANCE = 1e-6  # local error of a step, at least
+_OTHER_FRICTIONS = (2.0 / 3.0, 4.0 / 3.0)  # factors of the stated friction
+_STARTS = 4  # every fourth start of the study is tried
+_TOLERANCE = 1e-6  # least local error of a step
 _line = partial(labelled, width=23)
 
 
@@ -79,7 +77,9 @@ def _design(arguments: argparse.Namespace) -> int:
         from model.study.design import design_dataset  # noqa: PLC0415
 
         save_picture(draw_front(design_dataset(search, design)), arguments.plot)
-    others = _misjudged(search, max(generations // 2, 1), population) if design.feasible else []
+    others = []
+    if design.feasible:
+        others = _other_frictions(search, max(generations // 2, 1), population)
     if arguments.json:
         print_json(_record(design, search, others))
     else:
@@ -88,16 +88,15 @@ def _design(arguments: argparse.Namespace) -> int:
 
 
 def _search(arguments: argparse.Namespace, seed: int) -> "Search":
+    """Return the search of a device, with what a former search has written to --out."""
     from model.study.design import Search  # noqa: PLC0415  (only this command)
     from model.study.maps.starts import starts_of  # noqa: PLC0415
 
-    study = load_study(study_path())
-    stated = stated_device(arguments)
-    assert stated is not None  # noqa: S101  (--device is given)
-    settings = settings_of(study.settings.settings, arguments, stated.device.units, stated.start)
-    settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
-    starts = starts_of(stated.device.parameters, study.maps.ensemble)[::_STARTS]
-    search = Search(stated, starts, settings, os.cpu_count() or 1, seed)
+    given = read_inputs(arguments)
+    assert given.stated is not None  # noqa: S101  (--device is given)
+    settings = replace(given.settings, tolerance=max(given.settings.tolerance, _TOLERANCE))
+    starts = starts_of(given.parameters, given.study.maps.ensemble)[::_STARTS]
+    search = Search(given.stated, starts, settings, os.cpu_count() or 1, seed)
     if arguments.out is not None and arguments.out.exists():
         import xarray as xr  # noqa: PLC0415
 
@@ -109,79 +108,72 @@ def _search(arguments: argparse.Namespace, seed: int) -> "Search":
 
 
 def _keep(search: "Search", path: Path | None, design: "Design | None" = None) -> None:
-    """Write what is known, so that an interrupted search is continued."""
+    """Write the settings tried so far, so that an interrupted search can be continued."""
     if path is None:
         return
     from model.study.design import Design, design_dataset  # noqa: PLC0415
     from model.study.io import write_dataset  # noqa: PLC0415
 
-    design = design or Design(search.all_known(), 0, search.stated.limits)
+    design = design or Design(search.tried(), 0, search.stated.limits)
     write_dataset(design_dataset(search, design), path)
 
 
-def _misjudged(search: "Search", generations: int, population: int) -> "list[Misjudged]":
-    from model.study.design import misjudged  # noqa: PLC0415
+def _other_frictions(search: "Search", generations: int, population: int) -> "list[OtherFriction]":
+    from model.study.design import at_other_friction  # noqa: PLC0415
 
-    friction = search.stated.quantities["friction"]
-    return [misjudged(search, friction * by, generations, population) for by in _MISJUDGED]
+    stated = search.stated.quantities["friction"]
+    frictions = [stated * factor for factor in _OTHER_FRICTIONS]
+    return [at_other_friction(search, each, generations, population) for each in frictions]
 
 
 def _count(name: str, text: str, least: int) -> int:
-    value = number(name, text, f"must be a whole number >= {least}")
+    rule = f"must be a whole number >= {least}"
+    value = number(name, text, rule)
     if value != int(value) or value < least:
-        raise ValueError(f"{name} = {text}: must be a whole number >= {least}")
+        raise ValueError(f"{name} = {text}: {rule}")
     return int(value)
 
 
-def _setting(setting: Any) -> str:
-    return ", ".join(f"{name} = {_value(name, value)}" for name, value in setting.items())
-
-
-def _value(name: str, value: float) -> str:
-    return si_words(value, _MEASURES.get(name) or quantity_of(name))
-
-
-def _report(design: "Design", search: "Search", others: "list[Misjudged]") -> list[str]:
-    judged, best = design.judged, design.best
+def _report(design: "Design", search: "Search", others: "list[OtherFriction]") -> list[str]:
+    tried, best = design.tried, design.best
     word = "recommended" if design.feasible else "nearest to it"
-    share = f"{100.0 * judged.share[best]:.4g} % of the devices within the tolerances go in"
-    margin = judged.margin[best]
+    share = f"{100.0 * tried.share[best]:.4g} % of the devices within the tolerances go in"
+    margin = tried.margin[best]
     lines = [] if design.feasible else ["no setting of those tried keeps the limits"]
-    lines += [_line(word, _setting(design.setting)), _line("yield", share)]
+    lines += [_line(word, named_words(design.setting)), _line("yield", share)]
     words = f"{margin:.3g} tolerances away" if margin < 3.0 else "none within three tolerances"
     lines.append(_line("nearest failure", words))
     for name, quantity in _MEASURES.items():
         limit = design.limits.get(name)
         most = "" if limit is None else f" (limit {si_words(limit, quantity)})"
-        value = si_words(float(judged.measures[name][best]), quantity)
+        value = si_words(float(tried.measures[name][best]), quantity)
         lines.append(_line(f"largest {name}", value + most))
     if "vibration" in design.limits:
-        needs, asked = judged.measures["vibration"][best], _asked(design.limits["vibration"])
-        words = f"needed by {100.0 * needs:.3g} % of the devices within the tolerances"
+        share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])
+        words = f"needed by {100.0 * share:.3g} % of the devices within the tolerances"
         lines.append(_line("vibration", f"{words} (limit: {asked})"))
     binding = design.binding(search.stated.free)
     lines.append(_line("what binds", ", ".join(binding) or "nothing: it lies inside"))
-    lines.append(_line("tried", f"{judged.share.size} settings"))
+    lines.append(_line("tried", f"{tried.share.size} settings"))
     if not design.feasible:
-        lines += _relax(design)
+        lines += _relaxed(design)
     elif len(design.front) > 1:
-        lines.append("front of time against margin:")
-        lines += in_columns(
-            [
-                (
-                    si_words(float(judged.measures["time"][i]), TIME),
-                    f"{judged.margin[i]:.3g} tolerances",
-                    _setting({n: float(v[i]) for n, v in judged.settings.items()}),
-                )
-                for i in design.front[:: max(len(design.front) // 8, 1)]
-            ]
-        )
-    for each in others:
-        lines += _misjudged_lines(each)
-    return lines
+        lines += ["front of time against margin:", *_front(design)]
+    return lines + [_other_friction(each) for each in others]
 
 
-def _relax(design: "Design") -> list[str]:
+def _front(design: "Design") -> list[str]:
+    """Return a table of some eight settings on the front."""
+    tried, rows = design.tried, []
+    for i in design.front[:: max(len(design.front) // 8, 1)]:
+        setting = {name: float(values[i]) for name, values in tried.settings.items()}
+        time = si_words(float(tried.measures["time"][i]), TIME)
+        rows.append((time, f"{tried.margin[i]:.3g} tolerances", named_words(setting)))
+    return in_columns(rows)
+
+
+def _relaxed(design: "Design") -> list[str]:
+    """Return a line for each limit that would suffice if it were relaxed."""
     relaxed = design.to_relax()
     if not relaxed:
         words = "no limit alone: relax two, widen the free ranges or tighten the tolerances"
@@ -193,41 +185,39 @@ def _relax(design: "Design") -> list[str]:
             lines.append(_line("what to relax", words))
             continue
         limit, quantity = design.limits[name], _MEASURES[name]
-        by = 100.0 * (value / limit - 1.0)
+        change = 100.0 * (value / limit - 1.0)
         words = f"{name} from {si_words(limit, quantity)} to {si_words(value, quantity)}"
-        lines.append(_line("what to relax", f"{words} ({by:+.2g} %)"))
+        lines.append(_line("what to relax", f"{words} ({change:+.2g} %)"))
     return lines
 
 
 def _asked(share: float) -> str:
-    """Return the limit of the vibration as the file states it."""
+    """Return the words by which a device file states this limit of the vibration."""
     return next(words for words, each in VIBRATION.items() if each == share)
 
 
-def _misjudged_lines(each: "Misjudged") -> list[str]:
-    first = (
-        "still keeps the limits"
-        if each.keeps
-        else (
-            f"does not: {100.0 * each.share:.3g} % go in" if each.share < 1.0 else "exceeds a limit"
-        )
-    )
-    moved = f"recommended there: {_setting(each.setting)}"
-    if not each.feasible:
-        moved = "no setting of those tried keeps the limits there"
-    return [_line(f"friction {each.friction:.3g}", f"this setting {first}; {moved}")]
+def _other_friction(other: "OtherFriction") -> str:
+    result = "exceeds a limit"
+    if other.keeps:
+        result = "still keeps the limits"
+    elif other.share < 1.0:
+        result = f"does not: {100.0 * other.share:.3g} % go in"
+    better = "no setting of those tried keeps the limits there"
+    if other.feasible:
+        better = f"recommended there: {named_words(other.setting)}"
+    return _line(f"friction {other.friction:.3g}", f"this setting {result}; {better}")
 
 
-def _record(design: "Design", search: "Search", others: "list[Misjudged]") -> dict[str, Any]:
-    judged, best = design.judged, design.best
+def _record(design: "Design", search: "Search", others: "list[OtherFriction]") -> dict[str, Any]:
+    tried, best = design.tried, design.best
     return {
         "feasible": design.feasible,
         "setting": design.setting,
-        "yield": float(judged.share[best]),
-        "margin": float(judged.margin[best]),
-        **{name: float(values[best]) for name, values in judged.measures.items()},
+        "yield": float(tried.share[best]),
+        "margin": float(tried.margin[best]),
+        **{name: float(values[best]) for name, values in tried.measures.items()},
         "binding": design.binding(search.stated.free),
         "relax": {} if design.feasible else design.to_relax(),
-        "tried": int(judged.share.size),
+        "tried": int(tried.share.size),
         "misjudged": [asdict(each) for each in others],
     }

@@ -9,14 +9,11 @@ from typing import Any
 from model.cli.arguments import (
     add_command,
     add_model_options,
-    device_of,
     pairs,
-    settings_of,
-    stated_device,
+    read_inputs,
 )
-from model.cli.files import check_file
+from model.cli.files import check_file, writing
 from model.physics.variants import Variants
-from model.study.config import load_study, study_path
 from model.study.devices import StatedDevice
 from model.study.devices.base import SOURCES
 from model.study.files import whole_file
@@ -40,13 +37,8 @@ def add(commands: Any) -> None:
 
 def _explore(arguments: argparse.Namespace) -> int:
     check_file(arguments.out, "--out", ["html"])
-    study = load_study(study_path())
-    stated = stated_device(arguments)
-    if stated is None:
-        units, parameters, start = device_of(study.baseline, arguments)
-    else:
-        (units, parameters), start = stated.device, stated.start
-    settings = settings_of(study.settings.settings, arguments, units, start)
+    given = read_inputs(arguments)
+    settings = given.settings
     if settings.readings != Variants.consistent():
         raise ValueError(
             "explore: the page runs the consistent readings only; leave out --readings and "
@@ -66,24 +58,22 @@ def _explore(arguments: argparse.Namespace) -> int:
         print("compiling the engines for the page, this once: a minute …", file=sys.stderr)
     engines = modules()
     if arguments.device is None and not arguments.changes:
-        model = study_model(study, engines.interface)
+        model = study_model(given.study, engines.interface)
     else:
         file = str(arguments.device or "")
-        first = tuple(study.operating_point)
-        origin = Origin(**_origin(arguments, stated))
-        model = device_model(parameters, units, file, settings, engines.interface, first, origin)
-    try:
-        with whole_file(arguments.out) as part:
-            part.write_text(build_page(model, engines), encoding="utf-8")
-    except OSError as error:
-        print(f"vibralign: error: {error}", file=sys.stderr)
-        return 1
+        first = tuple(given.study.operating_point)
+        origin = Origin(**_origin(arguments, given.stated))
+        model = device_model(
+            given.parameters, given.units, file, settings, engines.interface, first, origin
+        )
+    with writing(), whole_file(arguments.out) as part:
+        part.write_text(build_page(model, engines), encoding="utf-8")
     print(f"open {arguments.out} in a browser")
     return 0
 
 
 def _origin(arguments: argparse.Namespace, stated: StatedDevice | None) -> dict[str, Any]:
-    """Return the ``Origin`` of the page: its own options, and the parameters that it holds."""
+    """Return the fields of ``Origin``: the options that made the page, and what its file holds."""
     options = []
     for name in ("device", "start", "horizon", "tolerance"):
         if (given := getattr(arguments, name)) is not None:

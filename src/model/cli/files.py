@@ -1,7 +1,8 @@
 """Files that a command writes at the user's path: checked before anything is computed."""
 
+import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,25 @@ if TYPE_CHECKING:
 _NOT_PICTURES = {"pgf", "raw", "rgba"}
 
 
+class WriteError(Exception):
+    """A file of the user that could not be written, after all was computed: exit code 1."""
+
+
+@contextlib.contextmanager
+def writing(option: str = "", errors: tuple[type[Exception], ...] = (OSError,)) -> Iterator[None]:
+    """Turn one of ``errors`` into a ``WriteError`` that names the ``option``."""
+    try:
+        yield
+    except errors as error:
+        raise WriteError(f"{option}: {error}" if option else str(error)) from None
+
+
 def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
-    """Refuse a file that could not be written."""
+    """Refuse a file that could not be written.
+
+    Raises:
+        ValueError: another extension, no such folder, a folder, or no permission.
+    """
     if path.suffix.lower().lstrip(".") not in extensions:
         one = "in" if len(extensions) == 1 else "in one of"
         raise ValueError(f"{option} {path}: must end {one} .{', .'.join(extensions)}")
@@ -28,9 +46,13 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
 
 
 def check_picture(path: Path) -> None:
-    """Refuse a picture that could not be written, before the run is computed."""
+    """Refuse a picture that could not be written.
+
+    Raises:
+        ValueError: as ``check_file``, or matplotlib is not installed.
+    """
     try:
-        # Half a second that only a plot is worth, and a package that only a plot needs.
+        # Half a second, and a package, that only plots need.
         from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
     except ImportError:
         raise ValueError(
@@ -41,7 +63,7 @@ def check_picture(path: Path) -> None:
 
 
 def save_picture(figure: "Figure", path: Path) -> None:
-    """Write a figure in the format of the file's extension, whole or not at all."""
+    """Write a figure in the format of the file's extension, as a whole or not at all."""
     from model.show import style  # noqa: PLC0415  (as in check_picture)
 
     with whole_file(path) as part, style.context():

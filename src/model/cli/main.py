@@ -27,9 +27,10 @@ from model.cli import (
     simulate,
     verify,
 )
+from model.cli.files import WriteError
 from model.tracking.job import version
 
-# In the order of the help; each module has ``add(commands)``.
+# In the order of the help. The function ``add`` of a module adds its command to the parsers.
 COMMANDS = (
     simulate, assess, design, map, explore, runs, show, diff, export, verify, accept, claims
 )  # fmt: skip
@@ -37,14 +38,14 @@ DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
 
 class _Parser(argparse.ArgumentParser):
-    appendix: Callable[[], str] | None = None  # the end of the help, made when it is asked for
+    appendix: Callable[[], str] | None = None  # makes the end of the help, when it is asked for
 
     def error(self, message: str) -> NoReturn:
         """Refuse in one line, without the usage."""
         self.exit(REFUSED, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
 
     def format_help(self) -> str:
-        """Return the help; its end may need to read the study."""
+        """Return the help, with the appendix at its end."""
         return super().format_help() + (f"\n{self.appendix()}" if self.appendix else "")
 
 
@@ -62,15 +63,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("vibralign: interrupted", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:  # `vibralign … | head`: nobody reads on, so nothing is left to say
+    except BrokenPipeError:  # `vibralign … | head`: nobody reads a message
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except WriteError as error:
+        print(f"vibralign: error: {error}", file=sys.stderr)
         return FAILED
     except OSError as error:
         denied = error.errno in (errno.EACCES, errno.EPERM, errno.EROFS)
         remedy = "allow access to it" if denied else "free some space"
         print(f"vibralign: error: {error}: {remedy} or choose another place and run it again",
               file=sys.stderr)  # fmt: skip
-        # What is left unwritten would be tried again, and fail again, as Python ends.
+        # Python writes what is left in the buffer once more at its end, and would fail again.
         with contextlib.suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
@@ -79,7 +83,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(argv: Sequence[str] | None) -> int:
     arguments = _parser().parse_args(argv)
     code = int(arguments.run(arguments))
-    sys.stdout.flush()  # here, where a broken pipe can still be handled
+    sys.stdout.flush()  # here, where ``main`` still handles a broken pipe
     return code
 
 

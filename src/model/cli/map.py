@@ -14,15 +14,15 @@ from model.cli.arguments import (
     add_command,
     add_model_options,
     announce_compilation,
-    device_of,
     number,
-    settings_of,
+    read_inputs,
 )
-from model.cli.files import check_file, check_picture, save_picture
+from model.cli.files import check_file, check_picture, save_picture, writing
+from model.cli.tables import labelled
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
 from model.physics.units import Units
-from model.study.config import RunSettings, Span, check_plane, load_study, study_path
+from model.study.config import RunSettings, Span, check_plane
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,12 +57,8 @@ def add(commands: Any) -> None:
     add("--resolution", default=str(_DEFAULT), metavar="N", help=words)
     words = "netCDF file to write; an old one is replaced when the new one is complete"
     add("--out", type=Path, required=True, metavar="FILE", help=words)
-    add(
-        "--plot",
-        type=Path,
-        metavar="FILE",
-        help="draw the map into FILE (.png, .svg, .pdf and others)",
-    )
+    words = "draw the map into FILE (.png, .svg, .pdf and others)"
+    add("--plot", type=Path, metavar="FILE", help=words)
     add_model_options(parser, scene="insertion")
 
 
@@ -88,35 +84,31 @@ def _map(arguments: argparse.Namespace) -> int:
         dataset = map_dataset(plan, MapNodes(plan), title, summary, cores=cores, progress=bar)
     if units is not None:
         dataset = in_si(dataset, units)
-    try:
+    with writing():
         write_dataset(dataset, arguments.out)
         if arguments.plot is not None:
             from model.show import plots  # noqa: PLC0415
 
             save_picture(plots.draw(dataset), arguments.plot)
-    except OSError as error:
-        print(f"vibralign: error: {error}", file=sys.stderr)
-        return 1
     print("\n".join(_report(dataset)))
     return 0
 
 
 def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
-    study = load_study(study_path())
-    units, parameters, start = device_of(study.baseline, arguments)
-    settings = settings_of(study.settings.settings, arguments, units, start)
+    given = read_inputs(arguments)
+    units, parameters, starts = given.units, given.parameters, given.study.maps.ensemble
     resolution = _resolution(arguments.resolution)
     spans = _span("--x", arguments.x), _span("--y", arguments.y)
-    # Checked in the units of the command line, so that a refusal names the values given.
+    # Checked in the units of the command line, so that a refusal names the values as given.
     check_plane(parameters if units is None else units.in_si(parameters), *spans)
     if units is not None:
         spans = _dimensionless(spans[0], units), _dimensionless(spans[1], units)
     from model.study.maps.plan import plan_of  # noqa: PLC0415
 
-    every = min(study.maps.ensemble.every, max(resolution // _ENSEMBLE, 1))
-    ensemble = study.maps.ensemble.model_copy(update={"every": every})
-    ran = RunSettings.of(settings)
-    return plan_of("map", parameters, ran, spans, resolution, ensemble), units
+    every = min(starts.every, max(resolution // _ENSEMBLE, 1))
+    starts = starts.model_copy(update={"every": every})
+    settings = RunSettings.of(given.settings)
+    return plan_of("map", parameters, settings, spans, resolution, starts), units
 
 
 def _dimensionless(span: Span, units: Units) -> Span:
@@ -154,7 +146,7 @@ class _Bar:
         self._step, self._largest = "", 0
 
     def __call__(self, step: str, done: int, left: int) -> None:
-        """Show that ``left`` nodes of the present wave are still to come."""
+        """Show that ``left`` nodes of the present wave are not computed yet."""
         if not self._shown:
             return
         if step != self._step or left > self._largest:
@@ -186,4 +178,4 @@ def _report(dataset: "xr.Dataset") -> list[str]:
         ("computed", f"{100.0 * dataset.attrs['computed_share']:.3g} % of {nodes:,} nodes"),
         ("trajectories", f"{dataset.attrs['trajectories']:,} starts, the ensemble's included"),
     ]
-    return [f"{name:<14}{value}" for name, value in rows]
+    return [labelled(name, words, width=14) for name, words in rows]

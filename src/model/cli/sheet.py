@@ -21,10 +21,10 @@ from model.study.maps.dataset import in_si, map_dataset
 from model.study.maps.plan import plan_of
 from model.tracking.job import version
 
-_AXES = ("tilt_stiffness", "press_force")  # of the map, if the file frees no two quantities
-_SPAN = 2.5  # of the map, either way, if the file states no range
+_AXES = ("tilt_stiffness", "press_force")  # of the map, where the file frees no two quantities
+_SPAN = 2.5  # an axis is value / _SPAN to value * _SPAN, where the file states no range
 _RESOLUTION = 32
-_TOLERANCE = 1e-7  # local error of a step, at least
+_TOLERANCE = 1e-7  # least local error of a step
 
 
 def write_sheet(
@@ -34,7 +34,14 @@ def write_sheet(
     study: Study,
     settings: Settings,
 ) -> None:
-    """Write the sheet of an assessed device: its printed ``groups`` of lines, a map and a run.
+    """Write the sheet of an assessed device: what ``assess`` prints, a map and a run.
+
+    Args:
+        path: file to write.
+        stated: the device.
+        groups: printed lines by their group: "Verdict", "Leeways" and perhaps "Yield".
+        study: the study, for the starts of the map.
+        settings: settings of the runs.
 
     Raises:
         OSError: the file cannot be written.
@@ -43,12 +50,12 @@ def write_sheet(
     device = stated.device
     names = [name for name in (*stated.free, *_AXES) if name in FIELDS]
     spans = [_span(stated, name) for name in dict.fromkeys(names)][:2]
-    ensemble = study.maps.ensemble.model_copy(update={"every": 1})
-    ran = RunSettings.of(settings)
-    plan = plan_of("map", device.parameters, ran, (spans[0], spans[1]), _RESOLUTION, ensemble)
-    title = f"Area of stable alignment over {spans[0].parameter} and {spans[1].parameter}"
-    cores = os.cpu_count() or 1
-    plane = map_dataset(plan, MapNodes(plan), title, "Of a device sheet.", cores=cores)
+    x, y = spans
+    starts = study.maps.ensemble.model_copy(update={"every": 1})
+    run_settings, cores = RunSettings.of(settings), os.cpu_count() or 1
+    plan = plan_of("map", device.parameters, run_settings, (x, y), _RESOLUTION, starts)
+    title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
+    dataset = map_dataset(plan, MapNodes(plan), title, "Of a device sheet.", cores=cores)
     verdict = re.sub(r"^((not )?reliable)\s+", r"\1: ", groups["Verdict"][1])
     good = verdict.startswith("reliable")
     if "Yield" in groups:
@@ -60,7 +67,7 @@ def write_sheet(
         reliable=good,
         lines=[("Verdict", groups["Verdict"][2:]), *list(groups.items())[1:]],
         run=simulate_once(device.parameters, settings),
-        plane=in_si(plane, device.units),
+        plane=in_si(dataset, device.units),
         made_by=f"vibralign {version()}",
         explorer=_explorer(path, stated),
     )
@@ -69,20 +76,24 @@ def write_sheet(
 
 
 def _explorer(path: Path, stated: StatedDevice) -> str | None:
-    """Return the address of the device in its explorer, if DEVICE.html beside the sheet is that."""
+    """Return the address that opens the device in DEVICE.html, its explorer beside the sheet.
+
+    None if there is no such page, or it is of another device.
+    """
     page = path.with_name(f"{stated.source.stem}.html")
     if page.name == path.name or not page.exists():
         return None
     units, parameters = load_device(stated.source, {})
     own = json.dumps(Scales(units).values(parameters))
     if f'"baseline": {own}' not in page.read_text(encoding="utf-8"):
-        return None  # of another device of the same name
+        return None
     quantities = stated.resolved({})
     changes = {name: quantities[name] for name in stated.changes if name in FIELDS}
     return f"{page.name}#{urlencode(changes)}" if changes else page.name
 
 
 def _span(stated: StatedDevice, name: str) -> Span:
-    own, one = stated.resolved({})[name], stated.device.units.of(FIELDS[name].quantity)
-    low, high = stated.free.get(name, (own / _SPAN, own * _SPAN))
-    return Span(parameter=name, start=low / one, stop=high / one)
+    """Return the range of an axis of the map, dimensionless."""
+    value, unit = stated.resolved({})[name], stated.device.units.of(FIELDS[name].quantity)
+    low, high = stated.free.get(name, (value / _SPAN, value * _SPAN))
+    return Span(parameter=name, start=low / unit, stop=high / unit)

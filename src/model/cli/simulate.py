@@ -2,20 +2,19 @@
 
 import argparse
 import math
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from model.cli.arguments import (
+    Inputs,
     add_command,
     add_json,
     add_model_options,
     announce_compilation,
-    device_of,
-    settings_of,
+    read_inputs,
 )
-from model.cli.files import check_file, check_picture, save_picture
+from model.cli.files import check_file, check_picture, save_picture, writing
 from model.cli.tables import print_json
 from model.engines.results import RESULTS, TRACK_VARIABLES
 from model.engines.scalar.tableaux import DOP853
@@ -28,7 +27,6 @@ from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.si import in_words
-from model.study.config import load_study, study_path
 from model.study.files import whole_file
 from model.tracking.job import version
 
@@ -54,9 +52,8 @@ def add(commands: Any) -> None:
 
 
 def _simulate(arguments: argparse.Namespace) -> int:
-    study = load_study(study_path())
-    units, parameters, start = device_of(study.baseline, arguments)
-    settings = settings_of(study.settings.settings, arguments, units, start)
+    given = read_inputs(arguments)
+    units, parameters, settings = given.units, given.parameters, given.settings
     if arguments.plot is not None:
         check_picture(arguments.plot)
     if arguments.animate is not None:
@@ -72,51 +69,31 @@ def _simulate(arguments: argparse.Namespace) -> int:
             lines += ["", "dimensionless:", *_report(run, None)[1:], _units_line(units)]
         print("\n".join(lines))
     in_units = None if arguments.dimensionless else units
-    if arguments.plot is not None and not _draw(run, arguments.plot, in_units):
-        return 1
+    if arguments.plot is not None:
+        # ValueError: the library for this format is missing.
+        with writing(f"--plot {arguments.plot}", (OSError, ValueError)):
+            from model.show.history import trajectory  # noqa: PLC0415  (as in check_picture)
+
+            save_picture(trajectory(run, in_units), arguments.plot)
     if arguments.animate is not None:
-        first = tuple(study.operating_point)
-        file = str(arguments.device or "")
-        if not _animate(parameters, in_units, settings, file, first, arguments.animate):
-            return 1
+        page = _page(given, in_units, str(arguments.device or ""))
+        with writing(f"--animate {arguments.animate}"), whole_file(arguments.animate) as part:
+            part.write_bytes(page.encode())
     return int(run.outcome == Outcome.FAILED)
 
 
-def _animate(
-    parameters: Parameters,
-    units: Units | None,
-    settings: Settings,
-    file: str,
-    first: tuple[str, ...],
-    path: Path,
-) -> bool:
-    # Imported here: what only a page needs.
+def _page(given: Inputs, units: Units | None, file: str) -> str:
+    """Return the page that animates the run."""
+    # Imported here: modules that only a page needs.
     from model.runs.in_browser import interface  # noqa: PLC0415
     from model.runs.trace import trace_run  # noqa: PLC0415
     from model.show.explorer.content import device_model  # noqa: PLC0415
     from model.show.explorer.page import run_page  # noqa: PLC0415
 
-    table = interface(settings.scene)
+    parameters, settings = given.parameters, given.settings
+    first, table = tuple(given.study.operating_point), interface(settings.scene)
     model = device_model(parameters, units, file, settings, table, first)
-    page = run_page(model, trace_run(parameters, settings))
-    try:
-        with whole_file(path) as part:
-            part.write_bytes(page.encode())
-    except OSError as error:
-        print(f"vibralign: error: --animate {path}: {error}", file=sys.stderr)
-        return False
-    return True
-
-
-def _draw(run: Trajectory, path: Path, units: Units | None) -> bool:
-    from model.show.history import trajectory  # noqa: PLC0415  (as in check_picture)
-
-    try:
-        save_picture(trajectory(run, units), path)
-    except (OSError, ValueError) as error:  # a full disk, a picture library that is missing
-        print(f"vibralign: error: --plot {path}: {error}", file=sys.stderr)
-        return False
-    return True
+    return run_page(model, trace_run(parameters, settings))
 
 
 def _name(outcome: Any) -> str:
@@ -124,7 +101,7 @@ def _name(outcome: Any) -> str:
 
 
 def _within(value: float, error: float) -> str:
-    """Return ``value`` with the digits that are certain within ``error``."""
+    """Return ``value`` ± ``error``, without the digits that the error makes uncertain."""
     if math.isnan(error):
         return f"{value:.6g} (error unknown)"
     places = min(max(-math.floor(math.log10(error)), 0), 13) if error > 0.0 else 13
@@ -132,7 +109,7 @@ def _within(value: float, error: float) -> str:
 
 
 def _report(run: Trajectory, units: Units | None) -> list[str]:
-    """Return the lines on a run: in SI units and words, or dimensionless by the results' names."""
+    """Return the lines on a run: in SI units with words, or dimensionless with variable names."""
     aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
     if run.outcome not in _SUCCESSES:
@@ -142,19 +119,18 @@ def _report(run: Trajectory, units: Units | None) -> list[str]:
         error = _within(run.tau_align, run.tau_error)
         duration = in_words(run.tau_align, TIME, units) if units else error
     rows.append(("alignment time" if units else "tau_align", duration))
-    for name, each in RESULTS.items():
-        text = each.printed(getattr(run, name))
+    for name, result in RESULTS.items():
+        text = result.printed(getattr(run, name))
         if text and not (units and name == "tau_error"):
-            if units and each.quantity is not PLAIN:
-                text = in_words(getattr(run, name), each.quantity, units)
-            rows.append((each.meaning if units else name, text))
+            if units and result.quantity is not PLAIN:
+                text = in_words(getattr(run, name), result.quantity, units)
+            rows.append((result.meaning if units else name, text))
     end = in_words(float(run.time[-1]), TIME, units) if units else f"τ = {run.time[-1]:.9g}"
     rows.append(("final state", f"at {end}"))
     for name, number in _final_state(run).items():
-        words = (
-            in_words(number, TRACK_VARIABLES[name].quantity, units) if units else f"{number: .9g}"
-        )
-        rows.append((f"  {TRACK_VARIABLES[name].meaning if units else name}", words))
+        variable = TRACK_VARIABLES[name]
+        text = in_words(number, variable.quantity, units) if units else f"{number: .9g}"
+        rows.append((f"  {variable.meaning if units else name}", text))
     width = max(20, *(2 + len(name) for name, _ in rows))
     return [f"{name:<{width}}{value}" for name, value in rows] + _sensitive(run)
 
@@ -165,7 +141,7 @@ def _sensitive(run: Trajectory) -> list[str]:
 
 
 def _in_si(run: Trajectory, units: Units) -> dict[str, Any]:
-    """Return the results of a run in SI units; NaN where there is none."""
+    """Return the results of a run in SI units, for --json; NaN where there is none."""
     physical = {n: each.quantity for n, each in RESULTS.items() if each.quantity is not PLAIN}
     return {
         "alignment_time_s": run.tau_align * units.time,
@@ -193,9 +169,9 @@ def _final_state(run: Trajectory) -> dict[str, float]:
 
 
 def unvibrated_record(parameters: Parameters, settings: Settings) -> dict[str, Any]:
-    """Return the end of the unvibrated control, for --json."""
-    found = unvibrated_results(Batch.stack([parameters]), settings)
-    values = {name: column[0].item() for name, column in found.items()}
+    """Return how the unvibrated control ends, for --json."""
+    columns = unvibrated_results(Batch.stack([parameters]), settings)
+    values = {name: column[0].item() for name, column in columns.items()}
     return values | {"unvibrated": _name(Unvibrated(values["unvibrated"]))}
 
 

@@ -1,7 +1,7 @@
 """Tables and JSON for a terminal.
 
-rich and tabulate were weighed: both cut or wrap cells to the width of the terminal, and either is a
-dependency of every command for forty lines.
+rich and tabulate would cut or wrap cells to the width of the terminal, and every command would
+depend on them, in place of forty lines.
 """
 
 import json
@@ -11,7 +11,10 @@ from typing import Any
 
 
 def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> list[str]:
-    """Return the lines of a table with a heading; a row may lack a column."""
+    """Return the lines of a table with a heading; a row may lack a column.
+
+    Columns of numbers are set to the right, others to the left.
+    """
     lines = [list(columns)] + [[cell(row.get(name)) for name in columns] for row in rows]
     widths = [max(len(line[i]) for line in lines) for i in range(len(columns))]
     numeric = [all(_is_number(row.get(name)) for row in rows) for name in columns]
@@ -25,13 +28,13 @@ def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> list[str
 
 
 def pairs(values: Mapping[str, Any]) -> list[str]:
-    """Return one line for each name and value."""
+    """Return a line for each name with its value, the values in a column."""
     width = max((len(name) for name in values), default=0)
     return [f"{name.ljust(width)}  {cell(value)}".rstrip() for name, value in values.items()]
 
 
 def cell(value: Any) -> str:
-    """Return a value as a table shows it; nothing for None."""
+    """Return a value as a table shows it, the empty string for None."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -39,9 +42,9 @@ def cell(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, Mapping):
-        return ", ".join(f"{name} = {cell(each)}" for name, each in value.items())
+        return ", ".join(f"{name} = {cell(item)}" for name, item in value.items())
     if isinstance(value, (list, tuple)):
-        return ", ".join(cell(each) for each in value)
+        return ", ".join(cell(item) for item in value)
     return str(value)
 
 
@@ -56,19 +59,19 @@ def in_columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
 
 
 def labelled(name: str, words: str, *, width: int) -> str:
-    """Return a line of ``words`` behind a name in a column of ``width``."""
+    """Return a line: the name, padded to ``width``, and the words."""
     return f"{name:<{width}}{words}"
 
 
 def print_json(value: Any) -> None:
-    """Print a record as JSON; numbers that are not finite become null."""
+    """Print a value as JSON, numbers that are not finite as null."""
     print(json.dumps(or_null(value), indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def or_null(value: Any) -> Any:
-    """Return a value, or nested dictionaries and lists, with None for numbers not finite."""
+    """Return the value, nested or not, with None in place of numbers that are not finite."""
     if isinstance(value, Mapping):
-        return {name: or_null(each) for name, each in value.items()}
+        return {name: or_null(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [or_null(each) for each in value]
+        return [or_null(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

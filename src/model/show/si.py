@@ -1,7 +1,7 @@
 """Values as commands and sheets print them: in SI units with four digits, or dimensionless."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, STIFFNESS, TIME, Quantity
@@ -50,6 +50,11 @@ def si_words(value: float, quantity: Quantity) -> str:
     unit, one = display(value, quantity)
     text = f"{value / one:.{DIGITS}g}" + (f" {unit}" if unit else "")
     return f"{text} ({math.degrees(value):.1f}°)" if quantity == ANGLE else text
+
+
+def named_words(values: Mapping[str, float]) -> str:
+    """Return a device's quantities in SI units by name, such as "press_force = 10 N"."""
+    return ", ".join(f"{name} = {si_words(v, quantity_of(name))}" for name, v in values.items())
 
 
 def display(value: float, quantity: Quantity) -> tuple[str, float]:

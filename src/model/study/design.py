@@ -1,11 +1,12 @@
 """Design: choose the free quantities of a device within their ranges and limits.
 
-Every candidate setting is judged by devices drawn within its tolerances. *Yield* is the share that
-goes in from every start; *margin* is the distance of the nearest failing device on ``POINTS`` lines
-from the setting, in tolerances, at most ``FARTHEST``. The best setting has the largest yield, keeps
-the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
-Differential evolution (scipy) seeks it; it is seeded, and what was computed is kept, so that a
-search that was interrupted is replayed up to where it stood.
+A *setting* gives each free quantity a value. It is judged by devices drawn within the tolerances
+around it. Its *yield* is the share of devices that go in from every start. Its *margin* is the
+distance, in tolerances, of the nearest failing device on ``POINTS`` lines from the setting, at most
+``FARTHEST``. The best setting has the largest yield, keeps the limits, has the largest margin in
+steps of ``MARGIN_STEP``, and is then the fastest. Differential evolution (scipy) seeks it. The
+search is seeded and its results are kept: run again after an interruption, it repeats its steps
+without computing the results that it has.
 """
 
 import hashlib
@@ -27,28 +28,29 @@ from model.study.assessment.yields import Floats, batch_of, run_devices
 from model.study.devices import StatedDevice, Tolerance
 from model.study.maps.starts import Starts
 
-POINTS = 16  # devices drawn within the tolerances of a candidate, a power of two
-SCALES = (1.0, 2.0, 3.0)  # multiples of the tolerances that are tried
+POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
+SCALES = (1.0, 2.0, 3.0)  # distances along a line that are tried, in tolerances
 FARTHEST = SCALES[-1]
-HALVINGS = 3  # of the interval that holds the nearest failure on a line: known to 1/8
+HALVINGS = 3  # a failure along a line is located to 1/8 of a tolerance
 MARGIN_STEP = 0.25
-ASSUMED = Tolerance("uniform", 0.1, relative=True)  # of a device that states none
+ASSUMED = Tolerance("uniform", 0.1, relative=True)  # for a device that states no tolerance
 ASSUMED_OF = ("press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance")
-_SIGMAS = 2.0  # of a normal tolerance, taken as its end
-NEAR = 0.05  # of a limit or of a range: so near, it binds
+_SIGMAS = 2.0  # standard deviations that count as the end of a normal tolerance
+NEAR = 0.05  # share of a limit or range within which it binds
 MEASURES = ("time", "contact_force", "tilt", "vibration")
 
 
 @dataclass(frozen=True)
-class Judged:
-    """Results of candidate settings in SI units, arrays of shape (n,).
+class Tried:
+    """Results of settings, in SI units.
 
     Attributes:
-        settings: the free quantities, each of shape (n,).
-        share: share of the devices within the tolerances that go in from every start.
-        margin: distance of the nearest failing device, in tolerances.
-        measures: longest time, largest contact force and largest tilt within the tolerances, and
-            the share of those devices that do not align without vibration; NaN if not asked for.
+        settings: values of the free quantities, each of shape (n,).
+        share: share of the devices within the tolerances that go in from every start, shape (n,).
+        margin: distance of the nearest failing device, in tolerances, shape (n,).
+        measures: by the names of ``MEASURES``, shape (n,): longest time, largest contact force and
+            largest tilt within the tolerances, and the share of devices that do not align without
+            vibration (NaN if no limit asks for it).
     """
 
     settings: Mapping[str, Floats]
@@ -57,29 +59,29 @@ class Judged:
     measures: Mapping[str, Floats]
 
     def excess(self, limits: Mapping[str, float]) -> Floats:
-        """Return the largest excess over the limits, relative; <= 0 where all are kept."""
+        """Return the largest relative excess over a limit, <= 0 where all are kept."""
         if not limits:
             return np.full(self.share.size, -1.0)
-        each = [
+        excesses = [
             np.abs(self.measures[name] - limit)
             if name == "vibration"
             else self.measures[name] / limit - 1.0
             for name, limit in limits.items()
         ]
-        return np.nan_to_num(np.max(each, axis=0), nan=9.0)
+        return np.nan_to_num(np.max(excesses, axis=0), nan=9.0)
 
     def keeps(self, limits: Mapping[str, float]) -> NDArray[np.bool_]:
-        """Return where every device goes in and the limits are kept."""
+        """Return where every device goes in and all limits are kept."""
         return (self.share == 1.0) & (self.excess(limits) <= 0.0)
 
     def score(self, limits: Mapping[str, float]) -> Floats:
-        """Return the order of the candidates, the best first: < 0 where all is kept."""
+        """Return a number to minimise over the settings: < 0 where they keep the limits."""
         excess = np.clip(self.excess(limits), 0.0, 9.0)
         steps = np.floor(self.margin / MARGIN_STEP) * MARGIN_STEP
         time = np.nan_to_num(self.measures["time"], nan=np.inf)
-        fast = 1.0 / (1.0 + time)  # between 0 and 1: decides between equal margins
-        fine = -1.0 - steps - MARGIN_STEP * fast
-        return np.where(self.keeps(limits), fine, 10.0 * (1.0 - self.share) + excess)
+        speed = 1.0 / (1.0 + time)  # between 0 and 1: decides between equal margins
+        kept = -1.0 - steps - MARGIN_STEP * speed
+        return np.where(self.keeps(limits), kept, 10.0 * (1.0 - self.share) + excess)
 
 
 @dataclass(frozen=True)
@@ -87,72 +89,73 @@ class Design:
     """Result of a search.
 
     Attributes:
-        judged: every candidate, in the order in which it was computed.
-        best: number of the recommended one.
+        tried: every setting, in the order in which they were computed.
+        best: number of the recommended setting.
         limits: limits of the search.
     """
 
-    judged: Judged
+    tried: Tried
     best: int
     limits: Mapping[str, float]
 
     @property
     def setting(self) -> dict[str, float]:
         """The recommended setting, SI units."""
-        return {name: float(values[self.best]) for name, values in self.judged.settings.items()}
+        return {name: float(values[self.best]) for name, values in self.tried.settings.items()}
 
     @property
     def feasible(self) -> bool:
-        """True if the recommended setting goes in with every device and keeps the limits."""
-        return bool(self.judged.keeps(self.limits)[self.best])
+        """True if every device goes in at the recommended setting and the limits are kept."""
+        return bool(self.tried.keeps(self.limits)[self.best])
 
     @property
     def front(self) -> NDArray[np.int64]:
-        """Numbers of the candidates that no other beats in time and margin, fastest first."""
-        order = np.lexsort((-self.judged.margin, self.judged.measures["time"]))
-        found, most = [], -1.0
-        for i in order[self.judged.keeps(self.limits)[order]]:
-            if self.judged.margin[i] > most:
-                found.append(int(i))
-                most = float(self.judged.margin[i])
-        return np.array(found, dtype=np.int64)
+        """Numbers of the settings on the Pareto front of time and margin, fastest first."""
+        order = np.lexsort((-self.tried.margin, self.tried.measures["time"]))
+        front, margin = [], -1.0
+        for i in order[self.tried.keeps(self.limits)[order]]:
+            if self.tried.margin[i] > margin:
+                front.append(int(i))
+                margin = float(self.tried.margin[i])
+        return np.array(front, dtype=np.int64)
 
     def binding(self, free: Mapping[str, tuple[float, float]]) -> list[str]:
-        """Return limits and ends of ranges on which the recommended setting lies."""
-        found = [
+        """Return the limits, and ends of ranges, that the recommended setting is ``NEAR`` to."""
+        binding = [
             f"limit of {name}"
             for name, limit in self.limits.items()
-            if name != "vibration" and self.judged.measures[name][self.best] > (1.0 - NEAR) * limit
+            if name != "vibration" and self.tried.measures[name][self.best] > (1.0 - NEAR) * limit
         ]
         for name, (low, high) in free.items():
             value, near = self.setting[name], NEAR * (high - low)
             if value < low + near:
-                found.append(f"lower end of {name}")
+                binding.append(f"lower end of {name}")
             if value > high - near:
-                found.append(f"upper end of {name}")
-        return found
+                binding.append(f"upper end of {name}")
+        return binding
 
     def to_relax(self) -> dict[str, float]:
-        """Return the least value of each limit that alone would have to be raised, if any is."""
-        found = {}
+        """Return by name the least value of a limit that some setting keeps with all others."""
+        least = {}
         for name in self.limits:
             others = {other: limit for other, limit in self.limits.items() if other != name}
-            kept = self.judged.keeps(others)
+            kept = self.tried.keeps(others)
             if kept.any():
-                found[name] = float(self.judged.measures[name][kept].min())
-        return found
+                least[name] = float(self.tried.measures[name][kept].min())
+        return least
 
 
 @dataclass
 class Search:
-    """A search that can be continued: results by candidate, kept across interruptions.
+    """A search that can be continued after an interruption.
 
     Attributes:
         stated: device with free quantities.
         starts: phases and tilts at touch-down.
         run_settings: settings of the runs.
         cores: number of threads.
-        seed: of the drawn devices and of the optimiser.
+        seed: seed of the drawn devices and of the optimiser.
+        known: results of a setting (share, margin, measures) by its values.
     """
 
     stated: StatedDevice
@@ -169,12 +172,12 @@ class Search:
                 "free: {press_force: 5 to 20 N}"
             )
         if not self.stated.tolerances:
-            own = {n: ASSUMED for n in ASSUMED_OF if n in self.stated.quantities}
-            self.stated = replace(self.stated, tolerances=own)
+            assumed = {n: ASSUMED for n in ASSUMED_OF if n in self.stated.quantities}
+            self.stated = replace(self.stated, tolerances=assumed)
 
     @property
     def identity(self) -> str:
-        """Hash of all that the results depend on."""
+        """Hash of everything that determines the results."""
         whole = asdict(replace(self.stated, source=None, changes={}))  # type: ignore[arg-type]
         whole |= {"starts": list(self.starts), "seed": self.seed, "points": (POINTS, HALVINGS)}
         run = self.run_settings
@@ -188,7 +191,7 @@ class Search:
         population: int,
         after: Callable[[int], None] = lambda _: None,
     ) -> Design:
-        """Search and return the design; ``after`` is called with every generation's number."""
+        """Search and return the design; call ``after`` with the number of every generation."""
         free = self.stated.free
         done = 0
 
@@ -215,27 +218,31 @@ class Search:
             tol=0.0,
             callback=report,
         )
-        judged = self.all_known()
-        return Design(judged, int(np.argmin(judged.score(self.stated.limits))), self.stated.limits)
+        return self.best()
 
-    def judge(self, points: Floats) -> Judged:
-        """Return the results of candidates, shape (n, free quantities); known ones are not run."""
+    def best(self) -> Design:
+        """Return the design by all settings that were tried so far."""
+        tried = self.tried()
+        return Design(tried, int(np.argmin(tried.score(self.stated.limits))), self.stated.limits)
+
+    def judge(self, points: Floats) -> Tried:
+        """Return the results of settings, shape (n, free quantities); run those not known."""
         points = np.array([[float(f"{v:.5g}") for v in row] for row in points])
         keys = [tuple(row) for row in points.tolist()]
         new = [key for key in dict.fromkeys(keys) if key not in self.known]
         if new:
             self._compute(np.array(new))
-        return self._as_judged(keys)
+        return self._results(keys)
 
-    def all_known(self) -> Judged:
-        """Return the results of every candidate so far."""
-        return self._as_judged(list(self.known))
+    def tried(self) -> Tried:
+        """Return the results of every setting so far."""
+        return self._results(list(self.known))
 
-    def _as_judged(self, keys: list[tuple[float, ...]]) -> Judged:
+    def _results(self, keys: list[tuple[float, ...]]) -> Tried:
         columns = np.array([self.known[key] for key in keys]).T
-        places = np.array(keys).T
-        return Judged(
-            dict(zip(self.stated.free, places, strict=True)),
+        settings = np.array(keys).T
+        return Tried(
+            dict(zip(self.stated.free, settings, strict=True)),
             columns[0],
             columns[1],
             dict(zip(MEASURES, columns[2:], strict=True)),
@@ -244,10 +251,10 @@ class Search:
     def _compute(self, points: Floats) -> None:
         inner, lines = self._offsets()
         shape = len(points), len(inner)
-        every = np.repeat(points, len(inner), axis=0), np.tile(inner, (len(points), 1))
-        values = self._values(*every)
-        found = run_devices(self.stated, values, self.starts, self.run_settings, self.cores)
-        goes_in = found.goes_in.reshape(shape)
+        centres, offsets = np.repeat(points, len(inner), axis=0), np.tile(inner, (len(points), 1))
+        values = self._values(centres, offsets)
+        results = run_devices(self.stated, values, self.starts, self.run_settings, self.cores)
+        goes_in = results.goes_in.reshape(shape)
         margin = np.where(goes_in, FARTHEST, np.abs(inner).max(axis=1)).min(axis=1)
         margin = self._nearest_failure(points, lines, goes_in[:, -len(lines) :], margin)
         needs = np.full(len(points), np.nan)
@@ -256,7 +263,7 @@ class Search:
             needs = (controls.outcome != Unvibrated.ALIGNS).reshape(shape).mean(axis=1)
         measures = [
             np.fmax.reduce(each.reshape(shape), axis=1)
-            for each in (found.time, found.force, found.tilt)
+            for each in (results.time, results.force, results.tilt)
         ]
         share = goes_in[:, : 1 + POINTS].mean(axis=1)
         columns = share, margin, *measures, needs
@@ -266,9 +273,10 @@ class Search:
     def _nearest_failure(
         self, points: Floats, lines: Floats, goes_in: NDArray[np.bool_], margin: Floats
     ) -> Floats:
-        """Return the margin of candidates: of failures on ``lines``, and at most ``margin``.
+        """Return the margins of settings by failures on ``lines``, at most ``margin``.
 
-        ``goes_in``, shape (n, lines), is the result at one tolerance.
+        The search goes outwards until a device fails, and then halves the interval. ``goes_in``,
+        shape (n, lines), is the result at one tolerance.
         """
         low, high = np.where(goes_in, 1.0, 0.0), np.where(goes_in, np.inf, 1.0)
         for further in (*SCALES[1:], *[None] * HALVINGS):
@@ -278,14 +286,14 @@ class Search:
                 continue
             at = np.full(row.size, further) if further else 0.5 * (low + high)[row, line]
             values = self._values(points[row], lines[line] * at[:, None])
-            found = run_devices(self.stated, values, self.starts, self.run_settings, self.cores)
-            low[row, line] = np.where(found.goes_in, at, low[row, line])
-            high[row, line] = np.where(found.goes_in, high[row, line], at)
+            results = run_devices(self.stated, values, self.starts, self.run_settings, self.cores)
+            low[row, line] = np.where(results.goes_in, at, low[row, line])
+            high[row, line] = np.where(results.goes_in, high[row, line], at)
             margin = np.minimum(margin, high.min(axis=1))
         return margin
 
     def _values(self, points: Floats, offsets: Floats) -> dict[str, Floats]:
-        """Return the quantities of devices that are off candidates by ``offsets`` (tolerances)."""
+        """Return the quantities of devices at ``offsets``, in tolerances, from settings."""
         names = list(dict.fromkeys((*self.stated.free, *self.stated.tolerances)))
         values = {name: np.full(len(points), self.stated.quantities[name]) for name in names}
         values |= dict(zip(self.stated.free, points.T, strict=True))
@@ -299,9 +307,10 @@ class Search:
         return values
 
     def _offsets(self) -> tuple[Floats, Floats]:
-        """Return the devices within the tolerances of a candidate, and their lines outwards.
+        """Return offsets of devices from a setting, in tolerances, and directions of lines.
 
-        In tolerances: the candidate, ``POINTS`` drawn ones, and the ends of as many lines.
+        The devices are the setting itself, ``POINTS`` drawn ones, and the ends of as many lines
+        through these.
         """
         size = len(self.stated.tolerances)
         cube = stats.qmc.Sobol(size, rng=np.random.default_rng(self.seed)).random(POINTS)
@@ -315,34 +324,26 @@ def _is_positive(name: str) -> bool:
 
 
 def _keep_on_edge(stated: StatedDevice, values: dict[str, Floats]) -> None:
-    """Keep misalignments at which the part starts on the edge; beyond, it cannot go in anyway."""
+    """Cut misalignments off at the largest with which the part starts on the edge.
+
+    With a larger one it cannot go in anyway.
+    """
     if "misalignment" in values:
-        own = {n: values.get(n, stated.quantities[n]) for n in ("half_width", "clearance")}
-        most = 0.999 * own["half_width"] * (2.0 + own["clearance"])
+        sizes = {n: values.get(n, stated.quantities[n]) for n in ("half_width", "clearance")}
+        most = 0.999 * sizes["half_width"] * (2.0 + sizes["clearance"])
         values["misalignment"] = np.minimum(values["misalignment"], most)
 
 
-def misjudged(search: Search, friction: float, generations: int, population: int) -> "Misjudged":
-    """Return the recommendation at another ``friction``, and results of the first one there."""
-    other = replace(search, stated=search.stated.changed(friction=friction), known={})
-    found = Design(search.all_known(), 0, search.stated.limits)
-    own = replace(found, best=int(np.argmin(found.judged.score(found.limits))))
-    design = other.run(generations, population)
-    there = other.judge(np.array([list(own.setting.values())]))
-    keeps = bool(there.keeps(search.stated.limits)[0])
-    return Misjudged(friction, design.setting, design.feasible, float(there.share[0]), keeps)
-
-
 @dataclass(frozen=True)
-class Misjudged:
-    """Consequences of another friction than that of the search.
+class OtherFriction:
+    """Results if the friction is another than a search took it to be.
 
     Attributes:
         friction: the other friction.
-        setting: the setting recommended there, SI units.
-        feasible: it keeps the limits there, and every device goes in.
-        share: share of the devices with the first recommendation that go in there.
-        keeps: the first recommendation keeps the limits there, and every device goes in.
+        setting: setting recommended for it, SI units.
+        feasible: True if every device goes in at that setting and the limits are kept.
+        share: share of the devices that go in at the setting that the search recommends.
+        keeps: True if every device goes in there and the limits are kept.
     """
 
     friction: float
@@ -350,6 +351,17 @@ class Misjudged:
     feasible: bool
     share: float
     keeps: bool
+
+
+def at_other_friction(
+    search: Search, friction: float, generations: int, population: int
+) -> OtherFriction:
+    """Return what a search recommends for another ``friction``, and how its own setting does."""
+    other = replace(search, stated=search.stated.changed(friction=friction), known={})
+    design = other.run(generations, population)
+    own = other.judge(np.array([list(search.best().setting.values())]))
+    keeps = bool(own.keeps(search.stated.limits)[0])
+    return OtherFriction(friction, design.setting, design.feasible, float(own.share[0]), keeps)
 
 
 # --- Files --------------------------------------------------------------------------------------
@@ -365,30 +377,33 @@ _NAMES = {
 
 
 def design_dataset(search: Search, design: Design) -> xr.Dataset:
-    """Return every candidate of a search with its results, dim "candidate", in SI units."""
-    judged = design.judged
-    columns = {"share": judged.share, "margin": judged.margin, **judged.measures}
+    """Return every setting of a search with its results, dim "candidate", in SI units."""
+    tried = design.tried
+    columns = {"share": tried.share, "margin": tried.margin, **tried.measures}
     variables: dict[str, Any] = {
         name: ("candidate", values, {"long_name": _NAMES[name][0], "units": _NAMES[name][1]})
         for name, values in columns.items()
     }
-    for name, values in judged.settings.items():
+    for name, values in tried.settings.items():
         unit = FIELDS[name].quantity.unit if name in FIELDS else ""
         attributes = {"long_name": f"setting: {name}", "units": unit}
         variables[f"setting_{name}"] = ("candidate", values, attributes)
-    front = np.isin(np.arange(judged.share.size), design.front).astype(np.int8)
+    front = np.isin(np.arange(tried.share.size), design.front).astype(np.int8)
     variables["front"] = ("candidate", front, {"long_name": "1 on the front of time and margin"})
-    facts: dict[str, Any] = {
+    metadata: dict[str, Any] = {
         "title": "Settings of a device: yield, margin and time",
         "identity": search.identity,
         "free": list(search.stated.free),
         "recommended": design.best,
     }
-    return xr.Dataset(variables, attrs=facts)
+    return xr.Dataset(variables, attrs=metadata)
 
 
 def known_of(dataset: xr.Dataset, search: Search) -> dict[tuple[float, ...], tuple[float, ...]]:
-    """Return the results in a dataset of the same search; none of another one."""
+    """Return ``Search.known`` from the dataset of an earlier part of the same search.
+
+    Empty for the dataset of another search.
+    """
     if dataset.attrs.get("identity") != search.identity:
         return {}
     keys = np.stack([dataset[f"setting_{name}"].values for name in search.stated.free], axis=1)

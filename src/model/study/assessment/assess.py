@@ -1,8 +1,8 @@
-"""Assess a device: its alignment from every start, on its base, and the leeway of its parameters.
+"""Assess a device: alignment from every start and on other bases, and leeways of its parameters.
 
-A device is made with tolerances and wears, and phase and tilt at touch-down cannot be controlled: a
-*reliable* device aligns from every start (maps/starts.py). If the base is not stated, a span of
-bases is tried, each with a lively and a dull impact.
+Phase and tilt at touch-down cannot be controlled: a *reliable* device aligns from every start
+(maps/starts.py). Where the base is not stated, bases of several stiffnesses are tried, each with a
+low and a high coefficient of restitution.
 """
 
 import itertools
@@ -22,12 +22,12 @@ from model.study.config import Ensemble, load_study, study_path
 from model.study.devices import StatedDevice
 from model.study.maps.starts import Starts, are_reliable, every_start, starts_of
 
-DECADES = (1e2, 1e3, 1e4, 1e5, 1e6)  # contact stiffness, in axial stiffnesses
+DECADES = (1e2, 1e3, 1e4, 1e5, 1e6)  # contact stiffness over axial stiffness
 RESTITUTIONS = (0.3, 0.8)  # tried where no impact is stated
-_FEW = 12  # every so many starts are tried first, since most failures fail from many
-_BASE_STARTS = 4  # every so many starts are tried on a base
-_HOPPING = 8  # starts whose touch-downs are looked at
-_SAME_TIME = 0.02  # times of two bases that count as the same
+_FEW = 12  # every twelfth start is tried first: most failing devices fail from many starts
+_BASE_STARTS = 4  # every fourth start is tried on a base
+_HOPPING = 8  # number of starts whose touch-downs are examined
+_SAME_TIME = 0.02  # relative difference below which two times count as equal
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,11 @@ class BaseVerdict:
     """Results of a device on one base, from every start; dimensionless.
 
     Attributes:
-        contact_stiffness: K_a over K_Y.
-        restitution: of an impact; None where the device states the damping.
-        starts, aligned: number of starts, and of those from which the device aligns.
-        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN if there is none.
+        contact_stiffness: contact stiffness over axial stiffness.
+        restitution: coefficient of an impact; None where the device states the damping.
+        starts: number of starts.
+        aligned: number of starts from which the device aligns.
+        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN without any.
     """
 
     contact_stiffness: float
@@ -55,11 +56,11 @@ class BaseVerdict:
 
     @property
     def times(self) -> tuple[float, float]:
-        """Shortest and longest duration."""
+        """Shortest and longest duration of aligning runs."""
         return self.tau_best, self.tau_worst
 
     def agrees_with(self, other: "BaseVerdict") -> bool:
-        """Return whether as many starts align, in the same time within 2 %."""
+        """Return whether equally many starts align, in the same time within 2 %."""
         return self.aligned == other.aligned and all(
             math.isnan(one) or abs(one - two) <= _SAME_TIME * two
             for one, two in zip(self.times, other.times, strict=True)
@@ -71,14 +72,15 @@ class Assessment:
     """Results of a device from every start, its bases and its leeways; all dimensionless.
 
     Attributes:
-        starts, aligned: number of starts, and of those from which the device aligns.
-        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN if there is none.
+        starts: number of starts.
+        aligned: number of starts from which the device aligns.
+        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN without any.
         failing_start: the first start from which the device does not align, or None.
-        contact_force_max, tilt_max: largest of all starts.
-        separations: fewest and most lift-offs before alignment.
+        contact_force_max, tilt_max: largest value over all starts.
+        separations: smallest and largest number of lift-offs over all starts.
         impact_speed: largest closing rate at a touch-down, of the eight starts that lift off most.
-        leeways: of the parameters in ``VARIED`` that are not 0; empty if not reliable.
-        nearest: reliable values of these parameters; empty if reliable.
+        leeways: of the parameters in ``VARIED`` that are not 0; empty if a start fails.
+        nearest: nearest reliable values of these parameters; empty if no start fails.
         bases: verdicts on other bases; empty if none was tried.
     """
 
@@ -102,18 +104,18 @@ class Assessment:
 
     @property
     def depends_on_base(self) -> bool:
-        """True if the device is reliable on some of the bases, and not on others."""
+        """True if the device is reliable on some of the bases and not on others."""
         verdicts = {self.failing_start is None, *(each.reliable for each in self.bases)}
         return len(verdicts) > 1
 
     @property
     def rigid_from(self) -> float | None:
-        """Contact stiffness from which on neither verdict nor time changes, of those tried."""
+        """Smallest contact stiffness tried above which neither verdict nor time changes."""
         return self._alike_from(BaseVerdict.agrees_with)
 
     @property
     def decided_from(self) -> float | None:
-        """Contact stiffness from which on the verdict does not change, of those tried."""
+        """Smallest contact stiffness tried above which the verdict does not change."""
         return self._alike_from(lambda one, limit: one.reliable == limit.reliable)
 
     @property
@@ -121,22 +123,25 @@ class Assessment:
         """Largest relative change of a time between the two stiffest bases; NaN without one."""
         changes = [
             abs(limit_time / time - 1.0)
-            for one, limit in itertools.pairwise(self.bases)
+            for base, limit in itertools.pairwise(self.bases)
             if limit.contact_stiffness == max(each.contact_stiffness for each in self.bases)
-            for time, limit_time in zip(one.times, limit.times, strict=True)
+            for time, limit_time in zip(base.times, limit.times, strict=True)
         ]
         return max(filter(math.isfinite, changes), default=math.nan)
 
     def _alike_from(self, alike: Callable[[BaseVerdict, BaseVerdict], bool]) -> float | None:
-        """Return the stiffness from which on all bases are like the stiffest of their impact."""
-        found = None
+        """Return the stiffness from which on all bases are like the stiffest of their restitution.
+
+        None if there is no such stiffness.
+        """
+        least = None
         for stiffness in sorted({each.contact_stiffness for each in self.bases}, reverse=True):
             for each in self.bases:
                 limit = [b for b in self.bases if b.restitution == each.restitution][-1]
                 if each.contact_stiffness == stiffness and not alike(each, limit):
-                    return found
-            found = stiffness
-        return found
+                    return least
+            least = stiffness
+        return least
 
 
 def assess(
@@ -148,21 +153,21 @@ def assess(
     stated: StatedDevice | None = None,
     bases: bool = False,
 ) -> Assessment:
-    """Assess ``device`` by some thousand runs on ``cores``.
+    """Assess a device by some thousand runs.
 
     Args:
-        device: the device as the model takes it.
+        device: dimensionless parameters of the device.
         settings: settings of the runs.
         ensemble: the starts.
         cores: number of threads.
-        stated: the same device as its file states it. A base that it leaves open is varied.
-        bases: vary the base even if it is stated.
+        stated: the same device as its file states it; other bases are tried if it states none.
+        bases: try other bases even if one is stated.
     """
     starts = starts_of(device, ensemble)
-    own = every_start(Batch.stack([device]), starts, settings, cores)
-    aligned, tau = own["goes_in"][0], own["tau_align"][0]
+    results = every_start(Batch.stack([device]), starts, settings, cores)
+    aligned, tau = results["goes_in"][0], results["tau_align"][0]
     failing = [start for start, aligns in zip(starts, aligned, strict=True) if not aligns]
-    hops = own["separations"][0]
+    hops = results["separations"][0]
     hopping = [starts[i] for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
     speeds = [impact_speed(simulate_once(device.replace(**s), settings)) for s in hopping]
 
@@ -176,9 +181,9 @@ def assess(
         tau_best=_of(np.min, tau[aligned]),
         tau_worst=_of(np.max, tau[aligned]),
         failing_start=failing[0] if failing else None,
-        contact_force_max=_of(np.nanmax, own["contact_force_max"][0]),
-        tilt_max=_of(np.nanmax, own["tilt_max"][0]),
-        separations=(int(own["separations"].min()), int(own["separations"].max())),
+        contact_force_max=_of(np.nanmax, results["contact_force_max"][0]),
+        tilt_max=_of(np.nanmax, results["tilt_max"][0]),
+        separations=(int(hops.min()), int(hops.max())),
         impact_speed=max(speeds, default=0.0),
         leeways=() if failing else leeways(device, is_reliable),
         nearest=nearest(device, is_reliable) if failing else (),
@@ -193,7 +198,7 @@ def _reliable(
     settings: Settings,
     cores: int,
 ) -> NDArray[np.bool_]:
-    """Return where the device is reliable; the other starts only where a few of them align."""
+    """Return where the device is reliable, trying most starts only where a few of them align."""
     reliable = are_reliable(device, swept, starts[::_FEW], settings, cores)
     left = np.flatnonzero(reliable)
     others = [start for i, start in enumerate(starts) if i % _FEW]
@@ -206,7 +211,10 @@ def _reliable(
 def on_bases(
     stated: StatedDevice, starts: Starts, settings: Settings, cores: int = 1
 ) -> tuple[BaseVerdict, ...]:
-    """Return the verdicts on bases of every stiffness in ``DECADES``, softest first."""
+    """Return the verdicts on bases of every stiffness in ``DECADES``, the softest first.
+
+    The impact is as the device states it. Where it states none, ``RESTITUTIONS`` are tried in turn.
+    """
     quantities = stated.resolved({})
     axial = quantities["axial_stiffness"]
     own = stated.quantities.get("restitution")
@@ -224,7 +232,7 @@ def on_bases(
     ]
     starts = starts[::_BASE_STARTS]
     quick = replace(settings.quickest, tolerance=max(settings.tolerance, 1e-6))
-    found = every_start(Batch.stack(devices), starts, quick, cores)
+    results = every_start(Batch.stack(devices), starts, quick, cores)
     return tuple(
         BaseVerdict(
             ratio,
@@ -235,7 +243,7 @@ def on_bases(
             _of(np.max, tau[aligned]),
         )
         for (ratio, impact), aligned, tau in zip(
-            tried, found["goes_in"], found["tau_align"], strict=True
+            tried, results["goes_in"], results["tau_align"], strict=True
         )
     )
 
@@ -246,15 +254,16 @@ def _without_base(quantities: Mapping[str, float]) -> dict[str, float]:
 
 
 def impact_speed(run: Trajectory) -> float:
-    """Return the largest closing rate of edge A1 at a touch-down of the run, 0 without any."""
+    """Return the largest closing rate of edge A1 at a touch-down, 0 without a touch-down."""
     force = run.contact_force
     landings = np.flatnonzero((force[:-1] == 0.0) & (force[1:] > 0.0) & (run.time[:-1] > 0.0))
     edge = run.parameters.slot_half_width
     rates = []
     for x, y, tilt, x_rate, y_rate, tilt_rate in run.state[landings]:
-        across_x = x_rate + tilt_rate * y
-        across_y = y_rate + tilt_rate * (edge - x)
-        rates.append(across_x * math.sin(tilt) - across_y * math.cos(tilt))
+        # Velocity of the point of the part at the edge, across the bottom face.
+        point_x_rate = x_rate + tilt_rate * y
+        point_y_rate = y_rate + tilt_rate * (edge - x)
+        rates.append(point_x_rate * math.sin(tilt) - point_y_rate * math.cos(tilt))
     return float(max(rates, default=0.0))
 
 
@@ -268,10 +277,10 @@ def reliable_at(
     """Return where a device aligns from every start of the study, shape (n,).
 
     Args:
-        device: as ``load_device`` returns it.
-        settings: settings of the runs; those of the study if None.
+        device: units and parameters, as ``load_device`` returns them.
+        settings: settings of the runs; None for those of the study.
         cores: number of threads.
-        **quantities: parameters that are varied together, in SI units, each of shape (n,):
+        **quantities: parameters that vary together, in SI units, each of shape (n,), such as
             ``press_force=[8.0, 10.0, 12.0]``.
 
     Raises:

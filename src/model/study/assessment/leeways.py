@@ -1,8 +1,8 @@
 """Leeways of a device: ranges in which it stays reliable, one parameter at a time.
 
-Each parameter is moved off its value in steps of one ratio; the last step is halved until the end
-is known to ``FINEST``. For a device that is not reliable, the nearest reliable value on either
-side is sought alike.
+Each parameter is scanned from its value, downwards and upwards, in steps of one ratio. The step in
+which the verdict changes is halved until the end of the range is known to ``FINEST``. The same scan
+finds the nearest reliable values of a device that is not reliable.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,13 +17,13 @@ VARIED = (
     "lateral_damping", "axial_damping", "tilt_damping", "contact_stiffness", "contact_damping",
 )  # fmt: skip
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
-STEPS = 24  # to either side: from a quarter to four times the value
+STEPS = 24  # steps of a scan: from a quarter to four times the value
 HALVINGS = 4  # of the last step
 FINEST = STEP ** (0.5**HALVINGS) - 1.0  # 0.4 %
-_AT_ONCE = 4  # steps tried together, to either side of each parameter
+_AT_ONCE = 4  # steps of a scan that are tried together
 
-Try = Callable[[Mapping[str, np.ndarray]], np.ndarray]
-"""Parameters varied together, each of shape (n,) -> True where the device is reliable."""
+IsReliable = Callable[[Mapping[str, np.ndarray]], np.ndarray]
+"""Takes parameters that vary together, shape (n,) each; returns where the device is reliable."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,11 @@ class Leeway:
     """The range of one parameter in which the device stays reliable.
 
     Attributes:
-        parameter, value: its name, and the device's own value.
-        low, high: outermost values tried such that all values tried between them are reliable.
-        bounded_below, bounded_above: True if a value at most ``FINEST`` further was tried and is
-            not reliable; False if the trials end there, after ``STEPS`` or at the bound of the
-            parameter.
+        parameter: name of the parameter.
+        value: the device's own value.
+        low, high: smallest and largest value such that all values tried between are reliable.
+        bounded_below, bounded_above: True if a value at most ``FINEST`` beyond was tried and is not
+            reliable; False if the scan ends there, after ``STEPS`` or at the parameter's bound.
     """
 
     parameter: str
@@ -48,11 +48,12 @@ class Leeway:
 
 @dataclass(frozen=True)
 class Nearest:
-    """The reliable values of one parameter nearest to that of a device that is not reliable.
+    """Nearest values of one parameter with which an unreliable device becomes reliable.
 
     Attributes:
-        parameter, value: its name, and the device's own value.
-        below, above: the nearest values found, None where none of those tried is reliable.
+        parameter: name of the parameter.
+        value: the device's own value.
+        below, above: nearest reliable value on either side, None if no value tried is reliable.
     """
 
     parameter: str
@@ -62,12 +63,19 @@ class Nearest:
 
 
 @dataclass
-class _Search:
-    """Trials of one parameter, up or down from its own value, which comes first."""
+class _Scan:
+    """Trials of one parameter upwards or downwards.
+
+    Attributes:
+        parameter: name of the parameter.
+        values: values to try, the device's own first.
+        reliable: number of leading values known to be reliable.
+        failed: True once a value is not reliable.
+    """
 
     parameter: str
     values: list[float]
-    reliable: int = 1  # leading values known to be reliable
+    reliable: int = 1
     failed: bool = False
 
     @property
@@ -81,61 +89,65 @@ class _Search:
         self.reliable += [*reliable, False].index(False)
 
 
-def leeways(device: Parameters, is_reliable: Try) -> tuple[Leeway, ...]:
+def leeways(device: Parameters, is_reliable: IsReliable) -> tuple[Leeway, ...]:
     """Return the leeways of a reliable device."""
-    searches = _searches(device)
-    while pending := [(each, value) for each in searches for value in each.pending]:
-        reliable = iter(_try(device, [(e.parameter, v) for e, v in pending], is_reliable))
-        for search in searches:
-            search.learn([next(reliable) for _ in search.pending])
-    ends = [each.values[each.reliable - 1] for each in searches]
+    scans = _scans(device)
+    while pending := [(scan.parameter, value) for scan in scans for value in scan.pending]:
+        reliable = iter(_try(device, pending, is_reliable))
+        for scan in scans:
+            scan.learn([next(reliable) for _ in scan.pending])
+    ends = [scan.values[scan.reliable - 1] for scan in scans]
     brackets = [
-        (each.parameter, end, each.values[each.reliable])
-        for each, end in zip(searches, ends, strict=True)
-        if each.failed
+        (scan.parameter, end, scan.values[scan.reliable])
+        for scan, end in zip(scans, ends, strict=True)
+        if scan.failed
     ]
     refined = iter(_halved(device, brackets, is_reliable))
-    ends = [next(refined) if each.failed else end for each, end in zip(searches, ends, strict=True)]
+    ends = [next(refined) if scan.failed else end for scan, end in zip(scans, ends, strict=True)]
     return tuple(
         Leeway(down.parameter, down.values[0], low, high, down.failed, up.failed)
-        for down, up, low, high in zip(
-            searches[::2], searches[1::2], ends[::2], ends[1::2], strict=True
-        )
+        for down, up, low, high in zip(scans[::2], scans[1::2], ends[::2], ends[1::2], strict=True)
     )
 
 
-def nearest(device: Parameters, is_reliable: Try) -> tuple[Nearest, ...]:
-    """Return the nearest reliable values of a device that is not reliable; none if all fail."""
-    searches = _searches(device)
-    tried = [(each.parameter, value) for each in searches for value in each.values[1:]]
+def nearest(device: Parameters, is_reliable: IsReliable) -> tuple[Nearest, ...]:
+    """Return the nearest reliable values of a device that is not reliable, by parameter.
+
+    A parameter of which no value tried is reliable is left out.
+    """
+    scans = _scans(device)
+    tried = [(scan.parameter, value) for scan in scans for value in scan.values[1:]]
     reliable = iter(_try(device, tried, is_reliable))
-    firsts = []
-    for search in searches:
-        works = [False, *(next(reliable) for _ in search.values[1:])]
-        firsts.append(works.index(True) if any(works) else 0)
+    firsts = []  # index of the first reliable value of a scan, 0 without any
+    for scan in scans:
+        results = [False, *(next(reliable) for _ in scan.values[1:])]
+        firsts.append(results.index(True) if any(results) else 0)
     brackets = [
-        (each.parameter, each.values[first], each.values[first - 1])
-        for each, first in zip(searches, firsts, strict=True)
+        (scan.parameter, scan.values[first], scan.values[first - 1])
+        for scan, first in zip(scans, firsts, strict=True)
         if first
     ]
     refined = iter(_halved(device, brackets, is_reliable))
     ends = [next(refined) if first else None for first in firsts]
-    found = [
-        Nearest(search.parameter, search.values[0], below, above)
-        for search, below, above in zip(searches[::2], ends[::2], ends[1::2], strict=True)
-    ]
-    return tuple(each for each in found if (each.below, each.above) != (None, None))
+    return tuple(
+        Nearest(scan.parameter, scan.values[0], below, above)
+        for scan, below, above in zip(scans[::2], ends[::2], ends[1::2], strict=True)
+        if (below, above) != (None, None)
+    )
 
 
-def _searches(device: Parameters) -> list[_Search]:
-    own = [name for name in VARIED if getattr(device, name) != 0.0]
+def _scans(device: Parameters) -> list[_Scan]:
+    """Return the scans of the parameters that are not 0, downwards and upwards in turn."""
+    names = [name for name in VARIED if getattr(device, name) != 0.0]
     return [
-        _Search(name, _values(device, name, ratio)) for name in own for ratio in (1.0 / STEP, STEP)
+        _Scan(name, _values(device, name, ratio)) for name in names for ratio in (1.0 / STEP, STEP)
     ]
 
 
-def _try(device: Parameters, tried: Sequence[tuple[str, float]], is_reliable: Try) -> list[bool]:
-    """Return whether the device is reliable with each parameter at its value, one at a time."""
+def _try(
+    device: Parameters, tried: Sequence[tuple[str, float]], is_reliable: IsReliable
+) -> list[bool]:
+    """Return whether the device is reliable with one parameter at another value, for each pair."""
     if not tried:
         return []
     names = dict.fromkeys(name for name, _ in tried)
@@ -147,29 +159,30 @@ def _try(device: Parameters, tried: Sequence[tuple[str, float]], is_reliable: Tr
 
 
 def _halved(
-    device: Parameters, brackets: Sequence[tuple[str, float, float]], is_reliable: Try
+    device: Parameters, brackets: Sequence[tuple[str, float, float]], is_reliable: IsReliable
 ) -> list[float]:
-    """Return the reliable ends of brackets (parameter, reliable value, failing value), halved."""
+    """Halve brackets (parameter, reliable value, failing value) and return their reliable ends."""
     ends = [(good, bad) for _, good, bad in brackets]
     for _ in range(HALVINGS):
         middles = [float(np.sqrt(good * bad)) for good, bad in ends]
         tried = [(name, middle) for (name, _, _), middle in zip(brackets, middles, strict=True)]
-        works = _try(device, tried, is_reliable)
+        reliable = _try(device, tried, is_reliable)
         ends = [
-            (middle, bad) if fine else (good, middle)
-            for (good, bad), middle, fine in zip(ends, middles, works, strict=True)
+            (middle, bad) if works else (good, middle)
+            for (good, bad), middle, works in zip(ends, middles, reliable, strict=True)
         ]
     return [good for good, _ in ends]
 
 
 def _values(device: Parameters, name: str, ratio: float) -> list[float]:
-    """The parameter's own value and those to try, nearest first, within its bounds."""
-    found = [getattr(device, name)]
+    """Return the parameter's own value and the values of a scan that its rule admits."""
+    own = getattr(device, name)
+    values = [own]
     for step in range(1, STEPS + 1):
-        value = getattr(device, name) * ratio**step
+        value = own * ratio**step
         try:
             device.replace(**{name: value})
         except ValueError:
             break
-        found.append(value)
-    return found
+        values.append(value)
+    return values

@@ -1,8 +1,8 @@
 """Yield of a device with tolerances: the share of devices that go in from every start.
 
 Devices are drawn as scrambled Sobol' points through the inverse of each quantity's distribution.
-The interval of the share is Wilson's for independent draws, which is wider than that of these
-points. Sobol' indices say how much of the variance of failure and time is due to which tolerance.
+The interval of the share is Wilson's for independent draws, wider than that of Sobol' points.
+Sobol' indices say how much of the variance of failure and of time is due to which tolerance.
 """
 
 import math
@@ -25,23 +25,23 @@ Values = Mapping[str, Floats]
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.5, 0.95)
 DEVICES = 4096  # a power of two
-BLAME = 256  # points of the Sobol' indices, a power of two
-BLAME_STARTS = 4  # every so many starts only
+INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
+INDEX_STARTS = 4  # the indices take every fourth start
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; the yield is the same as at 1e-10
 
 
 @dataclass(frozen=True)
-class Devices:
-    """Results of devices in SI units, from every start.
+class DeviceResults:
+    """Results of n devices from every start, in SI units.
 
     Attributes:
-        values: quantities that differ, each of shape (n,).
+        values: quantities that differ between the devices, each of shape (n,).
         goes_in: True if the part goes in from every start, shape (n,).
         time: longest alignment time in s, NaN where it does not go in from any start, shape (n,).
         times: alignment times in s, NaN where it does not go in, shape (n, starts).
         force: largest contact force in N, shape (n,).
         tilt: largest tilt in rad, shape (n,).
-        failing: number of the first start that fails, -1 if none does, shape (n,).
+        failing: index of the first start that fails, -1 if none does, shape (n,).
     """
 
     values: Values
@@ -54,8 +54,8 @@ class Devices:
 
 
 @dataclass(frozen=True)
-class Blame:
-    """Sobol' indices of one quantity, of first order and total, for failure and for time.
+class SobolIndices:
+    """Sobol' indices of one quantity, of first order and total, of failure and of time.
 
     NaN where there is no variance: no device fails, or all do.
     """
@@ -72,13 +72,14 @@ class Yield:
     """Yield of a device with tolerances; SI units.
 
     Attributes:
-        devices, going_in: number of devices drawn, and of those that go in from every start.
+        devices: number of devices drawn.
+        going_in: number of devices that go in from every start.
         low, high: interval of the share, of 95 % confidence.
         time: 5, 50 and 95 % quantiles of the alignment time over devices and starts.
-        force: the same of a device's largest contact force.
+        force: 5, 50 and 95 % quantiles of the largest contact force over devices.
         runs: number of runs.
-        blame: Sobol' indices, the quantity with the largest total index of failure first; empty if
-            no device goes in.
+        sobol_indices: of every quantity with a tolerance, the largest total index of failure first;
+            empty if no device goes in.
     """
 
     devices: int
@@ -88,7 +89,7 @@ class Yield:
     time: tuple[float, float, float]
     force: tuple[float, float, float]
     runs: int
-    blame: tuple[Blame, ...]
+    sobol_indices: tuple[SobolIndices, ...]
 
     @property
     def share(self) -> float:
@@ -101,9 +102,9 @@ class FailingDevice:
     """Drawn device that fails.
 
     Attributes:
-        quantities: its quantities with tolerances, in SI units.
-        distance: largest deviation, in tolerances: 1 is the end of a uniform one, and three
-            standard deviations of a normal one.
+        quantities: values of the quantities with tolerances, in SI units.
+        distance: largest deviation from the stated values, in tolerances; 1 is the end of a uniform
+            tolerance, and three standard deviations of a normal one.
         start: phase and tilt at touch-down of a failing run.
     """
 
@@ -113,7 +114,7 @@ class FailingDevice:
 
 
 def distribution(name: str, value: float, tolerance: Tolerance) -> Any:
-    """Return the distribution of a quantity, in SI units, cut where its rule ends (scipy)."""
+    """Return the scipy distribution of a quantity in SI units, cut off at its admissible values."""
     bound = FIELDS[name].bound if name in FIELDS else "> 0"
     least = {"> 0": 1e-6 * abs(value), ">= 0": 0.0, "": -math.inf}[bound]
     most = 1.0 if name == "restitution" else math.inf
@@ -136,51 +137,52 @@ def from_unit_cube(stated: StatedDevice, points: Floats) -> dict[str, Floats]:
 
 
 def drawn(stated: StatedDevice, count: int, seed: int = 0) -> dict[str, Floats]:
-    """Return the quantities of ``count`` devices, a power of two, as scrambled Sobol' points."""
+    """Return quantities of ``count`` devices, a power of two, drawn as scrambled Sobol' points."""
     points = stats.qmc.Sobol(len(stated.tolerances), rng=np.random.default_rng(seed)).random(count)
     return from_unit_cube(stated, points)
 
 
 def _devices_at(stated: StatedDevice, values: Values) -> list[Device]:
-    rows = zip(*(each.tolist() for each in values.values()), strict=True)
+    rows = zip(*(column.tolist() for column in values.values()), strict=True)
     return [stated.at(dict(zip(values, row, strict=True))) for row in rows]
 
 
 def batch_of(stated: StatedDevice, values: Values) -> Batch:
-    """Return the parameters of devices with these quantities, in SI units, each of shape (n,)."""
-    return Batch.stack([each.parameters for each in _devices_at(stated, values)])
+    """Return the parameters of devices with these quantities (SI units, each of shape (n,))."""
+    return Batch.stack([device.parameters for device in _devices_at(stated, values)])
 
 
 def run_devices(
     stated: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
-) -> Devices:
+) -> DeviceResults:
     """Run devices with these quantities (SI units, each of shape (n,)) from every start.
 
     Raises:
         ValueError: a quantity outside its rule.
     """
-    each = _devices_at(stated, values)
-    found = every_start(Batch.stack([one.parameters for one in each]), starts, settings, cores)
-    goes_in = found["goes_in"]
-    times = np.where(goes_in, found["tau_align"], np.nan)
-    times = times * np.array([[one.units.time] for one in each])
-    force = np.array([one.units.force for one in each]) * found["contact_force_max"].max(axis=1)
-    return Devices(
+    devices = _devices_at(stated, values)
+    batch = Batch.stack([device.parameters for device in devices])
+    results = every_start(batch, starts, settings, cores)
+    goes_in = results["goes_in"]
+    times = np.where(goes_in, results["tau_align"], np.nan)
+    times = times * np.array([[device.units.time] for device in devices])
+    units = np.array([device.units.force for device in devices])
+    return DeviceResults(
         values=values,
         goes_in=np.logical_and.reduce(goes_in, axis=1),
         time=np.fmax.reduce(times, axis=1),
         times=times,
-        force=force,
-        tilt=found["tilt_max"].max(axis=1),
+        force=units * results["contact_force_max"].max(axis=1),
+        tilt=results["tilt_max"].max(axis=1),
         failing=np.where(goes_in.all(axis=1), -1, np.argmin(goes_in, axis=1)),
     )
 
 
 def check_devices(count: float) -> int:
-    """Return a number of devices.
+    """Return a number of devices as an integer.
 
     Raises:
-        ValueError: it is no power of two, which Sobol' points need.
+        ValueError: it is no power of two, as Sobol' points need it.
     """
     if count != int(count) or count < 2 or int(count) & (int(count) - 1):
         raise ValueError(f"devices = {count:g}: must be a power of two, 2 or more")
@@ -195,9 +197,11 @@ def yield_of(
     *,
     devices: int = DEVICES,
     seed: int = 0,
-    blame: bool = True,
-) -> tuple[Yield, Devices]:
-    """Return the yield of a device with tolerances, and the devices that were drawn.
+    indices: bool = True,
+) -> tuple[Yield, DeviceResults]:
+    """Return the yield of a device with tolerances, and the results of the drawn devices.
+
+    Without ``indices`` no Sobol' indices are computed.
 
     Raises:
         ValueError: a device without tolerances, or a number that is no power of two.
@@ -205,81 +209,85 @@ def yield_of(
     if not stated.tolerances:
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")
     check_devices(devices)
-    found = run_devices(stated, drawn(stated, devices, seed), starts, settings, cores)
-    going_in = int(found.goes_in.sum())
-    blame = blame and going_in > 0
+    results = run_devices(stated, drawn(stated, devices, seed), starts, settings, cores)
+    going_in, runs = int(results.goes_in.sum()), devices * len(starts)
     low, high = interval(going_in, devices)
-    indices = blame_of(stated, starts[::BLAME_STARTS], settings, cores, seed=seed) if blame else ()
-    runs = devices * len(starts)
-    if blame:
-        runs += BLAME * (len(stated.tolerances) + 2) * len(starts[::BLAME_STARTS])
-    return (
-        Yield(
-            devices=devices,
-            going_in=going_in,
-            low=low,
-            high=high,
-            time=_quantiles(found.times.ravel()),
-            force=_quantiles(found.force),
-            runs=runs,
-            blame=indices,
-        ),
-        found,
+    found: tuple[SobolIndices, ...] = ()
+    if indices and going_in:
+        some = starts[::INDEX_STARTS]
+        found = sobol_indices_of(stated, some, settings, cores, seed=seed)
+        runs += INDEX_POINTS * (len(stated.tolerances) + 2) * len(some)
+    result = Yield(
+        devices=devices,
+        going_in=going_in,
+        low=low,
+        high=high,
+        time=_quantiles(results.times.ravel()),
+        force=_quantiles(results.force),
+        runs=runs,
+        sobol_indices=found,
     )
+    return result, results
 
 
-def nearest_failing(stated: StatedDevice, known: Devices, starts: Starts) -> FailingDevice | None:
-    """Return the drawn device that fails nearest to the stated values, None if none fails."""
-    off = np.stack([
-        np.abs(known.values[name] - stated.quantities[name])
+def nearest_failing(
+    stated: StatedDevice, results: DeviceResults, starts: Starts
+) -> FailingDevice | None:
+    """Return the failing device that is nearest to the stated values, None if none fails."""
+    distance = np.stack([
+        np.abs(results.values[name] - stated.quantities[name])
         / (each.around(stated.quantities[name]) * (1.0 if each.kind == "uniform" else 3.0))
         for name, each in stated.tolerances.items()
     ]).max(axis=0)  # fmt: skip
-    nearest = int(np.argmin(np.where(known.goes_in, np.inf, off)))
-    if known.goes_in[nearest]:
+    nearest = int(np.argmin(np.where(results.goes_in, np.inf, distance)))
+    if results.goes_in[nearest]:
         return None
-    values = {name: float(each[nearest]) for name, each in known.values.items()}
-    return FailingDevice(values, float(off[nearest]), dict(starts[known.failing[nearest]]))
+    values = {name: float(column[nearest]) for name, column in results.values.items()}
+    start = dict(starts[results.failing[nearest]])
+    return FailingDevice(values, float(distance[nearest]), start)
 
 
 def interval(successes: int, count: int) -> tuple[float, float]:
     """Return Wilson's interval of a share, of 95 % confidence."""
-    found = stats.binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
-    return float(found.low), float(found.high)
+    ends = stats.binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
+    return float(ends.low), float(ends.high)
 
 
-def blame_of(
+def sobol_indices_of(
     stated: StatedDevice,
     starts: Starts,
     settings: Settings,
     cores: int = 1,
     *,
-    count: int = BLAME,
+    count: int = INDEX_POINTS,
     seed: int = 0,
-) -> tuple[Blame, ...]:
-    """Return the Sobol' indices of every quantity with a tolerance, the worst first.
+) -> tuple[SobolIndices, ...]:
+    """Return the indices of every quantity with a tolerance, the largest total of failure first.
 
-    Failure is 1 or 0 for a device. Devices that do not go in have the mean time of the others, and
-    so no part in the variance of the time.
+    Failure is 1 or 0 for a device. Devices that do not go in are given the mean time of the others,
+    so that they have no part in the variance of the time.
     """
     names = list(stated.tolerances)
     size = len(names)
-
-    def results(points: Floats) -> Floats:
-        found = run_devices(stated, from_unit_cube(stated, points), starts, settings, cores)
-        return np.stack([1.0 - found.goes_in, found.time])
-
-    cubes = sobol_cubes(size, count, seed)
-    f = results(cubes.reshape(-1, size)).reshape(2, size + 2, count)
-    known = np.isfinite(f[1])
-    f[1] = np.where(known, f[1], f[1][known].mean() if known.any() else 0.0)
-    failure, time = sobol_indices(f[0]), sobol_indices(f[1])
-    found = [
-        Blame(name, *(float(each[i]) for each in (*failure, *time))) for i, name in enumerate(names)
+    points = sobol_cubes(size, count, seed).reshape(-1, size)
+    results = run_devices(stated, from_unit_cube(stated, points), starts, settings, cores)
+    known = np.isfinite(results.time)
+    usual = float(results.time[known].mean()) if known.any() else 0.0
+    time: Floats = np.where(known, results.time, usual)
+    columns = [
+        column
+        for values in (np.where(results.goes_in, 0.0, 1.0), time)
+        for column in sobol_indices(values.reshape(size + 2, count))
     ]
-    return tuple(
-        sorted(found, key=lambda b: (-np.nan_to_num(b.failure_total), -np.nan_to_num(b.time_total)))
-    )
+    indices = [
+        SobolIndices(name, *(float(column[i]) for column in columns))
+        for i, name in enumerate(names)
+    ]
+
+    def largest_first(each: SobolIndices) -> tuple[float, float]:
+        return -np.nan_to_num(each.failure_total), -np.nan_to_num(each.time_total)
+
+    return tuple(sorted(indices, key=largest_first))
 
 
 def sobol_cubes(size: int, count: int, seed: int) -> Floats:
@@ -291,18 +299,18 @@ def sobol_cubes(size: int, count: int, seed: int) -> Floats:
 
 
 def sobol_indices(f: Floats) -> tuple[Floats, Floats]:
-    """Return first-order and total Sobol' indices of values on ``sobol_cubes``, shape (d + 2, n).
+    """Return first-order and total Sobol' indices, shape (d,) each, NaN without variance.
 
-    NaN for values without variance.
+    ``f``, shape (d + 2, n), holds the values of a function on ``sobol_cubes``.
     """
     if np.ptp(f[:2]) == 0.0:
-        nothing = np.full(len(f) - 2, np.nan)
-        return nothing, nothing
+        unknown = np.full(len(f) - 2, np.nan)
+        return unknown, unknown
     if len(f) == 3:  # one quantity, which scipy refuses
         return np.ones(1), np.ones(1)
     values = {"f_A": f[None, 0], "f_B": f[None, 1], "f_AB": f[2:, None]}
-    found = stats.sobol_indices(func=values, n=f.shape[1])
-    return np.asarray(found.first_order).ravel(), np.asarray(found.total_order).ravel()
+    indices = stats.sobol_indices(func=values, n=f.shape[1])
+    return np.asarray(indices.first_order).ravel(), np.asarray(indices.total_order).ravel()
 
 
 def _quantiles(values: Floats) -> tuple[float, float, float]:
