@@ -1,8 +1,8 @@
 """Amounts as text: a number with a unit and a tolerance, such as ``0.8 mm ± 0.1 mm``.
 
 A bare number is in SI units. ``±`` (or ``+-``) states the half-width of a uniform distribution,
-``σ`` (or ``sigma``) the standard deviation of a normal one; in per cent it is a share of the value.
-pint reads the units; a frequency in revolutions or radians a second becomes one in hertz.
+``σ`` (or ``sigma``) the standard deviation of a normal one. A tolerance in per cent is a share of
+the value. pint reads the units; frequencies may also be in revolutions or radians per time.
 """
 
 import math
@@ -27,8 +27,8 @@ class Tolerance:
 
     Attributes:
         kind: "uniform" within ± ``width``, or "normal" with the standard deviation ``width``.
-        width: in SI units, >= 0; of the value 1 if ``relative``.
-        relative: the width is a share of the value, and moves with it.
+        width: >= 0, in SI units, or as a share of the value if ``relative``.
+        relative: True if the width is proportional to the value.
     """
 
     kind: Literal["uniform", "normal"]
@@ -42,7 +42,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Amount:
-    """A value in SI units, and its tolerance if one is stated."""
+    """A value in SI units, with its tolerance if one is stated."""
 
     value: float
     tolerance: Tolerance | None = None
@@ -52,7 +52,7 @@ def read_amount(name: str, given: object, unit: str) -> Amount:
     """Read the amount of the quantity ``name``, whose SI unit is ``unit``.
 
     Raises:
-        ValueError: no number, or a unit that is unknown or of another quantity.
+        ValueError: no number, an unknown unit, a unit of another quantity, or a tolerance < 0.
     """
     if isinstance(given, (int, float)) and not isinstance(given, bool):
         return Amount(float(given))
@@ -94,40 +94,40 @@ def read_range(name: str, given: object, unit: str) -> tuple[float, float]:
 
 
 def _rule(unit: str) -> str:
-    shown = "" if unit == "1" else f" in {unit}, or with a unit"
-    return f"must be a number{shown}"
+    units = "" if unit == "1" else f" in {unit}, or with a unit"
+    return f"must be a number{units}"
 
 
 def _unit_of(text: str) -> str:
-    found = _AMOUNT.fullmatch(text)
-    return found[2] if found else ""
+    match = _AMOUNT.fullmatch(text)
+    return match[2] if match else ""
 
 
 def _number(name: str, given: Any, text: str, unit: str) -> float:
-    """Return the value of ``text``, a number with or without a unit, in ``unit``."""
-    found = _AMOUNT.fullmatch(text)
-    if found is None:
+    """Return the value of ``text``, a number with or without a unit, in ``unit``.
+
+    The message of a refusal quotes ``given``, the whole text of which this is a part.
+    """
+    match = _AMOUNT.fullmatch(text)
+    if match is None:
         raise ValueError(f"{name} = {given!r}: {_rule(unit)}")
-    value, own = float(found[1]), found[2]
+    value, own = float(match[1]), match[2]
     if _COMMA.search(text):
-        raise ValueError(f"{name} = {given!r}: write {_COMMA.sub(_pointed, text).strip()}")
+        with_point = _COMMA.sub(lambda match: match[0].replace(",", "."), text).strip()
+        raise ValueError(f"{name} = {given!r}: write {with_point}")
     if own and not _UNIT.fullmatch(own):
         raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}")
     return value if own in ("", unit) else value * _factor(name, given, own, unit)
 
 
-def _pointed(found: re.Match[str]) -> str:
-    return found[0].replace(",", ".")
-
-
 def _factor(name: str, given: Any, own: str, unit: str) -> float:
-    """Return one of the unit ``own`` in the SI unit ``unit``."""
+    """Return the size of the unit ``own`` in the SI unit ``unit``."""
     import pint  # noqa: PLC0415  (a third of a second, for files with units only)
 
     registry = _registry()
     try:
         one = registry.Quantity(1.0, registry.parse_units(own))
-        # A cycle is an angle of 2π for pint, and one for a frequency.
+        # For pint a cycle is an angle of 2π; a frequency counts it as 1.
         turning = unit == "Hz" and "radian" in one.to_root_units().units._units
         return float(one.to("" if unit == "1" else unit).magnitude) / (
             2.0 * math.pi if turning else 1.0

@@ -1,19 +1,19 @@
 """The base of a device: contact stiffness from materials and size, damping from restitution.
 
 Contact stiffness: the edge of the hole, rounded with radius R, against the flat face of the part,
-as the tangent of Hertz's law F = 4/3 E* √R d^(3/2) under the press force: k = (6 E*² R F)^(1/3),
+is the slope of Hertz's law F = 4/3 E* √R d^(3/2) at the press force: k = (6 E*² R F)^(1/3),
 with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2 (K. L. Johnson, Contact Mechanics, 1985, sect. 4.2). A thin
 round plate clamped at its rim and loaded at its centre is a spring in series:
 k = 16 π D / c², D = E t³ / (12 (1 - ν²)) (S. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and
 Shells, 1959, art. 18).
 
-Contact damping: an impact on the model's base, a spring with a damper that never pulls, returns the
-share e of the closing rate with
+Contact damping: the model's base is a spring with a damper that never pulls. An impact on it
+returns the share e of the closing rate, which does not depend on the stiffness:
 
     e = exp(-ζ/√(1 - ζ²) β),  β = atan2(2ζ √(1 - ζ²), 2ζ² - 1)   for ζ < 1
 
-whatever the stiffness (T. Schwager, T. Pöschel, Granular Matter 9, 2007, 465), so that
-h = 2ζ √(k m) with the mass m = M/(1 + M s²/I) that the part has at its edge, at the start.
+(T. Schwager, T. Pöschel, Granular Matter 9, 2007, 465). The damping is h = 2ζ √(k m) with the
+effective mass m = M/(1 + M s²/I) of the part at the edge on which it starts.
 """
 
 import math
@@ -43,7 +43,7 @@ MATERIALS: Mapping[str, Material] = {
     "ABS": Material(2.2e9, 0.37),
 }
 
-# Quantities of a base that a device file may state besides the parameters: meaning and SI unit.
+# Quantities of a base that a device file may state in place of parameters: meaning and SI unit.
 BASE: Mapping[str, tuple[str, str]] = {
     "edge_radius": ("rounding of the hole's edge, for the contact stiffness of materials", "m"),
     "plate_thickness": ("thickness of a base that is a round plate, clamped at its rim", "m"),
@@ -51,7 +51,7 @@ BASE: Mapping[str, tuple[str, str]] = {
     "restitution": ("coefficient of restitution, for the contact damping", "1"),
 }
 
-# Parameters that follow from other quantities of a device file, if it states these.
+# Parameters, and the quantities of a device file from which they are computed if stated.
 SOURCES: Mapping[str, tuple[str, ...]] = {
     "contact_stiffness": ("materials", "edge_radius", "plate_thickness", "plate_radius"),
     "contact_damping": ("restitution",),
@@ -59,10 +59,10 @@ SOURCES: Mapping[str, tuple[str, ...]] = {
 
 
 def pair_of(text: object) -> tuple[Material, Material]:
-    """Return the materials of ``part on base``, such as "steel on aluminium".
+    """Return the materials of part and base, stated such as "steel on aluminium".
 
     Raises:
-        ValueError: not such a pair, or an unknown material.
+        ValueError: another form, or an unknown material.
     """
     names = str(text).split(" on ")
     if len(names) != 2 or not all(name.strip() in MATERIALS for name in names):
@@ -75,19 +75,19 @@ def pair_of(text: object) -> tuple[Material, Material]:
 
 
 def hertz_stiffness(pair: tuple[Material, Material], radius: float, force: float) -> float:
-    """Return the tangent stiffness in N/m of an edge (radius, m) on a face under a force (N)."""
+    """Return the contact stiffness in N/m of an edge (radius, m) on a face under a force (N)."""
     compliance = sum((1.0 - each.poisson**2) / each.modulus for each in pair)
     return math.cbrt(6.0 * radius * force / compliance**2)
 
 
 def plate_stiffness(material: Material, thickness: float, radius: float) -> float:
-    """Return the stiffness in N/m of a round clamped plate, sizes in m, under its centre."""
+    """Return the stiffness in N/m of a clamped round plate (sizes in m), loaded at its centre."""
     rigidity = material.modulus * thickness**3 / (12.0 * (1.0 - material.poisson**2))
     return 16.0 * math.pi * rigidity / radius**2
 
 
 def restitution_of(ratio: float) -> float:
-    """Return the coefficient of restitution of an impact with the damping ``ratio``, >= 0."""
+    """Return the coefficient of restitution of an impact with a damping ratio >= 0."""
     if ratio < 1.0:
         root = math.sqrt(1.0 - ratio * ratio)
         angle = math.atan2(2.0 * ratio * root, 2.0 * ratio * ratio - 1.0)
@@ -98,9 +98,9 @@ def restitution_of(ratio: float) -> float:
     return math.exp(-ratio / root * 2.0 * math.atanh(root / ratio))
 
 
-@lru_cache(maxsize=64)  # devices within tolerances mostly share it
+@lru_cache(maxsize=64)  # most devices within the tolerances have the same restitution
 def damping_ratio_of(restitution: float) -> float:
-    """Return the damping ratio whose impact has this ``restitution``, above 0 and at most 1."""
+    """Return the damping ratio that gives a coefficient of restitution, > 0 and <= 1."""
     low, high = 0.0, 1.0
     while restitution_of(high) > restitution:
         high *= 2.0
@@ -111,7 +111,7 @@ def damping_ratio_of(restitution: float) -> float:
 
 
 def mass_at_edge(quantities: Mapping[str, float]) -> float:
-    """Return the mass in kg with which the part meets the edge that it starts on."""
+    """Return the effective mass in kg of the part at the edge on which it starts."""
     width = quantities["half_width"] * (1.0 + quantities["clearance"])
     arm = width - quantities["misalignment"]
     mass = quantities["mass"]
@@ -121,11 +121,11 @@ def mass_at_edge(quantities: Mapping[str, float]) -> float:
 def with_base(
     quantities: Mapping[str, float], pair: tuple[Material, Material] | None
 ) -> dict[str, float]:
-    """Return ``quantities``, in SI units, with those of ``BASE`` turned into parameters.
+    """Return quantities in SI units, with contact stiffness and damping in place of the base's.
 
     Raises:
-        ValueError: a quantity of a base outside its rule, without one that it needs, or beside
-            one that states the same.
+        ValueError: a quantity of the base outside its rule, one that another needs and that is
+            missing, or two that state the same.
     """
     given = {name: value for name, value in quantities.items() if name in BASE}
     result = {name: value for name, value in quantities.items() if name not in BASE}

@@ -1,4 +1,4 @@
-"""Read devices in SI units from YAML files: quantities with units and tolerances, base, design."""
+"""Devices in SI units, read from YAML files: quantities, tolerances, base, free ranges, limits."""
 
 import math
 from collections.abc import Hashable, Mapping
@@ -15,20 +15,20 @@ from model.study.devices.amounts import Tolerance, read_amount, read_range
 from model.study.devices.base import BASE, SOURCES, pair_of, with_base
 from model.study.devices.plausibility import check_place, check_press, doubts
 
-# Limits that a design may keep: meaning and SI unit. Each is an upper limit.
+# Upper limits that a design may have to keep: meaning and SI unit.
 LIMITS: Mapping[str, tuple[str, str]] = {
     "contact_force": ("largest contact force", "N"),
     "time": ("longest alignment time", "s"),
     "tilt": ("largest tilt until alignment", "rad"),
 }
-# Further, whether every device must need the vibration, or none may: the share that needs it.
+# Limit "vibration" of a design: the share of devices that must not align without vibration.
 VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
 QUANTITIES = (*UNITS, *PARAMETER_NAMES, *BASE)
 _BESIDES = ("materials", "free", "limits", "start")
 
 
 class DeviceError(ValueError):
-    """A file that describes no device."""
+    """A file that states no valid device."""
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class StatedDevice:
 
     Attributes:
         source: the file.
-        quantities: values of the stated quantities, those of the base included.
-        tolerances: of the quantities that have one.
-        materials: of part and base, such as "steel on aluminium", or None.
+        quantities: values of the stated quantities, the base's included.
+        tolerances: tolerances by quantity.
+        materials: materials of part and base, such as "steel on aluminium", or None.
         free: ranges within which a design may choose a quantity.
-        limits: largest admissible values of the names in ``LIMITS``; "vibration" is the share of
-            devices that must need it, 1 or 0.
-        changes: quantities set besides the file, as they were given.
+        limits: largest admissible values of the names in ``LIMITS``; for "vibration" the share of
+            devices that must not align without it, 1 or 0.
+        changes: quantities that replace the file's, as they were given.
         start: start of its runs (``Settings.start``), or None.
     """
 
@@ -62,20 +62,20 @@ class StatedDevice:
         return self.at({})
 
     def at(self, changes: Mapping[str, float]) -> Device:
-        """Return the device with some ``quantities`` changed, in SI units.
+        """Return units and dimensionless parameters with some quantities (SI units) changed.
 
         Raises:
-            ValueError: a quantity unknown or outside its rule.
+            ValueError: a quantity that is unknown or outside its rule.
         """
         return device(self.resolved(changes))
 
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
-        """Return the quantities with ``changes``, the base as contact stiffness and damping."""
+        """Return the quantities with ``changes``, and the base as contact stiffness and damping."""
         pair = None if self.materials is None else pair_of(self.materials)
         return with_base({**self.quantities, **changes}, pair)
 
     def changed(self, **changes: float) -> "StatedDevice":
-        """Return the device with other values, in SI units; tolerances stay."""
+        """Return the device with other values (SI units) and the same tolerances."""
         for name in changes:
             check_name(name, QUANTITIES, "quantity of a device")
         return replace(
@@ -96,8 +96,8 @@ class StatedDevice:
 
     @property
     def doubts(self) -> list[str]:
-        """Values that are possible, and probably not meant."""
-        cut = [
+        """Lines on values that are possible but probably not meant."""
+        cut_off = [
             f"{name} = {self.quantities[name]:.4g} ± {each.around(self.quantities[name]):.4g}: the "
             "tolerance reaches below 0, where it is cut off"
             for name, each in self.tolerances.items()
@@ -105,29 +105,28 @@ class StatedDevice:
             and each.around(self.quantities[name]) > abs(self.quantities[name])
             and (name not in FIELDS or FIELDS[name].bound)
         ]
-        return doubts(self.resolved({}), self.device) + cut
+        return doubts(self.resolved({}), self.device) + cut_off
 
 
 def load_device(path: Path, changes: Mapping[str, object]) -> Device:
-    """Read the device in the YAML file ``path``; ``changes`` (SI units) replace its quantities.
+    """Return units and dimensionless parameters of the device in a YAML file.
 
-    Raises:
-        DeviceError: as ``read_device``.
+    Arguments and errors are those of ``read_device``.
     """
     return read_device(path, changes).device
 
 
 def read_device(path: Path, changes: Mapping[str, object] | None = None) -> StatedDevice:
-    """Read the device in the YAML file ``path`` as it is stated.
+    """Return the device in a YAML file as it is stated.
 
     Args:
-        path: lines of NAME: VALUE, in SI units or with units.
-        changes: quantities by name, numbers in SI units or text with units. A changed quantity
-            keeps its tolerance, unless the text states another. A contact stiffness or damping
-            replaces the quantities of the file that it follows from.
+        path: file with lines NAME: VALUE, in SI units or with units.
+        changes: quantities by name that replace the file's, numbers in SI units or text with
+            units. A changed quantity keeps its tolerance unless the text states another. A contact
+            stiffness or damping also replaces the quantities from which it would be computed.
 
     Raises:
-        DeviceError: a file that cannot be read, is not YAML, breaks a rule, or makes no sense.
+        DeviceError: the file cannot be read, is not YAML, breaks a rule, or makes no sense.
     """
     changes = {} if changes is None else changes
     replaced = {each for name in changes for each in SOURCES.get(name, ())} - set(changes)
@@ -146,7 +145,8 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
             changes=dict(changes),
             start=_start(mapping.get("start")),
         )
-        device({n: v for n, v in stated.quantities.items() if n not in BASE})  # nothing is missing
+        # Refuses unknown and missing quantities, before anything is computed from them.
+        device({n: v for n, v in stated.quantities.items() if n not in BASE})
         check_press(stated.quantities["press_force"])
         check_place(stated.resolved({}))
         _check_tolerances(stated)
@@ -156,7 +156,7 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
 
 
 def unit_of(name: str) -> str:
-    """Return the SI unit of a quantity of a device; 1 if it has none.
+    """Return the SI unit of a quantity of a device, "1" if it has none.
 
     Raises:
         ValueError: an unknown quantity.
@@ -168,7 +168,7 @@ def unit_of(name: str) -> str:
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML in which a key is given once."""
+    """Loader of YAML that refuses a key given twice."""
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
         seen: set[object] = set()
@@ -219,23 +219,23 @@ def _start(given: Any) -> Start | None:
 
 
 def _limits(given: object) -> dict[str, float]:
-    found = {}
+    limits = {}
     for name, value in _section("limits", given).items():
         check_name(name, (*LIMITS, "vibration"), "limit of a design")
         if name == "vibration":
             if value not in VIBRATION:
                 words = " or ".join(VIBRATION)
                 raise ValueError(f"limits: vibration = {value!r}: must be {words}")
-            found[name] = VIBRATION[str(value)]
+            limits[name] = VIBRATION[str(value)]
             continue
-        found[name] = read_amount(name, value, LIMITS[name][1]).value
-        if not 0.0 < found[name] < math.inf:
+        limits[name] = read_amount(name, value, LIMITS[name][1]).value
+        if not 0.0 < limits[name] < math.inf:
             raise ValueError(f"limits: {name} = {value!r}: must be a finite number > 0")
-    return found
+    return limits
 
 
 def _check_tolerances(stated: StatedDevice) -> None:
-    """Refuse tolerances within which a part can start wholly beside the slot, or makes no sense."""
+    """Refuse tolerances within which the part can start wholly beside the slot."""
     worst = {}
     for name, sign in (("half_width", -1.0), ("clearance", -1.0), ("misalignment", 1.0)):
         if name in stated.tolerances:
