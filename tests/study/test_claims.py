@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from model.events.outcomes import Unvibrated
-from model.study.claims import CLAIMS, VERDICTS, Finding, judge, tally
+from model.study.claims import CLAIMS, VERDICTS, Judgement, judge, tally
 from model.study.claims.claims import ClaimsError, claims_of, limit_of
 from model.study.claims.data import Data, between
 from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
@@ -32,7 +32,7 @@ BY_ID = {claim.id: claim for claim in CLAIMS}
 CHECKED = [claim.id for claim in CLAIMS if claim.check is not None]
 
 
-def found(claim: str, datasets: dict[str, xr.Dataset]) -> Finding:
+def found(claim: str, datasets: dict[str, xr.Dataset]) -> Judgement:
     return judge_claim(BY_ID[claim], Data(datasets))
 
 
@@ -44,26 +44,28 @@ def test_every_claim_has_made_up_data() -> None:
 @pytest.mark.parametrize("verdict", ["reproduced", "contradicted"])
 def test_made_up_data_decide_a_claim_and_sensitive_points_do_not(claim: str, verdict: str) -> None:
     datasets = CASES[claim][verdict == "contradicted"]()
-    finding = found(claim, datasets)
-    assert finding.verdict == verdict, finding
-    assert 0.0 < finding.margin < 1.0 if verdict == "reproduced" else -1.0 <= finding.margin < 0.0
+    judgement = found(claim, datasets)
+    assert judgement.verdict == verdict, judgement
+    assert (
+        0.0 < judgement.margin < 1.0 if verdict == "reproduced" else -1.0 <= judgement.margin < 0.0
+    )
     noisy = found(claim, with_sensitive_noise(datasets))
-    assert noisy.verdict == verdict, (finding, noisy)
+    assert noisy.verdict == verdict, (judgement, noisy)
 
 
 @pytest.mark.parametrize("claim", CHECKED)
 def test_without_its_data_a_claim_is_not_checkable(claim: str) -> None:
-    finding = found(claim, {})
-    assert finding.verdict == "not checkable"
-    assert math.isnan(finding.margin)
-    assert "there is no dataset" in finding.seen
+    judgement = found(claim, {})
+    assert judgement.verdict == "not checkable"
+    assert math.isnan(judgement.margin)
+    assert "there is no dataset" in judgement.seen
 
 
 def test_what_cannot_be_measured_says_why() -> None:
-    for claim, finding in judge({}):
+    for claim, judgement in judge({}):
         if claim.check is None:
-            assert finding.verdict == "not checkable"
-            assert finding.seen == claim.limit.reason
+            assert judgement.verdict == "not checkable"
+            assert judgement.seen == claim.limit.reason
 
 
 def test_some_parts_of_a_claim_make_it_mixed() -> None:
@@ -75,10 +77,10 @@ def test_some_parts_of_a_claim_make_it_mixed() -> None:
 
 
 def test_a_curve_that_never_aligns_contradicts_what_is_said_of_it() -> None:
-    finding = found("F6d", curves("fig06", NAN))
-    assert finding.verdict == "contradicted"
-    assert finding.margin == -1.0
-    assert finding.seen == "k_φ = 5: nothing to measure; k_φ = 7: nothing to measure"
+    judgement = found("F6d", curves("fig06", NAN))
+    assert judgement.verdict == "contradicted"
+    assert judgement.margin == -1.0
+    assert judgement.seen == "k_φ = 5: nothing to measure; k_φ = 7: nothing to measure"
 
 
 def test_a_ragged_curve_has_no_rise_within_a_small_range() -> None:
@@ -88,9 +90,9 @@ def test_a_ragged_curve_has_no_rise_within_a_small_range() -> None:
 
 def test_curves_that_a_claim_names_may_be_missing() -> None:
     family = curves("fig06")["fig06"].isel(tilt_stiffness=[3])
-    finding = found("F6d", {"fig06": family})
-    assert finding.verdict == "not checkable"
-    assert "no curve between 5 and 7" in finding.seen
+    judgement = found("F6d", {"fig06": family})
+    assert judgement.verdict == "not checkable"
+    assert "no curve between 5 and 7" in judgement.seen
 
 
 def test_more_force_is_to_be_faster_where_the_tilt_spring_is_stiff() -> None:

@@ -1,11 +1,11 @@
 """The claims ledger: the paper's statements, judged by the datasets.
 
-``claims.yaml`` states the claims, and ``claims`` loads and checks them. They name the numbers of
-``measures`` and ``comparisons``, which are taken of datasets as ``data`` reads them. ``ledger``
-judges the numbers.
+``claims.yaml`` states the claims, and ``claims`` loads and checks them. Each names a function of
+``measures`` or ``comparisons`` that computes a number from datasets, which ``data`` reads.
+``ledger`` judges the number.
 """
 
 from model.study.claims.claims import CLAIMS, Claim
-from model.study.claims.ledger import VERDICTS, Finding, judge, tally
+from model.study.claims.ledger import VERDICTS, Judgement, judge, tally
 
-__all__ = ["CLAIMS", "VERDICTS", "Claim", "Finding", "judge", "tally"]
+__all__ = ["CLAIMS", "VERDICTS", "Claim", "Judgement", "judge", "tally"]

@@ -1,11 +1,11 @@
 """The claims of the paper, as ``claims.yaml`` states them; its form is checked here.
 
-A check takes its number of each curve of the first figure (``measures.OF_CURVE``), of each figure
-(``measures.OF_FIGURE``) or of all figures together (``comparisons.OF_CLAIM``); ``ledger`` holds
-what it finds against the claim's limit. Of curves it may take those in a range (``curves``), or one
-(``curve``); ``combine`` makes one number of the curves of all figures, and ``beyond`` takes off the
-largest number of other curves. Thresholds follow from the wording and from the resolution of a
-printed figure, never from the outcome.
+A check computes a number for each curve of the first figure (``measures.OF_CURVE``), for each
+figure (``measures.OF_FIGURE``), or for all figures together (``comparisons.OF_CLAIM``). ``ledger``
+compares it with the claim's limit. Curves may be restricted to those in a range (``curves``) or to
+one (``curve``). ``combine`` makes one number of the curves of all figures; ``beyond`` subtracts the
+largest number of other curves. Thresholds follow from the paper's wording and from the resolution
+of a printed figure, never from the outcome.
 """
 
 import inspect
@@ -53,7 +53,7 @@ class Limit:
     reason: str
 
     def margin(self, value: float) -> float:
-        """Signed distance from the threshold, in (-1, 1), positive where met; -1 for NaN."""
+        """Return the signed distance from the threshold, in [-1, 1], > 0 where met; -1 for NaN."""
         if math.isnan(value):
             return -1.0
         distance = (value - self.threshold) / self.scale * (1.0 if self.is_least else -1.0)
@@ -74,15 +74,15 @@ class Claim:
     Attributes:
         id: identifier, such as "F6a".
         place: place in the paper.
-        kind: stated of a figure, concluded, or one interpretation of an unclear sentence.
+        kind: statement on a figure, conclusion, or one interpretation of an unclear sentence.
         statement: the paper's words, shortened.
-        figures: figures and own runs of the ledger that it is judged by; the first shows it.
+        figures: figures, and runs made for the claims, by which it is judged; the first shows it.
         measure: the number in words.
         limit: the demand on the number.
         check: function of the data and figures that returns the number of each part of the claim
-            by the part's name, "" for the whole; None if nothing can be measured. NaN says that
-            what the paper describes is not there to be measured, as the duration of a part that
-            never aligns: that contradicts the claim as far as it goes.
+            by the part's name, "" for the whole; None if nothing can be measured. NaN where the
+            data lack what the paper describes, such as the duration of a part that never aligns;
+            this counts against the claim.
     """
 
     id: str
@@ -124,15 +124,15 @@ def _of_curves(
     combine: str = "",
     beyond: str = "",
 ) -> Parts:
-    def known(found: Sequence[Curve]) -> Array:
-        values = np.array([number(each) for each in found])
+    def known(curves: Sequence[Curve]) -> Array:
+        values = np.array([number(each) for each in curves])
         return values[~np.isnan(values)]
 
     if curve is not None:
         return {"": number(data.curves(figures[0], curve)[0])}
     if combine:
-        found = [each for name in figures for each in data.curves(name, curves)]
-        return {"": _COMBINED[combine](known(found))}
+        together = [each for name in figures for each in data.curves(name, curves)]
+        return {"": _COMBINED[combine](known(together))}
     parts = {each.name: number(each) for each in data.curves(figures[0], curves)}
     if not beyond:
         return parts
@@ -143,28 +143,28 @@ def _of_curves(
 def _of_figures(
     view: View, number: Number, data: Data, figures: Sequence[str], needs_all: bool
 ) -> Parts:
-    """Numbers of the figures that have a dataset, of all of them with ``needs_all``."""
+    """Return the number of each figure; without ``needs_all``, figures may lack a dataset."""
     needed = needs_all or len(figures) == 1
-    found = [name for name in figures if needed or data.has(name)]
-    if not found:
+    used = [name for name in figures if needed or data.has(name)]
+    if not used:
         raise MissingDataError(f"there is no dataset of {', '.join(figures)}")
     return {
         f"Fig. {int(name[3:])}" if len(figures) > 1 else "": number(view(data, name))
-        for name in found
+        for name in used
     }
 
 
 def _of_claim(number: Callable[..., Parts | float], data: Data, figures: Sequence[str]) -> Parts:
-    found = number(data, *figures)
-    return {"": found} if isinstance(found, float) else found
+    parts = number(data, *figures)
+    return {"": parts} if isinstance(parts, float) else parts
 
 
 def _check_of(name: str, figures: Sequence[str], arguments: dict[str, Any]) -> Check:
-    """Return the check by the number of this name.
+    """Return the check that calls the function of this name.
 
     Raises:
-        ValueError: no number of that name.
-        TypeError: arguments that it does not take.
+        ValueError: there is no function of this name.
+        TypeError: the function does not take the arguments.
     """
 
     def bound(number: Callable[..., Any], *given: Any) -> Callable[..., Any]:
@@ -189,7 +189,12 @@ def _check_of(name: str, figures: Sequence[str], arguments: dict[str, Any]) -> C
 
 
 def limit_of(stated: Mapping[str, Any]) -> Limit:
-    """Return the limit stated as {least or most, scale, reason}."""
+    """Return the limit that is stated as {least or most, scale, reason}.
+
+    Raises:
+        KeyError: the scale or the reason is missing.
+        ValueError: not one threshold, another key, or a scale that is not > 0.
+    """
     least = "least" in stated
     (threshold,) = (stated[name] for name in ("least", "most") if name in stated)
     extra = set(stated) - {"least", "most", "scale", "reason"}
@@ -203,8 +208,8 @@ def _demanded(must: str | Mapping[str, Any], named: Mapping[str, Limit]) -> Limi
         return named[must]
     if "be" not in must:
         return limit_of(must)
-    found = named[must["be"]]
-    return replace(found, reason=f"{found.reason}; {must['also']}")
+    limit = named[must["be"]]
+    return replace(limit, reason=f"{limit.reason}; {must['also']}")
 
 
 def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Claim:
@@ -237,17 +242,17 @@ def claims_of(text: str) -> tuple[Claim, ...]:
     """Return the claims of a table in the form of ``claims.yaml``, in its order.
 
     Raises:
-        ClaimsError: naming the first claim that breaks a rule, and the rule.
+        ClaimsError: a claim that breaks a rule; the message names both.
     """
     table = yaml.safe_load(text)
     limits = {name: limit_of(stated) for name, stated in table["limits"].items()}
-    found = []
+    claims = []
     for name, stated in table["claims"].items():
         try:
-            found.append(_claim(str(name), dict(stated), limits))
+            claims.append(_claim(str(name), dict(stated), limits))
         except (KeyError, TypeError, ValueError) as error:
             raise ClaimsError(f"claims.yaml: {name}: {error}") from error
-    return tuple(found)
+    return tuple(claims)
 
 
 CLAIMS = claims_of(

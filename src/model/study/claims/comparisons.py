@@ -1,7 +1,7 @@
-"""The numbers that claims name: of several curves or figures together.
+"""Numbers for claims, computed from several curves or figures together.
 
-``claims.yaml`` names a function of ``OF_CLAIM``, its figures, and its other arguments. It returns
-one number, or the number of each part of the claim by the part's name, such as "k_φ = 5".
+``claims.yaml`` names a function of ``OF_CLAIM``, its figures, and its other arguments. A function
+returns one number, or a number for each part of the claim by the part's name, such as "k_φ = 5".
 """
 
 import math
@@ -36,7 +36,7 @@ _ACROSS: Mapping[str, Callable[[Array, Array], float]] = {
 
 
 def across(data: Data, figure: str, take: str, of: str = "tau", x: str = "any") -> float:
-    """Trend or spread of a column over the family's values, mean over the swept values in ``x``."""
+    """Return the trend or spread of a column over the family, averaged over the x in a range."""
     curves = data.curves(figure)
     values = np.array([curve.value for curve in curves])
     grid = np.unique(np.concatenate([curve.x for curve in curves]))
@@ -48,9 +48,9 @@ def across(data: Data, figure: str, take: str, of: str = "tau", x: str = "any") 
 
 
 def motion_of_tilted_part(data: Data, figure: str) -> Parts:
-    """Trends of the tilt and of -y, averaged over an excitation period, over time."""
-    course = data.course(figure)
-    return {"φ": trend_over_time(course, "tilt"), "-y": -trend_over_time(course, "y")}
+    """Return the trends over time of tilt and -y, averaged over an excitation period."""
+    run = data.sampled_run(figure)
+    return {"φ": trend_over_time(run, "tilt"), "-y": -trend_over_time(run, "y")}
 
 
 def _farthest(curve: Curve) -> float:
@@ -58,25 +58,25 @@ def _farthest(curve: Curve) -> float:
     return float(moved.max()) if moved.size else NAN
 
 
-def _usual_way(data: Data, figure: str) -> float:
+def _usual_excursion(data: Data, figure: str) -> float:
     return median(np.concatenate([c.column("excursion") for c in data.curves(figure)]))
 
 
 def way_without_asymmetry(data: Data, figure: str, other: str) -> float:
-    """Farthest way from an upright start over the usual way in another figure."""
-    return ratio(_farthest(data.curves(figure, 0.0)[0]), _usual_way(data, other))
+    """Return the largest excursion from an upright start over the median of another figure."""
+    return ratio(_farthest(data.curves(figure, 0.0)[0]), _usual_excursion(data, other))
 
 
 def decades_by_tilt(data: Data, figure: str) -> Parts:
-    """Decades by which a tilt at the start lengthens the farthest way from an upright one."""
-    still, tilted = (data.curves(figure, text) for text in (0.0, "> 0"))
-    floor = 1e-12 * max(_usual_way(data, "misaligned"), 1.0)
-    least = max(_farthest(still[0]), floor)
+    """Return by how many decades an initial tilt makes the largest excursion longer."""
+    upright, tilted = (data.curves(figure, text) for text in (0.0, "> 0"))
+    floor = 1e-12 * max(_usual_excursion(data, "misaligned"), 1.0)
+    least = max(_farthest(upright[0]), floor)
     return {c.name: float(np.log10(max(_farthest(c), floor) / least)) for c in tilted}
 
 
 def reach_over_clearance(data: Data, figure: str) -> float:
-    """Largest misalignment up to which every run aligns, over δa, of the best curve."""
+    """Return, for the best curve, the largest misalignment up to which all runs align, over δa."""
     clearance = data.held(figure, "clearance") * data.held(figure, "half_width")
     reached = []
     for curve in data.curves(figure):
@@ -87,7 +87,7 @@ def reach_over_clearance(data: Data, figure: str) -> float:
 
 
 def aligned_at(data: Data, figure: str, x: float) -> Parts:
-    """1 where the point at ``x`` of a curve aligns, 0 where it does not."""
+    """Return 1 for a curve whose point at ``x`` aligns, 0 for others."""
     points = [(curve, curve.within(x)) for curve in data.curves(figure)]
     parts = {curve.name: float(at.aligned[0]) for curve, at in points if at.x.size}
     if not parts:
@@ -96,7 +96,7 @@ def aligned_at(data: Data, figure: str, x: float) -> Parts:
 
 
 def growth_by_family(data: Data, figure: str) -> float:
-    """Largest over least growth of the duration along x, within the x at which all curves align."""
+    """Return the largest growth of a curve over the least, up to the last x at which all align."""
     curves = [c for c in data.curves(figure) if c.aligned.any()]
     if len(curves) < 2:
         return NAN
@@ -109,7 +109,11 @@ def growth_by_family(data: Data, figure: str) -> float:
 def relative_slope_elsewhere(
     data: Data, figure: str, curves: str, x: str, than: Mapping[str, Mapping[str, str]]
 ) -> Parts:
-    """Mean relative slope in ranges of curves and x less that in others, over their sum."""
+    """Compare the mean relative slope in ranges of curves and x with that in others.
+
+    Returns:
+        the ``asymmetry`` of the two slopes, by the words for the other range.
+    """
 
     def slope_in(curves: str, x: str) -> float:
         return mean([_relative_slope(c.within(x)) for c in data.curves(figure, curves)])
@@ -125,16 +129,16 @@ def _relative_slope(curve: Curve) -> float:
 
 
 def tilt_gained(data: Data, figure: str, curve: float, x: str, over: str) -> float:
-    """Usual tilt gained until alignment in one range of x over that in another."""
-    found, start = data.curves(figure, curve)[0], data.held(figure, "initial_tilt")
-    stiff, first = (
-        median(found.within(text).column("tilt_max", aligned=True)) - start for text in (x, over)
+    """Return the median tilt gained until alignment in one range of x over that in another."""
+    points, start = data.curves(figure, curve)[0], data.held(figure, "initial_tilt")
+    here, there = (
+        median(points.within(text).column("tilt_max", aligned=True)) - start for text in (x, over)
     )
-    return ratio(stiff, first)
+    return ratio(here, there)
 
 
 def spread_over_that_of(data: Data, figure: str, curve: float, curves: str) -> Parts:
-    """Spread of each curve's durations over that of one curve on the same range of x."""
+    """Return the spread of each curve's durations over that of one curve on the same range."""
     (light,) = data.curves(figure, curve)
     parts = {}
     for each in data.curves(figure, curves):
@@ -145,7 +149,10 @@ def spread_over_that_of(data: Data, figure: str, curve: float, curves: str) -> P
 
 
 def deepest_minimum(data: Data, figure: str) -> Parts | float:
-    """Lower flank above the minimum, over the minimum, of the curve where that is largest."""
+    """Return the depth of the deepest minimum of any curve.
+
+    Depth is the rise from the minimum to the lower of its two flanks, over the minimum.
+    """
     dips = [(_dip(c), c) for c in data.curves(figure)]
     known = [(dip, curve) for dip, curve in dips if not math.isnan(dip)]
     if not known:
@@ -163,13 +170,13 @@ def _dip(curve: Curve) -> float:
 
 
 def least_distance_in_shape(data: Data, figure: str, other: str) -> float:
-    """Distance in shape of the two most similar curves, one of each of two figures."""
+    """Return the least distance in shape between a curve of one figure and one of another."""
     pairs = [_shape_distance(a, b) for a in data.curves(figure) for b in data.curves(other)]
     return min((each for each in pairs if not math.isnan(each)), default=NAN)
 
 
 def _shape_distance(first: Curve, second: Curve) -> float:
-    """Root mean square difference of two curves' logarithms, each less its median."""
+    """Return the RMS difference of the logarithms of two curves, each minus its median."""
     one, other = (c.only(c.aligned) for c in (first, second))
     if min(one.x.size, other.x.size) < 2:
         return NAN

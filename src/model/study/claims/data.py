@@ -1,7 +1,7 @@
-"""Read datasets as claims need them: points, curves, planes, courses, and ranges of them.
+"""Views of datasets for the claims: points, curves, maps and trajectories, and ranges of them.
 
-A sensitive point ends differently at another tolerance. Curves and points leave such points out,
-neither aligned nor not, so that they decide nothing. NaN is an unknown value.
+A sensitive point ends differently at another tolerance. Points and curves leave such points out, so
+that no claim depends on them. NaN is an unknown value.
 """
 
 import math
@@ -25,18 +25,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Columns = Mapping[str, NDArray[Any]]
-Where = Mapping[str, str | float]  # a range, as ``between`` reads it, for some columns
+Where = Mapping[str, str | float]  # a range for ``between``, by column
 Read = TypeVar("Read")
 
 NAN = float("nan")
-# Comparing arrays with the enumeration takes five times as long.
+# As integers: to compare an array with a member of the enumeration takes five times as long.
 _ALIGNED, _SETTLED = int(Outcome.ALIGNED), int(Outcome.SETTLED)
-_MOMENTS = 200  # of a trajectory
-_TENTH = 0.1  # of an axis
+_MOMENTS = 200  # at which a trajectory is sampled
 
 
 class MissingDataError(LookupError):
-    """A dataset that a claim needs is missing, or a value in it."""
+    """A dataset that a claim needs, or a value in it, is missing."""
 
 
 class Range(NamedTuple):
@@ -70,16 +69,17 @@ def between(text: str | float) -> Range:
 
 @dataclass(frozen=True)
 class Points:
-    """Points of a dataset by column, each of shape (n,).
+    """Points of a dataset.
 
-    Columns are the dataset's variables, the parameters it varies, ``aligned`` and ``settled``
-    (the outcome), and ``tau`` (the alignment time, NaN where a point does not align).
+    Attributes:
+        columns: of shape (n,) each: variables of the dataset, varied parameters, ``aligned`` and
+            ``settled`` (from the outcome), and ``tau`` (alignment time, NaN without alignment).
     """
 
     columns: Columns
 
     def column(self, name: str, aligned: bool = False) -> Array:
-        """Return one column; with ``aligned``, NaN for points that do not align.
+        """Return a column of shape (n,); with ``aligned``, NaN for points that do not align.
 
         Raises:
             MissingDataError: there is no such column.
@@ -113,14 +113,14 @@ class Points:
         return between(text)
 
     def share(self, of: Where, among: Where | None = None) -> float:
-        """Return the share of the points in ``among`` that lie in ``of``, NaN without any."""
-        found = self.at(of)[self.at(among)] if among else self.at(of)
-        return int(np.count_nonzero(found)) / found.size if found.size else NAN
+        """Return the share of the points in ``among`` that also lie in ``of``, NaN without any."""
+        inside = self.at(of)[self.at(among)] if among else self.at(of)
+        return int(np.count_nonzero(inside)) / inside.size if inside.size else NAN
 
 
 @dataclass(frozen=True)
 class Curve(Points):
-    """The points of one curve by rising ``x``, the swept parameter, which is a column.
+    """Points of one curve, ordered by the swept parameter, the column ``x``.
 
     Attributes:
         symbol: symbol of the parameter that differs between the curves of the figure.
@@ -141,40 +141,47 @@ class Curve(Points):
         return f"{self.symbol} = {self.value:g}"
 
     def range_of(self, text: str | float) -> Range:
-        """Return the range that ``between`` does, or the "first tenth" or "last tenth" of x."""
+        """Return the range that a text means; also the "first tenth" or "last tenth" of x."""
         if text not in ("first tenth", "last tenth"):
             return between(text)
         if not self.x.size:
             return Range(NAN, NAN)
-        tenth = _TENTH * float(np.ptp(self.x))
+        tenth = 0.1 * float(np.ptp(self.x))
         if text == "first tenth":
             return Range(-math.inf, self.x[0] + tenth)
         return Range(self.x[-1] - tenth, math.inf)
 
     def within(self, text: str | float) -> "Curve":
-        """Return the part of the curve with ``x`` in a range."""
+        """Return the part of the curve where ``x`` is in a range."""
         return self if text == "any" else self.only(self.at({"x": text}))
 
     def only(self, kept: Flags) -> "Curve":
-        """Return the points of ``kept``, shape (n,)."""
+        """Return the curve of the points whose flag in ``kept``, shape (n,), is set."""
         columns = {name: values[kept] for name, values in self.columns.items()}
         return Curve(columns, self.symbol, self.value)
 
     @cached_property
     def halves(self) -> "tuple[Curve, Curve]":
-        """The aligning points, cut in the middle of their range; a point there is in both."""
-        found = self.only(self.aligned)
-        if not found.x.size:
-            return found, found
-        middle = 0.5 * (found.x[0] + found.x[-1])
-        return found.only(found.x <= middle), found.only(found.x >= middle)
+        """The aligning points in the lower and upper half of their range of x.
+
+        A point in the middle belongs to both.
+        """
+        points = self.only(self.aligned)
+        if not points.x.size:
+            return points, points
+        middle = 0.5 * (points.x[0] + points.x[-1])
+        return points.only(points.x <= middle), points.only(points.x >= middle)
 
 
 @dataclass(frozen=True)
-class Plane:
-    """A map: arrays of shape (y, x), NaN in ``tau`` where the part does not align.
+class MapGrid:
+    """Cells of a map.
 
-    ``regular`` is True for cells that are not sensitive; ``aligned`` is meaningful there only.
+    Attributes:
+        x, y: values of the varied parameters, shape (x,) and (y,).
+        aligned: True where the part aligns, shape (y, x); to be used where ``regular`` only.
+        regular: True for cells that are not sensitive, shape (y, x).
+        tau: alignment time, NaN where the part does not align, shape (y, x).
     """
 
     x: Array
@@ -185,27 +192,37 @@ class Plane:
 
     @cached_property
     def largest_area(self) -> float:
-        """Share of the aligning cells in the largest connected area; sensitive cells connect."""
+        """Share of the aligning cells that lie in the largest connected area.
+
+        Sensitive cells connect areas and are not counted.
+        """
         count = int((self.aligned & self.regular).sum())
         if count == 0:
             return 0.0
-        areas, found = ndimage.label(self.aligned | ~self.regular)
-        sizes = np.bincount(areas[self.aligned & self.regular], minlength=found + 1)
+        areas, number = ndimage.label(self.aligned | ~self.regular)
+        sizes = np.bincount(areas[self.aligned & self.regular], minlength=number + 1)
         return float(sizes.max() / count)
 
     def safe(self, reach: float) -> Flags:
-        """Cells around which all align within ``reach`` of both axes' lengths; shape (y, x)."""
+        """Return flags of the cells around which all cells align, shape (y, x).
+
+        ``reach`` is the distance along both axes, as a share of their lengths.
+        """
         cells = [2 * max(1, round(reach * (size - 1))) + 1 for size in self.aligned.shape]
         lowest = ndimage.minimum_filter((self.aligned | ~self.regular).astype(np.int8), cells)
         return np.asarray(lowest == 1)
 
 
 @dataclass(frozen=True)
-class Course:
-    """One trajectory until it aligns or ends, at equidistant moments; shape (n,) each.
+class SampledRun:
+    """A trajectory until it aligns or ends, sampled at n equidistant moments.
 
-    ``x``, ``y`` and ``tilt`` are means over a period of the excitation. ``fall`` is the time from
-    the last moment with half the mean contact force until the end, as a share of the duration.
+    Attributes:
+        aligned: True if the part aligns.
+        x, y, tilt: moving means over a period of the excitation, of at most n values.
+        force: contact force, shape (n,).
+        fall: time from the last moment with at least half the mean contact force until the end, as
+            a share of the duration.
     """
 
     aligned: bool
@@ -217,10 +234,10 @@ class Course:
 
 
 class Data:
-    """Datasets as claims read them; each view of one is made once.
+    """Views of the datasets by name; a view is made when it is first asked for, and kept.
 
     Args:
-        datasets: of figures ("fig06") and of the ledger's own runs ("pressed"), by name.
+        datasets: by name: of figures ("fig06"), and of runs made for the claims ("pressed").
     """
 
     def __init__(self, datasets: "Mapping[str, xr.Dataset]") -> None:
@@ -228,14 +245,14 @@ class Data:
         self._views: dict[tuple[str, str], object] = {}
 
     def has(self, name: str) -> bool:
-        """Return whether there is such a dataset."""
+        """Return whether there is a dataset of this name."""
         return name in self._datasets
 
     def dataset(self, name: str) -> "xr.Dataset":
         """Return a dataset.
 
         Raises:
-            MissingDataError: there is none of this name; also raised by all that follow.
+            MissingDataError: there is none of this name. The views below raise it as well.
         """
         if name not in self._datasets:
             raise MissingDataError(f"there is no dataset {name}")
@@ -248,35 +265,35 @@ class Data:
         return self._views[key]  # type: ignore[return-value]
 
     def curves(self, name: str, at: str | float | list[float] = "any") -> tuple[Curve, ...]:
-        """Return the curves of a figure whose parameter lies in a range, by rising value of it.
+        """Return the curves of a figure in a range of the family's parameter, in rising order.
 
-        ``at`` may also be a list of values, each of which must be there.
+        ``at`` may also be a list of values, one for each curve.
 
         Raises:
-            MissingDataError: there is none.
+            MissingDataError: there is no curve in the range, or of a value in the list.
         """
         if isinstance(at, list):
             return tuple(curve for value in at for curve in self.curves(name, value))
         low, high = between(at)
-        found = tuple(c for c in self._view(name, _curves) if low <= c.value <= high)
-        if not found:
+        curves = tuple(c for c in self._view(name, _curves) if low <= c.value <= high)
+        if not curves:
             raise MissingDataError(f"{name} has no curve between {low:g} and {high:g}")
-        return found
+        return curves
 
-    def plane(self, name: str) -> Plane:
+    def map_grid(self, name: str) -> MapGrid:
         """Return the map of a figure."""
-        return self._view(name, _plane)
+        return self._view(name, _map_grid)
 
-    def course(self, name: str) -> Course:
+    def sampled_run(self, name: str) -> SampledRun:
         """Return the trajectory of a figure."""
-        return self._view(name, _course)
+        return self._view(name, _sampled_run)
 
     def points(self, name: str) -> Points:
         """Return the points of a dataset."""
         return self._view(name, _points)
 
     def drawn(self, name: str) -> tuple[Points, ...]:
-        """Return what a figure draws: each of its curves, otherwise all its points."""
+        """Return the curves of a figure that has curves; all points of another dataset as one."""
         return self.curves(name) if name in CURVES else (self.points(name),)
 
     def held(self, name: str, parameter: str) -> float:
@@ -293,7 +310,7 @@ def _dimensions(dataset: "xr.Dataset") -> tuple[str, ...]:
 
 
 def _columns(dataset: "xr.Dataset") -> dict[str, NDArray[np.generic]]:
-    """The columns of ``Points``, of the shape of the dataset."""
+    """Return the columns of ``Points``, in the shape of the dataset."""
     names = _dimensions(dataset)
     columns = {
         str(name): _raw(dataset, str(name))
@@ -319,18 +336,18 @@ def _curves(dataset: "xr.Dataset") -> tuple[Curve, ...]:
     x, values = (_raw(dataset, name).astype(np.float64) for name in (swept, family))
     columns, symbol = _columns(dataset), FIELDS[family].symbol
     order = np.argsort(x, kind="stable")
-    found = []
+    curves = []
     for i in np.argsort(values, kind="stable"):
         kept = order[columns["sensitive"][i, order] == 0]
         along = {name: each[i, kept] for name, each in columns.items()}
-        found.append(Curve({**along, "x": x[kept]}, symbol, float(values[i])))
-    return tuple(found)
+        curves.append(Curve({**along, "x": x[kept]}, symbol, float(values[i])))
+    return tuple(curves)
 
 
-def _plane(dataset: "xr.Dataset") -> Plane:
+def _map_grid(dataset: "xr.Dataset") -> MapGrid:
     y, x = _dimensions(dataset)
     aligned = _raw(dataset, "outcome") == _ALIGNED
-    return Plane(
+    return MapGrid(
         x=_raw(dataset, x).astype(np.float64),
         y=_raw(dataset, y).astype(np.float64),
         aligned=aligned,
@@ -339,7 +356,7 @@ def _plane(dataset: "xr.Dataset") -> Plane:
     )
 
 
-def _course(dataset: "xr.Dataset") -> Course:
+def _sampled_run(dataset: "xr.Dataset") -> SampledRun:
     time = _raw(dataset, "time").astype(np.float64)
     aligned = int(_raw(dataset, "outcome")) == _ALIGNED
     end = float(_raw(dataset, "tau_align")) if aligned else float(time[-1])
@@ -350,14 +367,14 @@ def _course(dataset: "xr.Dataset") -> Course:
         np.interp(moments, time, _raw(dataset, name).astype(np.float64))
         for name in ("x", "y", "tilt", "contact_force")
     )
-    # Where a force jumps its time occurs twice: at the end the value before the jump counts.
+    # Where the force jumps a time occurs twice; at the end the value before the jump counts.
     until = time <= end
     pressing = _raw(dataset, "contact_force").astype(np.float64)[until]
     strong = time[until][pressing >= 0.5 * max(float(force.mean()), 1e-300)]
     frequency = float(_raw(dataset, "frequency"))
     period = 2.0 * np.pi / frequency if frequency > 0.0 else 0.0
     width = round(period / end * (_MOMENTS - 1))
-    return Course(
+    return SampledRun(
         aligned=aligned,
         x=_moving_mean(x, width),
         y=_moving_mean(y, width),
@@ -368,7 +385,10 @@ def _course(dataset: "xr.Dataset") -> Course:
 
 
 def _moving_mean(values: Array, width: int) -> Array:
-    """Mean over ``width`` moments; ``values`` where that is one, or more than half of all."""
+    """Return means over ``width`` moments.
+
+    Returns ``values`` unchanged where the width is one moment or more than half of them.
+    """
     if width < 2 or 2 * width > values.size:
         return values
     return np.convolve(values, np.full(width, 1.0 / width), mode="valid")

@@ -1,4 +1,4 @@
-"""Judge the claims by datasets: a number, a threshold, a margin, a verdict; and ``claims.csv``."""
+"""Verdicts of the datasets on the claims, and their table ``claims.csv``."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,15 +18,16 @@ VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
 @dataclass(frozen=True)
-class Finding:
+class Judgement:
     """The verdict of the datasets on a claim.
 
     Attributes:
-        value: number of the deciding part, the one with the least margin.
-        margin: in [-1, 1] and continuous: the least of the parts' where all are positive, otherwise
-            the mean of what the others lack, negative. NaN where the claim is not checkable.
+        value: number of the part with the least margin.
+        margin: in [-1, 1], a continuous function of the numbers. If all parts meet the demand, the
+            least margin of a part; otherwise the mean over all parts, in which parts that meet it
+            count as 0. NaN where the claim is not checkable.
         verdict: "reproduced" (all parts), "contradicted" (no part), "mixed", or "not checkable".
-        seen: number of every part, or the missing dataset.
+        seen: the number of every part, or why the claim is not checkable.
     """
 
     value: float
@@ -35,14 +36,14 @@ class Finding:
     seen: str
 
 
-def judge_claim(claim: Claim, data: Data) -> Finding:
+def judge_claim(claim: Claim, data: Data) -> Judgement:
     """Return the verdict of ``data`` on one claim."""
     if claim.check is None:
-        return Finding(math.nan, math.nan, "not checkable", claim.limit.reason)
+        return Judgement(math.nan, math.nan, "not checkable", claim.limit.reason)
     try:
         parts = claim.check(data, claim.figures)
     except MissingDataError as missing:
-        return Finding(math.nan, math.nan, "not checkable", f"{missing}")
+        return Judgement(math.nan, math.nan, "not checkable", f"{missing}")
     margins = {where: claim.limit.margin(value) for where, value in parts.items()}
     worst = min(margins, key=margins.__getitem__)
     verdict: Verdict
@@ -54,19 +55,19 @@ def judge_claim(claim: Claim, data: Data) -> Finding:
     seen = "; ".join(
         f"{where}: {_shown(value)}" if where else _shown(value) for where, value in parts.items()
     )
-    return Finding(parts[worst], margin, verdict, seen)
+    return Judgement(parts[worst], margin, verdict, seen)
 
 
 def _shown(value: float) -> str:
     return "nothing to measure" if math.isnan(value) else f"{value:.3g}"
 
 
-def judge(datasets: "Mapping[str, xr.Dataset]") -> tuple[tuple[Claim, Finding], ...]:
+def judge(datasets: "Mapping[str, xr.Dataset]") -> tuple[tuple[Claim, Judgement], ...]:
     """Return every claim of the paper with its verdict.
 
     Args:
-        datasets: by name: of figures ("fig06", as in ``data/fig06.nc``) and of the ledger's own
-            runs ("pressed", as in ``data/claims/pressed.nc``), of any grid. A claim whose dataset
+        datasets: by name: of figures ("fig06", from ``data/fig06.nc``) and of runs made for the
+            claims ("pressed", from ``data/claims/pressed.nc``), of any grid. A claim whose dataset
             is missing is not checkable.
     """
     data = Data(datasets)
@@ -83,7 +84,7 @@ def tally(verdicts: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Line:
-    """A claim and its verdict in words; numbers to six digits, "" for none."""
+    """A row of ``claims.csv``: a claim and its verdict; numbers as text, "" for none."""
 
     claim: str
     verdict: str
@@ -100,28 +101,28 @@ class Line:
 
     @property
     def sources(self) -> list[str]:
-        """Figures and own runs that show it, the most telling first."""
+        """Names of the figures and runs by which it is judged; the first shows it."""
         return self.shown_by.split()
 
 
-def lines_of(judged: Iterable[tuple[Claim, Finding]]) -> list[Line]:
-    """Return the ledger in words."""
+def lines_of(judged: Iterable[tuple[Claim, Judgement]]) -> list[Line]:
+    """Return the rows of ``claims.csv``."""
     return [
         Line(
             claim=claim.id,
-            verdict=finding.verdict,
+            verdict=judgement.verdict,
             place=claim.place,
             kind=claim.kind,
             statement=claim.statement,
             measure=claim.measure,
-            value=_number(finding.value),
+            value=_number(judgement.value),
             demand="" if claim.check is None else claim.limit.demand,
-            margin=_number(finding.margin),
-            seen=finding.seen,
+            margin=_number(judgement.margin),
+            seen=judgement.seen,
             reason=claim.limit.reason,
             shown_by=" ".join(claim.figures),
         )
-        for claim, finding in judged
+        for claim, judgement in judged
     ]
 
 
@@ -135,7 +136,7 @@ def ledger_text(lines: Iterable[Line]) -> str:
 
 
 def read_ledger(path: Path) -> list[Line]:
-    """Return the lines of ``claims.csv``.
+    """Return the rows of a file ``claims.csv``.
 
     Raises:
         TableError: a file that is missing, empty, or not a ledger.

@@ -1,11 +1,10 @@
-"""The numbers that claims name: of one curve, and of one figure.
+"""Numbers for claims, computed from one curve or one figure, and the statistics that they need.
 
-``claims.yaml`` names a function of ``OF_CURVE`` or ``OF_FIGURE`` and states its arguments but the
-first. Ranges are texts such as "5 to 7" or "< 2"; see ``data.between``. Numbers of several curves
-or figures together are in ``comparisons``.
+``claims.yaml`` names a function of ``OF_CURVE`` or ``OF_FIGURE`` and states all its arguments but
+the first. Ranges are texts such as "5 to 7" or "< 2"; see ``data.between``.
 
-The statistics are their own: ``scipy.stats`` has no rank correlation with a resolution, and its
-quantiles that leave NaN out cost ten times these on the few dozen points of a curve.
+Trend and quantile are not scipy's: it has no rank correlation with a resolution, and quantiles that
+ignore NaN take it ten times as long on the few dozen points of a curve.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from model.study.claims.data import NAN, Array, Course, Curve, Data, Plane, Points, Where
+from model.study.claims.data import NAN, Array, Curve, Data, MapGrid, Points, SampledRun, Where
 
 Number = Callable[..., float]
 View = Callable[[Data, str], Any]
@@ -31,7 +30,8 @@ def trend(x: Array, y: Array) -> float:
 
     Args:
         x: shape (n,).
-        y: shape (n,), or (m, n) for the mean over those of the m rows that have two points.
+        y: shape (n,), or (m, n) for the mean trend of the m rows; rows with fewer than two known
+            points are left out.
     """
     if y.ndim == 2:
         return mean([trend(x, row) for row in y])
@@ -60,10 +60,10 @@ def slope(x: Array, y: Array) -> float:
 
 
 def explained(basis: Array, y: Array) -> float:
-    """Return the share of the variance of ``y`` that a combination of ``basis`` explains.
+    """Return the share of the variance of ``y`` that a linear combination of ``basis`` explains.
 
-    0 where the mean alone does better; NaN with fewer than k + 2 points, or where ``y`` does not
-    vary.
+    0 where the mean alone explains more; NaN with fewer than k + 2 known points, or where ``y``
+    does not vary.
 
     Args:
         basis: shape (k, n).
@@ -78,7 +78,7 @@ def explained(basis: Array, y: Array) -> float:
 
 
 def quantile(values: Array, share: float) -> float:
-    """Return numpy's quantile of values without NaN, at least one; a tenth of numpy's time."""
+    """Return a quantile of at least one value, none of them NaN, in a tenth of numpy's time."""
     ordered = np.sort(values)
     place = share * (ordered.size - 1)
     low = int(place)
@@ -93,7 +93,7 @@ def median(values: Array) -> float:
 
 
 def spread(values: Array) -> float:
-    """Return largest over least of the middle nine tenths of the known values; NaN: none."""
+    """Return the 95 % over the 5 % quantile of the known values, NaN without any."""
     known = values[np.isfinite(values)]
     if known.size == 0:
         return NAN
@@ -121,74 +121,78 @@ def trend_along(
     aligned: bool = False,
     strength: bool = False,
 ) -> float:
-    """Trend of a column over x, of aligning points only with ``aligned``, or its absolute value."""
+    """Return the trend of a column over x, or its absolute value with ``strength``.
+
+    With ``aligned`` only the aligning points count.
+    """
     part = curve.within(within)
-    found = trend(part.x, part.column(of, aligned))
-    return abs(found) if strength else found
+    value = trend(part.x, part.column(of, aligned))
+    return abs(value) if strength else value
 
 
 def share(curve: Curve, of: Where, among: Where | None = None) -> float:
-    """Share of the points in ``among`` that lie in ``of``."""
+    """Return the share of the points in ``among`` that lie in ``of``."""
     return curve.share(of, among)
 
 
 def share_not_aligned(curve: Curve, among: Where) -> float:
-    """Share of the points in ``among`` that do not align."""
+    """Return the share of the points in ``among`` that do not align."""
     return 1.0 - curve.share({"aligned": 1}, among)
 
 
 def smaller_share_of_curve(curve: Curve) -> float:
-    """Share of the points that align, or that do not, whichever is smaller."""
+    """Return the share of the points that align, or that do not, whichever is smaller."""
     return smaller_share(curve)
 
 
 def usual_ratio(curve: Curve, of: str, among: Where, over: Where) -> float:
-    """Median of a column among some points over that among others."""
+    """Return the median of a column over the points in ``among``, over that in ``over``."""
     values = curve.column(of)
     return ratio(median(values[curve.at(among)]), median(values[curve.at(over)]))
 
 
 def spread_along(curve: Curve) -> float:
-    """Longest over shortest duration, without the outermost twentieths."""
+    """Return the spread of the duration along x."""
     return spread(curve.tau)
 
 
 def slope_along(curve: Curve) -> float:
-    """Slope of the duration over x."""
+    """Return the slope of the duration over x."""
     return slope(curve.x, curve.tau)
 
 
 def steeper_rise(curve: Curve, within: str, than: str) -> float:
-    """Slope of the duration in one range less that in another, over their sum."""
+    """Return the ``asymmetry`` of the slope of the duration in one range and that in another."""
     first, second = curve.within(within), curve.within(than)
     return asymmetry(slope(first.x, first.tau), slope(second.x, second.tau))
 
 
 def steeper_fall_at_first(curve: Curve) -> float:
-    """Fall of the duration in the first half of the aligning range less that in the second."""
+    """Return the ``asymmetry`` of the fall of the duration in the first and second half."""
     first, second = curve.halves
     return asymmetry(-slope(first.x, first.tau), -slope(second.x, second.tau))
 
 
 def longer_at_first(curve: Curve) -> float:
-    """Duration where alignment begins over the usual one in the second half of the range."""
+    """Return the mean duration of the first fifth of the first half over the second's median."""
     first, second = curve.halves
     start = float(first.tau[: max(1, first.tau.size // 5)].mean()) if first.tau.size else NAN
     return ratio(start, median(second.tau))
 
 
 def growth(curve: Curve, within: str | float = "any") -> float:
-    """Duration at the largest x of a range that aligns over that at the least."""
+    """Return the duration of the last aligning point in a range of x over that of the first."""
     part = curve.within(within)
     tau = part.tau[part.aligned]
     return ratio(float(tau[-1]), float(tau[0])) if tau.size > 1 else NAN
 
 
 def bump(curve: Curve, begins: str, width: float) -> float:
-    """Clearness of a fall, a rise within ``width`` from a point in ``begins`` on, and a fall.
+    """Return the relative size of a bump in the duration: a fall, a rise, and a second fall.
 
-    The least of the first fall, the rise and the second fall, over the duration where the rise
-    begins; what else rises along the curve is taken off the rise, so that a ragged curve has none.
+    The rise begins in the range ``begins`` and is at most ``width`` wide. The size is the least of
+    the first fall, the rise and the second fall, over the duration where the rise begins. All other
+    rises along the curve are subtracted from the rise, so that a ragged curve has no bump.
     """
     kept = curve.only(curve.aligned)
     x, tau = kept.x, kept.tau
@@ -209,17 +213,17 @@ def bump(curve: Curve, begins: str, width: float) -> float:
 
 
 def explained_by_line(curve: Curve) -> float:
-    """Share of the variance along x that a straight line explains."""
+    """Return the share of the variance along x that a straight line explains."""
     return explained(np.array([np.ones(curve.x.size), curve.x]), curve.tau)
 
 
 def explained_by_inverse(curve: Curve) -> float:
-    """Share of the variance along x that a multiple of 1/x explains."""
+    """Return the share of the variance along x that a multiple of 1/x explains."""
     return explained(np.array([1.0 / curve.x]), curve.tau)
 
 
 def best(curve: Curve, reach: float) -> float:
-    """Middle of the x whose duration is within ``reach``, a factor, of the least."""
+    """Return the median x of the points whose duration is at most ``reach`` times the least."""
     if not curve.aligned.any():
         return NAN
     near = curve.aligned & (curve.tau <= reach * np.nanmin(curve.tau))
@@ -230,89 +234,89 @@ def best(curve: Curve, reach: float) -> float:
 
 
 def share_of_runs(points: Points, of: Where, among: Where | None = None) -> float:
-    """Share of the runs in ``among`` that lie in ``of``."""
+    """Return the share of the runs in ``among`` that lie in ``of``."""
     return points.share(of, among)
 
 
 def usual(points: Points, of: str) -> float:
-    """Median magnitude of a column over the runs that align."""
+    """Return the median magnitude of a column over the runs that align."""
     return median(np.abs(points.column(of, aligned=True)))
 
 
-def least_aligned(drawn: Sequence[Points]) -> float:
-    """Share of the points that align, of the curve where it is least."""
-    return min(points.share({"aligned": 1}) for points in drawn)
+def least_aligned(curves: Sequence[Points]) -> float:
+    """Return the share of the points that align, for the curve where it is least."""
+    return min(points.share({"aligned": 1}) for points in curves)
 
 
 def smaller_share(points: Points) -> float:
-    """Share of the runs that align, or that do not, whichever is smaller."""
+    """Return the share of the runs that align, or that do not, whichever is smaller."""
     aligned = points.share({"aligned": 1})
     return min(aligned, 1.0 - aligned)
 
 
 def usual_delay(points: Points) -> float:
-    """Median time between alignment and the corners inside, over the duration."""
+    """Return the median time between alignment and the corners inside, over the duration."""
     tau = points.tau[points.aligned]
     later = points.column("tau_corners_inside")[points.aligned] - tau
     known = np.isfinite(later) & (tau > 0.0)
     return median(np.abs(later[known]) / tau[known])
 
 
-def largest_area(plane: Plane) -> float:
-    """Share of the aligning cells in the largest connected area."""
-    return plane.largest_area
+def largest_area(grid: MapGrid) -> float:
+    """Return the share of the aligning cells that lie in the largest connected area."""
+    return grid.largest_area
 
 
-def safe_share(plane: Plane, reach: float) -> float:
-    """Share of the cells around which all align within ``reach`` of the axes' lengths."""
-    return float(plane.safe(reach).mean())
+def safe_share(grid: MapGrid, reach: float) -> float:
+    """Return the share of the safe cells; see ``MapGrid.safe``."""
+    return float(grid.safe(reach).mean())
 
 
-def rows_with_safe_cells(plane: Plane, reach: float, until: float) -> float:
-    """Share of the rows with y <= ``until`` that have a safe cell, as in ``safe_share``."""
-    judged = plane.safe(reach)[plane.y <= until]
-    return float(judged.any(axis=1).mean()) if judged.size else NAN
+def rows_with_safe_cells(grid: MapGrid, reach: float, until: float) -> float:
+    """Return the share of the rows with y <= ``until`` that have a safe cell."""
+    rows = grid.safe(reach)[grid.y <= until]
+    return float(rows.any(axis=1).mean()) if rows.size else NAN
 
 
-def trend_along_rows(plane: Plane) -> float:
-    """Trend of the duration over x, mean over the rows."""
-    return trend(plane.x, np.where(plane.regular, plane.tau, NAN))
+def trend_along_rows(grid: MapGrid) -> float:
+    """Return the mean over the rows of the trend of the duration over x."""
+    return trend(grid.x, np.where(grid.regular, grid.tau, NAN))
 
 
-def shift_of_last_aligned(plane: Plane) -> float:
-    """Largest difference over the rows of the largest x that aligns, over the axis.
+def shift_of_last_aligned(grid: MapGrid) -> float:
+    """Return by how much the largest aligning x differs between rows, over the length of the axis.
 
-    Sensitive cells right above that x may align too: of the differences so possible, the least.
+    Sensitive cells next to it may align as well; of the differences that this allows, the least.
     """
     ends = []
-    for aligned, regular in zip(plane.aligned, plane.regular, strict=True):
+    for aligned, regular in zip(grid.aligned, grid.regular, strict=True):
         surely = np.flatnonzero(aligned & regular)
         if surely.size:
             most = int(surely[-1])
-            while most + 1 < plane.x.size and not regular[most + 1]:
+            while most + 1 < grid.x.size and not regular[most + 1]:
                 most += 1
-            ends.append((plane.x[int(surely[-1])], plane.x[most]))
+            ends.append((grid.x[int(surely[-1])], grid.x[most]))
     if len(ends) < 2:
         return NAN
     apart = max(least for least, _ in ends) - min(most for _, most in ends)
-    return max(0.0, float(apart) / float(np.ptp(plane.x)))
+    return max(0.0, float(apart) / float(np.ptp(grid.x)))
 
 
-def trend_over_time(course: Course, of: str) -> float:
-    """Trend of a coordinate, averaged over an excitation period, over time."""
-    values: Array = getattr(course, of)
+def trend_over_time(run: SampledRun, of: str) -> float:
+    """Return the trend over time of a coordinate, averaged over an excitation period."""
+    values: Array = getattr(run, of)
     return trend(np.arange(float(values.size)), values - values[0])
 
 
-def relative_deviation_of_force(course: Course) -> float:
-    """Standard deviation of the contact force over its mean, until the part aligns."""
-    level = float(course.force.mean())
-    return float(course.force.std() / level) if level > 0.0 else NAN
+def relative_deviation_of_force(run: SampledRun) -> float:
+    """Return the standard deviation of the contact force over its mean, until the part aligns."""
+    mean_force = float(run.force.mean())
+    return float(run.force.std() / mean_force) if mean_force > 0.0 else NAN
 
 
-def fall_of_force(course: Course) -> float:
-    """Time from the last moment with half the mean force until alignment, over the duration."""
-    return course.fall if course.aligned else NAN
+def fall_of_force(run: SampledRun) -> float:
+    """Return ``SampledRun.fall`` of a run that aligns."""
+    return run.fall if run.aligned else NAN
 
 
 # --- By name ------------------------------------------------------------------------------------
@@ -325,12 +329,12 @@ _CURVES = (
 _FIGURES: Sequence[tuple[View, Sequence[Number]]] = (
     (Data.points, (share_of_runs, usual, smaller_share, usual_delay)),
     (Data.drawn, (least_aligned,)),
-    (Data.plane, (largest_area, safe_share, rows_with_safe_cells, trend_along_rows,
+    (Data.map_grid, (largest_area, safe_share, rows_with_safe_cells, trend_along_rows,
                   shift_of_last_aligned)),
-    (Data.course, (trend_over_time, relative_deviation_of_force, fall_of_force)),
+    (Data.sampled_run, (trend_over_time, relative_deviation_of_force, fall_of_force)),
 )  # fmt: skip
 OF_CURVE: Mapping[str, Number] = {number.__name__: number for number in _CURVES}
-# Of each name: what the number takes of a figure's dataset, and the number.
+# By name: the view of a dataset that the function takes, and the function.
 OF_FIGURE: Mapping[str, tuple[View, Number]] = {
     number.__name__: (view, number) for view, numbers in _FIGURES for number in numbers
 }

@@ -1,6 +1,6 @@
-"""The regime of a figure: whether it is the vibration that aligns the part, and at what tilt.
+"""The regime of a figure: whether vibration aligns the part, and at what tilt.
 
-Numbers that are also claims come from the claims, so that both say the same.
+Numbers that are also claims are computed by the claims' checks.
 """
 
 from typing import NamedTuple
@@ -15,16 +15,18 @@ _CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
 
 
 class Regime(NamedTuple):
-    """Numbers of one figure; all but the first are of its points that align, NaN where none does.
+    """Numbers of one figure.
+
+    All but ``aligned`` are taken over the points that align, NaN without any.
 
     Attributes:
-        aligned: share of all points that align, of the curve where it is least (claim M9).
-        static: share whose unvibrated control aligns too.
-        not_resting: share whose control does not come to rest on A1, slightly tilted (M4b).
+        aligned: share of the points that align, for the curve where it is least (claim M9).
+        static: share whose unvibrated control aligns as well.
+        not_resting: share whose unvibrated control does not rest on A1, slightly tilted (M4b).
         tilt: median magnitude of the tilt at alignment in radians (M2d).
-        tilt_largest: largest one.
+        tilt_largest: largest magnitude of the tilt at alignment in radians.
         corners: share that meets the four corner conditions (C8c).
-        lift_offs: share that lifts off before (N1).
+        lift_offs: share that lifts off before it aligns (N1).
     """
 
     aligned: float
@@ -40,7 +42,7 @@ def regime_of(data: Data, figure: str) -> Regime:
     """Return the regime of a figure.
 
     Raises:
-        MissingDataError: no dataset, or one without the controls.
+        MissingDataError: no dataset, or one without unvibrated controls.
     """
 
     def number(claim: str) -> float:

@@ -1,7 +1,4 @@
-"""The study as data: config/, checked strictly before anything is computed.
-
-The structural baseline is stated in the configuration only; ``baseline`` reads it from there.
-"""
+"""The study as data: the files in config/, checked before anything is computed."""
 
 from model.study.config.accuracy import Range
 from model.study.config.base import Axis, ConfigError, Family, Span, check_plane

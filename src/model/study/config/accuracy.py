@@ -23,7 +23,7 @@ class Range(Strict):
         return self
 
     def holds(self, value: float) -> bool:
-        """Return whether sets with this value, or with values on both sides of it, can be drawn."""
+        """Return whether ``value`` is within the range, or is 0 and 0 can be drawn."""
         return self.low <= value <= self.high or (value == 0.0 and self.zero > 0.0)
 
 
@@ -35,14 +35,14 @@ class SettledTrial(Strict):
     chunks: int = Field(ge=1, le=1000)
     """Number of jobs that the sets are divided among."""
     longer: float = Field(gt=1.0)
-    """Horizons for which a settled run is continued."""
+    """Length of a continued run, in horizons."""
 
 
 class Fuzz(Strict):
     """Properties of runs on random sets over the whole domain; see verification/fuzz.py."""
 
     scene: Literal["alignment", "insertion"] = "alignment"
-    """Contacts that are modelled; each scene has a law of its own by which devices are drawn."""
+    """Contacts that are modelled; the distribution of the sets depends on the scene."""
     seed: int = Field(ge=0)
     """Seed of the random draws."""
     sets: int = Field(ge=1, strict=False)  # from `make fuzz SETS=7` it is a text

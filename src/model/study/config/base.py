@@ -1,4 +1,4 @@
-"""Parts of every section: strict models, names and values of parameters, ranges."""
+"""Parts that sections share: the strict model, names and values of parameters, ranges."""
 
 import hashlib
 import itertools
@@ -12,24 +12,24 @@ Value = TypeVar("Value")
 
 
 class ConfigError(ValueError):
-    """Configuration that breaks a rule; the message has one line for each fault."""
+    """Configuration that breaks rules; the message has a line for each fault."""
 
 
 def parameter_name(name: str) -> str:
-    """Return ``name`` if it is a parameter's.
+    """Return the name of a parameter.
 
     Raises:
-        ValueError: it is not, with the nearest name.
+        ValueError: there is no such parameter; the message names the nearest.
     """
     check_name(name, PARAMETER_NAMES, "parameter")
     return name
 
 
 def parameter_names(values: dict[str, Value]) -> dict[str, Value]:
-    """Return ``values`` if every key is a parameter's name.
+    """Return values by names of parameters.
 
     Raises:
-        ValueError: one is not, with the nearest name.
+        ValueError: as ``parameter_name``.
     """
     for name in values:
         parameter_name(name)
@@ -37,7 +37,7 @@ def parameter_names(values: dict[str, Value]) -> dict[str, Value]:
 
 
 def check_rising(low: tuple[str, float], high: tuple[str, float]) -> None:
-    """Refuse two named values of which the first is not smaller than the second.
+    """Refuse two named values unless the first is smaller.
 
     Raises:
         ValueError: naming both.
@@ -47,7 +47,7 @@ def check_rising(low: tuple[str, float], high: tuple[str, float]) -> None:
 
 
 def check_falling(name: str, values: list[float]) -> None:
-    """Refuse values that do not fall from one to the next, or do not stay above 0.
+    """Refuse values that do not fall from one to the next, or are not > 0.
 
     Raises:
         ValueError: naming the values and the rule.
@@ -58,7 +58,7 @@ def check_falling(name: str, values: list[float]) -> None:
 
 
 def check_power_of_two(name: str, value: int) -> None:
-    """Refuse a number of cells that cannot be halved down to one.
+    """Refuse a number of cells that is no power of two.
 
     Raises:
         ValueError: naming the value and the rule.
@@ -75,7 +75,7 @@ class Strict(BaseModel):
         frozen=True,
         strict=True,
         allow_inf_nan=False,
-        use_attribute_docstrings=True,  # as the descriptions of the reference page
+        use_attribute_docstrings=True,  # the reference page prints them as descriptions
     )
 
 

@@ -1,4 +1,4 @@
-"""Rules that need the whole study: values against the rules of their parameters, and each other."""
+"""Rules that need the whole study, such as those of parameters whose values are in two sections."""
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
@@ -10,7 +10,7 @@ from model.study.config.study import Study
 
 
 def faults_of(study: Study) -> list[str]:
-    """Return every fault that only the whole study shows: path, value and rule."""
+    """Return a line for every fault that only the whole study shows: path, value and rule."""
     faults = [*_values(study)]
     if not faults:
         for check in (_ranges, _figures, _planes, _claims_runs, _jamming, _cases):
@@ -19,14 +19,14 @@ def faults_of(study: Study) -> list[str]:
 
 
 def _broken(place: str, values: Mapping[str, float]) -> Iterable[str]:
-    """Yield the values that break the rule of their parameter."""
+    """Yield a line for each value that breaks the rule of its parameter."""
     for name, value in values.items():
         if not FIELDS[name].admits(value):
             yield f"{place}.{name} = {value!r}: {FIELDS[name].rule}"
 
 
 def _attempt(place: str, action: Callable[[], object]) -> Iterable[str]:
-    """Yield why ``action`` refuses, if it does."""
+    """Call ``action`` and yield a line with its refusal, if it raises one."""
     try:
         action()
     except (TypeError, ValueError) as error:
@@ -36,7 +36,7 @@ def _attempt(place: str, action: Callable[[], object]) -> Iterable[str]:
 def _varied(
     place: str, what: str, parts: Iterable[Span | Family], held: Iterable[str]
 ) -> Iterable[str]:
-    """Yield what is varied twice, or both held and varied."""
+    """Yield a line for each parameter that is varied twice, or both held and varied."""
     names = [part.parameter for part in parts]
     if len(set(names)) < len(names):
         yield f"{place}: {names[0]!r} is varied twice"
@@ -55,7 +55,7 @@ def _values(study: Study) -> Iterable[str]:
 
 
 def _ranges(study: Study) -> Iterable[str]:
-    """Yield faults of the accuracy trial: the ends of its ranges against the parameters' rules."""
+    """Yield the faults of the ranges of the accuracy trial."""
     place, ranges = "accuracy.ranges", study.accuracy.ranges
     ends = [{name: law.low for name, law in ranges.items()}]
     ends.append({name: 0.0 for name, law in ranges.items() if law.zero > 0.0})

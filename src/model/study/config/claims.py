@@ -22,6 +22,6 @@ class ClaimRun(Strict):
     """Parameter that differs between curves."""
 
     def changes(self, half_width: float, clearance: float) -> dict[str, float]:
-        """Return the values that differ from the figure's, for a part and a slot of these sizes."""
+        """Return the values that differ from the figure's, for a part of these sizes."""
         centred = {"misalignment": half_width * (1.0 + clearance)} if self.centred else {}
         return {**self.held, **centred}

@@ -1,6 +1,6 @@
 """Figures of the paper and further maps: titles, parameters held and parameters varied.
 
-A new figure is named in a tuple below, and stated under ``figures`` in config/config.yaml.
+A new figure is added to a tuple below, and under ``figures`` in config/config.yaml.
 """
 
 from typing import Annotated, Literal
@@ -96,7 +96,7 @@ class Plane(FigureBase):
 
 
 class Ensemble(Strict):
-    """Initial conditions from which a reliable part aligns, all of them; see maps/starts.py."""
+    """Initial conditions from all of which a reliable part aligns; see maps/starts.py."""
 
     phases: int = Field(ge=1)
     """Number of equidistant phases of the excitation at touch-down."""
@@ -127,7 +127,7 @@ class Resolution(Strict):
 
 
 class Maps(Strict):
-    """Maps refined along their boundary: over the ranges of the paper's figures, and others."""
+    """Maps refined along boundaries: over the ranges of the paper's maps, and over others."""
 
     resolution: Resolution
     """Finest cells along a side."""

@@ -6,7 +6,7 @@ from model.study.config.base import Axis, Family, ParameterValues, Strict, Text
 
 
 class Jamming(Strict):
-    """Runs that are followed into the slot; see model/study/sweep.py."""
+    """Runs with the contacts inside the slot; see model/study/sweep.py."""
 
     title: Text
     """Title of the figure."""
@@ -15,6 +15,6 @@ class Jamming(Strict):
     clearance: Family
     """Clearances, a panel each."""
     tilt_stiffness: Axis
-    """Tilt stiffness, which varies the tilt at entry."""
+    """Tilt stiffness; it varies the tilt at entry."""
     friction: Axis
     """Friction."""

@@ -1,4 +1,4 @@
-"""Reading the configuration: a fault is a line with the key's path, the value and the rule."""
+"""Reads the configuration, and words a fault as a line: path of the key, value and rule."""
 
 import difflib
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from model.study.config.study import Study
 
 
 def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:
-    """Return the keys that are known at ``path`` below a value of type ``annotation``."""
+    """Return the valid keys at ``path`` within a value of type ``annotation``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         if not path:
             return list(annotation.model_fields)
@@ -28,20 +28,20 @@ def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:
         return _keys(inner[0], path)
     if origin in (Union, UnionType):
         tagged = {_tag(each): each for each in inner}
-        if path and path[0] in tagged:  # pydantic names the chosen kind of figure in the path
+        if path and path[0] in tagged:  # pydantic puts the kind of the figure into the path
             return _keys(tagged[path[0]], path[1:])
         return next(filter(None, (_keys(each, path) for each in inner)), [])
     return _keys(inner[-1], path[1:]) if origin in (dict, list) and path else []
 
 
 def _tag(model: Any) -> str | None:
-    """Return the ``kind`` that identifies a model of a figure."""
+    """Return the ``kind`` of the figures that a model describes, None for other models."""
     field = getattr(model, "model_fields", {}).get("kind")
     return get_args(field.annotation)[0] if field else None
 
 
 def _line(error: Mapping[str, Any]) -> str:
-    """Return one fault as one line: path, value, rule, and the nearest key of an unknown one."""
+    """Return a line for an error of pydantic: path, value, rule; nearest key for an unknown one."""
     names = {str(part) for part in error["loc"]} & set(KIND.values())
     place = [str(each) for each in error["loc"] if str(each) not in names and "[" not in str(each)]
     path = ".".join(place) or "(top level)"
@@ -61,7 +61,7 @@ def check_study(mapping: Mapping[str, Any], source: str = "config") -> Study:
     """Return the study in ``mapping``, checked.
 
     Raises:
-        ConfigError: every fault found, each with the key's path, the value and the rule.
+        ConfigError: a line for every fault: path of the key, value and rule.
     """
     try:
         study = Study.model_validate(mapping)
@@ -84,28 +84,28 @@ def _mapping(path: Path) -> dict[str, Any]:
 
 
 def study_files(path: Path) -> list[Path]:
-    """Return the files of a study: ``path``, and those beside it that are named as a section."""
+    """Return the files of a study: ``path``, and files beside it that are named after a section."""
     beside = [path.with_name(f"{name}.yaml") for name in Study.model_fields]
     return [path, *(file for file in beside if file != path and file.is_file())]
 
 
 def read_study(path: Path) -> dict[str, Any]:
-    """Return the mapping that the files of a study state together; nothing is checked but its keys.
+    """Return what the files of a study state, as one mapping that is not checked yet.
 
     A section that ``path`` does not state is read from the file of its name beside it, such as
-    maps.yaml, which states that section and no other.
+    maps.yaml. That file must state this section and no other.
 
     Raises:
         ConfigError: a file that cannot be read, is not YAML, or states another section.
     """
-    found = _mapping(path)
+    mapping = _mapping(path)
     for file in study_files(path)[1:]:
-        if file.stem not in found:
+        if file.stem not in mapping:
             section = _mapping(file)
             if set(section) != {file.stem}:
                 raise ConfigError(f"{file}: must state {file.stem!r}, and no other key at the top")
-            found |= section
-    return found
+            mapping |= section
+    return mapping
 
 
 def load_study(path: Path) -> Study:

@@ -10,10 +10,10 @@ from model.study.config.figures import GRIDDED
 
 
 class Case(Strict):
-    """Operating point at which methods are compared, from a figure of the study.
+    """Operating point at which methods are compared.
 
-    Without ``until`` the part must align, and the error is the alignment time's; with it, the error
-    is the state's at τ = ``until``, before any alignment.
+    Without ``until`` the part must align, and the error is that of the alignment time. With it, the
+    error is that of the state at τ = ``until``, before any alignment.
     """
 
     title: Text
@@ -57,14 +57,14 @@ class Ladder(Strict):
 
 
 class FixedSteps(Strict):
-    """Figures computed anew with fixed steps, to count the points that come out wrong."""
+    """Figures computed with fixed steps, to count wrong points."""
 
     steps: list[float] = Field(min_length=1)
     """Step lengths, falling."""
     tau_tolerance: float = Field(gt=0.0)
-    """Largest error of an alignment time that counts as right."""
+    """Largest error of a correct alignment time."""
     figures: dict[str, Annotated[int, Field(ge=1)]] = Field(min_length=1)
-    """Figures that are computed: every n-th value along each axis, by figure."""
+    """By figure, n: every n-th value along its axes is computed."""
 
     @model_validator(mode="after")
     def _can_be_run(self) -> "FixedSteps":
@@ -99,7 +99,7 @@ class HardCase(Strict):
 
 
 class StiffnessCases(Strict):
-    """A case for each pair of stiffness and damping of the base."""
+    """Cases for all pairs of stiffness and damping of the base."""
 
     stiffness: list[float] = Field(min_length=1)
     """Stiffnesses k_a of the base."""
@@ -112,7 +112,7 @@ class StiffnessCases(Strict):
 
 
 class HardCases(Strict):
-    """Section on hard cases: every method on every case, and the criteria for its answer."""
+    """Section on hard cases: every method on every case, and the criteria for its result."""
 
     tolerance: Tolerance
     """Tolerance of the adaptive methods."""
@@ -121,7 +121,7 @@ class HardCases(Strict):
     true_tolerance: Tolerance
     """Tolerance of the reference solution."""
     accurate: float = Field(gt=0.0)
-    """Largest error of an accurate answer."""
+    """Largest error of an accurate result."""
     max_evaluations: int = Field(ge=1)
     """Evaluations after which a compiled method counts as broken."""
     max_evaluations_scipy: int = Field(ge=1)
@@ -133,14 +133,14 @@ class HardCases(Strict):
 
     @property
     def all_cases(self) -> dict[str, HardCase]:
-        """Cases by name: those of stiff bases first, stiffness by stiffness."""
-        found = {}
+        """Cases by name; the cases of stiff bases first, ordered by stiffness."""
+        bases = {}
         for stiffness in self.base.stiffness:
             for damping in self.base.damping:
                 values = {"contact_stiffness": stiffness, "contact_damping": damping}
-                found[f"base_{stiffness:g}_{damping:g}"] = HardCase(
+                bases[f"base_{stiffness:g}_{damping:g}"] = HardCase(
                     title=f"base k_a = {stiffness:,.10g}, h_a = {damping:,.10g}",
                     at=self.base.at | values,
                     until=self.base.until,
                 )
-        return found | self.cases
+        return bases | self.cases

@@ -67,32 +67,32 @@ class Study(Strict):
         return Parameters(**self.structure, **self.operating_point)
 
     def parameters(self, figure: str) -> Parameters:
-        """Return the parameters of a figure, without those that it varies."""
+        """Return the parameters that a figure holds; those that it varies are the baseline's."""
         return self.baseline.replace(**self.figures[figure].held)
 
     def plane(self, name: str) -> Plane | Map:
-        """Return a map's ranges and wording: those of a figure or of a plane.
+        """Return the ranges and wording of a map, which is a figure or one of ``maps.planes``.
 
         Raises:
-            ValueError: no map of that name.
+            ValueError: there is no map of this name.
         """
         check_name(name, self.map_names, "map")
-        found = self.maps.planes.get(name) or self.figures[name]
-        assert isinstance(found, (Plane, Map)), name  # noqa: S101  (checked with the figures)
-        return found
+        plane = self.maps.planes.get(name) or self.figures[name]
+        assert isinstance(plane, (Plane, Map)), name  # noqa: S101  (checked with the figures)
+        return plane
 
     @property
     def map_names(self) -> tuple[str, ...]:
-        """Every map of the study, those of the paper first."""
+        """Names of the study's maps, the paper's first."""
         return *MAPS, *self.maps.planes
 
     def claim_parameters(self, name: str) -> Parameters:
-        """Return the parameters of a run of the claims, without those that it varies."""
+        """Return the parameters that a run of the claims holds; others are the baseline's."""
         run = self.claims_runs[name]
         parameters = self.parameters(run.figure)
         return parameters.replace(**run.changes(parameters.half_width, parameters.clearance))
 
     def case(self, name: str) -> Parameters:
-        """Return the operating point of a case: its figure's, with the case's own values."""
+        """Return the operating point of a case: that of its figure, changed by its own values."""
         case = self.precision.cases[name]
         return self.parameters(case.figure).replace(**case.at)
