@@ -212,10 +212,10 @@ def yield_of(
     results = run_devices(stated, drawn(stated, devices, seed), starts, settings, cores)
     going_in, runs = int(results.goes_in.sum()), devices * len(starts)
     low, high = interval(going_in, devices)
-    found: tuple[SobolIndices, ...] = ()
+    sobol: tuple[SobolIndices, ...] = ()
     if indices and going_in:
         some = starts[::INDEX_STARTS]
-        found = sobol_indices_of(stated, some, settings, cores, seed=seed)
+        sobol = sobol_indices_of(stated, some, settings, cores, seed=seed)
         runs += INDEX_POINTS * (len(stated.tolerances) + 2) * len(some)
     result = Yield(
         devices=devices,
@@ -225,7 +225,7 @@ def yield_of(
         time=_quantiles(results.times.ravel()),
         force=_quantiles(results.force),
         runs=runs,
-        sobol_indices=found,
+        sobol_indices=sobol,
     )
     return result, results
 

@@ -55,14 +55,14 @@ def between(text: str | float) -> Range:
     if text == "any":
         return Range(-math.inf, math.inf)
     number = r"(-?[\d.]+|inf)"
-    if found := re.fullmatch(f"(?:{number} to )?{number}", str(text)):
-        high = float(found[2])
-        return Range(float(found[1] or high), high)
-    found = re.fullmatch(f"([<>])(=?) {number}", str(text))
-    if not found:
+    if match := re.fullmatch(f"(?:{number} to )?{number}", str(text)):
+        high = float(match[2])
+        return Range(float(match[1] or high), high)
+    match = re.fullmatch(f"([<>])(=?) {number}", str(text))
+    if not match:
         raise ValueError(f"{text!r} is no range: write any, 2, 5 to 7, < 2, <= 2, > 2 or >= 2")
-    end, is_upper = float(found[3]), found[1] == "<"
-    if not found[2]:
+    end, is_upper = float(match[3]), match[1] == "<"
+    if not match[2]:
         end = float(np.nextafter(end, -math.inf if is_upper else math.inf))
     return Range(-math.inf, end) if is_upper else Range(end, math.inf)
 
