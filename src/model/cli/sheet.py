@@ -49,8 +49,7 @@ def write_sheet(
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     device = stated.device
     names = [name for name in (*stated.free, *_AXES) if name in FIELDS]
-    spans = [_span(stated, name) for name in dict.fromkeys(names)][:2]
-    x, y = spans
+    x, y = (_span(stated, name) for name in list(dict.fromkeys(names))[:2])
     starts = study.maps.ensemble.model_copy(update={"every": 1})
     run_settings, cores = RunSettings.of(settings), os.cpu_count() or 1
     plan = plan_of("map", device.parameters, run_settings, (x, y), _RESOLUTION, starts)

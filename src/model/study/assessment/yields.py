@@ -128,11 +128,9 @@ def distribution(name: str, value: float, tolerance: Tolerance) -> Any:
 
 def from_unit_cube(stated: StatedDevice, points: Floats) -> dict[str, Floats]:
     """Return the quantities with tolerances at ``points`` of the unit cube, shape (n, d)."""
-    laws = [distribution(n, stated.quantities[n], t) for n, t in stated.tolerances.items()]
-    names = list(stated.tolerances)
     return {
-        n: np.asarray(law.ppf(points[:, i]))
-        for i, (n, law) in enumerate(zip(names, laws, strict=True))
+        name: np.asarray(distribution(name, stated.quantities[name], tolerance).ppf(column))
+        for (name, tolerance), column in zip(stated.tolerances.items(), points.T, strict=True)
     }
 
 

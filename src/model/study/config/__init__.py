@@ -1,8 +1,6 @@
 """The study as data: the files in config/, checked before anything is computed."""
 
-from model.study.config.accuracy import Range
 from model.study.config.base import Axis, ConfigError, Family, Span, check_plane
-from model.study.config.claims import ClaimRun
 from model.study.config.figures import (
     COMPUTED,
     CURVES,
@@ -24,13 +22,12 @@ from model.study.config.load import (
     study_files,
     study_path,
 )
-from model.study.config.methods import HardCase, HardCases, Ladder
 from model.study.config.settings import RunSettings
 from model.study.config.study import Study
 
 __all__ = [
-    "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS",
-    "SCHEMATICS", "Axis", "ClaimRun", "ConfigError", "Curves", "Ensemble", "Family", "HardCase",
-    "HardCases", "History", "Ladder", "Map", "Range", "RunSettings", "Span", "Study", "baseline",
-    "check_plane", "check_study", "load_study", "read_study", "study_files", "study_path",
+    "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS", "SCHEMATICS", "Axis",
+    "ConfigError", "Curves", "Ensemble", "Family", "History", "Map", "RunSettings", "Span", "Study",
+    "baseline", "check_plane", "check_study", "load_study", "read_study", "study_files",
+    "study_path",
 ]  # fmt: skip

@@ -78,21 +78,13 @@ class StatedDevice:
         """Return the device with other values (SI units) and the same tolerances."""
         for name in changes:
             check_name(name, QUANTITIES, "quantity of a device")
-        return replace(
-            self,
-            quantities={**self.quantities, **changes},
-            changes={**self.changes, **changes},
-        )
+        quantities = {**self.quantities, **changes}
+        return replace(self, quantities=quantities, changes={**self.changes, **changes})
 
     @property
     def base_is_stated(self) -> bool:
         """True if the file states how stiff the base is."""
         return self.materials is not None or "contact_stiffness" in self.quantities
-
-    @property
-    def impact_is_stated(self) -> bool:
-        """True if the file states how an impact on the base is damped."""
-        return bool({"restitution", "contact_damping"} & set(self.quantities))
 
     @property
     def doubts(self) -> list[str]:
