@@ -11,7 +11,8 @@ from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import UnvibratedEnds
 from model.study import design as designs
 from model.study.assessment.yields import DeviceResults
-from model.study.design import FARTHEST, Search, at_other_friction, design_dataset, known_of
+from model.study.design import FARTHEST, Search, at_other_friction
+from model.study.design_files import design_dataset, known_of
 from model.study.devices import read_device
 from model.study.io import write_dataset
 

@@ -74,7 +74,7 @@ def _design(arguments: argparse.Namespace) -> int:
     _keep(search, arguments.out, design)
     if arguments.plot is not None:
         from model.show.curves import draw_front  # noqa: PLC0415
-        from model.study.design import design_dataset  # noqa: PLC0415
+        from model.study.design_files import design_dataset  # noqa: PLC0415
 
         save_picture(draw_front(design_dataset(search, design)), arguments.plot)
     others = []
@@ -100,7 +100,7 @@ def _search(arguments: argparse.Namespace, seed: int) -> "Search":
     if arguments.out is not None and arguments.out.exists():
         import xarray as xr  # noqa: PLC0415
 
-        from model.study.design import known_of  # noqa: PLC0415
+        from model.study.design_files import known_of  # noqa: PLC0415
 
         with xr.open_dataset(arguments.out) as dataset:
             search.known.update(known_of(dataset, search))
@@ -111,7 +111,8 @@ def _keep(search: "Search", path: Path | None, design: "Design | None" = None) -
     """Write the settings tried so far, so that an interrupted search can be continued."""
     if path is None:
         return
-    from model.study.design import Design, design_dataset  # noqa: PLC0415
+    from model.study.design import Design  # noqa: PLC0415
+    from model.study.design_files import design_dataset  # noqa: PLC0415
     from model.study.io import write_dataset  # noqa: PLC0415
 
     design = design or Design(search.tried(), 0, search.stated.limits)
