@@ -8,7 +8,7 @@ from logging import LogRecord
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from model.tracking.invocation import watch
+from model.tracking.invocation import Watch
 
 
 class LogHandler(LogHandlerBase):
@@ -22,7 +22,7 @@ class LogHandler(LogHandlerBase):
 
     def __post_init__(self) -> None:
         """Begin to watch; the Snakefile is read after this."""
-        self._watch = watch(plans=self.common_settings.dryrun)
+        self._watch = Watch(plans=self.common_settings.dryrun)
 
     def emit(self, record: LogRecord) -> None:
         """Note an event."""

@@ -193,7 +193,7 @@ from pathlib import Path
 
 study_path, against, errors, figures = (json.loads(each) for each in sys.argv[1:])
 os.environ["ERROR"] = "0"
-from model.tracking.comparison import open_dataset
+from model.tracking.compare import open_dataset
 from model.tracking.reference import compare_with_reference
 from model.study.config import load_study
 from model.study.io import write_dataset

@@ -12,9 +12,18 @@ from pathlib import Path
 import pytest
 
 from model.tracking import TrackingError
-from model.tracking.history import discard_damaged, find_invocation, load_history, sidecars
+from model.tracking.history import (
+    COLUMNS,
+    discard_damaged,
+    find_invocation,
+    find_run,
+    load_history,
+    load_runs,
+    select_runs,
+    sidecars,
+    write_index,
+)
 from model.tracking.invocation import Invocation
-from model.tracking.runs import COLUMNS, find_run, load_runs, select_runs, write_index
 
 
 def test_a_run_and_its_invocation_are_recorded(recorded) -> None:

@@ -7,8 +7,8 @@ from typing import Any
 
 from model.cli.arguments import add_command, add_json, add_root
 from model.cli.tables import print_json, table
-from model.tracking.comparison import Change, Comparison, compare
-from model.tracking.snapshot import snapshot
+from model.tracking.compare import Change
+from model.tracking.diff import Comparison, compare, snapshot
 
 _LISTED = 12  # lines of a section; --all shows the rest
 

@@ -8,8 +8,7 @@ from model.cli.arguments import add_command, add_json, add_root, figure_name
 from model.cli.tables import print_json, table
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES, check_name
-from model.tracking.history import Record, load_history, select_invocations
-from model.tracking.runs import RUN_STATUS, load_runs, select_runs
+from model.tracking.history import RUN_STATUS, Record, load_history, load_runs, select_runs
 
 _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])
@@ -107,7 +106,7 @@ def _invocations(arguments: argparse.Namespace) -> int:
     for option in ("figure", "parameter", "current"):
         if getattr(arguments, option):
             raise ValueError(f"--{option}: is a condition on runs; leave out --invocations")
-    history = select_invocations(
+    history = select_runs(
         load_history(arguments.root),
         outcome=arguments.outcome,
         since=arguments.since,

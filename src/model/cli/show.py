@@ -7,8 +7,7 @@ from model.cli.arguments import add_command, add_json, add_root
 from model.cli.runs import commit_of, run_line
 from model.cli.tables import cell, pairs, print_json, table
 from model.tracking import TrackingError
-from model.tracking.history import Record, find_invocation, load_history
-from model.tracking.runs import find_run, load_runs
+from model.tracking.history import Record, find_invocation, find_run, load_history, load_runs
 
 
 def add(commands: Any) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from model.cli.arguments import add_command, add_json, add_root, figure_name
 from model.cli.tables import print_json, table
-from model.study.config import FIGURES
+from model.study.config import COMPUTED, FIGURES
 
 
 def add_folders(parser: Any) -> None:
@@ -36,7 +36,7 @@ def add(commands: Any) -> None:
 
 def _verify(arguments: argparse.Namespace) -> int:
     # Imported here: xarray takes a second that no other command should wait for.
-    from model.tracking.reference import COMPUTED, verify  # noqa: PLC0415
+    from model.tracking.reference import verify  # noqa: PLC0415
 
     root, reference = arguments.root, arguments.reference
     if not root.is_dir():

@@ -21,12 +21,24 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from model.study.csv_tables import csv_text
+from model.study.files import write_text
 from model.tracking import TrackingError
 from model.tracking.job import file_hash
 from model.tracking.slurm import slurm_reasons
 
 Record = dict[str, Any]
 
+RUN_STATUS = ("done", "failed", "interrupted")
+COUNTS = (
+    "trajectories", "aligned", "settled", "left_scene", "horizon_reached", "failed", "sensitive",
+    "rhs_evaluations",
+)  # fmt: skip
+COLUMNS = (
+    "run", "rule", "figure", "status", "current", "started", "wall_seconds", "invocation", "commit",
+    "dirty", "code", "config_hash", "outputs", *(f"runs_{name}" for name in COUNTS), "host",
+    "reason",
+)  # fmt: skip
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
 _KEPT = re.compile(r"data/fig\d\d\.nc|claims\.csv")  # below the root: what copies are kept of
 _FULL = 1_000_000  # bytes: less than this is a full disk
@@ -161,22 +173,21 @@ def _last_word(log: Path) -> tuple[str, str]:
 # --- Invocations --------------------------------------------------------------------------------
 
 
-def history_folder(root: Path) -> Path:
-    """Return the folder of a results root that holds its history."""
-    return root / "history"
+def history_file(root: Path, invocation: str, kind: str = "json") -> Path:
+    """Return the record of an invocation, or the lock that it holds while it runs."""
+    return root / "history" / f"{invocation}.{kind}"
 
 
 def invocation_records(root: Path) -> list[Record]:
-    """Return the records of all invocations as on disk, oldest first."""
-    records = [read_record(path) for path in history_folder(root).glob("*.json")]
+    """Return the records of all invocations, oldest first; those that were killed have no end."""
+    records = [read_record(path) for path in (root / "history").glob("*.json")]
     return sorted(records, key=lambda each: each["started_stamp"])
 
 
-def is_running(root: Path, name: str) -> bool:
+def is_running(root: Path, invocation: str) -> bool:
     """Return whether the process of an invocation still holds its lock."""
-    path = history_folder(root) / f"{name}.lock"
     try:
-        with path.open("r+", encoding="utf-8") as lock:
+        with history_file(root, invocation, "lock").open("r+", encoding="utf-8") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
@@ -189,20 +200,18 @@ def completed(root: Path, record: Record, outcome: str, ended: datetime | None) 
     """Return ``record`` with its end: its sidecars, and its runs without a sidecar."""
     name, since = record["invocation"], record["started_stamp"]
     runs = [each for each in sidecars(root).values() if each.get("invocation") == name]
-    idle = record.get("idle", False)
-    failures = []
-    if not idle and outcome not in ("running", "done"):
-        reasons = {**record.get("silent", {}), **slurm_reasons(root, record.get("snakemake_log"))}
+    failures: list[Record] = []
+    if not record.get("idle") and outcome in ("failed", "interrupted"):
+        reasons = slurm_reasons(root, record.get("snakemake_log"))
         failures = runs_without_sidecar(root, since, reasons)
-    if not idle and outcome == "failed" and all(f["status"] == "interrupted" for f in failures):
-        outcome = "interrupted"
-    wall = round(ended.timestamp() - since, 3) if ended else None
+        if all(each["status"] == "interrupted" for each in failures):
+            outcome = "interrupted"
     return {
         **record,
         "outcome": outcome,
         "ended": iso(ended) if ended else None,
-        "wall_seconds": wall,
-        "runs": sorted(runs, key=lambda each: (each["started"], each["run"])),
+        "wall_seconds": round(ended.timestamp() - since, 3) if ended else None,
+        "runs": sorted(runs, key=_place_in_time),
         "failures": failures,
     }
 
@@ -215,7 +224,7 @@ def load_history(root: Path) -> list[Record]:
     Raises:
         TrackingError: a results root without a history, or a file that is no record.
     """
-    if not history_folder(root).is_dir():
+    if not (root / "history").is_dir():
         raise TrackingError(
             f"{root}: holds no history of runs; build the study first, or name its results root"
         )
@@ -243,25 +252,135 @@ def find_invocation(history: Sequence[Record], name: str) -> Record:
     raise TrackingError(f"{name!r} {what}; vibralign runs --invocations lists them")
 
 
-def select_invocations(
-    history: Iterable[Record],
+# --- Runs ---------------------------------------------------------------------------------------
+
+
+def load_runs(root: Path) -> list[Record]:
+    """Return every run ever recorded below a results root, oldest first.
+
+    Each is a sidecar with ``status`` (one of RUN_STATUS), ``current`` (True if its results are in
+    place, or for a failure if no later run succeeded) and, for a failure, ``reason``.
+
+    Raises:
+        TrackingError: as ``load_history``.
+    """
+    standing = {_identity(record): record for record in sidecars(root).values()}
+    runs = {key: {**record, "status": "done"} for key, record in standing.items()}
+    for invocation in load_history(root):
+        for record in invocation["runs"]:
+            runs.setdefault(_identity(record), {**record, "status": "done"})
+        for record in invocation["failures"]:
+            stated = {"invocation": invocation["invocation"], "git": invocation["git"]}
+            runs[_identity(record)] = {**stated, **record}
+    whole = {run for run, _ in standing}
+    last_failure = {run: start for (run, start), record in runs.items()
+                    if record["status"] != "done"}  # fmt: skip
+    for key, record in runs.items():
+        failed_last = key[0] not in whole and last_failure.get(key[0]) == key[1]
+        record["current"] = key in standing if record["status"] == "done" else failed_last
+    return sorted(runs.values(), key=_place_in_time)
+
+
+def _identity(record: Record) -> tuple[str, str]:
+    return record["run"], record["started"]
+
+
+def _place_in_time(record: Record) -> tuple[str, str]:
+    return record["started"], record["run"]
+
+
+def find_run(runs: Sequence[Record], name: str) -> Record:
+    """Return the latest run of that name; "NAME@INVOCATION" the one of that invocation.
+
+    Raises:
+        TrackingError: no run of that name.
+    """
+    run, _, invocation = name.partition("@")
+    found = [
+        each
+        for each in runs
+        if each["run"] == run and str(each.get("invocation", "")).startswith(invocation)
+    ]
+    if not found:
+        raise TrackingError(f"{name!r} is no run; vibralign runs lists them")
+    return found[-1]
+
+
+def select_runs(
+    runs: Iterable[Record],
     *,
+    figure: str | None = None,
+    parameters: Sequence[str] = (),
     outcome: str | None = None,
     since: str | None = None,
     until: str | None = None,
+    current: bool = False,
 ) -> list[Record]:
-    """Return the invocations that ended with ``outcome`` and started between two moments.
+    """Return the runs, or the invocations, that fit every condition given.
 
-    Both are included, and are as ``runs.select_runs`` takes them.
+    Args:
+        runs: as from ``load_runs`` or ``load_history``.
+        figure: such as "fig06".
+        parameters: "NAME=VALUE" for runs that hold or sweep over the value, "NAME" for runs that
+            vary the parameter.
+        outcome: how it ended (done, failed, interrupted), or an outcome of at least one of the
+            run's trajectories (aligned, settled, left_scene, horizon_reached, failed, sensitive).
+        since: first moment, as ISO 8601 with as many parts as wanted ("2026-11").
+        until: last moment, likewise.
+        current: only runs whose results are in place.
     """
     return [
-        each
-        for each in history
-        if outcome in (None, each["outcome"]) and within(each, since, until)
+        run
+        for run in runs
+        if (figure is None or run["figure"] == figure)
+        and all(_covers(run, condition) for condition in parameters)
+        and (outcome is None or _has_outcome(run, outcome))
+        and (since is None or run["started"] >= since)
+        and (until is None or run["started"][: len(until)] <= until)
+        and (not current or run["current"])
     ]
 
 
-def within(record: Record, since: str | None, until: str | None) -> bool:
-    """Return whether a record started between two moments, as ``select_runs`` takes them."""
-    started = str(record["started"])
-    return (since is None or started >= since) and (until is None or started[: len(until)] <= until)
+def _has_outcome(run: Record, outcome: str) -> bool:
+    ended = run.get("status", run.get("outcome"))
+    return bool(ended == outcome or run.get("counts", {}).get(outcome, 0))
+
+
+def _covers(run: Record, condition: str) -> bool:
+    name, equals, text = condition.partition("=")
+    axis = next((each for each in run.get("dimensions", []) if each["parameter"] == name), None)
+    if not equals:
+        return axis is not None
+    try:
+        value = float(text)
+    except ValueError:
+        raise TrackingError(f"{condition!r}: {text!r} is no number") from None
+    if axis is None:
+        return bool(run.get("parameters", {}).get(name) == value)
+    values = axis.get("values") or (axis["start"], axis["stop"])
+    return bool(min(values) <= value <= max(values))
+
+
+def _row(run: Record) -> Record:
+    """Return a run as one line of the index."""
+    counts, git = run.get("counts", {}), run.get("git", {})
+    flat = {
+        **run,
+        "current": int(run["current"]),
+        "commit": git.get("commit"),
+        "dirty": int(git["dirty"]) if "dirty" in git else None,
+        "outputs": " ".join(f"{name}:{sha}" for name, sha in run.get("outputs", {}).items()),
+        **{f"runs_{name}": counts.get(name) for name in COUNTS},
+    }
+    return {column: flat.get(column) for column in COLUMNS}
+
+
+def write_index(root: Path) -> None:
+    """Write runs.csv, whole or not at all.
+
+    Raises:
+        TrackingError: as ``load_runs``.
+        OSError: the folder cannot be written.
+    """
+    rows = (_row(run) for run in load_runs(root))
+    write_text(csv_text(COLUMNS, rows), root / "runs.csv")

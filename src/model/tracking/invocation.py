@@ -14,7 +14,7 @@ import secrets
 import shlex
 import shutil
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -25,16 +25,15 @@ from model.tracking.history import (
     Record,
     completed,
     discard_damaged,
-    history_folder,
+    history_file,
     invocation_records,
     is_running,
     iso,
     kept_outputs,
     kept_result,
+    write_index,
 )
-from model.tracking.job import INVOCATION, git_state, versions
-from model.tracking.lock import hold_folder
-from model.tracking.runs import write_index
+from model.tracking.job import INVOCATION, git_state, hold_folder, versions
 from model.tracking.slurm import refuse_held_jobs
 
 _PATIENCE = 5.0  # seconds: a process that was just killed may hold its lock for a moment
@@ -48,21 +47,16 @@ class Invocation:
 
     Args:
         root: the results root.
-        plans: True if it only plans; nothing is written then.
     """
 
-    def __init__(self, root: Path, *, plans: bool = False) -> None:
-        self.root, self.plans = root, plans
+    def __init__(self, root: Path) -> None:
+        self.root = root
         self._begun = datetime.now(UTC)
         self.name = f"{self._begun:%Y%m%dT%H%M%SZ}-{secrets.token_hex(2)}"
         self._facts: Record = {}
         self._record: Record = {}
         self._lock: io.TextIOWrapper | None = None
-        self._held = False
-
-    @property
-    def _path(self) -> Path:
-        return history_folder(self.root) / f"{self.name}.json"
+        self._holds_folder = False
 
     def state(self, **facts: Any) -> None:
         """Add facts to record, such as the study's configuration; before the start."""
@@ -76,11 +70,11 @@ class Invocation:
         Raises:
             TrackingError: another Snakemake runs here, or Slurm holds jobs of this folder.
         """
-        if self._held:
+        if self._holds_folder:
             return
         refuse_held_jobs(Path.cwd())
         hold_folder(self.name, patience)
-        self._held = True
+        self._holds_folder = True
         for name in discard_damaged(self.root):
             sys.stderr.write(f"{name}: not as its job left it, will be made anew\n")
 
@@ -107,15 +101,15 @@ class Invocation:
             **self._facts,
         }
         with _or_say("the start of this invocation could not be recorded"):
-            history_folder(self.root).mkdir(parents=True, exist_ok=True)
+            (self.root / "history").mkdir(parents=True, exist_ok=True)
             for record in invocation_records(self.root):
                 if record["outcome"] == "running" and not is_running(
                     self.root, record["invocation"]
                 ):
-                    _end(self.root, record, "interrupted", None)
-            self._lock = self._path.with_suffix(".lock").open("w", encoding="utf-8")
+                    _write_end(self.root, record, "interrupted", None)
+            self._lock = history_file(self.root, self.name, "lock").open("w", encoding="utf-8")
             fcntl.flock(self._lock, fcntl.LOCK_EX)
-            write_json(self._record, self._path)
+            write_json(self._record, history_file(self.root, self.name))
 
     def pass_by(self, outcome: str, reason: str | None = None) -> None:
         """Record an invocation that started no job: start and end in one.
@@ -142,7 +136,7 @@ class Invocation:
         wrong: list[Record] = []
         with _or_say("the end of this invocation could not be recorded"):
             self._record["snakemake_log"] = log
-            wrong = _end(self.root, self._record, outcome, datetime.now(UTC))["failures"]
+            wrong = _write_end(self.root, self._record, outcome, datetime.now(UTC))
             write_index(self.root)
         if self._lock is not None:
             self._lock.close()
@@ -151,6 +145,32 @@ class Invocation:
             f"{each['run']} {each['status']}: {each['reason']} ({self.root / each['log']})"
             for each in wrong
         ]
+
+
+@contextlib.contextmanager
+def _or_say(consequence: str) -> Iterator[None]:
+    """Report a record that cannot be written, and continue: the study's own error comes first."""
+    try:
+        yield
+    except (OSError, TrackingError) as error:
+        sys.stderr.write(f"vibralign: {consequence}: {error}\n")
+
+
+def _write_end(root: Path, record: Record, outcome: str, ended: datetime | None) -> list[Record]:
+    """Write how an invocation ended, and keep copies of its results; return its failures."""
+    whole = completed(root, record, outcome, ended)
+    for run in whole["runs"]:
+        for name, sha256 in kept_outputs(run).items():
+            source, kept = root / run["folder"] / name, kept_result(root, name, sha256)
+            if source.is_file() and not kept.exists():
+                with whole_file(kept) as part:
+                    shutil.copyfile(source, part)
+    write_json(whole, history_file(root, record["invocation"]))
+    history_file(root, record["invocation"], "lock").unlink(missing_ok=True)
+    return list(whole["failures"])
+
+
+# --- This process -------------------------------------------------------------------------------
 
 
 class Watch:
@@ -164,17 +184,19 @@ class Watch:
         error: the last error that stopped it.
     """
 
+    current: "Watch | None" = None  # None if Snakemake's logger is off
+
     def __init__(self, *, plans: bool) -> None:
         self.invocation: Invocation | None = None
         self.plans, self.executes, self.jobs = plans, False, False
         self.error: str | None = None
+        Watch.current = self
 
     def close(self) -> None:
         """Record the invocation if the Snakefile's handlers did not."""
-        interrupted = isinstance(sys.exc_info()[1], KeyboardInterrupt)
         if self.plans or self.invocation is None or self.jobs:
             return
-        if interrupted:
+        if isinstance(sys.exc_info()[1], KeyboardInterrupt):
             self.invocation.pass_by("interrupted", "interrupted before the first job")
         elif self.error is not None:
             self.invocation.pass_by("failed", self.error)
@@ -182,63 +204,21 @@ class Watch:
             self.invocation.pass_by("done")
 
 
-_watches: list[Watch] = []  # of this process: one, if Snakemake's logger is on
-
-
-def watch(*, plans: bool) -> Watch:
-    """Return the watch over this process."""
-    _watches[:] = [Watch(plans=plans)]
-    return _watches[0]
-
-
 def begin(config: Mapping[str, Any]) -> Invocation:
     """Return the invocation of this process, once the Snakefile has read the configuration.
 
     The folder is made ready where it can be; if not, and there are jobs to run, ``start`` refuses.
     """
-    _quote_interpreter()
-    named = config.get("results_root")
-    root = Path(named) if named and isinstance(named, str) else Path("results")
-    if not _watches:
-        return Invocation(root)
-    _watches[0].invocation = invocation = Invocation(root, plans=_watches[0].plans)
-    os.environ[INVOCATION] = invocation.name
-    if not invocation.plans:
-        with contextlib.suppress(TrackingError):
-            invocation.recover()
-    return invocation
-
-
-def _quote_interpreter() -> None:
-    """Let the shell find Python by its name where its path needs quotes: Snakemake sets none."""
-    if shlex.quote(sys.executable) != sys.executable:
+    if shlex.quote(sys.executable) != sys.executable:  # Snakemake's shell commands set no quotes
         interpreter = Path(sys.executable)
         os.environ["PATH"] = f"{interpreter.parent}{os.pathsep}{os.environ['PATH']}"
         sys.executable = interpreter.name
-
-
-@contextlib.contextmanager
-def _or_say(consequence: str) -> Iterator[None]:
-    """Report a record that cannot be written, and continue: the study's own error comes first."""
-    try:
-        yield
-    except (OSError, TrackingError) as error:
-        sys.stderr.write(f"vibralign: {consequence}: {error}\n")
-
-
-def _end(root: Path, record: Record, outcome: str, ended: datetime | None) -> Record:
-    whole = completed(root, record, outcome, ended)
-    _keep_results(root, whole["runs"])
-    write_json(whole, history_folder(root) / f"{record['invocation']}.json")
-    (history_folder(root) / f"{record['invocation']}.lock").unlink(missing_ok=True)
-    return whole
-
-
-def _keep_results(root: Path, runs: Iterable[Record]) -> None:
-    """Keep copies of figures' datasets and of the claims' verdicts for later comparisons."""
-    for record in runs:
-        for name, sha256 in kept_outputs(record).items():
-            source, kept = root / record["folder"] / name, kept_result(root, name, sha256)
-            if source.is_file() and not kept.exists():
-                with whole_file(kept) as part:
-                    shutil.copyfile(source, part)
+    named = config.get("results_root")
+    invocation = Invocation(Path(named if named and isinstance(named, str) else "results"))
+    if Watch.current is not None:
+        Watch.current.invocation = invocation
+        os.environ[INVOCATION] = invocation.name
+        if not Watch.current.plans:
+            with contextlib.suppress(TrackingError):
+                invocation.recover()
+    return invocation

@@ -8,7 +8,7 @@ in ``accepted.csv``.
 
 import shutil
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 from model.engines.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL
 from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
-from model.study.config.figures import FIGURES, SCHEMATICS
+from model.study.config.figures import COMPUTED, SCHEMATICS
 from model.study.csv_tables import csv_text
 from model.study.files import whole_file, write_text
-from model.tracking.comparison import (
+from model.tracking.compare import (
+    CLAIMS,
     Change,
     change_of,
     changed_verdicts,
@@ -31,12 +32,10 @@ from model.tracking.comparison import (
     open_dataset,
 )
 from model.tracking.job import git_state
-from model.tracking.snapshot import CLAIMS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-COMPUTED = tuple(name for name in FIGURES if name not in SCHEMATICS)
 LOG = "accepted.csv"
 LOG_COLUMNS = (
     "date", "what", "reason", "commit", "variable", "points", "differing", "largest", "at",
@@ -201,33 +200,28 @@ def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> lis
     """
     if len(reason.split()) < 2:
         raise NotAcceptedError(f"--reason {reason!r}: say in a few words why it is right")
-    sources = [_sources(root, name) for name in what]
+    sources = {name: _sources(root, name) for name in what}
+    now, commit = datetime.now(UTC).date().isoformat(), git_state().get("commit")
     rows, words = [], []
-    for name, files in zip(what, sources, strict=True):
+    for name, files in sources.items():
         changes = _changes(files[0], reference / files[0].name, name)
-        stated = {
-            "date": datetime.now(UTC).date().isoformat(),
-            "what": name,
-            "reason": reason,
-            "commit": git_state().get("commit"),
-        }
+        stated = {"date": now, "what": name, "reason": reason, "commit": commit}
         rows += [{**stated, **change} for change in changes]
         words.append(f"{name}: {len(changes)} lines in {LOG}")
         for file in files:
             with whole_file(reference / file.name) as part:
                 shutil.copyfile(file, part)
-    _append(reference / LOG, rows)
+    header, *lines = csv_text(LOG_COLUMNS, rows).splitlines(keepends=True)
+    log = reference / LOG
+    before = log.read_text(encoding="utf-8") if log.is_file() else header
+    write_text(before + "".join(lines), log)
     return words
 
 
 def _sources(root: Path, name: str) -> list[Path]:
     """Return the files to keep: a figure's dataset first, if it has one, and its picture."""
-    if name == "claims":
-        files = [root / CLAIMS]
-    else:
-        files = [root / "figures" / f"{name}.png"]
-        if name in COMPUTED:
-            files.insert(0, root / "data" / f"{name}.nc")
+    files = [root / "data" / f"{name}.nc"] if name in COMPUTED else []
+    files.append(root / CLAIMS if name == "claims" else root / "figures" / f"{name}.png")
     for file in files:
         if not file.is_file():
             raise NotAcceptedError(f"{file} is missing: build the study that is to be accepted")
@@ -253,20 +247,11 @@ def _changes(built: Path, accepted: Path, name: str) -> list[dict[str, Any]]:
 
 
 def _log_line(change: Change) -> dict[str, Any]:
-    return {
-        "variable": change.variable,
-        "points": change.points,
-        "differing": change.differing,
+    line = asdict(change) | {
         "largest": f"{change.largest:.3g}",
         "at": " ".join(f"{name}={value:g}" for name, value in change.at.items()),
         "before": f"{change.before:.9g}",
         "after": f"{change.after:.9g}",
-        "appeared": change.appeared,
-        "vanished": change.vanished,
     }
-
-
-def _append(log: Path, rows: Sequence[dict[str, Any]]) -> None:
-    header, *lines = csv_text(LOG_COLUMNS, rows).splitlines(keepends=True)
-    before = log.read_text(encoding="utf-8") if log.is_file() else header
-    write_text(before + "".join(lines), log)
+    del line["figure"]
+    return line

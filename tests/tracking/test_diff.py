@@ -11,11 +11,11 @@ import pytest
 import xarray as xr
 
 from model.study.io import write_dataset
-from model.tracking import TrackingError, comparison, invocation
-from model.tracking.comparison import change_of, common_points, compare
+from model.tracking import TrackingError, invocation
+from model.tracking.compare import change_of, common_points, open_dataset
+from model.tracking.diff import compare, snapshot
 from model.tracking.history import kept_result
 from model.tracking.invocation import Invocation
-from model.tracking.snapshot import snapshot
 
 
 def built(recorded, shift: float = 0.0, **facts) -> str:
@@ -199,7 +199,7 @@ def test_without_xarray_the_extra_is_named(monkeypatch) -> None:
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(TrackingError, match=r"vibralign\[study\]"):
-        comparison.open_dataset(Path("fig06.nc"))
+        open_dataset(Path("fig06.nc"))
 
 
 def test_verdicts_older_than_their_data_are_not_compared(recorded) -> None:

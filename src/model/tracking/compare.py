@@ -1,0 +1,163 @@
+"""The comparison of datasets and of verdicts that `vibralign diff`, `verify` and `accept` share.
+
+Everything is compared by name, and data point by point where both have the point. xarray aligns
+them; its own ``testing.assert_allclose`` was weighed, and says neither where nor by how much.
+"""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.tracking import TrackingError
+
+if TYPE_CHECKING:  # the command line works without xarray until data are compared
+    import xarray as xr
+
+CLAIMS = "claims.csv"
+_TIME = "time"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One value that differs; ``where`` is the figure, or the run if it belongs to none."""
+
+    where: str
+    name: str
+    before: Any
+    after: Any
+
+
+@dataclass(frozen=True)
+class Change:
+    """The difference of a variable of a figure's dataset, over the points that both states have."""
+
+    figure: str
+    variable: str
+    points: int  # compared
+    differing: int  # of these
+    largest: float  # absolute difference where both are numbers
+    at: dict[str, float]  # place of the largest difference, by coordinate
+    before: float  # values there
+    after: float
+    appeared: int  # points with a number in the second state only
+    vanished: int  # points with a number in the first state only
+
+
+def differences(
+    where: str, before: Mapping[str, Any], after: Mapping[str, Any]
+) -> list[Difference]:
+    """Return the entries that differ, by name; None stands for one that is missing."""
+    return [
+        Difference(where, name, before.get(name), after.get(name))
+        for name in sorted(set(before) | set(after))
+        if before.get(name) != after.get(name)
+    ]
+
+
+def changed_verdicts(before: Path, after: Path) -> list[Difference]:
+    """Return the claims with different verdicts in two tables; the first column names the claim.
+
+    Raises:
+        TrackingError: a table without verdicts.
+    """
+    return differences(CLAIMS, _verdicts(before), _verdicts(after))
+
+
+def _verdicts(path: Path) -> dict[str, str]:
+    with path.open(encoding="utf-8", newline="") as stream:
+        rows = csv.DictReader(stream)
+        names = rows.fieldnames or []
+        if "verdict" not in names:
+            raise TrackingError(f"{path}: has no column 'verdict', but {', '.join(names)}")
+        return {row[names[0]]: row["verdict"] for row in rows}
+
+
+def open_dataset(path: Path) -> "xr.Dataset":
+    """Read a dataset of the study.
+
+    Raises:
+        TrackingError: not a dataset, or xarray is missing.
+    """
+    try:
+        from model.study.io import DatasetError, read_dataset  # noqa: PLC0415  (slow)
+    except ImportError:
+        raise TrackingError(
+            "comparing data needs xarray, which is not installed: pip install 'vibralign[study]'"
+        ) from None
+    try:
+        return read_dataset(path)
+    except DatasetError as error:
+        raise TrackingError(str(error)) from None
+
+
+def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[Change]:
+    """Return the changes of the variables that differ, over the common points of both datasets."""
+    before, after = common_points(before, after)
+    names = [name for name in map(str, after.data_vars) if name in before]
+    changes = [change_of(before[name], after[name], figure) for name in names]
+    return [change for change in changes if change.differing]
+
+
+def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Dataset, xr.Dataset]":
+    """Restrict both datasets to their common points.
+
+    Two trajectories have no common points: the second is interpolated to the times of the
+    first, away from the moments at which a force jumps.
+    """
+    import xarray as xr  # noqa: PLC0415
+
+    if _TIME not in before.dims:
+        return xr.align(before, after, join="inner")
+    times, other = before[_TIME].values, after[_TIME].values
+    smooth = (times <= other[-1]) & ~_near_jump(times, times) & ~_near_jump(times, other)
+    kept = np.flatnonzero(smooth)
+    moved = {
+        name: (_TIME, np.interp(times[kept], other, variable.values), variable.attrs)
+        if variable.dims == (_TIME,)
+        else variable
+        for name, variable in after.data_vars.items()
+    }
+    return before.isel({_TIME: kept}), xr.Dataset(moved, {_TIME: times[kept]}, attrs=after.attrs)
+
+
+def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return whether each of ``times`` is within a step of a moment that ``grid`` has twice."""
+    twice: list[int] = np.flatnonzero(np.diff(grid) == 0.0).tolist()
+    near = np.zeros(times.shape, dtype=bool)
+    for i in twice:
+        low, high = grid[max(i - 1, 0)], grid[min(i + 2, grid.size - 1)]
+        near |= (times >= low) & (times <= high)
+    return near
+
+
+def change_of(before: "xr.DataArray", after: "xr.DataArray", figure: str) -> Change:
+    """Compare one variable over the same points."""
+    old, new = (np.asarray(each.values, dtype=np.float64) for each in (before, after))
+    distance = np.abs(new - old)
+    known = np.isfinite(distance)
+    at: dict[str, float] = {}
+    largest, values = 0.0, (float("nan"), float("nan"))
+    if known.any():
+        worst = int(np.argmax(np.where(known, distance, -1.0)))
+        place = tuple(map(int, np.unravel_index(worst, distance.shape)))
+        largest, values = float(distance[place]), (float(old[place]), float(new[place]))
+        named = zip(after.dims, place, strict=True)
+        at = {str(name): float(after[name].values[i]) for name, i in named}
+    gone, come = np.isnan(new) & ~np.isnan(old), np.isnan(old) & ~np.isnan(new)
+    return Change(
+        figure=figure,
+        variable=str(after.name),
+        points=int(old.size),
+        differing=int((known & (distance > 0.0)).sum() + gone.sum() + come.sum()),
+        largest=largest,
+        at=at,
+        before=values[0],
+        after=values[1],
+        appeared=int(come.sum()),
+        vanished=int(gone.sum()),
+    )
