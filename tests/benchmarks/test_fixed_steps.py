@@ -67,7 +67,7 @@ def plan(fixed_study: Study) -> FixedStepPlan:
 
 @pytest.fixture(scope="module")
 def located(plan: FixedStepPlan) -> xr.Dataset:
-    return merge(plan.sweep, "title", "summary", [run(plan.sweep, 0, 1)])
+    return merge(plan.sweep, "title", [run(plan.sweep, 0, 1)])
 
 
 def test_a_figure_anew_stands_beside_the_located_one(

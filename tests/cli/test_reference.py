@@ -17,7 +17,7 @@ def folders(small_study, tmp_path: Path) -> list[str]:
     """A build of Fig. 6, and the options that name it and its reference."""
     root = tmp_path / "results"
     sweep = sweep_of(small_study(5, 3), "fig06")
-    dataset = merge(sweep, "t", "s", [run(sweep)])
+    dataset = merge(sweep, "t", [run(sweep)])
     write_dataset(dataset, root / "data/fig06.nc")
     (root / "figures").mkdir()
     imsave(root / "figures/fig06.png", np.ones((10, 10, 3)))

@@ -205,7 +205,7 @@ for error, number in errors.items():
     found[error] = {}
     for name in figures:
         sweep = sweep_of(study, name)
-        dataset = merge(sweep, "t", "s", [run(sweep)])
+        dataset = merge(sweep, "t", [run(sweep)])
         reference = Path(against) / f"{name}.nc"
         if not reference.exists():
             write_dataset(dataset, reference)

@@ -84,7 +84,7 @@ def datasets(study):
     for name, spec in study.figures.items():
         if spec.kind != "schematic":
             sweep = sweep_of(study, name)
-            found[name] = merge(sweep, spec.title, spec.caption, [run(sweep)])
+            found[name] = merge(sweep, spec.title, [run(sweep)])
     return found
 
 

@@ -25,7 +25,7 @@ def study(small_study):
 
 def dataset_of(study, name: str) -> xr.Dataset:
     sweep = sweep_of(study, name)
-    return merge(sweep, "title", "summary", [run(sweep)])
+    return merge(sweep, "title", [run(sweep)])
 
 
 @pytest.fixture(scope="module")

@@ -64,7 +64,7 @@ def test_runs_are_followed_into_the_slot() -> None:
         }
     )
     sweep = sweep_of(study.model_copy(update={"jamming": few}), "jamming")
-    data = merge(sweep, "Jamming", "Jamming", [run(sweep)])
+    data = merge(sweep, "Jamming", [run(sweep)])
     assert data["outcome"].dims == ("clearance", "tilt_stiffness", "friction")
     assert data.attrs["scene"] == "insertion"
     assert not (data["outcome"] == Outcome.ALIGNED).any()

@@ -227,8 +227,8 @@ def test_parts_and_cores_do_not_change_the_map(plan, nodes, parts, tmp_path):
     for part, path in enumerate(paths):
         done = compute_part(plan, part, parts, cores=1 + part % 2)
         write_dataset(part_dataset(plan, part, parts, done), path)
-    again = map_dataset(plan, read_parts(plan, paths), "title", "summary")
-    xr.testing.assert_identical(again, map_dataset(plan, nodes, "title", "summary"))
+    again = map_dataset(plan, read_parts(plan, paths), "title")
+    xr.testing.assert_identical(again, map_dataset(plan, nodes, "title"))
 
 
 def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
@@ -248,13 +248,14 @@ def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
 def test_the_dataset_is_a_chunked_and_compressed_grid(plan, nodes, tmp_path):
     path = tmp_path / "map.nc"
     marks = [("fig06", [3.0], [1.0, 2.0])]
-    write_dataset(map_dataset(plan, nodes, "title", "summary", marks), path)
+    write_dataset(map_dataset(plan, nodes, "title", marks), path)
     with xr.open_dataset(path) as stored:
         assert stored["tau_align"].dims == ("press_force", "tilt_stiffness")
         assert stored["tau_align"].encoding["zlib"]
         assert {"level", "trajectories", "reliable_share", "margin", "tau_worst"} <= set(stored)
         assert int(stored["trajectories"].sum()) == stored.attrs["trajectories"]
         assert stored["friction"].ndim == 0
+        assert stored.attrs["summary"].startswith(f"Results at {(CELLS + 1) ** 2} points over ")
         mesh = stored["tau_align"].plot()
         assert mesh.get_array().size == (CELLS + 1) ** 2
     large = xr.Dataset({"a": (("y", "x"), np.zeros((300, 300)))})

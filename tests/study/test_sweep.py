@@ -89,7 +89,7 @@ def test_a_drawing_has_no_sweep(study: Study) -> None:
 @pytest.fixture(scope="module")
 def dataset(sweep: Sweep) -> xr.Dataset:
     parts = [run(sweep, chunk, 2) for chunk in (1, 0)]
-    return merge(sweep, "title", "summary", parts)
+    return merge(sweep, "title", parts)
 
 
 def test_a_merged_grid_is_the_batch(sweep: Sweep, dataset: xr.Dataset) -> None:
@@ -138,12 +138,12 @@ def test_a_dataset_survives_the_disk(dataset: xr.Dataset, tmp_path: Path) -> Non
 def test_chunks_of_another_sweep_or_missing_ones_are_refused(study: Study, sweep: Sweep) -> None:
     first = run(sweep, 0, 2)
     with pytest.raises(DatasetError, match="each of 45 points once"):
-        merge(sweep, "", "", [first])
+        merge(sweep, "", [first])
     with pytest.raises(DatasetError, match="each of 45 points once"):
-        merge(sweep, "", "", [first, first])
+        merge(sweep, "", [first, first])
     foreign = run(small(study, "fig06", {"swept": 8}), 1, 2)
     with pytest.raises(DatasetError, match="belongs to sweep"):
-        merge(sweep, "", "", [first, foreign])
+        merge(sweep, "", [first, foreign])
 
 
 def test_a_file_that_is_no_dataset_is_refused(dataset: xr.Dataset, tmp_path: Path) -> None:
@@ -162,7 +162,8 @@ def test_a_file_that_is_no_dataset_is_refused(dataset: xr.Dataset, tmp_path: Pat
 
 def test_a_history_holds_the_drop_of_the_contact_force(study: Study) -> None:
     sweep = sweep_of(study, "fig05")
-    history = merge(sweep, "title", "summary", [run(sweep)])
+    history = merge(sweep, "title", [run(sweep)])
+    assert history.attrs["summary"] == "One run over time."
     force, time = history["contact_force"].values, history["time"].values
     at_alignment = np.flatnonzero(time == history["tau_align"].item())
     assert at_alignment.size == 2, "the jump stands as two values at one time"

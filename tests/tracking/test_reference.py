@@ -143,7 +143,7 @@ def test_other_parameters_are_no_comparison() -> None:
 def test_a_trajectory_is_compared_in_its_course() -> None:
     study = load_study(study_path())
     usual = sweep_of(study, "fig05")
-    reference = merge(usual, "t", "s", [run(usual)])
+    reference = merge(usual, "t", [run(usual)])
     assert compare_with_reference(reference, reference.copy(deep=True)) == []
     finer = sweep_of(
         study.model_copy(
@@ -151,7 +151,7 @@ def test_a_trajectory_is_compared_in_its_course() -> None:
         ),
         "fig05",
     )
-    assert compare_with_reference(reference, merge(finer, "t", "s", [run(finer)])) == [], (
+    assert compare_with_reference(reference, merge(finer, "t", [run(finer)])) == [], (
         "another sequence of steps is no other course"
     )
     for name in ("x", "tilt", "contact_force"):

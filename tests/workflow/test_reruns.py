@@ -134,6 +134,9 @@ STATED = [
     ({"figures": {"fig11": {"held": {"press_force": 2.6}}}},
      {"chunk", "merge", "map", "draw_vibration", "explorer", *DRAWN}),
     ({"figures": {"fig11": {"title": "Another title"}}}, {"merge", "explorer", *DRAWN}),
+    # Captions stand on the two pages, and in no dataset.
+    ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
+    ({"figures": {"fig13": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     # The picture is that of the refined map, with the figure's own points that do not go in.
     ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *FIXED, *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),

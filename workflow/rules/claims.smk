@@ -76,7 +76,7 @@ rule jamming:
     params:
         *code("sweep"),
         sweep=stated(sweep_of(study, "jamming")),
-        words={"title": study.jamming.title, "summary": study.jamming.title},
+        title=study.jamming.title,
     message:
         "following parts into the slot"
     script:

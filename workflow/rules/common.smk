@@ -25,11 +25,6 @@ def stated(plan):
     return plan.model_dump(mode="json")
 
 
-def wording(spec):
-    """Return the title and the caption of a figure or a map."""
-    return {"title": spec.title, "summary": spec.caption}
-
-
 def pictures(*places):
     """Return the files of pictures from their paths without extension."""
     return [f"<results>/{place}{kind}" for place in places for kind in (".png", ".svg", ".pdf")]
@@ -40,9 +35,9 @@ def sweep(wildcards):
     return stated(sweep_of(study, wildcards.figure))
 
 
-def words(wildcards):
-    """Return what a figure's dataset says of itself."""
-    return wording(study.figures[wildcards.figure])
+def title(wildcards):
+    """Return the title of a figure."""
+    return study.figures[wildcards.figure].title
 
 
 def plan(wildcards):

@@ -65,7 +65,7 @@ rule merge:
     params:
         *code("merge"),
         sweep=sweep,
-        words=words,
+        title=title,
     message:
         "{wildcards.figure}: merging its chunks"
     script:
@@ -85,7 +85,7 @@ rule history:
     params:
         *code("sweep"),
         sweep=sweep,
-        words=words,
+        title=title,
     message:
         "{wildcards.figure}: computing the trajectory"
     script:

@@ -43,7 +43,7 @@ rule map:
     params:
         *code("map"),
         plan=plan,
-        words=lambda wildcards: wording(study.plane(wildcards.map)),
+        title=lambda wildcards: study.plane(wildcards.map).title,
         marks=lambda wildcards: marks_of(study, wildcards.map),
     message:
         "map {wildcards.map}: assembling its parts"

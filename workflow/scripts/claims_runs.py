@@ -13,7 +13,7 @@ with recorded(snakemake) as facts:
         snakemake.params.sweeps.items(), snakemake.output.data, strict=True
     ):
         sweep, title = Sweep.model_validate(plan), snakemake.params.titles[name]
-        dataset = merge(sweep, title, title, [run(sweep)])
+        dataset = merge(sweep, title, [run(sweep)])
         write_dataset(dataset, Path(file))
         counts.update(outcome_counts(dataset))
     facts["counts"] = dict(counts)

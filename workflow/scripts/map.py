@@ -10,7 +10,7 @@ from model.tracking.job import recorded, snakemake
 with recorded(snakemake) as facts:
     plan = MapPlan.model_validate(snakemake.params.plan)
     nodes = read_parts(plan, [Path(file) for file in snakemake.input])
-    words, marks = snakemake.params.words, snakemake.params.marks
-    dataset = map_dataset(plan, nodes, **words, marks=marks)
+    title, marks = snakemake.params.title, snakemake.params.marks
+    dataset = map_dataset(plan, nodes, title, marks)
     write_dataset(dataset, Path(snakemake.output.data))
     facts |= {**plan.facts, "counts": map_counts(dataset)}

@@ -9,6 +9,6 @@ from model.tracking.job import recorded, snakemake
 with recorded(snakemake) as facts:
     sweep = Sweep.model_validate(snakemake.params.sweep)
     chunks = read_chunks(sweep, [Path(file) for file in snakemake.input])
-    dataset = merge(sweep, **snakemake.params.words, parts=chunks)
+    dataset = merge(sweep, snakemake.params.title, chunks)
     write_dataset(dataset, Path(snakemake.output.data))
     facts |= {**sweep.facts, "counts": outcome_counts(dataset)}

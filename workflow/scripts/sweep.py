@@ -8,6 +8,6 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as facts:
     sweep = Sweep.model_validate(snakemake.params.sweep)
-    dataset = merge(sweep, **snakemake.params.words, parts=[run(sweep)])
+    dataset = merge(sweep, snakemake.params.title, [run(sweep)])
     write_dataset(dataset, Path(snakemake.output.data))
     facts |= {**sweep.facts, "counts": outcome_counts(dataset)}

@@ -79,9 +79,9 @@ def _map(arguments: argparse.Namespace) -> int:
     from model.study.maps.dataset import in_si, map_dataset  # noqa: PLC0415
 
     title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
-    summary, cores = "Made by vibralign map.", os.cpu_count() or 1
+    cores = os.cpu_count() or 1
     with contextlib.closing(_Bar()) as bar:
-        dataset = map_dataset(plan, MapNodes(plan), title, summary, cores=cores, progress=bar)
+        dataset = map_dataset(plan, MapNodes(plan), title, cores=cores, progress=bar)
     if units is not None:
         dataset = in_si(dataset, units)
     with writing():

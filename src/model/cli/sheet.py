@@ -54,7 +54,7 @@ def write_sheet(
     run_settings, cores = RunSettings.of(settings), os.cpu_count() or 1
     plan = plan_of("map", device.parameters, run_settings, (x, y), _RESOLUTION, starts)
     title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
-    dataset = map_dataset(plan, MapNodes(plan), title, "Of a device sheet.", cores=cores)
+    dataset = map_dataset(plan, MapNodes(plan), title, cores=cores)
     verdict = re.sub(r"^((not )?reliable)\s+", r"\1: ", groups["Verdict"][1])
     good = verdict.startswith("reliable")
     if "Yield" in groups:

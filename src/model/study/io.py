@@ -70,6 +70,13 @@ def parameter_attributes(name: str) -> dict[str, Any]:
     return {"long_name": field.description, "symbol": field.symbol, "units": "1"}
 
 
+def summary_of(swept: Mapping[str, int]) -> str:
+    """Return a sentence on a dataset: how many values of which parameters it varies."""
+    points = int(np.prod([*swept.values()]))
+    over = " by ".join(f"{FIELDS[name].description} ({count})" for name, count in swept.items())
+    return f"Results at {points} points over {over}." if swept else "One run over time."
+
+
 def parameter_coordinates(
     swept: Mapping[str, Sequence[float]], parameters: Mapping[str, float | None]
 ) -> dict[str, Any]:

@@ -32,6 +32,7 @@ from model.study.io import (
     global_attributes,
     parameter_coordinates,
     read_dataset,
+    summary_of,
 )
 
 if TYPE_CHECKING:
@@ -252,7 +253,7 @@ def _mean(time: NDArray[np.float64], values: NDArray[np.float64]) -> float:
 # --- Merging ------------------------------------------------------------------------------------
 
 
-def merge(sweep: Sweep, title: str, summary: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
+def merge(sweep: Sweep, title: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return the dataset of a sweep, merged from all its chunks.
 
     Raises:
@@ -278,10 +279,10 @@ def merge(sweep: Sweep, title: str, summary: str, parts: Sequence[xr.Dataset]) -
     }
     if sweep.kind == "history":
         columns |= {name: parts[0][name].values for name in ("time", *HISTORY_VARIABLES)}
-    return dataset_of(sweep, title, summary, columns)
+    return dataset_of(sweep, title, columns)
 
 
-def dataset_of(sweep: Sweep, title: str, summary: str, columns: Columns) -> xr.Dataset:
+def dataset_of(sweep: Sweep, title: str, columns: Columns) -> xr.Dataset:
     """Return the dataset of a sweep, whose runs stand in ``columns`` in the order of its points."""
     swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
     variables: dict[str, Any] = {}
@@ -295,6 +296,7 @@ def dataset_of(sweep: Sweep, title: str, summary: str, columns: Columns) -> xr.D
         variables[name] = ([*swept], columns[name].reshape(sweep.shape), _ATTRIBUTES[name])
     coordinates |= parameter_coordinates(swept, sweep.parameters)
     settings = sweep.settings.settings
+    summary = summary_of({name: len(values) for name, values in swept.items()})
     stated = global_attributes(sweep.figure, sweep.kind, sweep.identity, title, summary, settings)
     return xr.Dataset(variables, coordinates, stated)
 

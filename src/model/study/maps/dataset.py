@@ -21,6 +21,7 @@ from model.study.io import (
     global_attributes,
     parameter_coordinates,
     read_dataset,
+    summary_of,
 )
 from model.study.maps.compute import PERIODS, SHARE, Computation, MapNodes, Progress
 from model.study.maps.lattice import AROUND, BESIDE, PATCH, WINDOW, Bools, Floats
@@ -145,7 +146,6 @@ def map_dataset(
     plan: MapPlan,
     nodes: MapNodes,
     title: str,
-    summary: str,
     marks: Sequence[Mark] = (),
     *,
     cores: int = 1,
@@ -158,6 +158,7 @@ def map_dataset(
     """
     values = assemble(plan, nodes, cores=cores, progress=progress)
     settings = plan.settings.settings
+    summary = summary_of({axis.parameter: len(axis.values) for axis in (plan.y, plan.x)})
     attributes = global_attributes(plan.name, "map", plan.identity, title, summary, settings)
     attributes |= {
         "resolution": plan.cells,
