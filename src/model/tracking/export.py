@@ -1,6 +1,6 @@
 """Export of an invocation of the study to MLflow, which needs the extra ``export``.
 
-Files stay the tracker (records.py); an export is made afterwards.
+Files stay the tracker (history.py); an export is made afterwards.
 """
 
 import os
