@@ -61,7 +61,7 @@ EDITS = [
      {"plot", "draw_vibration", *LAST}),
     ("src/model/show/schematics/sheet.py", *EDIT, {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),
-    ("src/model/show/report/claims.html.j2", "Thresholds", "on trial", LAST),
+    ("src/model/show/report/findings.claims.html.j2", "Thresholds", "on trial", LAST),
     ("src/model/show/explorer/page.main.js", "CELLS = 65", "CELLS = 33", {"explorer", *LAST}),
     # Scripts, what records them, commands, pins
     ("workflow/scripts/merge.py", *EDIT, {"merge", *FIXED, *DRAWN, "explorer"}),

@@ -48,7 +48,7 @@ def vibration(results: Results) -> Section:
     )  # fmt: skip
     added = results.picture("figures/maps/fig13_vibration", VIBRATION_CAPTION)
     content = {"added": added, "shares": shares}
-    template = _FOLDER / "vibration.html.j2"
+    template = _FOLDER / "findings.vibration.html.j2"
     return Section("vibration", "What vibration adds", template, content)
 
 
@@ -89,7 +89,7 @@ def claims(results: Results) -> Section:
             *((f"{of.lower()} (netCDF)", f"data/claims/{name}.nc") for name, of in titles.items()),
         ],
     }
-    template = _FOLDER / "claims.html.j2"
+    template = _FOLDER / "findings.claims.html.j2"
     return Section("claims", "What the paper says, judged", template, content)
 
 
@@ -126,7 +126,7 @@ def jamming(results: Results) -> Section:
              ">above the limit"), rows),
         "reasons": Table(("held by", ">parts"), held),
     }  # fmt: skip
-    return Section("jamming", "Jamming", _FOLDER / "jamming.html.j2", content, lead)
+    return Section("jamming", "Jamming", _FOLDER / "findings.jamming.html.j2", content, lead)
 
 
 def beside_the_limit(
