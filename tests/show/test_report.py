@@ -10,8 +10,9 @@ import pytest
 from markupsafe import escape
 
 from benchmarks.plans import HARD_PICTURES, PICTURES
+from benchmarks.report.advice import advice
 from benchmarks.report.hard_cases_plots import CAPTIONS as HARD_CAPTIONS
-from benchmarks.report.work_precision_plots import CAPTIONS, advice
+from benchmarks.report.work_precision_plots import CAPTIONS
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
