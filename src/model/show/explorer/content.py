@@ -34,8 +34,8 @@ from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
 from model.study.config.study import Study
 
 # Axes of the map where a preset states none.
-_WITH_PLANE: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
-# Curves over time in panels, and their labels; the symbol where there is none.
+_DEFAULT_AXES: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
+# Track variables of each panel over time, with their labels; "" stands for the symbol.
 _PANELS: tuple[Mapping[str, str], ...] = (
     {"x": ""}, {"y": ""}, {"tilt": ""},
     {"contact_force": "n, under the part", "right_force": "right side", "side_force": "left side"},
@@ -46,9 +46,9 @@ _UNIT_FIELDS: Mapping[str, tuple[str, Quantity]] = {
     "axial_stiffness": ("K_Y", STIFFNESS),
     "amplitude": ("A", LENGTH),
 }
-_SMALL_ANGLE = 0.05
-_LEVELS = 254  # of a stored duration
-_MOST_NODES = 257  # along a side of a stored outline
+_SMALL_ANGLE = 0.05  # rad, from the middle of a slider to its ends
+_LEVELS = 254  # number of levels of a stored duration
+_MOST_NODES = 257  # along a side of a stored reliable area
 
 _EVENT_WORDS: Mapping[str, str] = {
     "aligned": "the edge is past the corner: aligned",
@@ -96,9 +96,9 @@ class Scales:
         return scale(self.units, quantity)
 
     def shown(self, quantity: Quantity, value: float = 0.0) -> dict[str, Any]:
-        """Return a quantity's powers of the units, its unit, and that in which it is shown.
+        """Return a quantity's powers of the units, its unit, and the unit in which it is shown.
 
-        ``value`` is of the size that is shown, in the page's unit; one unit of the model if 0.
+        The unit shown suits ``value``, in the page's unit; if that is 0, one dimensionless unit.
         """
         powers = [quantity.length, quantity.time, quantity.force, quantity.factor]
         if self.units is None:
@@ -120,7 +120,7 @@ def study_model(
 ) -> dict[str, Any]:
     """Return the content of the study's page.
 
-    ``maps`` are the datasets of MAPS, each that of the figure and the refined one.
+    ``maps`` are two paths for each of MAPS: the dataset of the figure, and its refined map.
     """
     scales = Scales(None)
     presets = {name: _figure(study, name) for name in sorted((*HISTORIES, *CURVES, *MAPS))}
@@ -130,7 +130,7 @@ def study_model(
     return {
         **_model("vibralign explorer", study.baseline, scales, study.settings.settings, interface),
         "parameters": _parameters(study.baseline, scales, [*study.operating_point], _axes(study)),
-        "presets": {name: _WITH_PLANE | each for name, each in presets.items()},
+        "presets": {name: _DEFAULT_AXES | each for name, each in presets.items()},
         "first": CURVES[0],
         "maps": {name: _stored_map(study, name, *of) for name, of in zip(MAPS, maps, strict=False)},
     }  # fmt: skip
@@ -138,13 +138,13 @@ def study_model(
 
 @dataclass(frozen=True)
 class Origin:
-    """The options that a device's page was made with, for the commands that it gives.
+    """The options that a device's page was made with; the commands that it copies repeat them.
 
     Attributes:
-        options: of the command, besides --set; quoted for a shell.
-        sets: --set of a name, likewise.
-        held: parameters that the device's file does not state, and the quantities of the file
-            that each follows from; the page holds them while other values change.
+        options: all except --set, quoted for a shell.
+        sets: the --set options by name, quoted likewise.
+        held: parameters that follow from other quantities of the device's file, with these
+            quantities; the page keeps their values while others change.
     """
 
     options: Sequence[str] = ()
@@ -164,7 +164,7 @@ def device_model(
     """Return the content of the page of a device, in SI units if it has ``units``."""
     scales = Scales(units)
     preset = {
-        **_WITH_PLANE, "group": "Device", "title": file or "the study's device",
+        **_DEFAULT_AXES, "group": "Device", "title": file or "the study's device",
         "words": _held_words(origin.held), "values": scales.values(device),
     }  # fmt: skip
     return {
@@ -236,12 +236,12 @@ def _varied(spec: object) -> tuple[Axis | Family, ...]:
 
 def _axes(study: Study) -> dict[str, tuple[float, float]]:
     """Return the range of each parameter over all figures that vary it."""
-    found: dict[str, tuple[float, float]] = {}
+    ranges: dict[str, tuple[float, float]] = {}
     for spec in study.figures.values():
         for axis in _varied(spec):
-            low, high = found.get(axis.parameter, (math.inf, -math.inf))
-            found[axis.parameter] = min(low, *axis.values), max(high, *axis.values)
-    return found
+            low, high = ranges.get(axis.parameter, (math.inf, -math.inf))
+            ranges[axis.parameter] = min(low, *axis.values), max(high, *axis.values)
+    return ranges
 
 
 def _range(
@@ -266,8 +266,8 @@ def _parameters(
     first: Sequence[str],
     axes: Mapping[str, tuple[float, float]],
 ) -> list[dict[str, Any]]:
-    """Return what the page knows of each parameter, those in ``first`` at the top."""
-    values, found = scales.values(device), []
+    """Return descriptions of the parameters for the page, those in ``first`` at the top."""
+    values, described = scales.values(device), []
     names = [name for name in values if name in FIELDS]
     for name in (
         *sorted(names, key=lambda each: each not in first),
@@ -276,7 +276,7 @@ def _parameters(
         field = FIELDS[name] if name in FIELDS else _unit_field(name)
         letter, index = symbol_parts(field.symbol)
         least, most = axes.get(name) or _range(name, field, values, scales.of(field.quantity))
-        found.append(
+        described.append(
             {
                 "name": name,
                 "symbol": field.symbol,
@@ -292,7 +292,7 @@ def _parameters(
                 **scales.shown(field.quantity, values[field.derived or name] or 0.0),
             }
         )
-    return found
+    return described
 
 
 def _unit_field(name: str) -> Field:
@@ -305,7 +305,7 @@ def _unit_field(name: str) -> Field:
 
 
 def _figure(study: Study, name: str) -> dict[str, Any]:
-    """Return the operating point of a figure, in the middle of what it varies, and its plane."""
+    """Return the preset of a figure: its operating point, mid-range where varied, and its axes."""
     spec, values = study.figures[name], study.parameters(name).given()
     preset: dict[str, Any] = {
         "group": "Figures", "title": f"{figure_title(name)}: {spec.title}", "words": spec.caption,
@@ -323,7 +323,7 @@ def _figure(study: Study, name: str) -> dict[str, Any]:
 
 
 def _stored_map(study: Study, name: str, data: Path, refined: Path) -> dict[str, Any]:
-    """Return a figure's map as stored: durations in equal ratios, and where it is reliable."""
+    """Return a figure's map: durations in levels of equal ratio, and where it is reliable."""
     from model.study.io import read_dataset  # noqa: PLC0415 - xarray, for the study only
 
     spec = study.figures[name]
@@ -334,19 +334,19 @@ def _stored_map(study: Study, name: str, data: Path, refined: Path) -> dict[str,
     steps = math.log(most / least) or 1.0
     share = np.nan_to_num(np.log(tau / least) / steps, nan=-1.0)
     levels = np.where(share < 0.0, 0, 1 + np.rint(share * _LEVELS)).astype(np.uint8)
-    found = {
+    stored = {
         "x": spec.x.parameter, "y": spec.y.parameter,
         "xs": [spec.x.start, spec.x.stop], "ys": [spec.y.start, spec.y.stop],
         "cells": len(tau), "least": least, "most": most,
         "duration": packed(levels.tobytes()), "values": study.parameters(name).given(),
     }  # fmt: skip
     reliable = _square(read_dataset(refined)["reliable"].values, _MOST_NODES)
-    found["reliable"] = packed(reliable.astype(np.uint8).tobytes())
-    return found
+    stored["reliable"] = packed(reliable.astype(np.uint8).tobytes())
+    return stored
 
 
 def _square(values: NDArray[Any], most: int | None) -> NDArray[Any]:
-    """Return as many rows as columns, at most ``most`` of each, nearest values."""
+    """Resample to a square of at most ``most`` rows and columns, by nearest values."""
     side = min(values.shape[1], most or values.shape[1])
     rows, columns = (np.rint(np.linspace(0, n - 1, side)).astype(int) for n in values.shape)
     return values[np.ix_(rows, columns)]

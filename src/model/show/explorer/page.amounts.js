@@ -47,7 +47,7 @@ function fault(parameter, value) {
 }
 
 /**
- * Return the value of what is typed for a parameter, a number in the unit shown or with its unit; or a message.
+ * Return the value typed for a parameter, in the unit shown or with a unit of its own, or a message why it is refused.
  * @param {Parameter} parameter @param {string} text @returns {{value: number, message: string}}
  */
 function readAmount(parameter, text) {
@@ -68,7 +68,7 @@ function readAmount(parameter, text) {
   return message ? refused(message) : { value, message };
 }
 
-/** Return a number of units without the last digits, which come from the conversion. @param {number} value @param {number} one */
+/** Round off the last digits of a number of units: they are due to the conversion. @param {number} value @param {number} one */
 const inOne = (value, one) => Number((value * one).toPrecision(15));
 
 /** Return a value without its unit, with six digits at most. @param {Quantity} quantity @param {number} value */

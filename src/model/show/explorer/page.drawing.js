@@ -31,7 +31,7 @@ function contactKind(frame) {
 }
 
 /**
- * Return centre and tilt as drawn: with an exaggerated tilt the part still touches its edge where it does.
+ * Return centre and tilt as drawn: the part touches its edge at the same place with an exaggerated tilt.
  * @param {Frame} frame @param {any} device @param {number} exaggeration
  */
 function drawnPose(frame, device, exaggeration) {
@@ -111,7 +111,7 @@ function drawForces(g, place, frame, device, pose, scale) {
     const [x, y] = place(at[0], at[1]);
     arrow(g, [x, y], [x + way[0] * force * scale, y - way[1] * force * scale], colour);
   };
-  /** Return place, normal and tangent of what presses on a side of the slot. @param {number} side 1 right, -1 left @param {boolean} onEdge */
+  /** Return place, normal and tangent of the contact on a side of the slot. @param {number} side 1 right, -1 left @param {boolean} onEdge */
   const onSide = (side, onEdge) => {
     if (onEdge) return { at: [side * device.slot_half_width, 0], normal: [-side * c, -side * s], tangent: [side * s, -side * c] };
     const depth = pose.y + side * device.half_width * s - device.half_height * c;

@@ -171,7 +171,7 @@ function remap() {
 const sameElsewhere = (each) => Object.entries(each.values).every(([name, value]) => name === state.x || name === state.y || Object.is(value, state.values[name]));
 
 let sameMap = "";
-/** Return what a map depends on. */
+/** Return the key of a map: all values on which it depends. */
 function mapKey() {
   const fixed = Object.entries(valuesOf(state, state.vibration)).filter(([name]) => name !== state.x && name !== state.y);
   return JSON.stringify([state.x, state.y, span("x"), span("y"), fixed.map(([, value]) => String(value))]);
@@ -205,7 +205,7 @@ function play(on) {
   requestAnimationFrame(advance);
 }
 
-/** Return the time that plays in a second. */
+/** Return the time of the run that is played in a second. */
 const pace = () => Number(element("speed").value) * Math.max(lastTime() / 60, Math.min(lastTime(), 30) / 10);
 
 function writePace() {

@@ -8,8 +8,8 @@
 
 const UNKNOWN = -1, ALIGNED = 0, SETTLED = 1, LEFT_SCENE = 2, FAILED = 4, INSERTED = 5;
 const FIRST_STEP = 8, CHUNK = 1024;
-const FILLED_BEYOND = 2; // nodes: farther from all that aligns, every second node is computed
-const LONG_CHUNK = 500; // ms, after which a chunk of a map that is not wanted any more is given up
+const FILLED_BEYOND = 2; // nodes; farther than this from aligned nodes, every second node is computed
+const LONG_CHUNK = 500; // ms, after which a chunk of a replaced map is given up
 const CIVIDIS = [[0, 34, 78], [24, 52, 111], [63, 74, 108], [92, 97, 109], [119, 120, 112], [147, 144, 113], [177, 168, 106], [208, 195, 94], [240, 222, 78], [254, 232, 56]];
 const INSET = { left: 68, right: 22, top: 8, bottom: 40 };
 
@@ -48,8 +48,8 @@ function alignsNear({ cells, outcome }, row, column, reach) {
 }
 
 /**
- * Return the nodes of one step that are to be computed: all of them, those beside a change of outcome first; of the finest,
- * those with an aligned one near.
+ * Return the nodes of a step to compute, those beside a change of outcome first; of the finest step only nodes near an
+ * aligned one.
  * @param {MapData} map @param {number} step
  */
 function nodesOf(map, step) {
@@ -76,7 +76,7 @@ function nodesOf(map, step) {
   return [...edge, ...rest];
 }
 
-/** Give the nodes that are left the outcome of a computed one beside them; their step stays 0. @param {MapData} map */
+/** Give nodes that are not computed the outcome of a computed neighbour; their step stays 0. @param {MapData} map */
 function fill({ cells, outcome }) {
   for (let node = 0; node < outcome.length; node += 1) {
     const row = Math.floor(node / cells), column = node % cells;
@@ -102,7 +102,7 @@ class Mapper {
     this.count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 2));
     /** @type {Worker[]} */
     this.idle = [];
-    /** Workers that run a chunk, and since when. @type {Map<Worker, number>} */
+    /** Workers that run a chunk, with its start. @type {Map<Worker, number>} */
     this.busy = new Map();
     for (let n = 0; n < this.count; n += 1) this.hire();
   }
@@ -114,7 +114,7 @@ class Mapper {
     worker.postMessage({ binary: this.binary, about: this.about, name: "run_many" });
   }
 
-  /** Replace the workers that are long at what is not wanted any more. */
+  /** Replace the workers that have long been busy with a replaced map. */
   giveUp() {
     for (const [worker, since] of this.busy) {
       if (performance.now() - since < LONG_CHUNK) continue;
@@ -124,7 +124,7 @@ class Mapper {
     }
   }
 
-  /** Compute a map. @param {MapData} map @param {(changes: Record<string, number>) => number[]} setOf the set with some values of the map's unit changed @param {Record<string, number>} control */
+  /** Compute a map. @param {MapData} map @param {(changes: Record<string, number>) => number[]} setOf returns the set with other values, given in the page's units, @param {Record<string, number>} control */
   compute(map, setOf, control) {
     this.giveUp();
     this.generation += 1;
@@ -192,7 +192,7 @@ function colour(share) {
   return CIVIDIS[n].map((each, k) => Math.round(each + part * (CIVIDIS[n + 1][k] - each)));
 }
 
-/** Return shortest and longest duration as they are coloured, on a logarithmic scale; the longest 2 % have one colour. @param {MapData} map */
+/** Return the ends of the logarithmic colour scale; the longest 2 % of the durations have one colour. @param {MapData} map */
 function durations(map) {
   const known = Array.from(map.tau).filter(Number.isFinite).sort((a, b) => a - b);
   if (!known.length) return [1, 2];
@@ -200,7 +200,7 @@ function durations(map) {
   return [shortest, Math.max(known[Math.floor(0.98 * (known.length - 1))], 1.001 * shortest)];
 }
 
-/** Return the places of a map on a canvas. @param {MapData} map @param {number} width @param {number} height */
+/** Return the conversions between the values of a map and pixels of its canvas. @param {MapData} map @param {number} width @param {number} height */
 function mapPlaces(map, width, height) {
   const wide = width - INSET.left - INSET.right, tall = height - INSET.top - INSET.bottom;
   return {

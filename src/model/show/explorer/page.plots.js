@@ -2,7 +2,7 @@
 
 /**
  * @typedef {{time: Float64Array, columns: Record<string, Float64Array>, rows: number}} Track
- * @typedef {Quantity & {curves: {name: string, label: string}[]}} Panel the first curve of each is that of the other run, too
+ * @typedef {Quantity & {curves: {name: string, label: string}[]}} Panel of the other run only the first curve is drawn
  */
 
 const KINDS = { sticks: "#E69F00", slides: "#56B4E9", flies: "#ffffff" };
@@ -44,7 +44,7 @@ function frameAt(track, time) {
   return frame;
 }
 
-/** Return round numbers between two: as few as possible, but at least a count. @param {number} low @param {number} high @param {number} count */
+/** Return round numbers between two: at least a count, and as few as possible. @param {number} low @param {number} high @param {number} count */
 function ticks(low, high, count) {
   const power = 10 ** Math.floor(Math.log10((high - low) / count));
   for (const part of [10, 5, 2.5, 2, 1, 0.5]) {
@@ -54,7 +54,7 @@ function ticks(low, high, count) {
   return [low, high];
 }
 
-/** Draw a curve, from pixel to pixel its lowest and highest value. @param {CanvasRenderingContext2D} g @param {Track} track @param {string} name @param {(t: number) => number} across @param {(v: number) => number} down */
+/** Draw a curve by its lowest and highest value at every pixel. @param {CanvasRenderingContext2D} g @param {Track} track @param {string} name @param {(t: number) => number} across @param {(v: number) => number} down */
 function drawCurve(g, track, name, across, down) {
   const values = track.columns[name];
   g.beginPath();

@@ -21,11 +21,11 @@ SCRIPTS = (
 )  # fmt: skip
 _WORKER = ("engine", "worker")
 _HERE = Path(__file__).resolve().parent
-_MOST_ROWS = 20_000  # of a track in the page of one run; events are kept
+_MOST_ROWS = 20_000  # of a track in the page of one run, besides its events
 
 
 def packed(data: bytes) -> str:
-    """Return bytes, compressed, as text; the same bytes give the same text."""
+    """Return compressed bytes as text; the same bytes give the same text."""
     return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode()
 
 

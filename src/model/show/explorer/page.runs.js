@@ -2,10 +2,10 @@
 
 /** @typedef {{track: Track, results: Record<string, number>}} Run */
 
-// A run of more evaluations goes on in a Worker; its drawing ends with the last of the rows.
+// Evaluations of a run on the page: a longer run is made in a Worker. Rows of a track at first, and at most: a longer one is cut.
 const QUICK = 200000, FIRST_ROWS = 8192, MOST_ROWS = 120000;
 
-/** Return a run from what an engine found. @param {Found} found @param {Interface} about @returns {Run} */
+/** Return a run from the numbers of an engine. @param {Found} found @param {Interface} about @returns {Run} */
 function runOf(found, about) {
   const results = Object.fromEntries(about.results.map((name, n) => [name, found.results[n]]));
   return { track: trackOf(found.track, about.columns, Math.min(results.tracked, found.track.length / about.columns.length)), results };

@@ -1,4 +1,4 @@
-// Words on a run: its outcome, its twin without vibration, and the moment that is shown.
+// Words on a run: its outcome, its unvibrated control, and the moment that is shown.
 
 /** Return an outcome in words. @param {Record<string, number>} results */
 function outcomeWords(results) {
@@ -38,7 +38,7 @@ function stillWords(results, slow) {
   return Number.isNaN(slow) ? words : `${words}; pressed slowly it rests, tilted by ${degrees(slow)}`;
 }
 
-/** Return what vibration changes. @param {Record<string, number>} vibrated @param {Record<string, number>} still @param {number} slow @param {boolean} vibration the first is shown */
+/** Return what vibration changes. @param {Record<string, number>} vibrated @param {Record<string, number>} still @param {number} slow @param {boolean} vibration true if the vibrated run is shown */
 function comparisonWords(vibrated, still, slow, vibration) {
   const together = aligns(vibrated), alone = aligns(still);
   const first = vibration ? `Without vibration it ${stillWords(still, slow)}` : `With vibration it ${together ? `aligns ${atTime(vibrated.tau_align)}` : "does not align"}`;
@@ -57,7 +57,7 @@ function verdictWords(results) {
   return results.outcome === ALIGNED ? aligned : `${aligned}, but does not go in`;
 }
 
-/** Show a message in place of the outcome: a value that is refused, or a run that is under way. @param {string} message @param {boolean} refused */
+/** Show a message in place of the outcome: a value is refused, or a run is under way. @param {string} message @param {boolean} refused */
 function writeInstead(message, refused) {
   element("outcome").dataset.outcome = refused ? "refused" : "computing";
   element("fault").textContent = refused ? message : "";
