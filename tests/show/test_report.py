@@ -1,4 +1,4 @@
-"""The report: one page that holds its pictures and says of every figure what its dataset says."""
+"""The report: one page that embeds its pictures and agrees with the datasets of all figures."""
 
 import base64
 import re
@@ -17,9 +17,9 @@ from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
 from model.show.report import background
-from model.show.report.background import READING_WORDS
+from model.show.report.background import VARIANT_WORDS
 from model.show.report.figures import HEAD, Counts, _ranges
-from model.show.report.findings import beside_the_limit
+from model.show.report.findings import wedging_words
 from model.show.report.section import Results, subscripts
 from model.show.words import figure_title, percent, short
 from model.study.claims import tally
@@ -156,7 +156,7 @@ def answer_of(text: str) -> str:
 
 
 def with_flags(dataset, name, meanings, of_aligned):
-    """The dataset with a flag of each aligned run: the first meaning at the share given."""
+    """Return the dataset with flags: a share ``of_aligned`` of the aligned runs has the first."""
     aligned = dataset["outcome"].values == Outcome.ALIGNED
     flags = np.full(aligned.shape, -1, dtype=np.int8)
     flags[aligned] = (np.arange(aligned.sum()) >= round(of_aligned * aligned.sum())).astype(np.int8)
@@ -324,7 +324,7 @@ def test_jamming_is_counted_beside_the_wedging_limit(rendered):
 
 def test_parts_that_go_in_above_the_wedging_limit_are_counted():
     flags = np.array([True, True, False])
-    text = beside_the_limit(np.zeros(3, dtype=np.bool_), flags, flags[::-1], 0)
+    text = wedging_words(np.zeros(3, dtype=np.bool_), flags, flags[::-1], 0)
     assert text.startswith("1 of them lie above the textbook's wedging limit")
 
 
@@ -353,7 +353,7 @@ def test_every_file_that_the_page_shows_is_an_input(study, root):
 
 
 def test_every_switch_of_the_readings_is_explained(rendered):
-    assert set(READING_WORDS) == set(VARIANT_NAMES)
+    assert set(VARIANT_WORDS) == set(VARIANT_NAMES)
     assert all(f"<code>{name}</code>" in rendered for name in VARIANT_NAMES)
 
 

@@ -19,7 +19,7 @@ _CONCLUSION = re.compile(r"concl\. (\d+)")
 
 @dataclass(frozen=True)
 class Finding:
-    """One number of the answer, and the sentence that it stands for."""
+    """A number of the answer, with its label, the question and a sentence that explains it."""
 
     number: str
     label: str
@@ -29,7 +29,7 @@ class Finding:
 
 def section(results: Results) -> Section:
     """Return the section with the answer."""
-    counts = {name: each for name, each in counts_of(results).items() if name not in HISTORIES}
+    counts = {name: of for name, of in counts_of(results).items() if name not in HISTORIES}
     findings = (
         _aligned(counts),
         _duration(counts),
@@ -39,7 +39,7 @@ def section(results: Results) -> Section:
         _paper(read_ledger(results.file("claims.csv"))),
     )
     content = {
-        "findings": [each for each in findings if each is not None],
+        "findings": [finding for finding in findings if finding is not None],
         "article": article(results, HEAD),
     }
     return Section("answer", "The answer", Path(__file__).with_suffix(".html.j2"), content)
@@ -68,7 +68,7 @@ def _duration(counts: Mapping[str, Counts]) -> Finding | None:
         np.broadcast_to(_along(each, "frequency"), each.aligned.shape)[each.aligned]
         for each in counts.values()
     ])  # fmt: skip
-    low, middle, high = (short(each) for each in np.quantile(tau, (0.05, 0.5, 0.95)))
+    low, middle, high = (short(time) for time in np.quantile(tau, (0.05, 0.5, 0.95)))
     periods = short(float(np.median(tau * frequency)) / (2.0 * np.pi))
     sentence = (
         f"Nine in ten of the parts that align take τ = {low} to {high}, in units of the inverse "
@@ -130,8 +130,8 @@ def _of_aligned(
     counts: Mapping[str, Counts], variable: str, meaning: str
 ) -> tuple[str, str] | None:
     """Return the share of all aligned runs with a flag, and its range over the figures."""
-    found = {name: each.share_of(variable, meaning) for name, each in counts.items()}
-    shares = {name: share for name, share in found.items() if not np.isnan(share)}
+    known = {name: each.share_of(variable, meaning) for name, each in counts.items()}
+    shares = {name: share for name, share in known.items() if not np.isnan(share)}
     if not shares:
         return None
     weights = [counts[name].number_of(Outcome.ALIGNED) for name in shares]
@@ -139,7 +139,7 @@ def _of_aligned(
 
 
 def _by_figure(shares: Mapping[str, float]) -> str:
-    """Return the smallest and the largest share, each with its figure."""
+    """Say the smallest and the largest share, each with its figure."""
     low, high = (of(shares, key=lambda name: shares[name]) for of in (min, max))
     if percent(shares[low]) == percent(shares[high]):
         return percent(shares[low])
@@ -155,9 +155,9 @@ def _paper(lines: Sequence[Line]) -> Finding:
     wrong = sum(line.verdict == "contradicted" for line in judged)
     conclusions: dict[int, bool] = {}
     for line in judged:
-        for found in _CONCLUSION.findall(line.place):
-            conclusions[int(found)] = conclusions.get(int(found), True) and line in right
-    holding = [str(each) for each, holds in sorted(conclusions.items()) if holds]
+        for digits in _CONCLUSION.findall(line.place):
+            conclusions[int(digits)] = conclusions.get(int(digits), True) and line in right
+    holding = [str(number) for number, holds in sorted(conclusions.items()) if holds]
     sentence = (
         f"Of {len(judged)} checkable claims {len(right)} are reproduced, {wrong} contradicted, "
         f"{len(judged) - len(right) - wrong} hold in part."
@@ -168,5 +168,6 @@ def _paper(lines: Sequence[Line]) -> Finding:
             f"part: {', '.join(holding) or 'none'}."
         )
     label = "claims of the paper reproduced"
-    number = f"{len(right)} of {len(judged)}"
-    return Finding(number, label, "What the paper got right and wrong", sentence)
+    return Finding(
+        f"{len(right)} of {len(judged)}", label, "What the paper got right and wrong", sentence
+    )

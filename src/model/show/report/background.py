@@ -14,8 +14,8 @@ from model.show.words import figure_title, number
 from model.study.config.figures import COMPUTED
 from model.tracking.job import file_hash, versions
 
-# Number and subject of every disputed equation; model.physics.variants says what each value does.
-READING_WORDS: Mapping[str, tuple[str, str]] = {
+# Number and subject of every disputed equation; model.physics.variants explains its variants.
+VARIANT_WORDS: Mapping[str, tuple[str, str]] = {
     "normal_sign": ("R1", "sign of the horizontal component of the contact force"),
     "friction_law": ("R2", "Coulomb friction with sticking, or one fixed direction"),
     "contact_damping_law": ("R3", "damping by the closing rate, or by the speed of the part"),
@@ -31,7 +31,7 @@ _CODE = Markup("<code>{}</code>")
 def section(results: Results) -> Section:
     """Return the section on the device, the equations in use, and what the page was made from.
 
-    The page's last: it names the files that the others took.
+    It comes last, since it lists the files that all sections read.
     """
     device, points = _device(results)
     settings = results.study.settings.settings
@@ -64,7 +64,7 @@ def section(results: Results) -> Section:
 
 
 def _device(results: Results) -> tuple[Table, Table]:
-    """Return the parameters: the device once, then what each figure varies or holds."""
+    """Return two tables of parameters: the device, and what each figure varies or holds."""
     study = results.study
     datasets = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
     varied = {name: {*map(str, each["outcome"].dims)} for name, each in datasets.items()}
@@ -95,7 +95,7 @@ def _equations(settings: Settings) -> Table:
     """Return the variants of the equations that the figures use."""
     rows = []
     for name in VARIANT_NAMES:
-        index, words = READING_WORDS[name]
+        index, words = VARIANT_WORDS[name]
         rows.append((index, _CODE.format(name), words, getattr(settings.readings, name)))
     return Table(("no.", "variant", "what it decides", "in use"), rows)
 
@@ -106,6 +106,6 @@ def _versions() -> Table:
 
 
 def _files(results: Results) -> Table:
-    """Return the files of numbers; nothing of the day, the machine or the checkout."""
+    """Return the data files and their hashes, which do not depend on date, machine or checkout."""
     data = [(place, _CODE.format(file_hash(path)[:16])) for place, path in results.data.items()]
     return Table(("file", "SHA-256, first 16 digits"), data)

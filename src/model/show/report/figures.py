@@ -1,4 +1,4 @@
-"""Section on the figures: each with its result, and all their runs in one table."""
+"""Section on the figures: every figure with its result, and a table of all runs."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -30,8 +30,8 @@ from model.study.config.figures import COMPUTED, MAPS
 if TYPE_CHECKING:
     import xarray as xr
 
-HEAD = MAPS[-1]  # the figure at the head of the page, that of README
-_FEW = 3  # ranges that are stated one by one
+HEAD = MAPS[-1]  # the figure at the head of the page, also in README
+_FEW = 3  # most ranges that are stated one by one
 _CODE = Markup("<code>{}</code>")
 
 
@@ -101,7 +101,7 @@ def counts_of(results: Results) -> dict[str, Counts]:
 
 
 def section(results: Results) -> Section:
-    """Return the section with every figure of the paper but the one at the head of the page."""
+    """Return the section with every figure of the paper except the one at the head of the page."""
     outcomes = Table(
         ("outcome", "meaning"),
         [(_CODE.format(each.name.lower()), OUTCOME_TEXT[each]) for each in Outcome],
@@ -116,7 +116,7 @@ def section(results: Results) -> Section:
 
 
 def _glance(counts: dict[str, Counts]) -> Table:
-    """List the outcomes of every figure; the shares only where a figure has them."""
+    """List the outcomes of every figure, and the shares that some figure has."""
     shown = [each for each in SHARES if any(each[0] in of.dataset for of in counts.values())]
     ends = [each for each in Outcome if any(of.number_of(each) for of in counts.values())]
     heads = [f">{each.name.lower().replace('_', ' ')}" for each in ends]
@@ -215,6 +215,7 @@ def _ranges(dataset: "xr.Dataset") -> Markup:
 
 
 def _ends(x: NDArray[np.float64], aligned: NDArray[np.bool_]) -> Iterator[tuple[float, float]]:
+    """Yield the first and the last value of each range that aligns."""
     for first, end in runs_of(aligned):
         yield float(x[first]), float(x[end - 1])
 

@@ -1,4 +1,4 @@
-"""Sections on what the runs say beyond the figures: vibration, the paper's claims, jamming."""
+"""Sections on findings beyond the figures: vibration, the paper's claims, jamming."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -39,7 +39,7 @@ _FOLDER = Path(__file__).parent
 
 
 def vibration(results: Results) -> Section:
-    """Return the section on the vibration: what the same parts do without it."""
+    """Return the section on vibration, which compares runs with their unvibrated controls."""
     own = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
     shares = Table(
         ("figure", ">aligned", ">also unvibrated", ">of these by overshoot", ">do not rest",
@@ -53,23 +53,24 @@ def vibration(results: Results) -> Section:
 
 
 def _shares(name: str, dataset: "xr.Dataset") -> Sequence[object]:
-    found = regime_of(Data({name: dataset}), name)
+    regime = regime_of(Data({name: dataset}), name)
     outcome = dataset["outcome"].values
-    shares = found.static, overshoot_of(dataset), found.not_resting, found.corners, found.lift_offs
-    static, overshoot, resting, corners, lifting = (
-        "" if math.isnan(share) else percent(share) for share in shares
+    shares = regime.static, overshoot_of(dataset), regime.not_resting
+    *unvibrated, corners, lift_offs = (
+        "" if math.isnan(share) else percent(share)
+        for share in (*shares, regime.corners, regime.lift_offs)
     )
-    tilts = (f"{np.degrees(tilt):.1f}°" for tilt in (found.tilt, found.tilt_largest))
+    tilts = (f"{np.degrees(tilt):.1f}°" for tilt in (regime.tilt, regime.tilt_largest))
     aligned = np.count_nonzero(outcome == Outcome.ALIGNED)
     head = figure_title(name), f"{aligned:,} of {outcome.size:,}"
-    return *head, static, overshoot, resting, *tilts, corners, lifting
+    return *head, *unvibrated, *tilts, corners, lift_offs
 
 
 # --- Claims -------------------------------------------------------------------------------------
 
 
 def claims(results: Results) -> Section:
-    """Return the section on the paper's claims: each with its verdict, and the claims' own runs."""
+    """Return the section on the paper's claims: verdicts, and runs made for the claims alone."""
     titles = {name: run.title for name, run in results.study.claims_runs.items()}
     letters = dict(zip(titles, ascii_lowercase, strict=False))
     lines = read_ledger(results.file("claims.csv"))
@@ -97,7 +98,7 @@ def claims(results: Results) -> Section:
 
 
 def jamming(results: Results) -> Section:
-    """Return the section on jamming: what becomes of parts that fall in, beside the statics."""
+    """Return the section on jamming: outcomes of parts that fall in, compared with statics."""
     dataset = results.dataset("data/jamming.nc")
     falls, stuck, beyond = entered(dataset), jammed(dataset), wedging_side(dataset)
     gone_in = dataset["outcome"].values == Outcome.INSERTED
@@ -115,7 +116,7 @@ def jamming(results: Results) -> Section:
     shares = [float(of[falls].mean()) if falls.any() else np.nan for of in (gone_in, stuck)]
     lead = (
         f"Of {int(falls.sum()):,} parts that fall in, {percent(shares[0])} go in and "
-        f"{percent(shares[1])} jam. {beside_the_limit(stuck, beyond, falls, undriven)}"
+        f"{percent(shares[1])} jam. {wedging_words(stuck, beyond, falls, undriven)}"
     )
     content = {
         "picture_of": results.picture("figures/jamming", jamming_plot.CAPTION),
@@ -129,10 +130,12 @@ def jamming(results: Results) -> Section:
     return Section("jamming", "Jamming", _FOLDER / "findings.jamming.html.j2", content, lead)
 
 
-def beside_the_limit(
-    stuck: np.ndarray, beyond: np.ndarray, falls: np.ndarray, undriven: int
-) -> str:
-    """Compare the jammed parts with the wedging limit."""
+def wedging_words(stuck: np.ndarray, beyond: np.ndarray, falls: np.ndarray, undriven: int) -> str:
+    """Compare the parts that jam with the wedging limit, and with the jamming diagram.
+
+    The masks are True for parts that jam, lie above the limit, and fall in; ``undriven`` is the
+    number of jammed parts outside the diagram.
+    """
     below = falls & ~beyond
     if not stuck.any():
         return (

@@ -1,4 +1,4 @@
-"""The interface of a section: what it reads, what it returns, and how it sets text and tables.
+"""Interface of a section: the results it reads, what it returns, and its text and tables.
 
 A section function takes ``Results``, from which it reads its data and pictures, and returns a
 ``Section``. Its template prints the ``content`` below a heading that the page writes; macros for
@@ -33,8 +33,8 @@ class Picture:
     Attributes:
         place: its path below the results root, without extension.
         caption: plain text below it.
-        alternative: plain text for who cannot see it.
-        data: its content as a data address.
+        alternative: plain text for readers who cannot see it.
+        data: its content as a data URL.
         size: width and height in pixels.
     """
 
@@ -47,7 +47,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the page; the name of a numeric column, set to the right, begins with ">"."""
+    """A table of the page; a column whose name begins with ">" is numeric and set to the right."""
 
     columns: Sequence[str]
     rows: Sequence[Sequence[object]]
@@ -73,7 +73,7 @@ class Section:
 
 
 class Results:
-    """The results root that a page is made of; it notes every file that a section takes from it.
+    """Reader of the results root, which records every file that a section reads.
 
     Args:
         root: the results root.
@@ -81,8 +81,8 @@ class Results:
         live: True if explorer.html stands beside the page.
 
     Attributes:
-        data: the files of numbers taken so far, by their paths below the root.
-        inputs: every file taken so far.
+        data: the data files read so far, by their paths below the root.
+        inputs: every file read so far.
     """
 
     def __init__(self, root: Path, study: Study, *, live: bool = False) -> None:
@@ -92,39 +92,39 @@ class Results:
         self._datasets: dict[str, xr.Dataset] = {}
 
     def file(self, place: str) -> Path:
-        """Take a file of numbers, named by its path below the root.
+        """Return the path of a data file, named by its path below the root.
 
         Raises:
             ValueError: it is missing.
         """
-        path = self.data[place] = self._taken(place)
+        path = self.data[place] = self._recorded(place)
         return path
 
     def dataset(self, place: str) -> "xr.Dataset":
-        """Take a netCDF file, as ``file``."""
+        """Read a netCDF file, named as in ``file``."""
         if place not in self._datasets:
             self._datasets[place] = read_dataset(self.file(place))
         return self._datasets[place]
 
     def picture(self, place: str, caption: str, alternative: str | None = None) -> Picture:
-        """Take a PNG picture, named by its path below the root without extension.
+        """Read a PNG picture, named by its path below the root without extension.
 
         Args:
             place: the path.
             caption: plain text below it.
-            alternative: for who cannot see it; the caption where it says enough.
+            alternative: text for readers who cannot see it; by default the caption.
 
         Raises:
             ValueError: it is missing.
         """
-        content = self._taken(f"{place}.png").read_bytes()
+        content = self._recorded(f"{place}.png").read_bytes()
         # The header of every PNG has its size from byte 16 on.
         size = int.from_bytes(content[16:20], "big"), int.from_bytes(content[20:24], "big")
         data = base64.b64encode(content).decode("ascii")
         address = Markup(f"data:image/png;base64,{data}")  # noqa: S704  (base64 needs no escape)
         return Picture(place, caption, alternative or caption, address, size)
 
-    def _taken(self, place: str) -> Path:
+    def _recorded(self, place: str) -> Path:
         path = self.root / place
         if not path.is_file():
             raise ValueError(f"the report needs {path}: build it")
@@ -153,7 +153,7 @@ def link(words: str, address: str) -> Markup:
     return Markup('<a class="nobreak" href="{}">{}</a>').format(address, words)
 
 
-_LISTED = 8  # values of a varied parameter that are listed one by one
+_LISTED = 8  # most values of a varied parameter that are listed one by one
 
 
 def value_of(name: str, value: float | None) -> str:
