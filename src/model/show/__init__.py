@@ -1,1 +1,1 @@
-"""Top floor: drawings, plots and the report."""
+"""Show results: figures, schematics, device sheets, the report and the explorer."""

@@ -1,7 +1,7 @@
 """Curves: Figs. 6 to 12 over one parameter, the runs of the claims, and the front of a design.
 
-Where a part does not align, a duration does not exist: no line crosses such a gap, and a strip
-below the curves of a figure says that nothing is missing there.
+Where a part does not align there is no duration. The curve has a gap, and a strip below the curves
+marks the gap, so that it is not taken for missing data.
 """
 
 from collections.abc import Mapping
@@ -38,20 +38,20 @@ _RING: Mapping[str, Any] = {"marker": "o", "markersize": 4.5, "markerfacecolor":
 _CROSS: Mapping[str, Any] = {"marker": "x", "markersize": 3.5}
 _THIN: Mapping[str, Any] = {"markeredgecolor": style.BLACK, "markeredgewidth": 0.7}
 _DURATION = ("tau_align", "alignment duration $τ$")
-# The quantity that claims read of a run, where that is not the duration.
+# Variable and label of the claims' own runs that are not judged by the duration.
 _CLAIMED: Mapping[str, tuple[str, str]] = {
     "centred": ("excursion", "largest displacement in $x$"),
     "pressed": ("tilt_end", "tilt at the end (rad)"),
     "displaced": ("way", "share of the distance to the slot"),
 }
-_LOWEST = -1.5  # a part that turns over goes back many times the way to the slot
+_LOWEST = -1.5  # end of an axis: a part that turns over moves far away from the slot
 
 
 def curves(dataset: "xr.Dataset") -> Figure:
-    """Draw the duration over the swept parameter, a curve for each value of the family's.
+    """Draw the duration over the swept parameter, a curve for each value of the family parameter.
 
-    Lines are broken where the part does not align; the strip below shows there, a row for each
-    curve, that it does not. An aligned point between two that do not align is drawn as a dot.
+    Where the part does not align, the curve has a gap and the strip below a bar, in a row for each
+    curve. A single aligned point between two gaps is a dot.
     """
     family, swept = (dataset[name] for name in dataset["tau_align"].dims)
     durations = dataset["tau_align"].values
@@ -104,8 +104,8 @@ def _draw_curve(axes: Axes, index: int, swept: Floats, durations: Floats, name: 
     (line,) = axes.plot(swept, durations, label=name, **look)
     lonely = [first for first, end in runs_of(~np.isnan(durations)) if end - first == 1]
     if lonely:
-        own = {**_ALONE, "color": look["color"], "label": f"_alone {name}"}
-        axes.plot(swept[lonely], durations[lonely], **own)
+        dots = {**_ALONE, "color": look["color"], "label": f"_alone {name}"}
+        axes.plot(swept[lonely], durations[lonely], **dots)
     return line
 
 
@@ -133,7 +133,7 @@ def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[
 
 
 def draw_runs(datasets: Mapping[str, "xr.Dataset"]) -> Figure:
-    """Draw the runs made for the claims alone, a panel for each in the order given."""
+    """Draw the runs made for the claims alone, a panel for each dataset in the order given."""
     rows = -(-len(datasets) // 2)
     with style.context():
         figure = style.new_figure(height=7.2 * rows * style.CENTIMETRE)
@@ -169,9 +169,9 @@ def _draw_run(axes: Axes, dataset: "xr.Dataset", variable: str, label: str) -> N
 
 
 def draw_front(dataset: "xr.Dataset") -> Figure:
-    """Draw the margin of a design over its time: every setting with which all devices go in.
+    """Draw margin over alignment time for all settings of a design with which every device goes in.
 
-    A line is the front of both.
+    A line joins the Pareto front; a star is the recommended setting.
     """
     time, margin = 1e3 * dataset["time"].values, dataset["margin"].values
     all_in = dataset["share"].values == 1.0

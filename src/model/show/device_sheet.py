@@ -1,4 +1,4 @@
-"""Sheet of a device: one page of HTML with its pictures, that prints on two A4 pages."""
+"""Device sheet: an HTML page with its pictures, which prints on two A4 pages."""
 
 import base64
 import io
@@ -109,7 +109,7 @@ def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
 
 
 def _drawing(stated: StatedDevice) -> Figure:
-    """The part beside the hole at the start, to scale, with a tilt that can be seen."""
+    """Draw the part beside the hole at the start, to scale, with its tilt enlarged."""
     device = stated.device
     pose = resting_pose(device.parameters)
     length = 1e3 * device.units.amplitude
@@ -133,7 +133,7 @@ def _drawing(stated: StatedDevice) -> Figure:
 
 
 def _map(sheet: Sheet) -> Figure:
-    """The map of the device, with its own point and the box of its tolerances."""
+    """Draw the map of the device, with a cross at the device and a box of its tolerances."""
     figure = stability_map(sheet.plane)
     axes = figure.axes[0]
     y, x = (str(name) for name in sheet.plane["outcome"].dims)

@@ -20,38 +20,38 @@ if TYPE_CHECKING:  # a trajectory is drawn where xarray is not installed
 
     from model.runs.simulate import Trajectory
 
-# The label of each panel by the variable of the course.
+# Labels of the panels, by track variable.
 _PANELS = {
     "x": "mass centre $x$",
     "y": "mass centre $y$",
     "tilt": "tilt $φ$ (rad)",
     "contact_force": "contact force $n$",
 }
-_UNITS = {LENGTH: (" (mm)", 1e3), ANGLE: ("", 1.0)}  # otherwise the quantity's own
+_UNITS = {LENGTH: (" (mm)", 1e3), ANGLE: ("", 1.0)}  # where not the quantity's SI unit
 
 
 def history(dataset: "xr.Dataset") -> Figure:
     """Draw x, y, tilt and contact force over time, with the moment of alignment."""
-    course = {name: dataset[name].values for name in (*_PANELS, "side_force")}
+    tracks = {name: dataset[name].values for name in (*_PANELS, "side_force")}
     outcome, tau_align = Outcome(int(dataset["outcome"])), float(dataset["tau_align"])
-    return _draw(dataset["time"].values, course, outcome, tau_align)
+    return _draw(dataset["time"].values, tracks, outcome, tau_align)
 
 
 def trajectory(run: "Trajectory", units: Units | None = None) -> Figure:
-    """Draw the figure of ``history`` for a run that was not stored; in SI units with ``units``."""
+    """Draw a run that was not stored, as ``history`` does; in SI units if it has ``units``."""
     if units is None:
         return _draw(run.time, run.track_variables, run.outcome, run.tau_align)
-    course, suffixes = {}, {}
+    tracks, suffixes = {}, {}
     for name in (*_PANELS, "side_force"):
         quantity = TRACK_VARIABLES[name].quantity
         suffixes[name], size = _UNITS.get(quantity, (f" ({quantity.unit})", 1.0))
-        course[name] = run.track_variables[name] * units.of(quantity) * size
-    return _draw(run.time * units.time, course, run.outcome, run.tau_align * units.time, suffixes)
+        tracks[name] = run.track_variables[name] * units.of(quantity) * size
+    return _draw(run.time * units.time, tracks, run.outcome, run.tau_align * units.time, suffixes)
 
 
 def _draw(
     time: Floats,
-    course: Mapping[str, Floats],
+    tracks: Mapping[str, Floats],
     outcome: Outcome,
     tau_align: float,
     suffixes: Mapping[str, str] | None = None,
@@ -60,16 +60,16 @@ def _draw(
         figure = style.new_figure(height=15.0 * style.CENTIMETRE)
         panels = figure.subplots(4, 1, sharex=True, height_ratios=[1, 1, 1, 1.35])
         for letter, axes, (name, label) in zip("abcd", panels, _PANELS.items(), strict=True):
-            axes.plot(time, course[name], color=style.BLUE)
+            axes.plot(time, tracks[name], color=style.BLUE)
             axes.set_ylabel(label + (suffixes or {}).get(name, ""))
             axes.set_title(letter, loc="left", fontweight="bold", pad=3.0)
             axes.margins(x=0.01)
         figure.align_ylabels(panels)
         panels[-1].set_xlabel("time (s)" if suffixes else "time $τ$")
-        _add_side_force(panels[-1], time, course["side_force"])
+        _add_side_force(panels[-1], time, tracks["side_force"])
         if np.isfinite(tau_align):
             when = f"{tau_align:.4g} s" if suffixes else f"$τ$ = {tau_align:.4g}"
-            _mark_alignment(panels, time, course["contact_force"], tau_align, when)
+            _mark_alignment(panels, time, tracks["contact_force"], tau_align, when)
         else:
             ending = outcome.name.lower().replace("_", " ")
             panels[0].set_title(f"does not align ({ending})", loc="right", pad=3.0)
@@ -78,7 +78,7 @@ def _draw(
 
 def _add_side_force(axes: Axes, time: Floats, side_force: Floats) -> None:
     low, high = axes.get_ylim()
-    axes.set_ylim(low, high + 0.3 * (high - low))  # headroom for the words
+    axes.set_ylim(low, high + 0.3 * (high - low))  # room for the legend
     if np.any(side_force > 0.0):
         axes.plot(time, side_force, color=style.VERMILLION, linestyle="--", label="side")
         axes.legend(axes.lines, ["under the part", "on its side face"], loc="upper left", ncols=2)

@@ -1,4 +1,4 @@
-"""Picture of jamming: how parts end that fall into the slot, over tilt at entry and friction."""
+"""Figure of jamming: outcomes of parts that fall in, over tilt at entry, friction and loads."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -34,11 +34,11 @@ _LOOKS: Mapping[Outcome, Mapping[str, Any]] = {
 }
 _OTHER: Mapping[str, Any] = {"color": style.GREY, "marker": "+", "label": "another end"}
 _SQUARE = (-1.0, 1.0, 1.0, -1.0, -1.0), (-1.0, -1.0, 1.0, 1.0, -1.0)
-_LEAST = 1e-3  # rad, where the lines begin
+_LEAST = 1e-3  # rad, at which the lines begin
 
 
 def draw_jamming(dataset: "xr.Dataset") -> Figure:
-    """Draw two panels for each clearance: outcomes as marks, closed forms as lines."""
+    """Draw two panels for each clearance: outcomes as marks, limits in closed form as lines."""
     with style.context():
         figure = style.new_figure(height=15.0 * style.CENTIMETRE)
         clearances, friction = dataset["clearance"].values, dataset["friction"]
@@ -49,38 +49,40 @@ def draw_jamming(dataset: "xr.Dataset") -> Figure:
         depth = dataset["insertion_depth"].values.max() / (2.0 * float(dataset["half_width"]))
         sideways, turning = in_jamming_diagram(dataset)
         for k, clearance in enumerate(clearances):
-            part, above, below = dataset.sel(clearance=clearance), panels[k], diagrams[k]
+            parts, above, below = dataset.sel(clearance=clearance), panels[k], diagrams[k]
             above.set_title(f"δ = {clearance:g}", loc="left")
-            entry = part["tilt_at_alignment"].values
-            _draw_ends(above, part, entry, np.broadcast_to(friction.values, entry.shape))
+            entry = parts["tilt_at_alignment"].values
+            _draw_ends(above, parts, entry, np.broadcast_to(friction.values, entry.shape))
             above.plot(tilt, depth_of_two_points(tilt, clearance), color=style.BLACK, label=WEDGED)
             at = tilt_at_depth(depth, clearance)
             above.axvline(at, color=style.BLACK, linestyle="--", linewidth=0.9, label=TWO_POINTS)
             above.set_xlabel("tilt at entry (rad)")
-            _draw_ends(below, part, sideways[k], turning[k])
+            _draw_ends(below, parts, sideways[k], turning[k])
             below.plot(*_SQUARE, color=style.BLACK, linewidth=1.4, label=DIAGRAM)
             below.set_xlabel("load across, $μ F_x / F_z$")
         panels[0].set_xlim(0.0, tilt[-1])
         panels[0].set_ylim(0.0, 1.08 * float(friction.max()))
         panels[0].set_ylabel(axis_label(friction))
         diagrams[0].set_ylabel("turning load, $[M / (r F_z) + μ (1 + λ) F_x / F_z] / λ$")
-        found = {str(each.get_label()): each for axes in figure.axes for each in axes.lines}
+        drawn = {str(line.get_label()): line for axes in figure.axes for line in axes.lines}
         looks = *_LOOKS.values(), _OTHER
         named = *(look["label"] for look in looks), WEDGED, TWO_POINTS, DIAGRAM
-        handles = [found[label] for label in named if label in found]
+        handles = [drawn[label] for label in named if label in drawn]
         figure.legend(handles=handles, loc="outside lower center", ncols=3)
         return figure
 
 
-def _draw_ends(axes: Axes, part: "xr.Dataset", x: Floats, y: Floats) -> None:
-    outcome, rest = part["outcome"].values, entered(part)
+def _draw_ends(axes: Axes, parts: "xr.Dataset", x: Floats, y: Floats) -> None:
+    """Mark the outcome of every part that falls in."""
+    outcome, others = parts["outcome"].values, entered(parts)
     for end, look in (*_LOOKS.items(), (None, _OTHER)):
-        chosen = rest & (outcome == end) if end is not None else rest
-        rest = rest & ~chosen
+        chosen = others & (outcome == end) if end is not None else others
+        others = others & ~chosen
         if chosen.any():
             axes.plot(x[chosen], y[chosen], linestyle="none", markersize=3.5, **look)
 
 
 def _widest(dataset: "xr.Dataset") -> float:
+    """Return the end of the axis of tilt at entry, in radians."""
     tilt = dataset["tilt_at_alignment"].values[entered(dataset)]
     return 1.08 * float(tilt.max()) if tilt.size else 0.5

@@ -1,4 +1,4 @@
-"""Figs. 13 and 14: areas of stable alignment, and what is drawn over them."""
+"""Stability maps, such as Figs. 13 and 14: areas, borders, contours and marks."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -75,8 +75,8 @@ _APART = 0.04  # share of the map; least distance between numbers
 def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
     """Draw durations in colour where the part aligns, hatching where it does not.
 
-    Where it aligns and does not go in, by ``insertion`` in the dataset or in ``coarse``, the same
-    plane on a coarser grid, there are dots.
+    Dots mark where it aligns and does not go in, by ``insertion`` in the dataset or in ``coarse``,
+    the same map on a coarser grid.
 
     A refined map (study/maps/) is drawn with contours of the duration, the outline of its
     reliable area, and the operating points of other figures.
@@ -115,15 +115,15 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
 
 
 def vibration_map(dataset: "xr.Dataset") -> Figure:
-    """Draw where the part aligns only if vibrated, only if not, in both ways, and in neither.
+    """Draw where the part aligns only if vibrated, only if not, in both cases, and in neither.
 
-    A line, ticked inwards, holds the parts that rest on the edge if they are pressed slowly.
+    A line, ticked inwards, surrounds the parts that rest on the edge if they are pressed slowly.
     """
-    found = added(dataset)
+    areas = added(dataset)
     with style.context():
         drawing = _Drawing(dataset)
-        for kind, (label, look) in enumerate(zip(ADDED_LABELS, _ADDED, strict=True)):
-            drawing.area(found == kind, label, look)
+        for area, (label, look) in enumerate(zip(ADDED_LABELS, _ADDED, strict=True)):
+            drawing.area(areas == area, label, look)
         rests = np.isfinite(dataset["slow_tilt"].values)
         drawing.outline(rests, SLOW_LABEL, style.BLACK, "-")
         return drawing.with_legend()
@@ -133,11 +133,11 @@ def round_levels(values: Floats) -> list[float]:
     """Return round numbers inside the range of ``values``; logarithmic if the range is wide."""
     if values.size == 0:
         return []
-    low, high = (float(each) for each in np.quantile(values, [_LEAST, 1.0 - _LEAST]))
+    low, high = (float(value) for value in np.quantile(values, [_LEAST, 1.0 - _LEAST]))
     linear = MaxNLocator(_CONTOURS, steps=[1, 2, 5, 10])
     ticks = (_decades() if _spreads(low, high) else linear).tick_values(low, high)
-    found = [float(level) for level in ticks if low < level < high]
-    return found[:: max(1, round(len(found) / _CONTOURS))]
+    levels = [float(level) for level in ticks if low < level < high]
+    return levels[:: max(1, round(len(levels) / _CONTOURS))]
 
 
 def _spreads(low: float, high: float) -> bool:
@@ -151,7 +151,7 @@ def _decades() -> LogLocator:
 class _Drawing:
     """A figure with the axes of a dataset's two parameters, and the handles of its legend.
 
-    Arrays of nodes have the shape (y, x) of the dataset; areas are unions of the cells around them.
+    Arrays have the shape (y, x) of the dataset's nodes; a node stands for the cell around it.
     """
 
     def __init__(self, dataset: "xr.Dataset") -> None:
@@ -185,18 +185,20 @@ class _Drawing:
 
     def area(self, cells: Bools, label: str, look: Look) -> None:
         """Draw the cells where ``cells`` is True as one patch."""
-        self.handles.append(self._patch(self.edges, cells, label, look))
+        self.handles.append(self._add_cells(self.edges, cells, label, look))
 
     def dots(self, dataset: "xr.Dataset") -> None:
-        """Dot where parts of a dataset, on a grid of its own, align and do not go in."""
+        """Draw dots where parts align and do not go in; ``dataset`` may have another grid."""
         lost = not_inserted(dataset)
         if lost.any():
-            x, y = (cell_edges(dataset[str(each.name)].values) for each in (self.x, self.y))
-            self._patch((x, y), lost, NOT_INSERTED, _DOTTED)
+            x, y = (cell_edges(dataset[str(axis.name)].values) for axis in (self.x, self.y))
+            self._add_cells((x, y), lost, NOT_INSERTED, _DOTTED)
             # White dots need a colour behind them in the legend, too.
             self.handles.append(Patch(label=NOT_INSERTED, **{**_DOTTED, "facecolor": style.BLUE}))
 
-    def _patch(self, edges: tuple[Floats, Floats], cells: Bools, label: str, look: Look) -> Patch:
+    def _add_cells(
+        self, edges: tuple[Floats, Floats], cells: Bools, label: str, look: Look
+    ) -> Patch:
         x, y = edges
         corners: list[Place] = []
         codes: list[np.uint8] = []
@@ -209,10 +211,10 @@ class _Drawing:
         return self.axes.add_patch(PathPatch(outline, label=label, **look))
 
     def durations(self, durations: np.ma.MaskedArray, label: str) -> None:
-        """Colour the cells by their duration, with a bar."""
+        """Colour the cells by their duration, with a colour bar."""
         shortest, longest = float(durations.min()), float(durations.max())
         spread = _spreads(shortest, longest)
-        # A few runs near the border take very long; the colours are for the others.
+        # A few runs near the border take very long: the scale leaves them out.
         top = float(np.quantile(durations.compressed(), _COLOURED_SHARE)) if spread else longest
         norm = LogNorm(shortest, top) if spread else Normalize(shortest, top)
         # Rasterized: thousands of cells as vectors would make SVG and PDF files of many megabytes.
@@ -230,8 +232,8 @@ class _Drawing:
         lines: list[list[Place]] = []
         x, y = self.edges
         for turned, (across, along) in ((False, (x, y)), (True, (y, x))):
-            own, without = (each if turned else each.T for each in (cells, self.patch))
-            differ = (own[1:] != own[:-1]) & ~(without[1:] | without[:-1])
+            inside, patch = (mask if turned else mask.T for mask in (cells, self.patch))
+            differ = (inside[1:] != inside[:-1]) & ~(patch[1:] | patch[:-1])
             for at, mask in zip(across[1:-1], differ, strict=True):
                 for i, j in runs_of(mask):
                     ends = (at, along[i]), (at, along[j])
@@ -244,7 +246,7 @@ class _Drawing:
         levels = round_levels(values.compressed())
         if not levels:
             return
-        # Every n-th node of a fine map, for smooth lines where the duration jumps.
+        # Of a fine map every n-th node: this smooths the lines where the duration jumps.
         every = max(1, (self.x.size - 1) // _CONTOUR_NODES)
         nodes = self.x.values[::every], self.y.values[::every], values[::every, ::every]
         lines = self.axes.contour(*nodes, levels, colors="white", linewidths=0.8, zorder=2.5)
@@ -272,7 +274,7 @@ class _Drawing:
                 yield tuple(longest[len(longest) // 2])
 
     def outline(self, inside: Bools, label: str, colour: str, line: Literal["-", "--"]) -> None:
-        """Draw the outline of the nodes ``inside``, ticked inwards, but not in a patch."""
+        """Outline the nodes ``inside``, with ticks inwards, except in a patch."""
         if inside.all() or not inside.any():
             return
         outline: QuadContourSet = self.axes.contour(
@@ -292,7 +294,10 @@ class _Drawing:
         self.handles.append(Line2D([], [], label=label, **look))
 
     def marks(self, points: Sequence[tuple[str, Sequence[float], Sequence[float]]]) -> None:
-        """Draw the numbers of other figures at their operating points, lines along their sweeps."""
+        """Number the operating points of other figures, with lines along their sweeps.
+
+        ``points`` are (figure, x, y); a coordinate has one value, or the two ends of its sweep.
+        """
         places: dict[tuple[Place, Place], list[str]] = {}  # by (end, start) of a range
         limits = self.axes.get_xlim(), self.axes.get_ylim()
         for figure, x, y in points:
@@ -315,7 +320,7 @@ class _Drawing:
             self.handles.append(Line2D([], [], label=MARK_LABEL, **mark))
 
     def _free_place(self, end: Place, start: Place, taken: list[Floats]) -> Place:
-        """Return the place nearest to the ``end`` of a range that no other number covers.
+        """Return the place of a range, nearest to its ``end``, that no other number covers.
 
         ``taken`` holds the places in use, as shares of the map; the new one is added.
         """

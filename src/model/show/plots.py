@@ -1,4 +1,4 @@
-"""Figs. 5 to 14: the figure of a dataset, by the kind of figure that it states."""
+"""Figs. 5 to 14: draw a dataset by its attribute ``kind``."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
@@ -21,11 +21,11 @@ def draw(dataset: "xr.Dataset", *coarse: "xr.Dataset") -> Figure:
     """Draw the figure of a dataset of the study, by its attribute ``kind``.
 
     Args:
-        dataset: of a figure, or a refined map.
-        coarse: of the figure that a refined map shows.
+        dataset: that of a figure, or a refined map.
+        coarse: for a refined map, the dataset of its figure.
 
     Raises:
-        ValueError: a dataset of no known kind.
+        ValueError: the kind is unknown.
     """
     kind = str(dataset.attrs.get("kind"))
     if kind not in _DRAW:

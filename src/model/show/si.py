@@ -8,20 +8,20 @@ from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, STIFFNE
 from model.physics.units import Units
 from model.study.devices.stated import unit_of
 
-# Units below one SI unit, and from their own size on: name and size in the SI unit.
+# Unit and its size in SI units: for values below 1, and for values from that size on.
 _SMALL = {LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3)}
 _LARGE = {STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)], FORCE: [("kN", 1e3)]}
-_BY_UNIT = {each.unit: each for each in (LENGTH, STIFFNESS)}
+_BY_UNIT = {quantity.unit: quantity for quantity in (LENGTH, STIFFNESS)}
 DIGITS = 4
 
 
 def quantity_of(name: str) -> Quantity:
-    """Return the quantity of one of a device's numbers; ``PLAIN`` for one without a prefix."""
+    """Return the quantity of a number of a device; ``PLAIN`` if its unit takes no prefix."""
     return FIELDS[name].quantity if name in FIELDS else _BY_UNIT.get(unit_of(name), PLAIN)
 
 
 def scale(units: Units | None, quantity: Quantity) -> float:
-    """Return one dimensionless ``quantity`` in the units of the user."""
+    """Return one dimensionless unit of a quantity in the units of the user."""
     return 1.0 if units is None else units.of(quantity)
 
 
@@ -58,7 +58,7 @@ def named_words(values: Mapping[str, float]) -> str:
 
 
 def display(value: float, quantity: Quantity) -> tuple[str, float]:
-    """Return the unit in which a value in SI units is shown, and its size in the SI unit."""
+    """Return the unit in which a value in SI units is shown, and its size in SI units."""
     size = abs(value)
     if quantity in _SMALL and 0.0 < size < 1.0:
         return _SMALL[quantity]

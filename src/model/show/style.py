@@ -1,8 +1,8 @@
-"""What all figures of the study share: style, labels and cells of axes, and their files.
+"""Style, labels and cells of axes, and files: shared by all figures of the study.
 
 Figures are made from ``matplotlib.figure.Figure``, never through pyplot, so that nothing is kept
 in global state. Draw inside ``context()``; ``save`` enters it again, since fonts and SVG ids are
-settled only when a figure is written.
+chosen only when a figure is written.
 """
 
 import contextlib
@@ -143,14 +143,13 @@ def curve(index: int, points: int, markers: int = 8) -> dict[str, Any]:
 def symbol_of(coordinate: "xr.DataArray") -> str:
     """Return a parameter's symbol as mathematical text; its name where it has none."""
     symbol = coordinate.attrs.get("symbol", coordinate.name)
-    # What has no symbol of its own carries its name.
     return str(symbol) if symbol == coordinate.name else math(symbol)
 
 
 def axis_label(coordinate: "xr.DataArray") -> str:
-    """Return words and symbol of a parameter: "initial pressing force $f_{0}$"."""
+    """Return the label of a parameter, such as "initial pressing force $f_{0}$"."""
     words = str(coordinate.attrs.get("long_name", coordinate.name))
-    words = re.split(r"; | \(", words, maxsplit=1)[0]  # what follows explains, it does not name
+    words = re.split(r"; | \(", words, maxsplit=1)[0]  # without the explanation
     symbol, unit = symbol_of(coordinate), coordinate.attrs.get("units", "1")
     label = words if symbol == words else f"{words} {symbol}"
     return label if unit == "1" else f"{label} in {unit}"
@@ -164,13 +163,13 @@ def cell_edges(values: Floats) -> Floats:
 
 
 def runs_of(mask: Bools) -> Iterator[tuple[int, int]]:
-    """Yield the runs of True in ``mask``, shape (n,), as (first, one past the last)."""
+    """Yield stretches of True in ``mask``, shape (n,), as (first, one past the last)."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     yield from zip(steps[::2].tolist(), steps[1::2].tolist(), strict=True)
 
 
 def flagged(dataset: "xr.Dataset", variable: str, meaning: str) -> Bools:
-    """Return where a variable has a flag whose meaning begins with ``meaning``."""
+    """Return True where a variable has a flag whose meaning begins with ``meaning``."""
     flags = dataset[variable].attrs
     meanings = zip(flags["flag_meanings"].split(), flags["flag_values"], strict=True)
     wanted = [value for name, value in meanings if name.startswith(meaning)]
@@ -178,7 +177,7 @@ def flagged(dataset: "xr.Dataset", variable: str, meaning: str) -> Bools:
 
 
 def not_inserted(dataset: "xr.Dataset") -> Bools:
-    """Return where a part aligns and does not go in; nowhere if the dataset does not say."""
+    """Return True where a part aligns and does not go in; False without ``insertion``."""
     aligned = np.asarray(dataset["outcome"].values == Outcome.ALIGNED)
     if "insertion" not in dataset:
         return np.zeros_like(aligned)

@@ -31,7 +31,7 @@ _LIGHT, _GREY, _DARK, _COPPER = "#E4E4E4", "#D2D2D2", "#C6C6C6", "#E3B98A"
 _VIBRATOR = (
     (-1.75, 1.75, 0.45, 2.95, _GREY),  # the housing
     (-1.5, 1.5, 0.7, 2.7, "white"),
-    (-0.3, 0.3, 0.45, 0.7, "white"),  # the rod's way through the floor of the housing
+    (-0.3, 0.3, 0.45, 0.7, "white"),  # opening for the rod in the floor of the housing
     (-0.15, 0.15, 0.0, 1.0, _LIGHT),  # the rod, and the armature on it
     (-1.0, 1.0, 0.95, 1.2, _LIGHT),
     (-1.0, 1.0, 2.2, 2.7, _DARK),  # the electromagnet

@@ -30,7 +30,7 @@ CAPTION = (
 # base that holds its spring and dashpot, along the face and away from it.
 _DEPTH, _SIDE_DEPTH, _HANG = 0.5, 0.5, 1.9
 _RECESS_ALONG, _RECESS_DEEP = 2.4, 2.0
-_DETAIL = 0.42  # length that fills a centimetre in a detail, against that in the whole scheme
+_DETAIL = 0.42  # scale of the whole scheme over the scale of a detail
 
 
 def contact_poses(parameters: Parameters) -> tuple[Pose, Pose, Pose]:
@@ -129,7 +129,7 @@ class _Detail(NamedTuple):
     side: float  # LEFT_EDGE or RIGHT_EDGE
     axis: int  # of the face's normal: 0 along e_t, 1 along e_n
     across: int  # spring and dashpot are side by side forwards (1) or backwards (-1) along the face
-    recess: tuple[float, float]  # how far it runs from the edge along X and Y, in centimetres
+    recess: tuple[float, float]  # its extent from the edge along X and Y, in centimetres
     corner: int  # the row of ``Pose.corners``
     names: tuple[str, str, str, str]  # of the depth, the normal, the edge and the corner
     shifts: tuple[tuple[float, float], ...]  # of the last three
@@ -187,8 +187,8 @@ def _draw_yielding(
 ) -> None:
     """Draw the spring and the dashpot that carry ``foot``, on the wall of the recess.
 
-    They lie along ``away``, one beside the other along ``across``. ``wall``: the coordinate
-    (0 or 1) that it keeps, and its value.
+    They lie along ``away``, one beside the other along ``across``. ``wall``: index (0 or 1) and
+    value of the coordinate that is constant on the wall.
     """
     axis, stand = wall
     cm = sheet.cm

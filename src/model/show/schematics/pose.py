@@ -1,4 +1,4 @@
-"""The part in a pose, as the model's geometry has it, and the poses that Figs. 1 to 4 draw."""
+"""Pose of the part by the model's geometry, and the resting pose that Figs. 1 to 4 draw."""
 
 from dataclasses import dataclass
 from math import asin, atan2, cos, hypot, sin
@@ -82,10 +82,10 @@ class Pose:
 
 
 def drawing_tilt(parameters: Parameters) -> float:
-    """Return a tilt (radians) that can be seen: it brings A1 well inside the bottom face.
+    """Return a tilt (radians) that can be seen: A1 is well inside the bottom face.
 
-    A1 moves a quarter of the way from where an upright part has it to the corner B2, so that φ
-    solves b sin φ + s cos φ = l - x. For a short part the tilt is 0.2.
+    Under an upright part A1 is at l - x along the face. With s a quarter of the way from there to
+    the corner B2, φ solves b sin φ + s cos φ = l - x. For a short part the tilt is 0.2.
     """
     reach = parameters.slot_half_width - parameters.misalignment
     face = reach - 0.25 * (reach + parameters.half_width)

@@ -1,8 +1,8 @@
-"""Axes of equal scales, the primitives of a mechanical scheme, and what several sheets share.
+"""Axes of equal scales, with the primitives of a mechanical scheme and shapes of several figures.
 
 Points are in the model's dimensionless lengths. ``cm`` is the length that fills a centimetre on
-paper; symbols and whatever is not part of the model are sized by it, so that they stay legible for
-a part of any size.
+paper; symbols and all that is not part of the model have sizes in ``cm``, so that they stay legible
+for a part of any size.
 
 schemdraw was weighed for the primitives: it places electrical elements on a grid of its own and
 has no dashpot, cut material or dimension line.
@@ -27,7 +27,6 @@ OUTLINE, THIN, FORCE = 1.2, 0.6, 1.5  # line widths in points
 PART_COLOUR, BASE_COLOUR = "#DCE9F3", "#F3EFE6"
 SUSPENSION, INERTIA, CONTACT = style.BLUE, style.GREEN, style.VERMILLION
 EXCITATION = "#8F3A6B"  # the palette's purple, darkened until its text is easy to read
-
 
 # Rod, piston, pot and the pot's rod, as line width (points) and places: share of the way from one
 # end to the other, and centimetres across it.
@@ -145,7 +144,7 @@ class Sheet:
         angles = np.linspace(start, stop, 61)
         points = np.asarray(centre) + radius * np.column_stack([np.cos(angles), np.sin(angles)])
         width, zorder = look.pop("width", THIN), look.pop("zorder", 4)
-        # The head covers the end of the arc, so the line stops short of its point.
+        # The arrow head covers the end of the arc: the line ends before its tip.
         back = max(2, round(60 * 0.12 * self.cm / (radius * abs(stop - start))) + 1)
         self.line(*points[:-back], width=width, zorder=zorder, **look)
         self.arrow(points[-1 - back], points[-1], width=width, zorder=zorder, **look)
@@ -217,7 +216,7 @@ class Sheet:
         return np.asarray(points[-1])
 
     def ground(self, start: ArrayLike, stop: ArrayLike) -> None:
-        """Draw a fixed support, its short strokes to the right of the way to ``stop``."""
+        """Draw a fixed support, with short strokes to the right of the line to ``stop``."""
         along, across, length = self._frame(start, stop)
         self.line(start, stop, width=OUTLINE)
         pitch = 0.16 * self.cm
@@ -242,14 +241,8 @@ class Sheet:
         """Draw a base ``reach`` cm to either side of a blind slot that is ``depth`` cm deep."""
         cm, half = self.cm, pose.constants.slot_half_width
         far, floor = half + reach * cm, -depth * cm
-        profile = [
-            (-far, 0.0),
-            (-half, 0.0),
-            (-half, floor),
-            (half, floor),
-            (half, 0.0),
-            (far, 0.0),
-        ]
+        slot = [(-half, 0.0), (-half, floor), (half, floor), (half, 0.0)]
+        profile = [(-far, 0.0), *slot, (far, 0.0)]
         self.cut([*profile, (far, floor - 0.4 * cm), (-far, floor - 0.4 * cm)])
         self.line(*profile, width=OUTLINE, label="base")
 
