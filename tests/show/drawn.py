@@ -22,7 +22,7 @@ DURATIONS = np.array(
 
 
 def grid(kind: str, y: str, x: str, durations: np.ndarray) -> xr.Dataset:
-    """A dataset in the study's format with these durations, settled where there is none."""
+    """Return a dataset in the study's format with these durations; NaN is a settled run."""
     rows, columns = durations.shape
 
     def described(name, values):
@@ -53,7 +53,7 @@ def curve_lines(axes) -> list:
 
 
 def followed(dataset: xr.Dataset, lost: list[tuple[int, int]]) -> xr.Dataset:
-    """The dataset with ``insertion``: all that align go in but those at ``lost``, which jam."""
+    """Return the dataset with ``insertion``: aligned runs go in, or jam at the places ``lost``."""
     flags = np.where(dataset["outcome"].values == Outcome.ALIGNED, 5, -1).astype(np.int8)
     for place in lost:
         flags[place] = 6
@@ -62,7 +62,7 @@ def followed(dataset: xr.Dataset, lost: list[tuple[int, int]]) -> xr.Dataset:
 
 
 def jamming_data() -> xr.Dataset:
-    """Parts in two clearances: one never falls in; jammed above the limit, and one below."""
+    """Return parts in two clearances, jammed above the wedging limit; comments name exceptions."""
     clearance, stiffness = np.array([0.03, 0.09]), np.array([5.0, 20.0])
     friction = np.array([0.1, 0.3, 0.6, 0.9])
     dims = ("clearance", "tilt_stiffness", "friction")

@@ -95,7 +95,7 @@ def lines(datasets):
 
 @pytest.fixture(scope="module")
 def refined(datasets):
-    """As the refined map of the figure at the head: its left half is not reliable."""
+    """The refined map of the figure at the head of the page; its left half is not reliable."""
     reliable = np.ones(datasets[HEAD]["outcome"].shape, dtype=np.int8)
     reliable[:, :2] = 0
     return datasets[HEAD].assign(reliable=(datasets[HEAD]["outcome"].dims, reliable))

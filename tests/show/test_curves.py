@@ -1,4 +1,4 @@
-"""Figs. 6-12: what is drawn is what the datasets hold, and nothing where nothing aligns."""
+"""Figs. 6-12: curves show the values of their datasets, and a gap where nothing aligns."""
 
 import matplotlib as mpl
 import numpy as np
@@ -16,7 +16,7 @@ from tests.study.claims_data import falling, within
 
 
 def segments(line) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Straight pieces as a renderer gets them, NaN taken out."""
+    """Return the straight pieces of a line that a renderer gets, without NaN."""
     pieces, previous = [], None
     for vertices, code in line.get_path().iter_segments(remove_nans=True, simplify=False):
         if code == Outline.LINETO:

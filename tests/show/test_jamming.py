@@ -1,4 +1,4 @@
-"""Jamming: the picture has every part that falls in, and the lines of its clearance."""
+"""Jamming: the figure marks every part that falls in, and draws the limits of each clearance."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_lines_are_the_closed_forms_of_the_panels_clearance(figure) -> None:
         assert axes.get_title(loc="left") == f"δ = {clearance}"
         (limit,) = named(axes.lines, WEDGED)
         tilt, friction = limit.get_xdata(), limit.get_ydata()
-        # The place on the side lies h along it and d across from that on the wall.
+        # The two contact points are h apart along the side of the part, and d across it.
         np.testing.assert_allclose(np.cos(tilt) + friction * np.sin(tilt), 1.0 + clearance)
         (deep,) = named(axes.lines, TWO_POINTS)
         at, depth = deep.get_xdata()[0], 0.8 / 1.8

@@ -1,4 +1,4 @@
-"""Figs. 13, 14: colours, hatching, borders and what is drawn over them are those of the dataset."""
+"""Figs. 13, 14: colours, hatching, borders, contours and marks agree with the dataset."""
 
 import itertools
 import json
@@ -87,7 +87,7 @@ def test_cells_that_left_the_scene_or_failed_can_be_told(area):
 def test_cells_that_align_and_do_not_go_in_are_dotted(area):
     (dots,) = named(stability_map(followed(area, [(0, 5)])).axes[0].patches, NOT_INSERTED)
     assert np.argwhere(covered(dots, area)).tolist() == [[0, 5]]
-    # On the grid of the figure that a refined map shows, which has cells of its own.
+    # The refined map and its figure have different grids.
     coarse = followed(area.isel(press_force=[0, 3, 6]), [(2, 8)])
     (dots,) = named(stability_map(area, coarse).axes[0].patches, NOT_INSERTED)
     assert np.argwhere(covered(dots, area)).tolist() == [[5, 8], [6, 8]]

@@ -1,4 +1,4 @@
-"""Figs. 1-4: the drawing stands where the model puts part and slot; the same figure, same bytes."""
+"""Figs. 1-4: part and slot are drawn where the model has them; a figure has the same bytes."""
 
 import os
 import subprocess
@@ -21,7 +21,7 @@ EITHER = pytest.mark.parametrize("parameters", [BASELINE, OTHER], ids=["baseline
 
 
 def drawn_parts(figure: Figure) -> list[np.ndarray]:
-    """The corners of every polygon that is drawn as the part, in drawing order."""
+    """Return the corners of every polygon that is drawn as the part, in drawing order."""
     return [
         patch.get_xy()[:-1]
         for axes in figure.axes
@@ -31,7 +31,7 @@ def drawn_parts(figure: Figure) -> list[np.ndarray]:
 
 
 def drawn_edges(figure: Figure) -> list[tuple[float, float]]:
-    """Points of the base's outline at the level of the base that are nearest to the slot's axis."""
+    """Return the edges of the slot as drawn: at the height of the base, nearest to the axis."""
     edges = []
     for axes in figure.axes:
         for line in axes.lines:

@@ -10,7 +10,7 @@ from model.show import style
 
 
 def test_fonts_are_those_of_matplotlib_whatever_the_machine_has(tmp_path, monkeypatch):
-    """A font cache that knows a machine's italics only, as one left by other programs does."""
+    """The font cache, as another program may leave it, has only the italics of the machine."""
     manager = font_manager.fontManager
     own = Path(mpl.get_data_path())
     machine = shutil.copy(own / "fonts/ttf/DejaVuSans-Oblique.ttf", tmp_path / "italic.ttf")
