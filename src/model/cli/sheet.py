@@ -66,7 +66,7 @@ def write_sheet(
         reliable=good,
         lines=[("Verdict", groups["Verdict"][2:]), *list(groups.items())[1:]],
         run=simulate_once(device.parameters, settings),
-        plane=in_si(dataset, device.units),
+        map_data=in_si(dataset, device.units),
         made_by=f"vibralign {version()}",
         explorer=_explorer(path, stated),
     )

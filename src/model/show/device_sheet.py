@@ -45,7 +45,7 @@ class Sheet:
         reliable: the verdict is good.
         lines: the assessment as printed, in groups (title, lines).
         run: one run over time.
-        plane: map of the device in SI units.
+        map_data: stability map of the device, in SI units.
         made_by: version of the program.
         explorer: address of the explorer with this device, or None.
     """
@@ -55,7 +55,7 @@ class Sheet:
     reliable: bool
     lines: Sequence[tuple[str, Sequence[str]]]
     run: "Trajectory"
-    plane: "xr.Dataset"
+    map_data: "xr.Dataset"
     made_by: str
     explorer: str | None = None
 
@@ -134,9 +134,9 @@ def _drawing(stated: StatedDevice) -> Figure:
 
 def _map(sheet: Sheet) -> Figure:
     """Draw the map of the device, with a cross at the device and a box of its tolerances."""
-    figure = stability_map(sheet.plane)
+    figure = stability_map(sheet.map_data)
     axes = figure.axes[0]
-    y, x = (str(name) for name in sheet.plane["outcome"].dims)
+    y, x = (str(name) for name in sheet.map_data["outcome"].dims)
     own: Mapping[str, float] = sheet.stated.resolved({})
     tolerances = sheet.stated.tolerances
     wide, high = (tolerances[n].around(own[n]) if n in tolerances else 0.0 for n in (x, y))

@@ -117,23 +117,23 @@ def section(results: Results) -> Section:
 
 def _glance(counts: dict[str, Counts]) -> Table:
     """List the outcomes of every figure, and the shares that some figure has."""
-    shown = [each for each in SHARES if any(each[0] in of.dataset for of in counts.values())]
-    ends = [each for each in Outcome if any(of.number_of(each) for of in counts.values())]
-    heads = [f">{each.name.lower().replace('_', ' ')}" for each in ends]
+    shares = [row for row in SHARES if any(row[0] in own.dataset for own in counts.values())]
+    ends = [end for end in Outcome if any(own.number_of(end) for own in counts.values())]
+    heads = [f">{end.name.lower().replace('_', ' ')}" for end in ends]
     return Table(
-        ("figure", ">runs", *heads, *(f">{each[3]}" for each in shown), ">sensitive",
+        ("figure", ">runs", *heads, *(f">{head}" for *_, head in shares), ">sensitive",
          ">error of τ: median", ">largest"),
         [
             (
                 link(figure_title(name), f"#{name}"),
-                f"{of.runs:,}",
-                *(f"{of.number_of(each):,}" for each in ends),
-                *(percent(of.share_of(variable, flag)) for variable, flag, *_ in shown),
-                int(of.sensitive.sum()),
-                power(of.error(0.5)),
-                power(of.error(1.0)),
+                f"{own.runs:,}",
+                *(f"{own.number_of(end):,}" for end in ends),
+                *(percent(own.share_of(variable, flag)) for variable, flag, *_ in shares),
+                int(own.sensitive.sum()),
+                power(own.error(0.5)),
+                power(own.error(1.0)),
             )
-            for name, of in counts.items()
+            for name, own in counts.items()
         ],
     )  # fmt: skip
 
