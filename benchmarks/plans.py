@@ -84,14 +84,14 @@ class FixedStepPlan(Plan):
         )
 
     @property
-    def facts(self) -> dict[str, Any]:
-        """Return ``Sweep.facts`` with the values that are kept."""
+    def metadata(self) -> dict[str, Any]:
+        """Return ``Sweep.metadata`` with the values that are kept."""
         kept = [
             {"parameter": dimension.parameter, "values": dimension.values[part]}
             for dimension, part in zip(self.sweep.dimensions, self.kept, strict=True)
         ]
         own = {"config_hash": self.identity, "dimensions": kept, "steps": self.steps}
-        return {**self.sweep.facts, **own}
+        return {**self.sweep.metadata, **own}
 
 
 def fixed_step_plan(study: "Study", figure: str) -> FixedStepPlan:

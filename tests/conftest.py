@@ -166,23 +166,28 @@ class RecordedStudy:
         return made
 
     def sidecar(
-        self, run: str, files: Sequence[Path], inputs: Sequence[Path] = (), **facts: Any
+        self, run: str, files: Sequence[Path], inputs: Sequence[Path] = (), **metadata: Any
     ) -> None:
         """The sidecar of a job, beside the first of its files."""
         record = files[0].with_suffix(".run.json")
-        write_sidecar(record, run, files, inputs, {"code": "0", **facts}, datetime.now(UTC))
+        write_sidecar(record, run, files, inputs, {"code": "0", **metadata}, datetime.now(UTC))
 
     def log(self, run: str, text: str = "") -> None:
         path = self.root / "logs" / f"{run}.log"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
 
-    def merge(self, shift: float = 0.0, figure: str = "fig06", **facts: Any) -> None:
+    def merge(self, shift: float = 0.0, figure: str = "fig06", **metadata: Any) -> None:
         """Files that the job "merge" of a figure leaves."""
         self.log(f"merge/{figure}")
         path = self.root / "data" / f"{figure}.nc"
         write_dataset(_dataset(shift, figure), path)
-        stated = {"parameters": _PARAMETERS, "dimensions": _DIMENSIONS, "counts": _COUNTS, **facts}
+        stated = {
+            "parameters": _PARAMETERS,
+            "dimensions": _DIMENSIONS,
+            "counts": _COUNTS,
+            **metadata,
+        }
         self.sidecar(f"merge/{figure}", [path], **stated)
 
     def compare(self, seconds: str = "") -> None:

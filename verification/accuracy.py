@@ -21,7 +21,7 @@ from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters
 from model.runs.align import align, run_once
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
-from model.study.files import whole_file
+from model.study.files import atomic_write
 from verification.independent import solve
 from verification.trials import Trial
 
@@ -293,7 +293,7 @@ def summary(errors: Table, settled: Table) -> str:
 
 def write_table(table: Mapping[str, NDArray[Any]], path: Path) -> None:
     """Write a table as CSV, whole or not at all; numbers with all their digits."""
-    with whole_file(path) as part:
+    with atomic_write(path) as part:
         pd.DataFrame(table).to_csv(part, index=False, na_rep="nan", lineterminator="\n")
 
 

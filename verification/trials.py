@@ -42,8 +42,8 @@ class Trial(Plan):
     longer: float
 
     @property
-    def facts(self) -> dict[str, Any]:
-        """Return the facts of a sidecar: identity, parameters held and drawn, settings."""
+    def metadata(self) -> dict[str, Any]:
+        """Return the metadata of a sidecar: identity, parameters held and drawn, settings."""
         drawn = [
             {
                 "parameter": name,

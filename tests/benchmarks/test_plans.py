@@ -37,8 +37,8 @@ def test_a_case_holds_what_its_figure_holds(study: Study) -> None:
 
 def test_a_sidecar_states_the_values_that_are_kept(study: Study) -> None:
     plan = fixed_step_plan(study, "fig13").model_copy(update={"every": 50})
-    assert plan.facts["config_hash"] == plan.identity != plan.sweep.identity
-    stated = {each["parameter"]: each["values"] for each in plan.facts["dimensions"]}
+    assert plan.metadata["config_hash"] == plan.identity != plan.sweep.identity
+    stated = {each["parameter"]: each["values"] for each in plan.metadata["dimensions"]}
     assert list(stated) == [each.parameter for each in plan.sweep.dimensions]
     for dimension in plan.sweep.dimensions:
         assert stated[dimension.parameter] == dimension.values[::50]

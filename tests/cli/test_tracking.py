@@ -99,7 +99,7 @@ def test_an_invocation_that_was_refused_is_listed_and_shown_with_the_reason(
     capsys, recorded
 ) -> None:
     reason = "the configuration breaks a rule: config: friction = -0.1: must be >= 0"
-    Invocation(recorded.root).pass_by("failed", reason)
+    Invocation(recorded.root).record_idle("failed", reason)
     root = str(recorded.root)
     assert reason in output(capsys, "runs", "--root", root, "--invocations").splitlines()[1]
     shown = output(capsys, "show", "--root", root, "last")

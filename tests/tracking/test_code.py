@@ -142,8 +142,8 @@ def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(
     for name in ("fig06.nc", "fig06.png"):
         (tmp_path / name).write_bytes(name.encode())
     files = [tmp_path / "fig06.png"], [tmp_path / "fig06.nc"]
-    facts = {"code": "0123", "more": [1]}
-    write_sidecar(tmp_path / "r.json", "plot/fig06", *files, facts, datetime.now(UTC))
+    metadata = {"code": "0123", "more": [1]}
+    write_sidecar(tmp_path / "r.json", "plot/fig06", *files, metadata, datetime.now(UTC))
     record = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert (record["run"], record["rule"], record["figure"]) == ("plot/fig06", "plot", "fig06")
     assert record["outputs"] == {"fig06.png": hashlib.sha256(b"fig06.png").hexdigest()}

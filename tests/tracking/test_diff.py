@@ -18,9 +18,9 @@ from model.tracking.history import kept_result
 from model.tracking.invocation import Invocation
 
 
-def built(recorded, shift: float = 0.0, **facts) -> str:
+def built(recorded, shift: float = 0.0, **metadata) -> str:
     made = recorded.invocation()
-    recorded.merge(shift, **facts)
+    recorded.merge(shift, **metadata)
     made.end("done")
     return made.name
 
@@ -119,7 +119,7 @@ def test_a_commit_stands_for_the_last_invocation_at_it(recorded, monkeypatch) ->
     with pytest.raises(TrackingError, match="git worktree add"):
         snapshot("cccc3333", recorded.root)
     monkeypatch.setattr(invocation, "git_state", lambda: {"commit": "dddd4444", "dirty": False})
-    Invocation(recorded.root).pass_by("failed", "the configuration breaks a rule")
+    Invocation(recorded.root).record_idle("failed", "the configuration breaks a rule")
     with pytest.raises(TrackingError, match="'dddd' is no results folder"):
         snapshot("dddd", recorded.root)
 

@@ -77,7 +77,7 @@ def test_parameters_metrics_and_tags_are_those_of_the_record(built) -> None:
 
 
 def test_tags_say_why_an_invocation_was_refused(recorded) -> None:
-    Invocation(recorded.root).pass_by("failed", "the configuration breaks a rule")
+    Invocation(recorded.root).record_idle("failed", "the configuration breaks a rule")
     (record,) = load_history(recorded.root)
     assert tags_of(record)["reason"] == "the configuration breaks a rule"
 

@@ -63,11 +63,11 @@ def test_chunks_hold_every_set_once(trial):
 
 
 def test_a_sidecar_states_what_is_held_and_what_is_drawn(trial):
-    facts = trial.facts
-    drawn = {each["parameter"]: each for each in facts["dimensions"]}
+    metadata = trial.metadata
+    drawn = {each["parameter"]: each for each in metadata["dimensions"]}
     assert set(drawn) == set(trial.ranges)
-    assert not set(drawn) & set(facts["parameters"])
-    assert set(drawn) | set(facts["parameters"]) == set(trial.parameters)
+    assert not set(drawn) & set(metadata["parameters"])
+    assert set(drawn) | set(metadata["parameters"]) == set(trial.parameters)
     assert (drawn["friction"]["start"], drawn["friction"]["stop"]) == (0.0, 0.3)
     assert drawn["press_force"]["start"] == trial.ranges["press_force"].low
 

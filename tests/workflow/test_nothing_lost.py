@@ -153,7 +153,7 @@ def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(workspace: Any, bui
     script = workspace.folder / "workflow/scripts/sweep.py"
     text = script.read_text(encoding="utf-8")
     stall = "\n    Path('begun').touch(); __import__('time').sleep(5.0); Path('ended').touch()\n"
-    script.write_text(text.replace(" as facts:\n", f" as facts:{stall}"), encoding="utf-8")
+    script.write_text(text.replace(" as metadata:\n", f" as metadata:{stall}"), encoding="utf-8")
     process = workspace.start(FEW[0])
     while not (workspace.folder / "begun").exists():
         assert process.poll() is None

@@ -7,7 +7,7 @@ from model.study.io import outcome_counts, write_dataset
 from model.study.sweep import Sweep, merge, run
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     counts = Counter[str]()
     for (name, plan), file in zip(
         snakemake.params.sweeps.items(), snakemake.output.data, strict=True
@@ -16,4 +16,4 @@ with recorded(snakemake) as facts:
         dataset = merge(sweep, title, [run(sweep)])
         write_dataset(dataset, Path(file))
         counts.update(outcome_counts(dataset))
-    facts["counts"] = dict(counts)
+    metadata["counts"] = dict(counts)

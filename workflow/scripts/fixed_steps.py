@@ -7,8 +7,8 @@ from benchmarks.plans import FixedStepPlan
 from model.study.io import read_dataset, write_dataset
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     plan = FixedStepPlan.model_validate(snakemake.params.plan)
     dataset = fixed_step_dataset(plan, read_dataset(Path(snakemake.input.located)))
     write_dataset(dataset, Path(snakemake.output.data))
-    facts |= {**plan.facts, "counts": {"trajectories": int(dataset["tau_align"].size)}}
+    metadata |= {**plan.metadata, "counts": {"trajectories": int(dataset["tau_align"].size)}}

@@ -6,8 +6,8 @@ from model.study.files import write_text
 from model.tracking.job import recorded, snakemake
 from verification.fuzz_campaign import report_text, try_part
 
-with recorded(snakemake, part=True) as facts:
+with recorded(snakemake, part=True) as metadata:
     first, count = (snakemake.params.numbers[name] for name in ("first", "count"))
     report = try_part(snakemake.wildcards.scene, snakemake.params.numbers["seed"], first, count)
     write_text(report_text(report), Path(snakemake.output.found))
-    facts["counts"] = {"trajectories": count, "sensitive": report.sensitive}
+    metadata["counts"] = {"trajectories": count, "sensitive": report.sensitive}

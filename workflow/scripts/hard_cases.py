@@ -7,7 +7,7 @@ from benchmarks.plans import HardCasesPlan
 from model.study.files import write_text
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     plan = HardCasesPlan.model_validate(snakemake.params.plan)
     compile_batch(plan)
     judged = []
@@ -16,8 +16,8 @@ with recorded(snakemake) as facts:
         judged += [judge(plan, case, method, truth) for method in methods_for(plan, case)]
     write_text(table_of(judged, times=False), Path(snakemake.output.data))
     write_text(table_of(judged, times=True), Path(snakemake.output.times))
-    facts |= {"config_hash": plan.identity, "settings": plan.settings.model_dump(mode="json")}
-    facts["counts"] = {
+    metadata |= {"config_hash": plan.identity, "settings": plan.settings.model_dump(mode="json")}
+    metadata["counts"] = {
         "trajectories": len(judged),
         "rhs_evaluations": sum(each.rhs_evaluations for each in judged),
     }

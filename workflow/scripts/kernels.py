@@ -9,10 +9,10 @@ from model.runs.simulate import simulate
 from model.study.files import write_json
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     device = Parameters(**snakemake.params.parameters)
     # One process, in which the kernels of one scene shorten the compilation of the other's.
     align([device], horizon=0.1, cores=1)
     align([device], horizon=0.1, cores=1, scene=INSERTION)
     simulate(device, horizon=0.1)
-    write_json({"kernels": facts["code"]}, Path(snakemake.output.data))
+    write_json({"kernels": metadata["code"]}, Path(snakemake.output.data))

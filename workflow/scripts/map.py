@@ -7,10 +7,10 @@ from model.study.maps.dataset import map_counts, map_dataset, read_parts
 from model.study.maps.plan import MapPlan
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     plan = MapPlan.model_validate(snakemake.params.plan)
     nodes = read_parts(plan, [Path(file) for file in snakemake.input])
     title, marks = snakemake.params.title, snakemake.params.marks
     dataset = map_dataset(plan, nodes, title, marks)
     write_dataset(dataset, Path(snakemake.output.data))
-    facts |= {**plan.facts, "counts": map_counts(dataset)}
+    metadata |= {**plan.metadata, "counts": map_counts(dataset)}

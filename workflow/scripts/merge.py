@@ -6,9 +6,9 @@ from model.study.io import outcome_counts, write_dataset
 from model.study.sweep import Sweep, merge, read_chunks
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     sweep = Sweep.model_validate(snakemake.params.sweep)
     chunks = read_chunks(sweep, [Path(file) for file in snakemake.input])
     dataset = merge(sweep, snakemake.params.title, chunks)
     write_dataset(dataset, Path(snakemake.output.data))
-    facts |= {**sweep.facts, "counts": outcome_counts(dataset)}
+    metadata |= {**sweep.metadata, "counts": outcome_counts(dataset)}

@@ -9,8 +9,8 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     made = modules()
-    facts = {
+    digests = {
         name: {"bytes": len(each), "sha256": hashlib.sha256(each).hexdigest()}
         for name, each in {"run_one": made.run_one, "run_many": made.run_many}.items()
     }
-    write_json({**made.interface, "modules": facts}, Path(snakemake.output.data))
+    write_json({**made.interface, "modules": digests}, Path(snakemake.output.data))

@@ -15,7 +15,7 @@ from model.study.files import write_text
 from model.study.io import write_dataset
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     plan = PrecisionPlan.model_validate(snakemake.params.plan)
     truths = {case: true_run(plan, case) for case in plan.cases}
     settings = [
@@ -26,8 +26,8 @@ with recorded(snakemake) as facts:
     ]
     write_dataset(precision_dataset(plan, truths, settings), Path(snakemake.output.data))
     write_text(timings_table(settings), Path(snakemake.output.times))
-    facts |= {"config_hash": plan.identity, "settings": plan.settings.model_dump(mode="json")}
-    facts["counts"] = {
+    metadata |= {"config_hash": plan.identity, "settings": plan.settings.model_dump(mode="json")}
+    metadata["counts"] = {
         "trajectories": len(settings),
         "rhs_evaluations": sum(each.rhs_evaluations for each in settings),
     }

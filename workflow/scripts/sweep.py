@@ -6,8 +6,8 @@ from model.study.io import outcome_counts, write_dataset
 from model.study.sweep import Sweep, merge, run
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     sweep = Sweep.model_validate(snakemake.params.sweep)
     dataset = merge(sweep, snakemake.params.title, [run(sweep)])
     write_dataset(dataset, Path(snakemake.output.data))
-    facts |= {**sweep.facts, "counts": outcome_counts(dataset)}
+    metadata |= {**sweep.metadata, "counts": outcome_counts(dataset)}

@@ -6,8 +6,8 @@ from model.tracking.job import recorded, snakemake
 from verification.accuracy import run_trial, write_table
 from verification.trials import Trial
 
-with recorded(snakemake, part=True) as facts:
+with recorded(snakemake, part=True) as metadata:
     trial = Trial.model_validate(snakemake.params.trial)
     found = run_trial(trial, int(snakemake.wildcards.chunk), snakemake.params.chunks)
     write_table(found, Path(snakemake.output.table))
-    facts |= {**trial.facts, "counts": {"trajectories": int(found["set"].size)}}
+    metadata |= {**trial.metadata, "counts": {"trajectories": int(found["set"].size)}}

@@ -7,6 +7,6 @@ from model.physics.parameters import Parameters
 from model.study.files import write_json
 from model.tracking.job import recorded, snakemake
 
-with recorded(snakemake) as facts:
+with recorded(snakemake) as metadata:
     compile_unlocated(Parameters(**snakemake.params.parameters))
-    write_json({"kernels": facts["code"]}, Path(snakemake.output.data))
+    write_json({"kernels": metadata["code"]}, Path(snakemake.output.data))

@@ -16,7 +16,7 @@ from model.cli.files import check_file, writing
 from model.physics.variants import Variants
 from model.study.devices import StatedDevice
 from model.study.devices.base import SOURCES
-from model.study.files import whole_file
+from model.study.files import atomic_write
 
 
 def add(commands: Any) -> None:
@@ -66,7 +66,7 @@ def _explore(arguments: argparse.Namespace) -> int:
         model = device_model(
             given.parameters, given.units, file, settings, engines.interface, first, origin
         )
-    with writing(), whole_file(arguments.out) as part:
+    with writing(), atomic_write(arguments.out) as part:
         part.write_text(build_page(model, engines), encoding="utf-8")
     print(f"open {arguments.out} in a browser")
     return 0

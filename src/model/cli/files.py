@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from model.study.files import whole_file
+from model.study.files import atomic_write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,5 +66,5 @@ def save_picture(figure: "Figure", path: Path) -> None:
     """Write a figure in the format of the file's extension, as a whole or not at all."""
     from model.show import style  # noqa: PLC0415  (as in check_picture)
 
-    with whole_file(path) as part, style.context():
+    with atomic_write(path) as part, style.context():
         figure.savefig(part, format=path.suffix.lower().lstrip("."))

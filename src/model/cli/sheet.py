@@ -15,7 +15,7 @@ from model.show.device_sheet import Sheet, render
 from model.show.explorer.content import Scales
 from model.study.config import RunSettings, Span, Study
 from model.study.devices import StatedDevice, load_device
-from model.study.files import whole_file
+from model.study.files import atomic_write
 from model.study.maps.compute import MapNodes
 from model.study.maps.dataset import in_si, map_dataset
 from model.study.maps.plan import plan_of
@@ -70,7 +70,7 @@ def write_sheet(
         made_by=f"vibralign {version()}",
         explorer=_explorer(path, stated),
     )
-    with whole_file(path) as part:
+    with atomic_write(path) as part:
         part.write_text(render(sheet), encoding="utf-8")
 
 

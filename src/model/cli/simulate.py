@@ -27,7 +27,7 @@ from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.si import in_words
-from model.study.files import whole_file
+from model.study.files import atomic_write
 from model.tracking.job import version
 
 _SUCCESSES = (Outcome.ALIGNED, Outcome.INSERTED)
@@ -77,7 +77,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
             save_picture(trajectory(run, in_units), arguments.plot)
     if arguments.animate is not None:
         page = _page(given, in_units, str(arguments.device or ""))
-        with writing(f"--animate {arguments.animate}"), whole_file(arguments.animate) as part:
+        with writing(f"--animate {arguments.animate}"), atomic_write(arguments.animate) as part:
             part.write_bytes(page.encode())
     return int(run.outcome == Outcome.FAILED)
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
 from model.show.words import math
-from model.study.files import whole_file
+from model.study.files import atomic_write
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -198,7 +198,7 @@ def save(figure: Figure, stem: Path) -> tuple[Path, ...]:
 
 def _write(figure: Figure, stem: Path, extension: str) -> Path:
     target = stem.with_name(f"{stem.name}.{extension}")
-    with whole_file(target) as part, part.open("wb") as stream, context(), _quiet_fonts():
+    with atomic_write(target) as part, part.open("wb") as stream, context(), _quiet_fonts():
         figure.savefig(stream, format=extension, metadata=_METADATA[extension])
     return target
 

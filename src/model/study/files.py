@@ -9,7 +9,7 @@ from typing import Any
 
 
 @contextlib.contextmanager
-def whole_file(target: Path) -> Iterator[Path]:
+def atomic_write(target: Path) -> Iterator[Path]:
     """Yield a path beside ``target`` that replaces it when the block ends.
 
     If the block fails, ``target`` stays as it was and the new file is removed.
@@ -33,7 +33,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 def write_text(text: str, path: Path) -> None:
     """Write ``text``, whole or not at all."""
-    with whole_file(path) as part:
+    with atomic_write(path) as part:
         part.write_text(text, encoding="utf-8")
 
 

@@ -15,7 +15,7 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE
 from model.runs.settings import Settings
-from model.study.files import whole_file
+from model.study.files import atomic_write
 
 _LARGE = 2**16  # values of a grid that is stored in pieces
 
@@ -150,7 +150,7 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
             encoding[str(name)] |= {"zlib": True, "complevel": 4, "shuffle": True}
         if variable.ndim == 2 and variable.size > _LARGE:
             encoding[str(name)] |= {"chunksizes": tuple(min(n, 256) for n in variable.shape)}
-    with whole_file(path) as part:
+    with atomic_write(path) as part:
         dataset.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
 
 

@@ -106,7 +106,7 @@ class Sweep(Plan):
         return tuple(len(dimension.values) for dimension in self.dimensions)
 
     @property
-    def facts(self) -> dict[str, Any]:
+    def metadata(self) -> dict[str, Any]:
         """The computation as its sidecar states it."""
         stated = self.model_dump(mode="json", include={"parameters", "settings", "dimensions"})
         return {"config_hash": self.identity, **stated}

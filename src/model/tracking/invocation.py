@@ -19,7 +19,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from model.study.files import whole_file, write_json
+from model.study.files import atomic_write, write_json
 from model.tracking import TrackingError
 from model.tracking.history import (
     Record,
@@ -33,7 +33,7 @@ from model.tracking.history import (
     kept_result,
     write_index,
 )
-from model.tracking.job import INVOCATION, git_state, hold_folder, versions
+from model.tracking.job import INVOCATION, git_state, lock_folder, versions
 from model.tracking.slurm import refuse_held_jobs
 
 _PATIENCE = 5.0  # seconds: a process that was just killed may hold its lock for a moment
@@ -53,14 +53,14 @@ class Invocation:
         self.root = root
         self._begun = datetime.now(UTC)
         self.name = f"{self._begun:%Y%m%dT%H%M%SZ}-{secrets.token_hex(2)}"
-        self._facts: Record = {}
+        self._metadata: Record = {}
         self._record: Record = {}
         self._lock: io.TextIOWrapper | None = None
         self._holds_folder = False
 
-    def state(self, **facts: Any) -> None:
-        """Add facts to record, such as the study's configuration; before the start."""
-        self._facts |= facts
+    def state(self, **metadata: Any) -> None:
+        """Add metadata to record, such as the study's configuration; before the start."""
+        self._metadata |= metadata
 
     def recover(self, patience: float = 0.0) -> None:
         """Make the folder ready after an interruption, and hold it for this invocation.
@@ -73,7 +73,7 @@ class Invocation:
         if self._holds_folder:
             return
         refuse_held_jobs(Path.cwd())
-        hold_folder(self.name, patience)
+        lock_folder(self.name, patience)
         self._holds_folder = True
         for name in discard_damaged(self.root):
             sys.stderr.write(f"{name}: not as its job left it, will be made anew\n")
@@ -98,7 +98,7 @@ class Invocation:
             "host": platform.node(),
             "versions": versions(),
             "git": git_state(),
-            **self._facts,
+            **self._metadata,
         }
         with _or_say("the start of this invocation could not be recorded"):
             (self.root / "history").mkdir(parents=True, exist_ok=True)
@@ -111,7 +111,7 @@ class Invocation:
             fcntl.flock(self._lock, fcntl.LOCK_EX)
             write_json(self._record, history_file(self.root, self.name))
 
-    def pass_by(self, outcome: str, reason: str | None = None) -> None:
+    def record_idle(self, outcome: str, reason: str | None = None) -> None:
         """Record an invocation that started no job: start and end in one.
 
         Args:
@@ -163,7 +163,7 @@ def _write_end(root: Path, record: Record, outcome: str, ended: datetime | None)
         for name, sha256 in kept_outputs(run).items():
             source, kept = root / run["folder"] / name, kept_result(root, name, sha256)
             if source.is_file() and not kept.exists():
-                with whole_file(kept) as part:
+                with atomic_write(kept) as part:
                     shutil.copyfile(source, part)
     write_json(whole, history_file(root, record["invocation"]))
     history_file(root, record["invocation"], "lock").unlink(missing_ok=True)
@@ -197,11 +197,11 @@ class Watch:
         if self.plans or self.invocation is None or self.jobs:
             return
         if isinstance(sys.exc_info()[1], KeyboardInterrupt):
-            self.invocation.pass_by("interrupted", "interrupted before the first job")
+            self.invocation.record_idle("interrupted", "interrupted before the first job")
         elif self.error is not None:
-            self.invocation.pass_by("failed", self.error)
+            self.invocation.record_idle("failed", self.error)
         elif self.executes:
-            self.invocation.pass_by("done")
+            self.invocation.record_idle("done")
 
 
 def begin(config: Mapping[str, Any]) -> Invocation:

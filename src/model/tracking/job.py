@@ -34,7 +34,7 @@ INVOCATION, SUBMITTED = "VIBRALIGN_INVOCATION", "VIBRALIGN_SUBMITTED"
 _PACKAGE = Path(__file__).resolve().parents[1]
 _TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
 _RUN, _JOBS = Path(".snakemake/run.lock"), Path(".snakemake/jobs.lock")
-_held: list[IO[str]] = []  # until this process ends
+_locks: list[IO[str]] = []  # until this process ends
 # Mount options by which a file system keeps locks on the machine, or has none.
 _NFS = {"nolock", "local_lock=flock", "local_lock=all"}
 _UNSAFE = {
@@ -85,7 +85,7 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[dict[str, Any]]:
     with log.open("w", encoding="utf-8") as stream:
         os.dup2(stream.fileno(), 1)
         os.dup2(stream.fileno(), 2)
-    hold_job(os.environ.get(INVOCATION))
+    lock_job(os.environ.get(INVOCATION))
     code = code_of(script.parents[2], f"workflow/scripts/{script.name}")
     hashed = code_hash(code)
     submitted = json.loads(os.environ.get(SUBMITTED, '{"codes": {}}'))["codes"]
@@ -93,16 +93,16 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[dict[str, Any]]:
         raise SystemExit(
             f"job {script.stem} refused: its code was edited after it was submitted; start again"
         )
-    facts: dict[str, Any] = {"code": hashed, "sources": dict(each.split() for each in code)}
+    metadata: dict[str, Any] = {"code": hashed, "sources": dict(each.split() for each in code)}
     if part:
-        facts["part"] = True
-    yield facts
+        metadata["part"] = True
+    yield metadata
     record = Path(snakemake.output.record)
     made = [file for file in snakemake.output if file != str(record)]
     run = log.with_suffix("").as_posix().rpartition("/logs/")[2]
     # Snakemake writes the script anew before it starts a job, so that the imports count.
     started = datetime.fromtimestamp(Path(sys.argv[0]).stat().st_mtime, UTC)
-    write_sidecar(record, run, made, snakemake.input, facts, started)
+    write_sidecar(record, run, made, snakemake.input, metadata, started)
 
 
 def write_sidecar(
@@ -110,7 +110,7 @@ def write_sidecar(
     run: str,
     outputs: Iterable[str | Path],
     inputs: Iterable[str | Path],
-    facts: Mapping[str, Any],
+    metadata: Mapping[str, Any],
     started: datetime,
 ) -> None:
     """Write the sidecar of the job of this process.
@@ -120,7 +120,7 @@ def write_sidecar(
         run: the rule and its wildcards, such as "chunk/fig06/0": the job's log below logs/.
         outputs: the files that the job made.
         inputs: the files that it read, besides code and configuration.
-        facts: what else is known: code, parameters, settings, counts.
+        metadata: what else is known: code, parameters, settings, counts.
         started: when the job began.
     """
     rule, *rest = run.split("/")
@@ -128,7 +128,7 @@ def write_sidecar(
         "run": run,
         "rule": rule,
         "figure": next((part for part in rest if part.startswith("fig")), None),
-        **facts,
+        **metadata,
         "inputs": _hashes(inputs, record.parent),
         "outputs": _hashes(outputs, record.parent),
         "started": started.isoformat(timespec="milliseconds"),
@@ -209,7 +209,7 @@ def _refuse_unsafe(path: Path) -> None:
         )
 
 
-def hold_folder(name: str, patience: float) -> None:
+def lock_folder(name: str, patience: float) -> None:
     """Hold this folder for the invocation ``name``, once no job of an earlier one is left.
 
     Args:
@@ -236,7 +236,7 @@ def hold_folder(name: str, patience: float) -> None:
             raise TrackingError(
                 f"{_RUN}: the file system has no locks ({error}): work in another folder"
             ) from None
-    _held.append(lock)
+    _locks.append(lock)
     lock.truncate(0)
     lock.write(name)
     lock.flush()
@@ -248,7 +248,7 @@ def hold_folder(name: str, patience: float) -> None:
             fcntl.flock(jobs, fcntl.LOCK_EX)
 
 
-def hold_job(invocation: str | None) -> None:
+def lock_job(invocation: str | None) -> None:
     """Hold the folder for a job, beside others, until its process ends.
 
     Raises:
@@ -257,7 +257,7 @@ def hold_job(invocation: str | None) -> None:
     _JOBS.parent.mkdir(exist_ok=True)
     lock = _JOBS.open("a", encoding="utf-8")
     fcntl.flock(lock, fcntl.LOCK_SH)
-    _held.append(lock)
+    _locks.append(lock)
     now = _RUN.read_text(encoding="utf-8") if _RUN.is_file() else ""
     if invocation and now not in ("", invocation):
         raise SystemExit(f"refused: {invocation}, which started this job, was killed")

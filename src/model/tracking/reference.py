@@ -21,7 +21,7 @@ from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
 from model.study.config.figures import COMPUTED, SCHEMATICS
 from model.study.csv_tables import csv_text
-from model.study.files import whole_file, write_text
+from model.study.files import atomic_write, write_text
 from model.tracking.compare import (
     CLAIMS,
     Change,
@@ -209,7 +209,7 @@ def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> lis
         rows += [{**stated, **change} for change in changes]
         words.append(f"{name}: {len(changes)} lines in {LOG}")
         for file in files:
-            with whole_file(reference / file.name) as part:
+            with atomic_write(reference / file.name) as part:
                 shutil.copyfile(file, part)
     header, *lines = csv_text(LOG_COLUMNS, rows).splitlines(keepends=True)
     log = reference / LOG

@@ -69,7 +69,7 @@ class MapPlan(Plan):
         return Parameters(**self.parameters)  # type: ignore[arg-type]
 
     @property
-    def facts(self) -> dict[str, Any]:
+    def metadata(self) -> dict[str, Any]:
         """The map as its sidecar states it."""
         return {"config_hash": self.identity, **self.model_dump(mode="json", exclude={"name"})}
 
