@@ -1,6 +1,7 @@
-"""Snakemake's plugin `--logger vibralign`, which the profiles name: invocations are recorded by it.
+"""Snakemake's logger plug-in `vibralign`: it records invocations that start no job.
 
-Snakemake finds a plugin by the name of its module, and logs to it from its main process only.
+The profiles select it. Snakemake finds a plug-in by the name of its module, and logs to it from its
+main process only.
 """
 
 from logging import LogRecord
@@ -12,7 +13,7 @@ from model.tracking.invocation import Watch
 
 
 class LogHandler(LogHandlerBase):
-    """Note what Snakemake does, and print nothing."""
+    """Passes Snakemake's events to a ``Watch``, and prints nothing."""
 
     writes_to_stream = False
     writes_to_file = False
@@ -21,7 +22,7 @@ class LogHandler(LogHandlerBase):
     needs_rulegraph = False
 
     def __post_init__(self) -> None:
-        """Begin to watch; the Snakefile is read after this."""
+        """Make the ``Watch``, before the Snakefile is read."""
         self._watch = Watch(plans=self.common_settings.dryrun)
 
     def emit(self, record: LogRecord) -> None:
@@ -36,6 +37,6 @@ class LogHandler(LogHandlerBase):
             self._watch.error = "; ".join(line.strip() for line in lines if line.strip())
 
     def close(self) -> None:
-        """Record what no handler of the Snakefile did."""
+        """Record an invocation that no handler of the Snakefile recorded."""
         self._watch.close()
         super().close()

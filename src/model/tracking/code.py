@@ -1,7 +1,7 @@
-"""The code that results depend on: a hash of each file that a script imports.
+"""Hashes of the code that results depend on: one for each file that a script imports.
 
-Hashes are those of syntax trees, so that comments, layout and docstrings rerun nothing. Snakemake
-itself sees no edit of an imported file; the rules give it these hashes as params.
+A file is hashed by its syntax tree, so that an edit of comments, layout or docstrings reruns
+nothing. Snakemake does not look into imported files; the rules give it these hashes as params.
 """
 
 import ast
@@ -18,7 +18,7 @@ from model.study.files import write_text
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _BESIDE = ("verification", "benchmarks")  # packages of the checkout
-_RECORDS = "tracking"  # this package: what records the jobs changes none of their results
+_RECORDS = "tracking"  # not hashed: recording a job changes none of its results
 
 
 def _module_file(name: str) -> Path | None:
@@ -38,10 +38,10 @@ _WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionD
 
 
 def _outline(node: Any, imported: list[str]) -> list[Any]:
-    """Return ``node`` with all below it as nested lists, without places in the file and docstrings.
+    """Return a syntax tree as nested lists, without docstrings and line numbers.
 
-    Names of modules that are imported, as far as they can be modules of this package, are added to
-    ``imported``, except those that only type checkers import.
+    Names that may be imported modules are added to ``imported``. Imports for type checkers only
+    are left out.
     """
     kind = node.__class__
     fields: list[Any] = [kind.__name__]
@@ -68,11 +68,11 @@ _COMPANIONS = {".j2", ".yaml", ".html", ".js", ".css"}
 
 @cache
 def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
-    """Return (hash of the syntax tree and companions, package files imported) of one source file.
+    """Return the hash of a source file with its companions, and the project files it imports.
 
-    A companion is a template, table, script or style beside the source with its stem: page.html.j2,
-    claims.yaml, page.map.js.
-    The result is kept by the files' contents, since each start of Snakemake and of a job needs it.
+    A companion is a template, table, script or style beside the source and named after it:
+    page.html.j2, claims.yaml, page.map.js. Results are cached on disk by the files' contents, since
+    every start of Snakemake and of a job needs them.
     """
     beside = sorted(path for path in source.parent.glob(f"{source.stem}.*")
                     if path.suffix in _COMPANIONS)  # fmt: skip
@@ -94,7 +94,7 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
 
 @cache
 def _outlines() -> Path:
-    """Return the folder that keeps what ``_parsed`` finds, by Python's version and this code."""
+    """Return the cache folder of ``_parsed``, by the version of Python and this module's code."""
     made_by = Path(__file__).read_bytes() + platform.python_version().encode()
     return cache_folder().parent / f"outlines-{hashlib.sha256(made_by).hexdigest()[:16]}"
 
@@ -115,9 +115,10 @@ def import_closure(*sources: Path) -> list[Path]:
 
 
 def code_of(project: Path, source: str) -> list[str]:
-    """Return "FILE HASH" of each file that a source below ``project`` runs, the pins first.
+    """Return "FILE HASH" for the lock file, a source file and all files of the project it imports.
 
-    Files are named from the folder that holds them, wherever package and project are installed.
+    ``source`` is a path below ``project``. Names of files do not depend on where the package and
+    the project are installed.
     """
     roots = (_PACKAGE.parent, project.resolve(), _PACKAGE.parents[1])
 
@@ -132,5 +133,5 @@ def code_of(project: Path, source: str) -> list[str]:
 
 
 def code_hash(code: Sequence[str]) -> str:
-    """Return one hash for what ``code_of`` returns."""
+    """Return a single hash of the list that ``code_of`` returns."""
     return hashlib.sha256("\n".join(code).encode()).hexdigest()[:16]

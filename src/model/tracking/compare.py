@@ -1,7 +1,8 @@
-"""The comparison of datasets and of verdicts that `vibralign diff`, `verify` and `accept` share.
+"""Comparison of datasets and of verdicts, for `vibralign diff`, `verify` and `accept`.
 
-Everything is compared by name, and data point by point where both have the point. xarray aligns
-them; its own ``testing.assert_allclose`` was weighed, and says neither where nor by how much.
+Variables are compared by name, over the points that both datasets have. xarray aligns the points;
+its ``testing.assert_allclose`` is not used, because it says neither where data differ nor by how
+much.
 """
 
 import csv
@@ -24,7 +25,7 @@ _TIME = "time"
 
 @dataclass(frozen=True)
 class Difference:
-    """One value that differs; ``where`` is the figure, or the run if it belongs to none."""
+    """One value that differs; ``where`` names its figure, or its run if that has no figure."""
 
     where: str
     name: str
@@ -34,18 +35,18 @@ class Difference:
 
 @dataclass(frozen=True)
 class Change:
-    """The difference of a variable of a figure's dataset, over the points that both states have."""
+    """The difference of a variable between two datasets of a figure, over their common points."""
 
     figure: str
     variable: str
-    points: int  # compared
-    differing: int  # of these
-    largest: float  # absolute difference where both are numbers
-    at: dict[str, float]  # place of the largest difference, by coordinate
-    before: float  # values there
-    after: float
-    appeared: int  # points with a number in the second state only
-    vanished: int  # points with a number in the first state only
+    points: int  # points compared
+    differing: int  # points at which the values differ
+    largest: float  # largest absolute difference of two numbers
+    at: dict[str, float]  # coordinates of the largest difference
+    before: float  # the first dataset's value there
+    after: float  # the second dataset's value there
+    appeared: int  # points with a number in the second dataset only
+    vanished: int  # points with a number in the first dataset only
 
 
 def differences(
@@ -60,10 +61,10 @@ def differences(
 
 
 def changed_verdicts(before: Path, after: Path) -> list[Difference]:
-    """Return the claims with different verdicts in two tables; the first column names the claim.
+    """Return the claims whose verdicts differ between two tables; the first column names a claim.
 
     Raises:
-        TrackingError: a table without verdicts.
+        TrackingError: a table has no verdicts.
     """
     return differences(CLAIMS, _verdicts(before), _verdicts(after))
 
@@ -81,7 +82,7 @@ def open_dataset(path: Path) -> "xr.Dataset":
     """Read a dataset of the study.
 
     Raises:
-        TrackingError: not a dataset, or xarray is missing.
+        TrackingError: the file is no dataset, or xarray is not installed.
     """
     try:
         from model.study.io import DatasetError, read_dataset  # noqa: PLC0415  (slow)
@@ -106,8 +107,8 @@ def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[C
 def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Dataset, xr.Dataset]":
     """Restrict both datasets to their common points.
 
-    Two trajectories have no common points: the second is interpolated to the times of the
-    first, away from the moments at which a force jumps.
+    Two trajectories have different times: the second is interpolated at the times of the first.
+    Times near a jump of a force are left out.
     """
     import xarray as xr  # noqa: PLC0415
 
@@ -126,7 +127,7 @@ def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Datase
 
 
 def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return whether each of ``times`` is within a step of a moment that ``grid`` has twice."""
+    """Return a mask of the ``times`` within a step of a jump, a time that ``grid`` has twice."""
     twice: list[int] = np.flatnonzero(np.diff(grid) == 0.0).tolist()
     near = np.zeros(times.shape, dtype=bool)
     for i in twice:
@@ -136,7 +137,7 @@ def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray
 
 
 def change_of(before: "xr.DataArray", after: "xr.DataArray", figure: str) -> Change:
-    """Compare one variable over the same points."""
+    """Return the change of one variable between two datasets over the same points."""
     old, new = (np.asarray(each.values, dtype=np.float64) for each in (before, after))
     distance = np.abs(new - old)
     known = np.isfinite(distance)

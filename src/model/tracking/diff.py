@@ -1,7 +1,6 @@
 """Differences between two states of the study: parameters, metrics, code, data and claims.
 
-A state is a results folder, or an earlier one kept in the history. Everything is compared by name,
-and data point by point.
+A state is a results folder as it is now, or an earlier state that the history keeps.
 """
 
 import os
@@ -38,13 +37,13 @@ from model.tracking.history import (
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The study at one moment.
+    """The state of the study at one moment.
 
     Attributes:
-        label: name given by the user.
-        runs: latest run of each name.
-        files: paths of the datasets ("fig06.nc") and of the claims' verdicts, by name.
-        lost: names of files without a kept copy.
+        label: the name that the user gave.
+        runs: the latest run of every name.
+        files: paths of datasets and verdicts by file name: "fig06.nc", "claims.csv".
+        lost: names of datasets and verdicts of which the history has no copy.
     """
 
     label: str
@@ -57,13 +56,13 @@ def snapshot(name: str, root: Path) -> Snapshot:
     """Return the state of the study that ``name`` denotes.
 
     Args:
-        name: a folder of results; or, of the history below ``root``, a run ("merge/fig06" or
+        name: a results folder, or an entry of the history below ``root``: a run ("merge/fig06",
             "merge/fig06@INVOCATION"), an invocation ("last", or the beginning of its name), or a
-            commit that the study was built at (any name that git knows).
+            commit at which the study was built (any name that git knows).
         root: results root with the history.
 
     Raises:
-        TrackingError: a name without a record.
+        TrackingError: there is no such folder or entry.
     """
     if Path(name).is_dir():
         return _of_folder(Path(name))
@@ -121,10 +120,11 @@ def _invocation_of_commit(history: Sequence[Record], name: str, root: Path) -> R
 
 @dataclass(frozen=True)
 class Comparison:
-    """Everything that differs between two states, and what could not be compared.
+    """The differences between two states, and a line for everything that could not be compared.
 
-    ``claims`` is None where one of the two has no verdicts on its own data. ``other_data`` names
-    datasets that are no figure's and differ in bytes: no copies are kept to say by how much.
+    ``claims`` is None if the verdicts of a state are missing or were not made from its data.
+    ``other_data`` names datasets besides the figures' whose bytes differ: the history keeps no
+    copies of these, so that the size of the difference is unknown.
     """
 
     first: str
@@ -148,7 +148,7 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
     """Compare two states.
 
     Raises:
-        TrackingError: a dataset that cannot be read, or xarray missing.
+        TrackingError: a dataset cannot be read, or xarray is not installed.
     """
     found = Comparison(first.label, second.label)
     code: list[Difference] = []
@@ -178,7 +178,7 @@ def compare(first: Snapshot, second: Snapshot) -> Comparison:
 def _pairs(
     first: Snapshot, second: Snapshot, not_compared: list[str]
 ) -> Iterator[tuple[Record, Record]]:
-    """Yield the runs to compare: those of one name, or the only two there are."""
+    """Yield pairs of runs to compare: runs of the same name; or two single runs of any name."""
     if len(first.runs) == len(second.runs) == 1:
         yield next(iter(first.runs.values())), next(iter(second.runs.values()))
         return
@@ -202,7 +202,7 @@ def _in_one_only(first: Snapshot, second: Snapshot, what: str) -> Iterator[str]:
 
 
 def _stated(run: Record) -> dict[str, Any]:
-    """Return parameters, settings and varied axes, one level deep."""
+    """Return parameters, settings and axes of a run as one flat dictionary."""
     settings = {f"settings.{name}": value for name, value in run.get("settings", {}).items()}
     axes = {
         f"{axis['parameter']}.{name}": value
@@ -219,7 +219,7 @@ def _code(run: Record) -> dict[str, Any]:
 
 
 def _by_file(found: list[Difference]) -> Iterator[Difference]:
-    """Yield one difference for each file or package, which many runs may share."""
+    """Yield one difference a file or package; many runs may share it."""
     runs: dict[Difference, list[str]] = {}
     for each in found:
         runs.setdefault(replace(each, where=""), []).append(each.where)
@@ -228,7 +228,7 @@ def _by_file(found: list[Difference]) -> Iterator[Difference]:
 
 
 def _other_bytes(before: Record, after: Record) -> list[str]:
-    """Return the datasets of both runs that differ; CPU times, in another folder, do not count."""
+    """Return the datasets of both runs whose bytes differ, apart from CPU times (in ``../``)."""
     return [
         f"{after['run']}: {name}"
         for name, sha256 in after["outputs"].items()
@@ -242,7 +242,7 @@ def _other_bytes(before: Record, after: Record) -> list[str]:
 
 
 def _claims(first: Snapshot, second: Snapshot, not_compared: list[str]) -> list[Difference] | None:
-    """Compare the verdicts, unless one of the two was not judged by its own data."""
+    """Compare the verdicts; return None if those of a state were not made from its data."""
     for each in (first, second):
         if newer := _changed_since_judged(each):
             files = ", ".join(newer[:3]) + (", …" if len(newer) > 3 else "")
@@ -254,7 +254,7 @@ def _claims(first: Snapshot, second: Snapshot, not_compared: list[str]) -> list[
 
 
 def _changed_since_judged(state: Snapshot) -> list[str]:
-    """Return the files below the results root that changed since the claims were judged by them."""
+    """Return the input files of the claims that changed since the claims were judged."""
 
     def files(run: Record, kind: str) -> dict[str, str]:
         return {os.path.normpath(Path(run["folder"], name)): sha for name, sha in run[kind].items()}

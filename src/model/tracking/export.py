@@ -1,6 +1,6 @@
-"""Export of an invocation of the study to MLflow, which needs the extra ``export``.
+"""Export of an invocation of the study to MLflow; needs the extra ``export``.
 
-Files stay the tracker (history.py); an export is made afterwards.
+The history is kept in files (history.py). An export is a copy of one of its records.
 """
 
 import os
@@ -23,17 +23,17 @@ class ExportError(ValueError):
 
 
 def results_of(record: Record, root: Path) -> dict[str, Path]:
-    """Return the existing results of an invocation, by path below the results root.
+    """Return the results of an invocation that still exist, by path below the results root.
 
-    Datasets and verdicts are kept by the history; pictures and the report only as long as nothing
-    has replaced them.
+    The history keeps datasets and verdicts. Pictures and the report exist until a later invocation
+    replaces them.
     """
     found = {}
     for run in record["runs"]:
         if run.get("part"):
             continue
         for name, sha256 in run["outputs"].items():
-            if name.endswith(".json"):  # of compiled code
+            if name.endswith(".json"):  # hashes of compiled code
                 continue
             place = os.path.normpath(Path(run["folder"], name))
             for file in (kept_result(root, name, sha256), root / place):
@@ -46,15 +46,15 @@ def results_of(record: Record, root: Path) -> dict[str, Path]:
 def to_mlflow(record: Record, root: Path, uri: str, experiment: str = "vibralign") -> str:
     """Write an invocation as a run of MLflow and return the run's id.
 
-    An invocation that the store already holds is not written again; one that an interrupted export
-    left half there is.
+    A run that is complete in the store is not written again. The rest of an interrupted export is
+    deleted and written anew.
 
     Args:
-        record: of the invocation, as from ``history.load_history``.
-        root: the results root that it belongs to.
-        uri: address of an MLflow server, or "sqlite:///FILE", which may be new; its artifacts go
-            into a folder beside the file, "<stem>-artifacts".
-        experiment: the name to file it under.
+        record: an invocation, as from ``history.load_history``.
+        root: results root of the invocation.
+        uri: address of an MLflow server, or "sqlite:///FILE" for a file, which is made if it is
+            missing. Artifacts then go into the folder "<stem>-artifacts" beside it.
+        experiment: name of the experiment of MLflow.
 
     Raises:
         ExportError: mlflow is not installed.
@@ -106,7 +106,7 @@ def _experiment(client: Any, name: str, uri: str) -> str:
 
 
 def tags_of(record: Record) -> dict[str, str]:
-    """Return what identifies an invocation: command, commit, versions, and why jobs failed."""
+    """Return the tags of an invocation: command, commit, versions, and reasons of failed jobs."""
     git = record["git"]
     tags = {
         "invocation": record["invocation"],
@@ -126,7 +126,7 @@ def tags_of(record: Record) -> dict[str, str]:
 
 
 def parameters_of(record: Record) -> dict[str, str]:
-    """Return the study's numbers by their path in the configuration, titles and captions apart."""
+    """Return the configuration as path and value, without titles and captions."""
 
     def flat(value: Any, path: str) -> Iterator[tuple[str, str]]:
         if isinstance(value, dict):
@@ -139,7 +139,7 @@ def parameters_of(record: Record) -> dict[str, str]:
 
 
 def metrics_of(record: Record) -> dict[str, float]:
-    """Return the counts of each figure, the seconds of each run, and the sums."""
+    """Return counts by figure, seconds by run, and the sums of both."""
     wholes = [run for run in record["runs"] if run["rule"] in ("merge", "history")]
     metrics = {
         f"{run['figure']}.{name}": float(count)
@@ -161,7 +161,7 @@ def _log_artifacts(client: Any, run: str, record: Record, root: Path) -> None:
         write_json(record, path)
         client.log_artifact(run, str(path))
         for place, file in results_of(record, root).items():
-            link = Path(folder) / Path(place).name  # under the name it had, not its hash
+            link = Path(folder) / Path(place).name  # the history names its copy by a hash
             link.symlink_to(file.resolve())
             above = Path(place).parent.as_posix()
             client.log_artifact(run, str(link), None if above == "." else above)

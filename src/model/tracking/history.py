@@ -1,14 +1,14 @@
 """The history of the study: every invocation of Snakemake and every run, failed ones included.
 
-Files are the tracker, below the results root:
+It consists of files below the results root:
 
-    *.run.json                      a sidecar beside what each job made (job.py writes it)
-    history/INVOCATION.json         one record an invocation of Snakemake, failed ones included
-    history/data/SHA256.nc          every figure's dataset that an invocation ended with, kept once
-    runs.csv                        the index of all runs, made from the files above
+    *.run.json                      sidecar beside the outputs of a job (job.py writes it)
+    history/INVOCATION.json         record of an invocation of Snakemake
+    history/data/SHA256.nc          figures' datasets at the end of an invocation, equal ones once
+    runs.csv                        index of all runs, made from the files above
 
-A run is one job that one invocation started; its name is that of its log: "chunk/fig06/0". Only
-Snakemake's own process writes the history, so that nothing is written twice at the same time.
+A run is one job of one invocation. Its name is the path of its log below logs/: "chunk/fig06/0".
+Only Snakemake's main process writes the history, so that no two processes write it at once.
 """
 
 import fcntl
@@ -39,16 +39,16 @@ COLUMNS = (
     "dirty", "code", "config_hash", "outputs", *(f"runs_{name}" for name in COUNTS), "host",
     "reason",
 )  # fmt: skip
-_ESSENTIAL = {"run", "rule", "started", "outputs"}  # what every sidecar has
-_KEPT = re.compile(r"data/fig\d\d\.nc|claims\.csv")  # below the root: what copies are kept of
-_FULL = 1_000_000  # bytes: less than this is a full disk
+_ESSENTIAL = {"run", "rule", "started", "outputs"}  # keys of every sidecar
+_KEPT = re.compile(r"data/fig\d\d\.nc|claims\.csv")  # results of which the history keeps copies
+_FULL = 1_000_000  # bytes: a disk with less free space counts as full
 
 
 def read_record(path: Path) -> Record:
     """Read a sidecar or the record of an invocation.
 
     Raises:
-        TrackingError: a file that is no record.
+        TrackingError: the file is no record.
     """
     try:
         return dict(json.loads(path.read_text(encoding="utf-8")))
@@ -57,7 +57,7 @@ def read_record(path: Path) -> Record:
 
 
 def iso(moment: datetime) -> str:
-    """Return a moment as every record states it: ISO 8601, in milliseconds."""
+    """Return a moment in the form that all records use: ISO 8601 with milliseconds."""
     return moment.isoformat(timespec="milliseconds")
 
 
@@ -65,7 +65,7 @@ def iso(moment: datetime) -> str:
 
 
 def _files(root: Path, pattern: str) -> list[Path]:
-    """Return the files of results that match, in order; not those of a results root within."""
+    """Return the matching files of a results root, sorted; another root inside it is left out."""
     within = (history.parent for history in root.glob("*/**/history"))
     apart = (root / "history", root / "logs", *within)
     found = (path for path in root.rglob(pattern) if not any(map(path.is_relative_to, apart)))
@@ -73,13 +73,13 @@ def _files(root: Path, pattern: str) -> list[Path]:
 
 
 def sidecars(root: Path) -> dict[Path, Record]:
-    """Read the sidecars below a results root, by their paths.
+    """Return the sidecars below a results root by path.
 
-    Each gets its ``folder``, from which its outputs are named, relative to the root. Those of an
-    earlier layout are left out.
+    ``folder`` is added to each: its own folder, relative to the root, from which its outputs are
+    named. Sidecars without an essential key, as an earlier version wrote them, are left out.
 
     Raises:
-        TrackingError: a file that is no record.
+        TrackingError: a file is no record.
     """
     records = {path: read_record(path) for path in _files(root, "*.run.json")}
     return {
@@ -90,7 +90,7 @@ def sidecars(root: Path) -> dict[Path, Record]:
 
 
 def kept_outputs(record: Record) -> dict[str, str]:
-    """Return the outputs of a run that copies are kept of: figures' datasets, and verdicts."""
+    """Return the outputs of a run that the history keeps: figures' datasets, and verdicts."""
     return {
         name: sha256
         for name, sha256 in record["outputs"].items()
@@ -99,15 +99,15 @@ def kept_outputs(record: Record) -> dict[str, str]:
 
 
 def kept_result(root: Path, name: str, sha256: str) -> Path:
-    """Return where an output of that name and content is kept."""
+    """Return the path of the history's copy of an output."""
     return root / "history" / "data" / f"{sha256}{Path(name).suffix}"
 
 
 def discard_damaged(root: Path) -> list[str]:
     """Delete damaged results, so that Snakemake makes them anew; return their names.
 
-    Damaged are files whose hash differs from their sidecar's, sidecars that cannot be read, and
-    partial files of killed jobs. No job may run meanwhile.
+    A result is damaged if its hash differs from the one in its sidecar, a sidecar if it cannot be
+    read. Temporary files of killed jobs are deleted too. No job may run meanwhile.
     """
     damaged = _files(root, ".*.part")
     for path in _files(root, "*.run.json"):
@@ -128,10 +128,11 @@ def discard_damaged(root: Path) -> list[str]:
 
 
 def runs_without_sidecar(root: Path, since: float, reasons: Mapping[str, str]) -> list[Record]:
-    """Return the runs that began after the time stamp ``since`` and left a log, but no sidecar.
+    """Return the runs since the time stamp ``since`` that left no sidecar: failed or interrupted.
 
     Snakemake deletes the outputs of a job before it starts, and again when it fails; the log stays.
-    ``reasons``, by the names of runs, are taken where a run's own log is silent, or it never began.
+    ``reasons`` are those that Slurm gives, by name of the run. They count if the run left no log,
+    or a log without a message.
     """
     logs = {
         log.relative_to(root / "logs").with_suffix("").as_posix(): log
@@ -165,7 +166,7 @@ def _last_word(log: Path) -> tuple[str, str]:
     if lines and lines[-1] != "KeyboardInterrupt":
         return "failed", lines[-1].strip()
     free = shutil.disk_usage(log.parent).free
-    if not lines and free < _FULL:  # then there was no room for a message either
+    if not lines and free < _FULL:  # a full disk has no room for a message either
         return "failed", f"ended without a message, with {free // 1000} kB left on the disk"
     return "interrupted", "ended without a message: it was killed, or Snakemake was"
 
@@ -174,18 +175,21 @@ def _last_word(log: Path) -> tuple[str, str]:
 
 
 def history_file(root: Path, invocation: str, kind: str = "json") -> Path:
-    """Return the record of an invocation, or the lock that it holds while it runs."""
+    """Return the path of an invocation's record; of the lock that it holds for kind "lock"."""
     return root / "history" / f"{invocation}.{kind}"
 
 
 def invocation_records(root: Path) -> list[Record]:
-    """Return the records of all invocations, oldest first; those that were killed have no end."""
+    """Return the records of all invocations as written, oldest first.
+
+    A record of an invocation that was killed still says "running".
+    """
     records = [read_record(path) for path in (root / "history").glob("*.json")]
     return sorted(records, key=lambda each: each["started_stamp"])
 
 
 def is_running(root: Path, invocation: str) -> bool:
-    """Return whether the process of an invocation still holds its lock."""
+    """Return whether an invocation runs: its process then holds its lock."""
     try:
         with history_file(root, invocation, "lock").open("r+", encoding="utf-8") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -197,7 +201,7 @@ def is_running(root: Path, invocation: str) -> bool:
 
 
 def completed(root: Path, record: Record, outcome: str, ended: datetime | None) -> Record:
-    """Return ``record`` with its end: its sidecars, and its runs without a sidecar."""
+    """Return ``record`` with the outcome, the end, and all runs of the invocation."""
     name, since = record["invocation"], record["started_stamp"]
     runs = [each for each in sidecars(root).values() if each.get("invocation") == name]
     failures: list[Record] = []
@@ -222,7 +226,7 @@ def load_history(root: Path) -> list[Record]:
     ``outcome`` is "done", "failed", "interrupted" or "running".
 
     Raises:
-        TrackingError: a results root without a history, or a file that is no record.
+        TrackingError: the results root has no history, or a file is no record.
     """
     if not (root / "history").is_dir():
         raise TrackingError(
@@ -238,10 +242,10 @@ def load_history(root: Path) -> list[Record]:
 
 
 def find_invocation(history: Sequence[Record], name: str) -> Record:
-    """Return the invocation of that name or beginning of a name; "last" is the latest.
+    """Return the invocation whose name begins with ``name``; "last" is the latest.
 
     Raises:
-        TrackingError: none, or more than one.
+        TrackingError: there is none, or more than one.
     """
     if name == "last" and history:
         return history[-1]
@@ -256,10 +260,11 @@ def find_invocation(history: Sequence[Record], name: str) -> Record:
 
 
 def load_runs(root: Path) -> list[Record]:
-    """Return every run ever recorded below a results root, oldest first.
+    """Return all runs recorded below a results root, oldest first.
 
-    Each is a sidecar with ``status`` (one of RUN_STATUS), ``current`` (True if its results are in
-    place, or for a failure if no later run succeeded) and, for a failure, ``reason``.
+    A run is a sidecar with further keys: ``status``, one of RUN_STATUS; ``current``, True if its
+    results are in place, or for the last failure of a run that has no results; and for a failure
+    the ``reason``.
 
     Raises:
         TrackingError: as ``load_history``.
@@ -290,10 +295,10 @@ def _place_in_time(record: Record) -> tuple[str, str]:
 
 
 def find_run(runs: Sequence[Record], name: str) -> Record:
-    """Return the latest run of that name; "NAME@INVOCATION" the one of that invocation.
+    """Return the latest run called ``name``; "NAME@INVOCATION" selects its invocation.
 
     Raises:
-        TrackingError: no run of that name.
+        TrackingError: there is no such run.
     """
     run, _, invocation = name.partition("@")
     found = [
@@ -316,18 +321,21 @@ def select_runs(
     until: str | None = None,
     current: bool = False,
 ) -> list[Record]:
-    """Return the runs, or the invocations, that fit every condition given.
+    """Return the runs or invocations that meet all the given conditions.
 
     Args:
-        runs: as from ``load_runs`` or ``load_history``.
-        figure: such as "fig06".
+        runs: runs from ``load_runs``, or invocations from ``load_history``.
+        figure: name of the figure, such as "fig06".
         parameters: "NAME=VALUE" for runs that hold or sweep over the value, "NAME" for runs that
             vary the parameter.
-        outcome: how it ended (done, failed, interrupted), or an outcome of at least one of the
-            run's trajectories (aligned, settled, left_scene, horizon_reached, failed, sensitive).
-        since: first moment, as ISO 8601 with as many parts as wanted ("2026-11").
-        until: last moment, likewise.
+        outcome: status of the run (done, failed, interrupted), or an outcome of at least one of its
+            trajectories (aligned, settled, left_scene, horizon_reached, failed, sensitive).
+        since: earliest start, the beginning of an ISO 8601 time ("2026-11").
+        until: latest start, in the same form.
         current: only runs whose results are in place.
+
+    Raises:
+        TrackingError: a VALUE is no number.
     """
     return [
         run
@@ -362,7 +370,7 @@ def _covers(run: Record, condition: str) -> bool:
 
 
 def _row(run: Record) -> Record:
-    """Return a run as one line of the index."""
+    """Return a run as a row of the index."""
     counts, git = run.get("counts", {}), run.get("git", {})
     flat = {
         **run,
@@ -376,11 +384,11 @@ def _row(run: Record) -> Record:
 
 
 def write_index(root: Path) -> None:
-    """Write runs.csv, whole or not at all.
+    """Write the index of all runs, runs.csv.
 
     Raises:
         TrackingError: as ``load_runs``.
-        OSError: the folder cannot be written.
+        OSError: the file cannot be written.
     """
     rows = (_row(run) for run in load_runs(root))
     write_text(csv_text(COLUMNS, rows), root / "runs.csv")

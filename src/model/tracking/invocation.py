@@ -1,8 +1,8 @@
-"""Invocations of Snakemake: one record each, written when it starts and again when it ends.
+"""Records of invocations of Snakemake, written when an invocation starts and when it ends.
 
-The Snakefile's handlers tell when jobs start and end. What Snakemake calls no handler for (nothing
-to do, or a stop before the first job), and whether it only plans, tells its interface for loggers:
-see ``src/snakemake_logger_plugin_vibralign``.
+The handlers onstart, onsuccess and onerror of the Snakefile report an invocation that runs jobs.
+Snakemake calls no handler if there is nothing to do, or if it stops before the first job. The
+plug-in for its loggers reports these, and dry runs: ``src/snakemake_logger_plugin_vibralign``.
 """
 
 import contextlib
@@ -40,10 +40,10 @@ _PATIENCE = 5.0  # seconds: a process that was just killed may hold its lock for
 
 
 class Invocation:
-    """One invocation of Snakemake, recorded when it starts and again when it ends.
+    """One invocation of Snakemake.
 
-    A running invocation holds a lock, which the system releases when the process ends in any way: a
-    record without an end and without a lock belongs to an interrupted invocation.
+    A running invocation holds a lock, which the system releases when the process ends in any way.
+    An invocation that was recorded as running and holds no lock was therefore interrupted.
 
     Args:
         root: the results root.
@@ -59,13 +59,14 @@ class Invocation:
         self._holds_folder = False
 
     def state(self, **metadata: Any) -> None:
-        """Add metadata to record, such as the study's configuration; before the start."""
+        """Add metadata to the record, such as the study's configuration; call before ``start``."""
         self._metadata |= metadata
 
     def recover(self, patience: float = 0.0) -> None:
-        """Make the folder ready after an interruption, and hold it for this invocation.
+        """Lock the folder for this invocation, and delete results damaged by an interruption.
 
-        Deletes files that are not as their job left them, for Snakemake to make them anew.
+        Args:
+            patience: seconds to wait for the lock.
 
         Raises:
             TrackingError: another Snakemake runs here, or Slurm holds jobs of this folder.
@@ -79,7 +80,7 @@ class Invocation:
             sys.stderr.write(f"{name}: not as its job left it, will be made anew\n")
 
     def start(self) -> None:
-        """Hold the folder, and record the start, and the end of invocations that were killed.
+        """Lock the folder and record the start of this invocation.
 
         Raises:
             TrackingError: as ``recover``.
@@ -112,11 +113,11 @@ class Invocation:
             write_json(self._record, history_file(self.root, self.name))
 
     def record_idle(self, outcome: str, reason: str | None = None) -> None:
-        """Record an invocation that started no job: start and end in one.
+        """Record the start and the end of an invocation that started no job.
 
         Args:
             outcome: "done", "failed" or "interrupted".
-            reason: reason of a failure.
+            reason: reason of a failure or an interruption.
         """
         if self._record:
             return
@@ -127,11 +128,12 @@ class Invocation:
         self.end(outcome)
 
     def end(self, outcome: str, log: str | None = None) -> list[str]:
-        """Record the end and write the index; return a line for each run that went wrong.
+        """Record the end and write the index; return a line for each failed or interrupted run.
 
         Args:
-            outcome: "done" or "failed"; where jobs ran and none failed, that is an interruption.
-            log: Snakemake's own log.
+            outcome: "done", "failed" or "interrupted". A failure without a failed run is recorded as
+                an interruption.
+            log: path of Snakemake's log.
         """
         wrong: list[Record] = []
         with _or_say("the end of this invocation could not be recorded"):
@@ -149,7 +151,7 @@ class Invocation:
 
 @contextlib.contextmanager
 def _or_say(consequence: str) -> Iterator[None]:
-    """Report a record that cannot be written, and continue: the study's own error comes first."""
+    """Report a record that cannot be written, and go on: the record must not stop the study."""
     try:
         yield
     except (OSError, TrackingError) as error:
@@ -157,7 +159,7 @@ def _or_say(consequence: str) -> Iterator[None]:
 
 
 def _write_end(root: Path, record: Record, outcome: str, ended: datetime | None) -> list[Record]:
-    """Write how an invocation ended, and keep copies of its results; return its failures."""
+    """Write the end of an invocation, and copy its results to the history; return its failures."""
     whole = completed(root, record, outcome, ended)
     for run in whole["runs"]:
         for name, sha256 in kept_outputs(run).items():
@@ -174,14 +176,14 @@ def _write_end(root: Path, record: Record, outcome: str, ended: datetime | None)
 
 
 class Watch:
-    """What Snakemake's interface for loggers says of this process.
+    """The events of this process that Snakemake logs.
 
     Attributes:
-        invocation: this process's, once the Snakefile is read.
+        invocation: the invocation of this process, once the Snakefile is read.
         plans: True in a dry run.
-        executes: True if jobs are to run, False for lists, lints and the like.
-        jobs: True if any has started.
-        error: the last error that stopped it.
+        executes: True if jobs are to run, False for a list, a lint and the like.
+        jobs: True once a job has started.
+        error: the last error.
     """
 
     current: "Watch | None" = None  # None if Snakemake's logger is off
@@ -193,7 +195,7 @@ class Watch:
         Watch.current = self
 
     def close(self) -> None:
-        """Record the invocation if the Snakefile's handlers did not."""
+        """Record an invocation that started no job, unless it is a dry run."""
         if self.plans or self.invocation is None or self.jobs:
             return
         if isinstance(sys.exc_info()[1], KeyboardInterrupt):
@@ -205,9 +207,9 @@ class Watch:
 
 
 def begin(config: Mapping[str, Any]) -> Invocation:
-    """Return the invocation of this process, once the Snakefile has read the configuration.
+    """Return the invocation of this process; the Snakefile calls this with its configuration.
 
-    The folder is made ready where it can be; if not, and there are jobs to run, ``start`` refuses.
+    If the folder cannot be locked now, nothing is refused yet: ``start`` refuses if there are jobs.
     """
     if shlex.quote(sys.executable) != sys.executable:  # Snakemake's shell commands set no quotes
         interpreter = Path(sys.executable)

@@ -1,11 +1,12 @@
-"""Jobs of the study: what each script of the workflow does around its work.
+"""Jobs of the study: their logs, sidecars and locks.
 
-``recorded`` sends what a script prints to its log, refuses code that was edited after the job was
-submitted, and leaves a sidecar: what the job made, from what, and that it is whole.
+The scripts of the workflow do their work inside ``recorded``. It sends their output to the log,
+refuses code that was edited after the job was submitted, and writes a sidecar with the hashes of
+inputs and outputs.
 
-Locks keep two Snakemakes, and jobs that outlive a killed one, out of the same folder. The system
-drops them with the process that holds them, however that dies; Snakemake's own stay after a kill,
-so that the profiles have ``nolock``.
+Locks keep two Snakemakes, or a Snakemake and the jobs of one that was killed, out of the same
+folder. The system releases them when a process ends in any way. Snakemake's own locks outlast a
+kill; the profiles turn them off with ``nolock``.
 """
 
 import contextlib
@@ -28,14 +29,14 @@ from model.study.files import write_json
 from model.tracking import TrackingError
 from model.tracking.code import code_hash, code_of
 
-# Environment variables by which Snakemake tells its jobs, on whatever machine, who started them,
-# and the hashes of the configuration and of each script's code at that time.
+# Environment variables from which a job, on any machine, learns the invocation that started it, and
+# the hashes of the configuration and the scripts' code at that time.
 INVOCATION, SUBMITTED = "VIBRALIGN_INVOCATION", "VIBRALIGN_SUBMITTED"
 _PACKAGE = Path(__file__).resolve().parents[1]
 _TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
 _RUN, _JOBS = Path(".snakemake/run.lock"), Path(".snakemake/jobs.lock")
 _locks: list[IO[str]] = []  # until this process ends
-# Mount options by which a file system keeps locks on the machine, or has none.
+# Mount options with which a file system has no locks, or locks that other machines do not see.
 _NFS = {"nolock", "local_lock=flock", "local_lock=all"}
 _UNSAFE = {
     "nfs": _NFS,
@@ -43,19 +44,19 @@ _UNSAFE = {
     "lustre": {"localflock", "noflock"},
     "cifs": {"nobrl"},
 }
-# What Snakemake gives to a script, under this name; None in any other process.
+# The object ``snakemake`` that Snakemake gives to a script; None in any other process.
 snakemake: Any = getattr(sys.modules["__main__"], "snakemake", None)
 
 
 def announce(study: str, codes: Mapping[str, str]) -> None:
-    """Tell the jobs that this process starts what they are to run.
+    """Tell the jobs of this process the configuration and code that they are to run.
 
     Args:
         study: the configuration, as text.
-        codes: ``code_hash`` of each script, by its name.
+        codes: ``code_hash`` by script.
 
     Raises:
-        TrackingError: this process runs a job of another, and the configuration was edited since.
+        TrackingError: this process is a job, and the configuration was edited after its submission.
     """
     now = hashlib.sha256(study.encode()).hexdigest()[:16]
     told = os.environ.setdefault(SUBMITTED, json.dumps({"study": now, "codes": dict(codes)}))
@@ -67,19 +68,19 @@ def announce(study: str, codes: Mapping[str, str]) -> None:
 
 @contextlib.contextmanager
 def recorded(snakemake: Any, *, part: bool = False) -> Iterator[dict[str, Any]]:
-    """Run the work of a script: its log, the refusal of edited code, its sidecar.
+    """Run the work of a script with a log, and write the sidecar of the job.
 
-    The sidecar is written last: where it is, the job's outputs are whole.
+    The sidecar is written last: if it exists, the outputs are complete.
 
     Args:
-        snakemake: what Snakemake gives to a script.
-        part: True if the job's outputs are parts of another's.
+        snakemake: the object that Snakemake gives to a script.
+        part: True if another job puts the outputs of this one together.
 
     Yields:
-        what the sidecar states besides files, machine and time; the work adds to it.
+        metadata of the sidecar besides files, machine and time; the script adds to it.
 
     Raises:
-        SystemExit: code that was edited, or a job whose Snakemake was killed before it began.
+        SystemExit: code was edited since, or the Snakemake that started the job was killed.
     """
     log, script = Path(snakemake.log[0]), Path(sys.modules["__main__"].__file__ or "")
     with log.open("w", encoding="utf-8") as stream:
@@ -100,7 +101,7 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[dict[str, Any]]:
     record = Path(snakemake.output.record)
     made = [file for file in snakemake.output if file != str(record)]
     run = log.with_suffix("").as_posix().rpartition("/logs/")[2]
-    # Snakemake writes the script anew before it starts a job, so that the imports count.
+    # Snakemake writes the script file just before a job starts: the time includes the imports.
     started = datetime.fromtimestamp(Path(sys.argv[0]).stat().st_mtime, UTC)
     write_sidecar(record, run, made, snakemake.input, metadata, started)
 
@@ -116,12 +117,12 @@ def write_sidecar(
     """Write the sidecar of the job of this process.
 
     Args:
-        record: the file to write. Outputs and inputs are named by their paths from its folder.
-        run: the rule and its wildcards, such as "chunk/fig06/0": the job's log below logs/.
-        outputs: the files that the job made.
-        inputs: the files that it read, besides code and configuration.
-        metadata: what else is known: code, parameters, settings, counts.
-        started: when the job began.
+        record: the file to write. It names outputs and inputs by their paths from its folder.
+        run: rule and wildcards, such as "chunk/fig06/0": the path of the log below logs/.
+        outputs: files that the job made.
+        inputs: files that the job read, besides code and configuration.
+        metadata: code, parameters, settings, counts.
+        started: start of the job.
     """
     rule, *rest = run.split("/")
     content = {
@@ -149,7 +150,7 @@ def file_hash(path: Path) -> str:
 
 
 def _hashes(files: Iterable[str | Path], folder: Path) -> dict[str, str]:
-    """Return ``file_hash`` of every file, by its path from ``folder``."""
+    """Return the hashes of files by their paths from ``folder``."""
     return {Path(os.path.relpath(file, folder)).as_posix(): file_hash(Path(file)) for file in files}
 
 
@@ -173,11 +174,11 @@ def version() -> str:
 
 
 def git_state() -> dict[str, Any]:
-    """Return the commit of the checkout and whether it has changes; empty outside a checkout."""
+    """Return the commit, and whether the checkout differs from it; empty outside a checkout."""
 
     def git(*arguments: str) -> str:
-        # Only looking: a status that refreshes the index holds a lock, which would stay behind
-        # where a job is killed, and stop whoever works in the checkout.
+        # Without the option, a status writes git's index under a lock. A killed job would leave the
+        # lock behind, and git would refuse to work in the checkout.
         command = ["git", "--no-optional-locks", "-C", str(_PACKAGE.parent), *arguments]
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
@@ -191,10 +192,10 @@ def git_state() -> dict[str, Any]:
 
 
 def _refuse_unsafe(path: Path) -> None:
-    """Refuse a file system whose locks do not hold on other machines.
+    """Refuse a file system whose locks other machines do not see.
 
     Raises:
-        TrackingError: that which holds ``path`` is mounted so.
+        TrackingError: the file system of ``path`` is mounted in this way.
     """
     question = ["findmnt", "--first-only", "--noheadings", "--output=FSTYPE,OPTIONS", "--target"]
     try:
@@ -210,14 +211,15 @@ def _refuse_unsafe(path: Path) -> None:
 
 
 def lock_folder(name: str, patience: float) -> None:
-    """Hold this folder for the invocation ``name``, once no job of an earlier one is left.
+    """Lock this folder for the invocation ``name``, and wait for jobs of an earlier one to end.
 
     Args:
-        name: written into the lock, for jobs to know whose they are.
-        patience: seconds to wait for a process that was just killed, which may still hold it.
+        name: name of the invocation, written into the lock; jobs compare it with their own.
+        patience: seconds to wait for the lock, which a process that was just killed may still hold.
 
     Raises:
-        TrackingError: another Snakemake runs here, on this machine or on another.
+        TrackingError: another Snakemake runs here, on this machine or on another, or the file
+            system has no locks that all machines see.
     """
     _RUN.parent.mkdir(exist_ok=True)
     lock, until = _RUN.open("a+", encoding="utf-8"), time.monotonic() + patience
@@ -249,10 +251,10 @@ def lock_folder(name: str, patience: float) -> None:
 
 
 def lock_job(invocation: str | None) -> None:
-    """Hold the folder for a job, beside others, until its process ends.
+    """Lock the folder for a job, together with other jobs, until its process ends.
 
     Raises:
-        SystemExit: the invocation that started it was killed, and another holds the folder.
+        SystemExit: the invocation that started the job was killed, and another has the folder.
     """
     _JOBS.parent.mkdir(exist_ok=True)
     lock = _JOBS.open("a", encoding="utf-8")

@@ -1,9 +1,8 @@
-"""The reference: small datasets kept with the code, and the differences that a build may have.
+"""The reference: small datasets kept with the code, with which a build is compared.
 
-A build is compared with its reference variable by variable, each with a tolerance that follows from
-the estimated error of its own points. Outcomes may differ only at points that the reference flags
-as sensitive or chaotic. Intended differences are accepted, with a reason and the changed numbers,
-in ``accepted.csv``.
+Tolerances follow from the estimated error of every point. Outcomes may differ only at points that
+the reference flags as sensitive or chaotic. An intended difference is accepted: ``accepted.csv``
+states its reason and its size.
 """
 
 import shutil
@@ -48,12 +47,12 @@ COURSE_TOLERANCE = 2e-3
 
 
 class NotAcceptedError(ValueError):
-    """Results that cannot be accepted as the reference."""
+    """Error: these results cannot become the reference."""
 
 
 @dataclass(frozen=True)
 class Disagreement:
-    """A difference that the reference does not allow; ``words`` are for a terminal."""
+    """A difference that the tolerances do not allow; ``words`` describe it for the user."""
 
     figure: str
     variable: str
@@ -65,11 +64,11 @@ class Disagreement:
 
 
 def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list[Disagreement]:
-    """Return the differences of a dataset that its reference does not allow.
+    """Return the differences between two datasets of a figure that the tolerances do not allow.
 
     Args:
-        reference: the accepted dataset of a figure.
-        built: the dataset of the same figure as the code now computes it.
+        reference: the accepted dataset.
+        built: the dataset of the present build.
     """
     figure = str(reference.attrs["figure"])
     differing = [
@@ -95,7 +94,7 @@ def _values(dataset: "xr.Dataset", name: str) -> NDArray[Any]:
 
 
 def _regular(reference: "xr.Dataset") -> NDArray[np.bool_]:
-    """Return the points whose outcome is certain: neither sensitive nor chaotic."""
+    """Return a mask of the points with a certain outcome: neither sensitive nor chaotic."""
     chance = _values(reference, "reason") == Reason.CHAOTIC
     return (_values(reference, "sensitive") == 0) & ~chance
 
@@ -145,7 +144,7 @@ def _courses(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
 
 
 def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
-    """Return the first True point of ``mask`` by its coordinates."""
+    """Return the coordinates of the first True point of ``mask``, in words."""
     variable = dataset["outcome"]
     place = np.unravel_index(int(np.argmax(mask)), variable.shape) if variable.shape else ()
     named = zip(variable.dims, place, strict=True)
@@ -153,10 +152,10 @@ def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
 
 
 def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Disagreement]:
-    """Return the differences of a build that its reference does not allow: data, then claims.
+    """Return the differences of a build from the reference that are not allowed.
 
     Raises:
-        TrackingError: a dataset that cannot be read.
+        TrackingError: a dataset cannot be read.
     """
     findings = []
     for figure in figures:
@@ -186,17 +185,17 @@ def _claims(accepted: Path, built: Path) -> list[Disagreement]:
 
 
 def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> list[str]:
-    """Accept the results in ``root`` as the reference; return a line for each.
+    """Make results the reference; return a line for each of them.
 
     Args:
-        root: the results root of the build, the small study's.
-        reference: the folder of the reference.
-        what: names of figures, and "claims" for the verdicts.
-        reason: reason why the change is right; kept in the log beside the numbers.
+        root: results root of a build of the small study.
+        reference: folder of the reference.
+        what: names of figures; "claims" for the verdicts.
+        reason: why the change is right; the log keeps it beside the numbers.
 
     Raises:
-        NotAcceptedError: no reason, or no results to accept.
-        TrackingError: a dataset that cannot be read.
+        NotAcceptedError: the reason is not in words, or results are missing.
+        TrackingError: a dataset cannot be read.
     """
     if len(reason.split()) < 2:
         raise NotAcceptedError(f"--reason {reason!r}: say in a few words why it is right")
@@ -219,7 +218,7 @@ def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> lis
 
 
 def _sources(root: Path, name: str) -> list[Path]:
-    """Return the files to keep: a figure's dataset first, if it has one, and its picture."""
+    """Return the files to copy: a figure's dataset, if it has one, then its picture."""
     files = [root / "data" / f"{name}.nc"] if name in COMPUTED else []
     files.append(root / CLAIMS if name == "claims" else root / "figures" / f"{name}.png")
     for file in files:
@@ -229,7 +228,7 @@ def _sources(root: Path, name: str) -> list[Path]:
 
 
 def _changes(built: Path, accepted: Path, name: str) -> list[dict[str, Any]]:
-    """Return a line of the log for each change; a single one the first time."""
+    """Return a row of the log for each change; one row for a result without a reference."""
     if not accepted.is_file():
         return [{"variable": "(first)"}]
     if name == "claims":

@@ -1,8 +1,8 @@
-"""Slurm's jobs of a folder: which it still holds, and why one ended.
+"""Jobs in Slurm that belong to a folder: which are left, and why some ended.
 
-Jobs outlive the Snakemake that submitted them, on other machines. The executor starts each in the
-folder of the workflow, with a comment that begins with the rule, and keeps logs of failures in
-.snakemake/slurm_logs. A folder without these has submitted no job.
+Jobs run on other machines and outlive the Snakemake that submitted them. Snakemake's executor
+starts jobs in the folder of the workflow, with a comment that begins with "rule_", and makes
+.snakemake/slurm_logs for logs of failures. A folder without it has submitted no job.
 """
 
 import re
@@ -16,17 +16,17 @@ _LOGS = Path(".snakemake/slurm_logs")
 _QUESTION = ("squeue", "--noheader", "--format=%i|%Z|%k")  # number, folder, comment
 _COMMENT = "rule_"
 _LOG_LINE = re.compile(r" *log: (.*) \(check log file\(s\) for error details\)")
-_ENDED = re.compile(r"error: \*\*\* JOB|oom.kill", re.IGNORECASE)  # by a limit, or by somebody
+_ENDED = re.compile(r"error: \*\*\* JOB|oom.kill", re.IGNORECASE)  # by a limit or a cancellation
 _RAISED = re.compile(r"\w*(Error|Exception)\b")
-_PATIENCE = 60  # seconds: a controller that is busy or gone answers late or not at all
+_PATIENCE = 60  # seconds: a busy controller answers late
 
 
 def refuse_held_jobs(folder: Path) -> None:
-    """Refuse to start a workflow in a folder while jobs of it wait or run in Slurm.
+    """Refuse to start a workflow in a folder while Slurm has jobs of it.
 
     Raises:
-        TrackingError: there are such jobs; or some were submitted from there, and Slurm does not
-            say what became of them.
+        TrackingError: Slurm has jobs of the folder; or jobs were submitted from it, and Slurm
+            cannot be asked for them.
     """
     if not (folder / _LOGS).is_dir():
         return
@@ -55,11 +55,11 @@ def refuse_held_jobs(folder: Path) -> None:
 
 
 def slurm_reasons(root: Path, log: str | None) -> dict[str, str]:
-    """Return why jobs of Slurm failed, by the names of their runs.
+    """Return the reasons of failed Slurm jobs, by name of the run.
 
-    Snakemake's own ``log`` names, for each job that failed, the log of Slurm and those of the runs
-    below the results root. A time limit, a cancellation, and an error before a run's command began
-    stand in Slurm's log only; a job that was cancelled before it began has none.
+    Snakemake's ``log`` names, for every failed job, Slurm's log and the logs of its runs. A time
+    limit, a cancellation, and an error before a run's command began appear in Slurm's log only; a
+    job that was cancelled before it began has none.
     """
     reasons: dict[str, str] = {}
     if log is None or not Path(log).is_file():
@@ -67,7 +67,7 @@ def slurm_reasons(root: Path, log: str | None) -> dict[str, str]:
     reason = None
     for line in Path(log).read_text(encoding="utf-8", errors="replace").splitlines():
         if line.startswith("Error in rule"):
-            reason = None  # of another job, which may have run beside Snakemake
+            reason = None  # the next job may have run without Slurm
         named = _LOG_LINE.fullmatch(line)
         files = [Path(file) for file in named[1].split(", ")] if named else []
         for file in files:
@@ -81,7 +81,7 @@ def slurm_reasons(root: Path, log: str | None) -> dict[str, str]:
 
 
 def _last_error(log: Path) -> str:
-    """Return what ended a job, from Slurm's log of it."""
+    """Return the last error in Slurm's log of a job, in one line."""
     if not log.is_file():
         return "ended before it began; Slurm wrote no log"
     lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
