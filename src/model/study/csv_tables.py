@@ -12,14 +12,14 @@ Row = TypeVar("Row")
 
 
 class TableError(ValueError):
-    """A table that is missing, empty, or of another kind."""
+    """Error: a table is missing, empty, or does not have the expected columns."""
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    """Return a header and one line for each row.
+    """Return a table as CSV, the header first.
 
     Raises:
-        ValueError: a row with a key that is not in ``columns``.
+        ValueError: a row has a key that is not in ``columns``.
     """
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -29,15 +29,16 @@ def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
 
 
 def read_rows(path: Path, what: str, read: Callable[[dict[str, str]], Row]) -> list[Row]:
-    """Read the rows of a table on disk.
+    """Read the rows of a CSV file.
 
     Args:
         path: the file.
         what: contents of the table, for the error message.
-        read: makes a row from its text by column; KeyError, TypeError and ValueError refuse it.
+        read: makes a row from texts by column. It raises KeyError, TypeError or ValueError for a
+            row that it cannot read.
 
     Raises:
-        TableError: a file that is missing, empty, or not such a table.
+        TableError: the file is missing or empty, or ``read`` refuses a row.
     """
     try:
         rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
@@ -54,7 +55,14 @@ def read_rows(path: Path, what: str, read: Callable[[dict[str, str]], Row]) -> l
 def records_text(
     kind: type[Any], records: Iterable[Any], formats: Mapping[str, str], without: str = ""
 ) -> str:
-    """Return records of one ``kind`` as CSV: values by ``formats``, one column left out."""
+    """Return dataclass records as CSV.
+
+    Args:
+        kind: the dataclass; its fields are the columns.
+        records: the rows.
+        formats: format specifications by field.
+        without: a field to leave out.
+    """
     names = [field.name for field in fields(kind) if field.name != without]
 
     def written(record: Any, name: str) -> Any:
@@ -67,10 +75,10 @@ def records_text(
 
 
 def read_records(path: Path, what: str, kind: type[Row]) -> list[Row]:
-    """Return the records that ``records_text`` wrote; a field without a column takes its default.
+    """Return the records of a file that ``records_text`` made; missing columns take defaults.
 
     Raises:
-        TableError: a file that is missing or not such a table.
+        TableError: the file is missing or no such table.
     """
 
     def value(text: str, of: Any) -> Any:

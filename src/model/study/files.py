@@ -1,4 +1,4 @@
-"""Write files that appear whole or not at all."""
+"""Atomic writing of files: a file is replaced when it is complete, or stays as it was."""
 
 import contextlib
 import json
@@ -10,9 +10,9 @@ from typing import Any
 
 @contextlib.contextmanager
 def atomic_write(target: Path) -> Iterator[Path]:
-    """Yield a path beside ``target`` that replaces it when the block ends.
+    """Yield the path of a temporary file, which replaces ``target`` when the block ends.
 
-    If the block fails, ``target`` stays as it was and the new file is removed.
+    If the block raises, ``target`` stays as it was and the temporary file is removed.
 
     Raises:
         OSError: the folder cannot be created or written.
@@ -32,11 +32,11 @@ def atomic_write(target: Path) -> Iterator[Path]:
 
 
 def write_text(text: str, path: Path) -> None:
-    """Write ``text``, whole or not at all."""
+    """Write ``text`` atomically."""
     with atomic_write(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
 def write_json(record: Mapping[str, Any], path: Path) -> None:
-    """Write ``record`` as JSON, whole or not at all."""
+    """Write ``record`` as JSON, atomically."""
     write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", path)

@@ -1,4 +1,4 @@
-"""Datasets of the study on disk: what they state of themselves, whole or not at all."""
+"""Datasets of the study on disk: their attributes, and how they are written and read."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from model.physics.quantities import ANGLE
 from model.runs.settings import Settings
 from model.study.files import atomic_write
 
-_LARGE = 2**16  # values of a grid that is stored in pieces
+_LARGE = 2**16  # number of values above which a grid is stored in pieces
 
 
 class DatasetError(ValueError):
@@ -25,10 +25,10 @@ class DatasetError(ValueError):
 
 
 def discard(faults: Mapping[Path, str]) -> None:
-    """Delete the parts in which ``faults`` were found, with their sidecars.
+    """Delete faulty files with their sidecars; ``faults`` are messages by path.
 
     Raises:
-        DatasetError: the faults, if there are any.
+        DatasetError: there are faults.
     """
     for path in faults:
         path.unlink(missing_ok=True)
@@ -38,7 +38,7 @@ def discard(faults: Mapping[Path, str]) -> None:
 
 
 def flags(values: type[IntEnum]) -> dict[str, Any]:
-    """Return the CF attributes of a variable that holds values of an enumeration."""
+    """Return the CF attributes of a variable whose values are members of an enumeration."""
     return {
         "flag_values": np.array([value.value for value in values], dtype=np.int8),
         "flag_meanings": " ".join(value.name.lower() for value in values),
@@ -46,14 +46,14 @@ def flags(values: type[IntEnum]) -> dict[str, Any]:
 
 
 def _attributes(result: Result) -> dict[str, Any]:
-    """Return the attributes of a variable that holds a result."""
+    """Return the attributes of the variable of a result."""
     attributes = {"units": "rad" if result.quantity is ANGLE else "1", "long_name": result.meaning}
     if result.symbol:
         attributes["symbol"] = result.symbol
     return attributes | (flags(result.flags) if result.flags else {})
 
 
-# Attributes of what datasets hold of each run, and of a trajectory over time.
+# Attributes of variables: of results of a run, and of quantities over time.
 VARIABLES: Mapping[str, dict[str, Any]] = {
     name: _attributes(result)
     for name, result in {**RESULTS, **UNVIBRATED_CONTROL, **IN_SLOT}.items()
@@ -71,7 +71,7 @@ def parameter_attributes(name: str) -> dict[str, Any]:
 
 
 def summary_of(swept: Mapping[str, int]) -> str:
-    """Return a sentence on a dataset: how many values of which parameters it varies."""
+    """Return a sentence on the grid of a dataset: its parameters and their numbers of values."""
     points = int(np.prod([*swept.values()]))
     over = " by ".join(f"{FIELDS[name].description} ({count})" for name, count in swept.items())
     return f"Results at {points} points over {over}." if swept else "One run over time."
@@ -99,8 +99,8 @@ def global_attributes(
 ) -> dict[str, Any]:
     """Return the global attributes that every dataset of the study has.
 
-    ``name``, ``kind`` and ``identity`` tell which computation it holds: "fig06", "curves", and the
-    hash of all that its numbers depend on besides the code.
+    ``name`` and ``kind`` are such as "fig06" and "curves". ``identity`` is the hash of everything
+    besides the code that determines the numbers.
     """
     depth = settings.insertion_depth
     return {
@@ -125,7 +125,7 @@ def global_attributes(
 
 
 def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:
-    """Count the trajectories of a dataset by outcome, the sensitive ones, and evaluations."""
+    """Return the numbers of trajectories, in all, by outcome and sensitive, and of evaluations."""
     outcomes = np.atleast_1d(dataset["outcome"].values).ravel()
     counts = {each.name.lower(): int((outcomes == each).sum()) for each in Outcome}
     return {
@@ -137,10 +137,10 @@ def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:
 
 
 def write_dataset(dataset: xr.Dataset, path: Path) -> None:
-    """Write ``dataset`` as netCDF-4, whole or not at all.
+    """Write ``dataset`` as netCDF-4.
 
     Raises:
-        OSError: the folder cannot be written.
+        OSError: the file cannot be written; the former one then stays.
     """
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
@@ -158,7 +158,7 @@ def read_dataset(path: Path) -> xr.Dataset:
     """Read a dataset of the study into memory.
 
     Raises:
-        DatasetError: a file that is missing, not netCDF, truncated, or not of this study.
+        DatasetError: the file is missing, not netCDF, truncated, or not of this study.
     """
     try:
         with xr.open_dataset(path, engine="netcdf4", decode_timedelta=False) as stored:

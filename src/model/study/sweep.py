@@ -1,9 +1,8 @@
 """Sweeps: runs over a grid of parameters, computed in chunks and merged into one dataset.
 
-The study's figures, the runs that only its claims need and its runs of jamming are sweeps, each
-stated in the configuration; ``sweep_of`` reads it there. A trajectory is a sweep of no dimension.
-Content is deterministic: the same sweep and code give the same bytes. Time stamps, versions and the
-like go into sidecars.
+Figures, further runs of the claims and the runs of jamming are sweeps; ``sweep_of`` reads them from
+the configuration. A trajectory is a sweep without dimensions. The same sweep and code give the same
+bytes: time stamps and versions go into sidecars.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,7 +42,7 @@ Columns = Mapping[str, NDArray[Any]]
 
 POINT = "point"
 
-# Quantities of each trajectory that claims on displacement and rest read.
+# Quantities of a trajectory for claims on displacement and rest.
 TRACK_QUANTITIES: Mapping[str, dict[str, Any]] = {
     "tilt_end": {
         "units": "rad",
@@ -70,20 +69,20 @@ _IN_THE_SLOT = (
     "outcome", "reason", "tau_align", "tilt_at_alignment", "sensitive", "rhs_evaluations",
     "insertion_depth",
 )  # fmt: skip
-_STATIC = 1.0  # time over which the end is averaged where nothing is excited
+_STATIC = 1.0  # time over which the end is averaged without an excitation
 
 
 class Sweep(Plan):
-    """Runs over a grid of none to three parameters.
+    """Runs over a grid of no parameter to three.
 
     Attributes:
         figure: name of the dataset: "fig06", "centred", "jamming", ….
         kind: "history" (no dimensions), "curves" (family, swept) or "map" (y, x, or three).
-        parameters: every parameter, None where it is derived. The baseline's values of the swept
-            ones are overridden, but remain in the identity, which every stored dataset carries.
+        parameters: every parameter, None where it is derived. Swept ones have the baseline's
+            values; no run uses these, but they count in the identity.
         settings: settings of the runs.
         dimensions: swept parameters, slowest first.
-        variables: what the dataset holds of each run, by name; what it leaves out is not computed.
+        variables: names of the dataset's variables of a run; no others are computed.
     """
 
     figure: str
@@ -97,7 +96,7 @@ class Sweep(Plan):
 
     @property
     def baseline(self) -> Parameters:
-        """The held parameters, with the baseline's values of the swept ones."""
+        """The parameters, with the baseline's values of the swept ones."""
         return Parameters(**self.parameters)  # type: ignore[arg-type]
 
     @property
@@ -107,7 +106,7 @@ class Sweep(Plan):
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """The computation as its sidecar states it."""
+        """Metadata of the sidecar: identity, parameters, settings, dimensions."""
         stated = self.model_dump(mode="json", include={"parameters", "settings", "dimensions"})
         return {"config_hash": self.identity, **stated}
 
@@ -115,7 +114,7 @@ class Sweep(Plan):
         """Return the flat indices of a chunk: every ``chunks``-th point, so that chunks cost alike.
 
         Raises:
-            ValueError: a chunk that is not one of ``chunks``.
+            ValueError: ``chunk`` is not below ``chunks``.
         """
         if not 0 <= chunk < chunks:
             raise ValueError(f"chunk = {chunk}: must be 0 to {chunks - 1}")
@@ -135,7 +134,7 @@ def sweep_of(study: "Study", name: str) -> Sweep:
     """Return the sweep of a figure, of a run of the claims, or of "jamming".
 
     Raises:
-        ValueError: a figure that computes nothing.
+        ValueError: the figure is a drawing.
     """
     if name in study.claims_runs:
         run = study.claims_runs[name]
@@ -178,12 +177,12 @@ def sweep_of(study: "Study", name: str) -> Sweep:
 
 
 def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dataset:
-    """Run one chunk of a sweep; its variables lie over ``point``, the flat index into the grid.
+    """Run one chunk of a sweep; return its variables over ``point``, the flat index into the grid.
 
-    Those of a trajectory lie over ``time``.
+    Variables of a trajectory have the dimension ``time``.
 
     Raises:
-        ValueError: a chunk that is not one of ``chunks``.
+        ValueError: ``chunk`` is not below ``chunks``.
     """
     points = sweep.points_of_chunk(chunk, chunks)
     found = _computed(sweep, sweep.batch(points), cores)
@@ -201,7 +200,7 @@ def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dat
 
 
 def _computed(sweep: Sweep, batch: Batch, cores: int) -> dict[str, NDArray[Any]]:
-    """Return ``sweep.variables`` of the runs, and over time those of a trajectory."""
+    """Return ``sweep.variables`` of the runs, and for a history the variables over time."""
     settings, wanted = sweep.settings.settings, {*sweep.variables}
     tracks = []
     if sweep.kind == "history" or wanted & {*TRACK_QUANTITIES}:
@@ -243,7 +242,7 @@ def _of_track(track: Trajectory) -> dict[str, float]:
 
 
 def _mean(time: NDArray[np.float64], values: NDArray[np.float64]) -> float:
-    """Mean over time of values at uneven moments."""
+    """Return the mean over time of values at unevenly spaced times."""
     length = float(time[-1] - time[0])
     if length <= 0.0:
         return float(values[-1])
@@ -257,7 +256,7 @@ def merge(sweep: Sweep, title: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return the dataset of a sweep, merged from all its chunks.
 
     Raises:
-        DatasetError: a chunk of another sweep, or points that are missing or occur twice.
+        DatasetError: a chunk belongs to another sweep, or points are missing or occur twice.
     """
     for part in parts:
         if part.attrs.get("config_hash") != sweep.identity:
@@ -283,7 +282,7 @@ def merge(sweep: Sweep, title: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def dataset_of(sweep: Sweep, title: str, columns: Columns) -> xr.Dataset:
-    """Return the dataset of a sweep, whose runs stand in ``columns`` in the order of its points."""
+    """Return the dataset of a sweep from columns in the order of its points."""
     swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {}
@@ -302,10 +301,10 @@ def dataset_of(sweep: Sweep, title: str, columns: Columns) -> xr.Dataset:
 
 
 def read_chunks(sweep: Sweep, paths: Sequence[Path]) -> list[xr.Dataset]:
-    """Read the chunks of a sweep in order; delete a wrong one, so that the next run computes it.
+    """Read the chunks of a sweep in order; delete a wrong one, so that it is computed anew.
 
     Raises:
-        DatasetError: a file that cannot be read, or that is not the chunk of its name.
+        DatasetError: a file cannot be read, or holds another chunk.
     """
     parts, faults = [], {}
     for chunk, path in enumerate(paths):

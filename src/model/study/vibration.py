@@ -1,4 +1,4 @@
-"""What vibration adds: shares of a figure or map, by the ends with and without it."""
+"""Effect of vibration: points of a figure or map by their outcomes with and without it."""
 
 from typing import TYPE_CHECKING
 
@@ -16,15 +16,15 @@ BOTH, ONLY_VIBRATED, ONLY_PRESSED, NEITHER = range(4)
 
 
 def success_of(dataset: "xr.Dataset") -> Outcome:
-    """Return the outcome of a run that ends well in the scene of a map or figure."""
+    """Return the successful outcome in the scene of a map or figure."""
     return Settings(scene=SCENES[dataset.attrs.get("scene", ALIGNMENT.name)]).success
 
 
 def added(dataset: "xr.Dataset") -> NDArray[np.int64]:
-    """Return what vibration adds at every point of a map or figure, in the shape of its outcome.
+    """Return one of four numbers for every point of a map or figure, in the shape of ``outcome``.
 
-    BOTH: the part aligns with and without vibration; ONLY_VIBRATED, ONLY_PRESSED: it aligns with
-    vibration alone, or without alone; NEITHER: it aligns in no way.
+    BOTH: the part aligns with and without vibration; ONLY_VIBRATED: only with it; ONLY_PRESSED:
+    only without it; NEITHER: not at all.
     """
     vibrated = np.isin(dataset["outcome"].values, SUCCESSES)
     pressed = dataset["unvibrated"].values == Unvibrated.ALIGNS
@@ -36,7 +36,7 @@ def added(dataset: "xr.Dataset") -> NDArray[np.int64]:
 def overshoot_of(dataset: "xr.Dataset") -> float:
     """Return the share of aligned points that align unvibrated too, but rest if pressed slowly.
 
-    NaN where no point aligns.
+    NaN if no point aligns.
     """
     aligned = dataset["outcome"].values == Outcome.ALIGNED
     static = dataset["unvibrated"].values[aligned] == Unvibrated.ALIGNS

@@ -131,8 +131,8 @@ class Invocation:
         """Record the end and write the index; return a line for each failed or interrupted run.
 
         Args:
-            outcome: "done", "failed" or "interrupted". A failure without a failed run is recorded as
-                an interruption.
+            outcome: "done", "failed" or "interrupted". A failure in which no run failed is
+                recorded as an interruption.
             log: path of Snakemake's log.
         """
         wrong: list[Record] = []

@@ -1,4 +1,4 @@
 """Stability maps: plan, refined lattice, computation, starts of the ensemble, and dataset.
 
-Import what is needed from the modules, so that a job depends on these alone.
+Nothing is exported here: a job depends only on the modules that it imports.
 """

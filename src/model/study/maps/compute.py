@@ -1,13 +1,12 @@
-"""Compute a map in three steps, whole or in parts.
+"""Computation of a map in three steps, whole or in parts.
 
-1. nominal: the outcome and the duration from the nominal start, with the duration's error;
+1. nominal: outcome and alignment duration from the nominal start, with the error of the duration;
 2. unvibrated: the end without vibration, and the rest under a slow press, without errors;
-3. ensemble: the ends of the starts that are tried where the nominal one succeeds.
+3. ensemble: the outcomes from other starts, where the nominal start succeeds.
 
-The first two are refined (lattice.py); the third has a coarser lattice, all of whose nodes are
-known from the first. Parts are computed by separate jobs, and a map is completed from the nodes
-that they hold. Which nodes are computed depends on the map only, so it may be cut into any number
-of parts.
+The first two are refined (lattice.py). The third uses a coarser lattice, whose nodes are all known
+from the first. Separate jobs compute the parts of a map; their nodes are then put together, and the
+missing ones are computed. The nodes of a map do not depend on the number of parts.
 """
 
 import math
@@ -28,19 +27,19 @@ from model.study.maps.lattice import Bools, Floats, Ints, Lattice, Refined, corn
 from model.study.maps.plan import MapPlan
 from model.study.maps.starts import ALIGNS, FAILS, NOT_TRIED, starts_inside, starts_to_try
 
-# Durations in a cell that is not halved differ by at most the larger of these.
+# A cell is halved if durations in it differ by more than the larger of these.
 PERIODS = 0.4  # excitation periods; a part that misses one takes one longer
 SHARE = 0.1  # of the duration
-_TILES = 8  # along a side; a part is made of several
+_TILES = 8  # tiles along a side; a part consists of several
 _AT_ONCE = 2048  # nodes between two reports of progress
 
 Columns = Mapping[str, NDArray[Any]]
-"""Quantities of nodes by name, each of shape (m,); those of starts (m, starts)."""
+"""Quantities of m nodes by name, of shape (m,), or (m, starts) in the ensemble."""
 
 Progress = Callable[[str, int, int], None]
-"""(name of the step, starts computed so far, nodes of this wave still to come)."""
+"""(name of the step, starts computed so far, nodes of this wave not computed yet)."""
 
-# Columns of a step: the placeholder of a node that is not computed, with the column's type.
+# Columns of a step: a value for nodes that are not computed, which also gives the type.
 _NOMINAL: Columns = {
     "outcome": np.array(-1, dtype=np.int8),
     "reason": np.array(-1, dtype=np.int8),
@@ -69,7 +68,7 @@ def _ensemble(starts: int) -> Columns:
 
 
 class NodeStore:
-    """Nodes computed in a step: which they are, and their columns over the whole lattice."""
+    """Nodes that a step has computed: a mask of them, and columns over the whole lattice."""
 
     def __init__(self, lattice: Lattice, unknown: Columns) -> None:
         self.unknown = unknown
@@ -95,7 +94,7 @@ class NodeStore:
         return {name: column[rows, columns] for name, column in self.columns.items()}
 
     def missing(self, rows: Ints, columns: Ints) -> Iterator[tuple[Ints, Ints, int]]:
-        """Yield those nodes that are not computed, some at a time, and how many are still left."""
+        """Yield the nodes not yet computed, some at a time, and the number of them that is left."""
         new = np.flatnonzero(~self.computed[rows, columns])
         for first in range(0, new.size, _AT_ONCE):
             some = new[first : first + _AT_ONCE]
@@ -128,7 +127,7 @@ class MapNodes:
         return self.ensemble.columns["end"] != NOT_TRIED
 
     def evaluations(self) -> int:
-        """Return the evaluations of the equations of motion, those without vibration apart."""
+        """Return the evaluations of the equations of motion, without the unvibrated step."""
         counted = [self.nominal] if self.ensemble is None else [self.nominal, self.ensemble]
         return sum(int(store.columns["rhs_evaluations"].sum()) for store in counted)
 
@@ -137,10 +136,10 @@ class MapNodes:
 
 
 def compute_part(plan: MapPlan, part: int = 0, parts: int = 1, *, cores: int = 1) -> MapNodes:
-    """Compute one part of a map, as far as its own nodes decide.
+    """Compute the nodes of a part that follow from its own cells alone.
 
     Raises:
-        ValueError: a part that is not one of ``parts``.
+        ValueError: ``part`` is not below ``parts``.
     """
     if not 0 <= part < parts:
         raise ValueError(f"part = {part}: must be 0 to {parts - 1}")
@@ -153,12 +152,12 @@ def compute_part(plan: MapPlan, part: int = 0, parts: int = 1, *, cores: int = 1
 class Computation:
     """Compute the nodes of a map that are missing in ``nodes``, and enter them.
 
-    From the parts of a map, nodes are missing where cells of two parts touch. Nodes that the map
-    does not need are forgotten.
+    After the parts of a map are put together, nodes are missing at the borders between parts. Nodes
+    that the whole map does not need are removed.
 
     Attributes:
         plan: the map.
-        nodes: those computed before.
+        nodes: nodes computed before.
         cores: number of threads.
         progress: called before nodes are computed.
         part: (part, parts) to compute one part alone, None for the whole map.
@@ -171,14 +170,14 @@ class Computation:
     part: tuple[int, int] | None = None
 
     def run(self) -> tuple[Refined, Refined]:
-        """Compute all steps; return the refined maps of the first two."""
+        """Compute all steps; return the refined maps of the steps nominal and unvibrated."""
         nominal, unvibrated = self.nominal(), self.unvibrated()
         if self.nodes.ensemble is not None:
             self.ensemble(self.nodes.ensemble, nominal)
         return nominal, unvibrated
 
     def nominal(self) -> Refined:
-        """Refine the outcome and the duration from the nominal start."""
+        """Refine by the outcome and the duration from the nominal start."""
         plan, store, settings = self.plan, self.nodes.nominal, self.plan.settings.settings
 
         def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
@@ -197,7 +196,7 @@ class Computation:
         return refined
 
     def unvibrated(self) -> Refined:
-        """Refine the end without vibration, and whether the part rests under a slow press."""
+        """Refine by the end without vibration, and by whether the part rests under a slow press."""
         plan, store, settings = self.plan, self.nodes.unvibrated, self.plan.settings.settings
 
         def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
@@ -237,7 +236,7 @@ class Computation:
             self._tell("ensemble", int(more.any(axis=2).sum()))
             asked |= more
             self._run_starts(store, asked & (end == NOT_TRIED))
-        for name, column in store.columns.items():  # parts try some that the whole map does not
+        for name, column in store.columns.items():  # remove starts that only a part had to try
             store.columns[name] = np.where(asked, column, store.unknown[name])
 
     def _run_starts(self, store: NodeStore, which: Bools) -> None:
@@ -260,9 +259,9 @@ class Computation:
         self.progress(step, self.nodes.trajectories(), left)
 
     def _tiles(self, lattice: Lattice) -> Bools | None:
-        """Return the coarse cells of this part: square tiles, dealt out so that parts cost alike.
+        """Return a mask of the coarse cells of this part; None for the whole map.
 
-        None for the whole map.
+        A part consists of square tiles from all over the map, so that parts cost alike.
         """
         if self.part is None:
             return None
@@ -277,28 +276,30 @@ class Computation:
 
 
 def areas(outcome: NDArray[np.int8]) -> Ints:
-    """Return the areas of a map: outcomes, with "settled" and "horizon reached" as one."""
+    """Return the areas of a map: outcomes, with "horizon reached" counted as "settled"."""
     area = outcome.astype(np.int64)
     area[area == Outcome.HORIZON_REACHED] = Outcome.SETTLED
     return area
 
 
 def end_times(runs: Columns) -> Floats:
-    """Return the times at which parts align or leave the scene; NaN for others, shape (m,).
+    """Return the times at which parts align or leave the scene, NaN for others; shape (m,).
 
-    Either is continuous along the plane; where it jumps, areas too thin for the lattice are near.
+    Both times vary continuously over the map. A jump shows that an area too thin for the lattice is
+    near.
     """
     ends: Floats = np.where(np.isin(runs["outcome"], SUCCESSES), runs["tau_align"], np.nan)
     return np.where(runs["outcome"] == Outcome.LEFT_SCENE, runs["time"], ends)
 
 
 def duration_scale(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Floats:
-    """Map durations to a scale on which cells are halved at 1: linear, then logarithmic.
+    """Return durations on a scale on which a difference of 1 halves a cell.
 
-    A constant excitation counts as one of frequency 1.
+    The scale is linear for short durations and logarithmic for long ones. A constant force counts
+    as an excitation of frequency 1.
     """
     frequency = plan.swept(rows, columns).get("frequency", np.array(plan.baseline.frequency))
     periods = tau * np.where(frequency > 0.0, frequency, 1.0) / (2.0 * math.pi)
-    knee = PERIODS / SHARE  # from here on the share is the larger
+    knee = PERIODS / SHARE  # duration from which on SHARE is the larger limit
     logarithmic = (1.0 + np.log(np.maximum(periods, knee) / knee)) / SHARE
     return np.where(periods < knee, periods / PERIODS, logarithmic)

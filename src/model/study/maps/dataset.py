@@ -1,4 +1,4 @@
-"""The dataset of a map: the nodes of its parts on disk, the full grid, and what variables mean."""
+"""Datasets of maps: the variables, the nodes of parts on disk, and the full grid."""
 
 import json
 from collections.abc import Sequence
@@ -87,7 +87,7 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
 
 
 def part_dataset(plan: MapPlan, part: int, parts: int, nodes: MapNodes) -> xr.Dataset:
-    """Return the nodes that one part has computed: the columns of each step over its nodes."""
+    """Return the dataset of a part: the columns of every step over the nodes computed in it."""
     variables: dict[str, Any] = {}
     for step, store in nodes.steps().items():
         rows, columns = np.nonzero(store.computed)
@@ -101,7 +101,7 @@ def part_dataset(plan: MapPlan, part: int, parts: int, nodes: MapNodes) -> xr.Da
 
 
 def part_counts(nodes: MapNodes) -> dict[str, int]:
-    """Return the counts in the sidecar of a part: starts computed, outcomes, and evaluations."""
+    """Return the counts for the sidecar of a part: starts computed, outcomes, and evaluations."""
     nominal = nodes.nominal
     outcome = nominal.columns["outcome"][nominal.computed]
     return {
@@ -113,10 +113,10 @@ def part_counts(nodes: MapNodes) -> dict[str, int]:
 
 
 def read_parts(plan: MapPlan, paths: Sequence[Path]) -> MapNodes:
-    """Read all parts of a map; a file that is not its part is deleted, so that it is made again.
+    """Return the nodes of all parts of a map; delete wrong files, so that they are made anew.
 
     Raises:
-        DatasetError: files that cannot be read or are not parts of this map, naming each.
+        DatasetError: files cannot be read, or hold other parts; the message names them.
     """
     nodes, faults = MapNodes(plan), {}
     for part, path in enumerate(paths):
@@ -151,10 +151,10 @@ def map_dataset(
     cores: int = 1,
     progress: Progress = lambda *_: None,
 ) -> xr.Dataset:
-    """Return a map as a grid (y parameter, x parameter); held parameters are scalar coordinates.
+    """Return a map as a grid (y parameter, x parameter), other parameters as scalar coordinates.
 
-    Nodes missing in ``nodes`` are computed and entered. ``marks`` are the operating points of other
-    figures of the study in this plane.
+    Missing nodes are computed and entered into ``nodes``. ``marks`` are the operating points of
+    other figures in this plane.
     """
     values = assemble(plan, nodes, cores=cores, progress=progress)
     settings = plan.settings.settings
@@ -190,18 +190,18 @@ def map_dataset(
 
 
 def map_counts(dataset: xr.Dataset) -> dict[str, int]:
-    """Return the counts in the sidecar of a map: starts computed, and evaluations."""
+    """Return the counts for the sidecar of a map: starts computed, and evaluations."""
     return {name: int(dataset.attrs[name]) for name in ("trajectories", "rhs_evaluations")}
 
 
 def assemble(
     plan: MapPlan, nodes: MapNodes, *, cores: int = 1, progress: Progress = lambda *_: None
 ) -> dict[str, NDArray[Any]]:
-    """Compute the nodes that a map still misses, and fill the others.
+    """Compute the missing nodes of a map, and fill all nodes in between.
 
     Returns:
-        The variables of a map, each of shape (cells + 1, cells + 1), rows along y. They are the
-        same for any parts.
+        The variables of the map, each of shape (cells + 1, cells + 1), rows along y. They do not
+        depend on the parts that ``nodes`` come from.
     """
     nominal, unvibrated = Computation(plan, nodes, cores, progress).run()
     runs, controls = nodes.nominal.columns, nodes.unvibrated.columns
@@ -229,7 +229,7 @@ def assemble(
 def _reliability(
     plan: MapPlan, nodes: MapNodes, aligns: Bools, duration: Floats, trajectories: NDArray[np.int32]
 ) -> dict[str, NDArray[Any]]:
-    """Return what the ensemble adds to the outcome and the duration from the nominal start."""
+    """Return the variables of a map that depend on the ensemble."""
     reliable, share, worst = aligns, *np.full((2, *aligns.shape), np.nan)
     if nodes.ensemble is not None:
         tried, coarser = nodes.ensemble.columns, (slice(None, None, plan.stride),) * 2
@@ -250,7 +250,7 @@ def _reliability(
 
 
 def _margin(inside: Bools) -> Floats:
-    """Return the distance of nodes to the nearest not ``inside``, each side having length 1."""
+    """Return the distance of nodes to the nearest node outside; a side of the map is 1."""
     if inside.all():
         return np.full(inside.shape, np.inf)
     from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
@@ -260,7 +260,7 @@ def _margin(inside: Bools) -> Floats:
 
 
 def _between(worse: np.ufunc, values: Floats, stride: int) -> Floats:
-    """Return values on a lattice ``stride`` times finer: between nodes the worse neighbour's."""
+    """Return values on a lattice ``stride`` times finer; a new node takes the worse neighbour's."""
     for axis in (0, 1):
         rows = np.moveaxis(values, axis, 0)
         finer = np.repeat(worse(rows[:-1], rows[1:]), stride, axis=0)
@@ -271,14 +271,14 @@ def _between(worse: np.ufunc, values: Floats, stride: int) -> Floats:
 
 
 def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
-    """Return a map with parameters and durations in SI units, and ``units`` as coordinates."""
+    """Return a map with parameters and durations in SI units; ``units`` become coordinates."""
     quantities = {name: FIELDS[str(name)].quantity for name in dataset.coords}
     quantities |= {name: TIME for name in dataset.data_vars if str(name).startswith("tau_")}
     found = dataset.copy()
     for name, quantity in quantities.items():
         attributes = {**dataset[name].attrs, "units": quantity.unit}
         values = dataset[name].values * units.of(quantity)
-        if name in dataset.dims:  # 400, not 400.0000000001788: scaled to the model's units and back
+        if name in dataset.dims:  # there and back, 400 has become 400.0000000001788
             values = np.array([float(f"{value:.12g}") for value in values])
         found[name] = (dataset[name].dims, values, attributes)
     for name, (words, unit) in UNITS.items():

@@ -1,25 +1,24 @@
-"""Refine a map over two parameters where it changes, and fill the nodes in between.
+"""Refinement of a map over two parameters where it changes; nodes in between are filled.
 
-A map lives on the nodes of one fine lattice, so that every computed node is a node of the full map.
-Square cells of this lattice are halved, from coarse cells down to cells of side two, wherever the
-known nodes of a closed cell differ in kind (how a run ends) or in value by more than a jump. Cells
-that touch differ in size by at most a factor of two, so that all are small near a border. Of the
-nodes between, those whose neighbours on both sides differ are computed. The remaining
-nodes are filled from the cell that holds them.
+A map consists of the nodes of one fine lattice. A node has a *kind* (how a run ends) and a value.
+Square cells are halved, from coarse cells down to cells of side two, if the known nodes of a cell,
+its border included, differ in kind, or in value by more than a jump. Cells that touch differ in
+size by at most a factor of two, so that all cells near a border are small. In cells of side two, a
+node is computed if its neighbours on both sides differ. The other nodes are filled from the cell
+that contains them.
 
-An island (a connected set of nodes of another kind) inside a coarse cell is missed. To find those
-that are long and thin, nodes half as far apart are computed on ``lines``, some rows and columns.
-Once one of its nodes is known, an island is followed as far as the cells around known nodes show
-more of it. Most small islands lie beside larger ones or beside the border, where cells are smaller
-than the island. At last every filled node beside a computed one of another kind is computed, until
-there is none: the border of whatever touches a computed node is known, also of a finger that runs
-between two rows of corners.
+An island (a connected set of nodes of another kind) inside a coarse cell is missed. To find long
+and thin ones, nodes half as far apart are computed on some rows and columns, the ``lines``. Once
+one of its nodes is known, an island is followed by halving the cells around it. Most small islands
+lie beside larger ones or beside a border, where cells are smaller than the island. Finally, every
+filled node beside a computed node of another kind is computed, until there is none. Every area that
+touches a computed node then has its exact border, also a finger between two rows of corners.
 
-Where cells of a given side that hold a border are dense, the border is no curve: outcomes alternate
-from node to node. Such a *patch* is not halved further.
+Where the cells with a border are dense, the border is no curve: outcomes alternate from node to
+node. The cells of such a *patch* are not halved further.
 
 The halved cells are the smallest set that is closed under these rules. They do not depend on the
-order in which nodes become known. Parts of a map are a store of nodes for the whole map.
+order in which nodes become known, so that parts of a map can be computed first.
 """
 
 import itertools
@@ -34,11 +33,11 @@ Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-WINDOW = 9  # cells along a side of the window in which those that hold a border are counted
-PATCH = 0.4  # share of them above which the border is no curve; along a straight one it is a tenth
+WINDOW = 9  # side, in cells, of the window in which cells with a border are counted
+PATCH = 0.4  # share of cells with a border that makes a patch; along a straight border it is 0.1
 CROOKED = 0.15  # share above which nodes are flagged twice as far from the border
-BESIDE = 8  # nodes; a filled node this close to another kind is flagged
-AROUND = 24  # nodes; one this close to a patch is flagged as well
+BESIDE = 8  # distance in nodes; a filled node this close to another kind is flagged
+AROUND = 24  # distance in nodes; a filled node this close to a patch is flagged
 
 Evaluate = Callable[[Ints, Ints], tuple[Ints, Floats]]
 """(rows, columns) of nodes to (kinds, values), all of shape (m,); a value may be NaN."""
@@ -46,7 +45,7 @@ Evaluate = Callable[[Ints, Ints], tuple[Ints, Floats]]
 
 @dataclass(frozen=True, kw_only=True)
 class Lattice:
-    """The nodes of a map and the rule by which it is refined; lengths in finest cells.
+    """The nodes of a map and the rules of its refinement; lengths in finest cells.
 
     Attributes:
         cells: finest cells along a side, a power of two; the map has ``cells`` + 1 nodes a side.
@@ -54,10 +53,10 @@ class Lattice:
         lines: distance of the rows and columns on which more nodes are computed, a multiple of
             ``coarse``; 0 for none.
         patch: side length of the cells by which patches are found; 0 for none.
-        jump: largest difference of values in a cell that is not halved.
+        jump: difference of values above which a cell is halved.
 
     Raises:
-        ValueError: a number that breaks its rule.
+        ValueError: a number breaks its rule.
     """
 
     cells: int
@@ -90,7 +89,7 @@ class Lattice:
         return [self.coarse >> level for level in range(self.coarse.bit_length())]
 
     def watched(self) -> Bools:
-        """The nodes on lines that are computed in any case."""
+        """A mask of the nodes on ``lines``, which are always computed."""
         nodes, apart = np.zeros(self.shape, dtype=np.bool_), max(self.coarse // 2, 1)
         if self.lines:
             nodes[:: self.lines, ::apart] = nodes[::apart, :: self.lines] = True
@@ -105,9 +104,9 @@ class Refined:
         lattice: the lattice it was refined on.
         kind, value: of every node, computed or filled.
         computed: the nodes that were computed.
-        size: side length of the smallest cell that holds the node. A cell holds its interior, its
-            first row and its first column; the last cells also hold the last ones.
-        density: share of the cells around the node that hold a border; see ``Lattice.patch``.
+        size: side length of the smallest cell that contains the node. A cell contains its interior,
+            its first row and its first column; cells at the end also their last ones.
+        density: share of cells with a border among the cells around the node; see ``WINDOW``.
     """
 
     lattice: Lattice
@@ -124,12 +123,12 @@ class Refined:
 
     @property
     def patch(self) -> Bools:
-        """The nodes of patches, where the border is no curve."""
+        """A mask of the nodes in patches."""
         return self.density > PATCH
 
     @property
     def flagged(self) -> Bools:
-        """Filled nodes that may be of another kind: near a border, or in or near a patch."""
+        """A mask of filled nodes that may be of another kind: near a border, in or near a patch."""
         from scipy.ndimage import maximum_filter  # noqa: PLC0415  (slow)
 
         near = self.beside(BESIDE) | self.beside(2 * BESIDE) & (self.density > CROOKED)
@@ -148,7 +147,7 @@ class Refined:
     def filled(self, column: Floats) -> Floats:
         """Fill ``column``, known where ``computed``, by bilinear interpolation in each cell.
 
-        Where a corner that counts is NaN, the value at the nearest corner is taken.
+        If a corner with a weight is NaN, the value of the nearest corner is taken.
         """
         full = self.spread(column)
         rows, columns, top, left, side = self._filled_nodes()
@@ -162,7 +161,7 @@ class Refined:
         return full
 
     def _filled_nodes(self) -> tuple[Ints, Ints, Ints, Ints, Ints]:
-        """Rows and columns of the filled nodes; first corner and side length of their cells."""
+        """Return rows and columns of filled nodes, and first corner and side of their cells."""
         rows, columns = np.nonzero(~self.computed)
         side = self.size[rows, columns]
         last = self.lattice.cells - side
@@ -170,7 +169,7 @@ class Refined:
         return rows, columns, top, left, side
 
     def beside(self, distance: int) -> Bools:
-        """Filled nodes with a node of another kind at most ``distance`` rows and columns away."""
+        """Return the filled nodes with another kind at most ``distance`` rows and columns away."""
         from scipy.ndimage import maximum_filter, minimum_filter  # noqa: PLC0415  (slow)
 
         window = 2 * distance + 1
@@ -180,10 +179,10 @@ class Refined:
 
 
 class _Level:
-    """The cells of one size: which exist, which are halved, and the extremes known in each.
+    """The cells of one size: masks of those that exist and are halved, and their extremes.
 
-    ``low`` and ``high`` have shape (2, count, count): kinds, then values. Cells that are ``kept``
-    are not halved.
+    ``low`` and ``high``, shape (2, count, count), are the smallest and largest known kind, then
+    value. ``kept`` cells are never halved.
     """
 
     def __init__(self, lattice: Lattice, size: int) -> None:
@@ -198,7 +197,7 @@ class _Level:
         return self.low[0] < self.high[0]
 
     def learn(self, rows: Ints, columns: Ints, kinds: Ints, values: Floats) -> None:
-        """Enter nodes into every closed cell that holds them."""
+        """Enter nodes into all cells that contain them, in the interior or on the border."""
         last = len(self.exists) - 1
         both = kinds.astype(np.float64), values
         for down, right in itertools.product((0, 1), repeat=2):
@@ -211,7 +210,7 @@ class _Level:
                 np.fmax.at(high, cell, known)
 
     def halve(self, jump: float) -> None:
-        """Halve the cells whose known nodes disagree."""
+        """Halve the cells whose known nodes differ in kind, or in value by more than ``jump``."""
         self.halved |= (self.mixed | (self.low[1] + jump < self.high[1])) & ~self.kept
 
     def density(self) -> Floats:
@@ -223,9 +222,9 @@ class _Level:
 
 
 def _balance(levels: list[_Level]) -> None:
-    """Halve cells beside cells of a quarter of their size, and note which cells exist.
+    """Halve cells that would touch cells of a quarter of their size, and update which cells exist.
 
-    A cell may be halved before it exists: then its parent is halved as well.
+    A cell may be marked as halved before it exists; this marks its parent too.
     """
     from scipy.ndimage import binary_dilation  # noqa: PLC0415  (slow)
 
@@ -250,7 +249,7 @@ class _Map:
         self.density = np.zeros(lattice.shape)
 
     def compute(self, wanted: Bools) -> bool:
-        """Compute the ``wanted`` nodes; return False if all of them are known."""
+        """Compute the ``wanted`` nodes; return False if all were known before."""
         rows, columns = np.nonzero(wanted & ~self.computed)
         if not rows.size:
             return False
@@ -264,14 +263,14 @@ class _Map:
         return True
 
     def corners(self, least: int) -> Bools:
-        """Return the corners of the cells with sides of at least ``least``."""
+        """Return the corners of the cells of size ``least`` or more."""
         levels = (level for level in self.levels if level.size >= least)
         return np.logical_or.reduce([corners_of(level.exists, level.size) for level in levels])
 
     def between(self) -> Bools:
-        """Return the nodes inside halved cells of side two whose neighbours on both sides differ.
+        """Return the nodes in halved cells of side two whose neighbours on both sides differ.
 
-        In the middle of a cell these are its corners.
+        The neighbours of the node in the middle of a cell are the corners of the cell.
         """
         wanted = np.zeros(self.lattice.shape, dtype=np.bool_)
         cells = self.levels[-2].exists & self.levels[-2].halved
@@ -284,10 +283,7 @@ class _Map:
         return wanted
 
     def beside_others(self) -> Bools:
-        """Return the nodes beside a computed one that are known or filled with another kind.
-
-        Patches have no border to follow.
-        """
+        """Return the nodes of another kind beside a computed node, without those in patches."""
         kind, wanted = self.found().spread(self.kind), np.zeros(self.lattice.shape, dtype=np.bool_)
         for turned in (np.asarray, np.transpose):  # views
             asked, kinds, computed = (turned(each) for each in (wanted, kind, self.computed))
@@ -303,7 +299,7 @@ class _Map:
         return found
 
     def find_patches(self) -> None:
-        """Keep the cells where those that hold a border are dense."""
+        """Find patches by the density of cells with a border, and keep their cells unhalved."""
         (level,) = (each for each in self.levels if each.size == self.lattice.patch)
         density = level.density()
         level.kept = density > PATCH
@@ -324,11 +320,11 @@ def refine(evaluate: Evaluate, lattice: Lattice, within: Bools | None = None) ->
     """Refine a map on ``lattice``.
 
     Args:
-        evaluate: computes nodes; called with many at a time, with each once.
-        lattice: nodes and rule.
-        within: coarse cells to stay in, shape (cells/coarse, cells/coarse); all by default. Nodes
-            outside of them keep kind 0 and value NaN, and are not computed; nodes beside those of
-            another kind are left to the whole map.
+        evaluate: computes nodes, many in a call, and no node twice.
+        lattice: the nodes and the rules.
+        within: mask of the coarse cells to refine, shape (cells/coarse, cells/coarse); all by
+            default. Nodes outside are not computed, and keep kind 0 and value NaN. A part does not
+            follow borders node by node; the whole map does.
     """
     refined = _Map(evaluate, lattice, within)
     in_cells = corners_of(_repeated(refined.levels[0].exists, lattice.coarse), 1)
@@ -353,12 +349,12 @@ def _repeated(cells: NDArray[Any], times: int) -> NDArray[Any]:
 
 
 def _nodes_of(cells: NDArray[Any]) -> NDArray[Any]:
-    """Return what holds for each node from finest ``cells``; the last ones hold the last nodes."""
+    """Return values of nodes from those of finest ``cells``, the last row and column twice."""
     return np.pad(cells, ((0, 1), (0, 1)), "edge")
 
 
 def _padded(cells: Bools, axis: int) -> Bools:
-    """``cells`` with a False one before the first and after the last along an axis."""
+    """Return ``cells`` with a False cell added at both ends of an axis."""
     return np.pad(cells, [(int(each == axis),) * 2 for each in (0, 1)])
 
 

@@ -1,10 +1,10 @@
-"""The plan of a stability map: its parameters, ranges, lattices and starts, as data.
+"""The plan of a stability map as data: its parameters, ranges, lattices and starts.
 
-A map gives the outcome and the alignment time from the nominal start (the device's own phase and
-tilt) at every node of a fine lattice over two parameters; lattice.py chooses the nodes that are
-computed. The outcome near the border depends on the phase of the excitation at touch-down and on
-the tilt there, which cannot be controlled: a *reliable* device aligns within the horizon from every
-start of an ensemble. Which of these are tried, on a coarser lattice, starts.py chooses.
+A map gives outcome and alignment time from the nominal start (the device's own phase and tilt) at
+every node of a fine lattice over two parameters. Near a border the outcome depends on the phase of
+the excitation and on the tilt at touch-down, which cannot be controlled. A *reliable* device
+therefore aligns within the horizon from all starts of an ensemble. lattice.py chooses the nodes to
+compute, starts.py the starts to try.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -22,9 +22,9 @@ from model.study.maps.starts import starts_of
 if TYPE_CHECKING:
     from model.study.config.study import Study
 
-COARSE = 64  # coarse cells along a side of a map, at least
-LARGEST = 8  # side of a coarse cell, unless there are more than twice as many of them
-LINES = 8  # squares along a side on whose borders more nodes are computed
+COARSE = 64  # smallest number of coarse cells along a side of a map
+LARGEST = 8  # largest side of a coarse cell, unless that makes more than twice COARSE
+LINES = 8  # squares along a side of a map; more nodes are computed on their borders
 PATCH = 4  # side of the cells by which patches are found
 
 
@@ -33,13 +33,13 @@ class MapPlan(Plan):
 
     Attributes:
         name: "fig13", ….
-        parameters: every parameter, None where it is derived; varied ones have baseline values.
+        parameters: every parameter, None where it is derived; varied ones as in the baseline.
         settings: settings of the runs.
-        x, y: the nodes along each side, cells + 1 on both; cells is a power of two.
-        ensemble: the starts of a reliable device, None for none.
+        x, y: the axes, each with cells + 1 values; cells is a power of two.
+        ensemble: the starts of a reliable device, None for no ensemble.
 
     Raises:
-        ValueError: x and y that form no lattice, are the same parameter, or break its rule.
+        ValueError: x and y form no lattice, are the same parameter, or break a parameter's rule.
     """
 
     name: str
@@ -65,12 +65,12 @@ class MapPlan(Plan):
 
     @property
     def baseline(self) -> Parameters:
-        """The held parameters, with the baseline's values of the varied ones."""
+        """The parameters, with the baseline's values of the varied ones."""
         return Parameters(**self.parameters)  # type: ignore[arg-type]
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """The map as its sidecar states it."""
+        """Metadata of the sidecar: identity and plan."""
         return {"config_hash": self.identity, **self.model_dump(mode="json", exclude={"name"})}
 
     def swept(self, rows: Ints, columns: Ints) -> dict[str, Floats]:
@@ -84,7 +84,7 @@ class MapPlan(Plan):
     def lattice(self) -> Lattice:
         """The lattice of the outcome from the nominal start."""
         coarse = max(self.cells // (2 * COARSE), min(self.cells // COARSE, LARGEST), 1)
-        patch = PATCH if coarse > PATCH else 0  # a window is then a small part of the map
+        patch = PATCH if coarse > PATCH else 0  # not in small maps: a window is too large
         lines = max(self.cells // LINES, coarse)
         return Lattice(cells=self.cells, coarse=coarse, lines=lines, patch=patch, jump=1.0)
 
@@ -96,11 +96,11 @@ class MapPlan(Plan):
 
     @property
     def ensemble_lattice(self) -> Lattice:
-        """The lattice of the ensemble, all of whose nodes are known from the nominal start."""
+        """The lattice of the ensemble; the nominal outcome is known at all its nodes."""
         return Lattice(cells=self.cells // self.stride, coarse=1)
 
     def starts(self) -> list[dict[str, float]]:
-        """Return every start of the ensemble."""
+        """Return all starts of the ensemble."""
         return [] if self.ensemble is None else starts_of(self.baseline, self.ensemble)
 
 
@@ -108,7 +108,7 @@ def map_plan(study: "Study", name: str) -> MapPlan:
     """Return the map ``name`` of a study.
 
     Raises:
-        ValueError: no map of that name.
+        ValueError: there is no such map.
     """
     plane = study.plane(name)
     resolution = study.maps.resolution
@@ -132,7 +132,7 @@ def plan_of(
 ) -> MapPlan:
     """Return a map over ``spans`` (x, y) with ``resolution`` finest cells along a side.
 
-    A map over a parameter that the ensemble varies has no ensemble.
+    A map over the phase or the initial tilt has no ensemble, because the ensemble varies these.
 
     Raises:
         ValueError: as ``MapPlan``.
@@ -148,11 +148,11 @@ def plan_of(
 
 
 Mark = tuple[str, list[float], list[float]]
-"""(figure, its values of x, its values of y): two values are the ends of a range."""
+"""(figure, values of x, values of y): one value, or the two ends of a range."""
 
 
 def marks_of(study: "Study", name: str) -> list[Mark]:
-    """Return the operating points of a study's histories and curves in its map ``name``."""
+    """Return the operating points of histories and curves, as marks in the map ``name``."""
     plane = study.plane(name)
     sides = plane.x.parameter, plane.y.parameter
     marks: list[Mark] = []

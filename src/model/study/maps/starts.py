@@ -1,15 +1,18 @@
-"""Starts of an ensemble: phases of the excitation and initial tilts, and which a map tries.
+"""Starts of an ensemble (phase of the excitation, initial tilt), and the choice of those to try.
 
-Neither can be controlled at touch-down: a device is *reliable* if it aligns within the horizon from
-every start. The map knows where the nominal start fails: nothing is tried there. Most of the border
-of the reliable area is the border of that area, so that every start is tried beside it, and few at
-nodes inside that are far apart. Wherever another start fails, nodes near try that start, then the
-next ones in phase, of every tilt, and nodes beside try all, until no such node is left: a third,
-periodic dimension in which the border is followed. One failure settles a node, so that the starts
-likely to fail come first.
+A start cannot be controlled at touch-down: a device is *reliable* if it aligns within the horizon
+from all starts. At nodes where the nominal start fails, no other is tried. Elsewhere:
 
-Areas that touch a computed failure are exact; others may be missed: islands of nodes that fail, of
-which none was computed from a start that does.
+- Nodes beside a failing node try all starts, because most of the border of the reliable area is the
+  border of the nominal one.
+- Some nodes inside, far apart, try a few starts.
+- Where a start fails, nodes near it try the same start, then the phases next to it at all tilts.
+
+This goes on until no start is left to try: the border is followed in a third, periodic dimension. A
+node is settled by one failure, so that the starts most likely to fail are tried first.
+
+Areas that touch a computed failure are exact. An island of failing nodes is missed if no node in it
+was computed from a start that fails.
 """
 
 import itertools
@@ -29,14 +32,14 @@ from model.study.maps.lattice import Bools, Floats, Ints
 
 Starts = Sequence[Mapping[str, float]]
 
-COARSE = 32  # distances along a side between the nodes inside that try starts
-INSIDE = 4  # phases of which these nodes try one with each tilt
-NEAR = 2  # nodes; distance to which a start that fails is tried
+COARSE = 32  # intervals along a side between the nodes inside that try starts
+INSIDE = 4  # such a node tries, at each tilt, one phase of every four
+NEAR = 2  # distance in nodes to which a failing start is tried
 NOT_TRIED, FAILS, ALIGNS = -1, 0, 1
 
 
 def starts_of(device: Parameters, ensemble: Ensemble) -> list[dict[str, float]]:
-    """Return phase and tilt of every start of the ensemble; the first has the device's phase."""
+    """Return phase and tilt of all starts of the ensemble; the first has the device's phase."""
     phases = [device.phase + 2.0 * math.pi * k / ensemble.phases for k in range(ensemble.phases)]
     tilts = [device.initial_tilt * factor for factor in ensemble.tilts]
     return [
@@ -47,9 +50,10 @@ def starts_of(device: Parameters, ensemble: Ensemble) -> list[dict[str, float]]:
 def every_start(
     devices: Batch, starts: Starts, settings: Settings, cores: int = 1
 ) -> dict[str, NDArray[Any]]:
-    """Run every device from every start.
+    """Run all devices from all starts.
 
-    Returns the fields of ``RunResult`` and ``goes_in``, each of shape (devices, starts).
+    Returns:
+        The fields of ``RunResult``, and ``goes_in``; each of shape (devices, starts).
     """
     values = {name: np.repeat(column, len(starts)) for name, column in devices.values.items()}
     for name in starts[0]:
@@ -66,9 +70,9 @@ def are_reliable(
     settings: Settings,
     cores: int = 1,
 ) -> NDArray[np.bool_]:
-    """Return which devices go in from every start, shape (devices,).
+    """Return a mask of the devices that go in from all starts, shape (devices,).
 
-    They are ``device`` with the parameters ``swept``, each of shape (devices,).
+    The devices are ``device`` with the values ``swept``, each of shape (devices,).
 
     Raises:
         ValueError: as ``Batch.of``.
@@ -89,9 +93,9 @@ def starts_to_try(
     Args:
         fails: starts that were tried and fail, shape (rows, columns, starts).
         nominal_fails: nodes at which the nominal start fails, shape (rows, columns).
-        untried: starts that may be tried, in the shape of ``fails``.
-        inside: those that nodes far apart try at first (``starts_inside``).
-        phases: number of phases; starts of the same tilt follow each other.
+        untried: starts that may still be tried, in the shape of ``fails``.
+        inside: ``starts_inside``.
+        phases: number of phases; the starts of one tilt follow each other.
     """
     from scipy.ndimage import binary_dilation, maximum_filter  # noqa: PLC0415  (slow)
 
@@ -107,7 +111,7 @@ def starts_to_try(
 
 
 def starts_inside(shape: tuple[int, ...], phases: int) -> Bools:
-    """Return the starts that nodes far apart try at first, shape (rows, columns, starts)."""
+    """Return the starts that nodes far apart try first, shape (rows, columns, starts)."""
     apart = max((shape[0] - 1) // COARSE, 1)
     inside = np.zeros(shape, dtype=np.bool_)
     inside[::apart, ::apart] = alternating(inside[::apart, ::apart].shape, phases)
@@ -115,9 +119,9 @@ def starts_inside(shape: tuple[int, ...], phases: int) -> Bools:
 
 
 def alternating(shape: tuple[int, ...], phases: int) -> Bools:
-    """Return few starts of each node, shape (rows, columns, starts); neighbours have others.
+    """Return a few starts for each node, shape (rows, columns, starts).
 
-    Those of one tilt have the phases between those of the next.
+    The phases differ between neighbouring nodes, and from one tilt to the next.
     """
     every = min(INSIDE, phases)
     row, column, start = np.ogrid[tuple(map(slice, shape))]
@@ -128,7 +132,7 @@ def alternating(shape: tuple[int, ...], phases: int) -> Bools:
 
 
 def adjacent_in_phase(fails: Bools, phases: int) -> Bools:
-    """Return the starts of every tilt at the phases that fail and those next to them."""
+    """Return the starts at all tilts whose phase, or one next to it, fails at any tilt."""
     by_phase = fails.reshape(*fails.shape[:2], -1, phases)
     phase = by_phase.any(axis=2)
     near: Bools = np.tile(phase | np.roll(phase, 1, 2) | np.roll(phase, -1, 2), by_phase.shape[2])
@@ -138,12 +142,17 @@ def adjacent_in_phase(fails: Bools, phases: int) -> Bools:
 def sum_up_starts(
     end: NDArray[np.int8], tau: Floats, nominal_aligns: Bools, nominal_tau: Floats
 ) -> tuple[Floats, Floats, Ints]:
-    """Return the share of the starts tried that align, the excess of their durations, and the runs.
+    """Return (share of tried starts that align, excess of durations, number of runs).
 
-    ``end`` (NOT_TRIED, FAILS or ALIGNS) and ``tau`` are of every start, shape (rows, columns,
-    starts). The share includes the nominal start, which aligns in ``nominal_tau`` or not. The
-    excess is that of the longest duration over ``nominal_tau``, at the nearest node at which starts
-    were tried and all align. Each has the shape of the lattice.
+    Each has the shape of the lattice. The share includes the nominal start. The excess is the
+    longest duration minus ``nominal_tau``, taken from the nearest node at which starts were tried
+    and all align.
+
+    Args:
+        end: NOT_TRIED, FAILS or ALIGNS, shape (rows, columns, starts).
+        tau: alignment durations, in the same shape.
+        nominal_aligns: whether the nominal start aligns, shape (rows, columns).
+        nominal_tau: its alignment duration, shape (rows, columns).
     """
     from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
 
