@@ -4,23 +4,22 @@
 # make test       the environment, every check and every test
 # make maps       the stability maps that the paper does not have, into results/figures/maps
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
-# make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, of
-#                 which what is there already is not tried again; SCENE=insertion for devices that fall in
+# make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to
+#                 which finished parts count; SCENE=insertion for devices that fall in
 # make yields     yields of two devices against a million devices each; DEVICES=100000 for fewer
 # make truth      alignment times against heyoka and MuJoCo, insertion against MuJoCo and the independent
-#                 solution, in the environment of the benchmark
+#                 solution, in the environment of `make bench`
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
-# make nightly    the tests that take long: 50 kills, full disks, mutations, the smoke study in two
-#                 folders, at one and at two cores, STUDY=full the whole one; the types of the
-#                 explorer's scripts
+# make nightly    tests that take long: 50 kills, full disks, mutations, the smoke study in two folders
+#                 at one and at two cores (STUDY=full: the whole study), types of the explorer's scripts
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
 # make browser-test  the explorer in a headless Chromium and Firefox
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
-# make clean      everything generated, results included; `make distclean` the environment as well
+# make clean      deletes everything generated, results included; `make distclean` the environments too
 #
-# PYTHON=python3.13 chooses the Python to build the environment with, CORES=8 the cores to use,
+# PYTHON=python3.13 is the Python to build the environment with, CORES=8 the number of cores,
 # SNAKEMAKE_FLAGS=... adds options to every run of the study; PROFILE=slurm runs its jobs on a cluster.
 
 PYTHON ?= python3
@@ -34,8 +33,8 @@ SHELL := /bin/sh
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 
-# The tools of the environment, and nothing from the caller's Python. Set for each command and not
-# for the whole file, because PYTHON is looked up outside the environment that it builds.
+# Commands find the tools of the environment first, and nothing of the caller's Python. PATH is not set
+# for the whole file, because PYTHON is looked up outside the environment.
 in_env := PATH="$(CURDIR)/.venv/bin:$$PATH"
 ifneq ($(PROFILE),slurm)
 cores_of_study := -c$(CORES)
@@ -49,8 +48,8 @@ unexport PYTHONHOME PYTHONPATH
 
 # --------------------------------------------------------------------------------------- the study
 
-# $(call run_study,OPTIONS AND TARGETS). The caller's options come last: one that takes several
-# values would take the targets for some.
+# $(call run_study,OPTIONS AND TARGETS). The caller's options come last, because an option with several
+# values would take targets after it for values.
 run_study = $(in_env) snakemake $(1) --workflow-profile profiles/$(PROFILE) $(cores_of_study) $(SNAKEMAKE_FLAGS)
 
 all: environment
@@ -82,7 +81,7 @@ fuzz: environment
 
 check = @echo "--- $(1)"; $(in_env) $(1)
 
-# The checks run beside the compilation of the kernels, with which the tests begin.
+# In parallel, because the tests begin with the compilation of the kernels, which takes one core.
 test: environment
 	@$(MAKE) --no-print-directory -j$(CORES) lint types layers workflow unit
 
@@ -106,7 +105,7 @@ unit: environment
 browser-test: environment
 	$(call check,pytest -m browser -rs tests/show/explorer)
 
-# Types of the explorer's scripts, from their comments, and what is unused; npm fetches the checker.
+# Checks the explorer's scripts for types, from their comments, and unused names; npm fetches TypeScript.
 script-types:
 	@command -v npx >/dev/null || echo "no npx here: the types of the explorer's scripts are not checked"
 	! command -v npx >/dev/null || npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
@@ -132,7 +131,7 @@ nightly: environment
 
 # ------------------------------------------------------------------------------------ the benchmark
 
-# PYTHONPATH in place of an installation: the environment holds other people's packages only.
+# PYTHONPATH in place of an installation: the environment has no vibralign.
 bench: environment-bench
 	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
 
@@ -143,42 +142,42 @@ truth: environment-bench
 
 # ---------------------------------------------------------------------------------- the environment
 
-# Built anew, from nothing, when its lock file, pyproject.toml or the version of Python changes. The
-# stamp is written last: an environment whose building was interrupted does not count.
+# An environment is built from nothing when its lock file, pyproject.toml or the version of Python
+# changes. The stamp is written last, so that an interrupted build is done again.
 TAG := $(shell $(PYTHON) -c 'import sys; print("%d.%d.%d" % sys.version_info[:3])' 2>/dev/null)
 
-# One make at a time, by a lock that the system drops with the process; the one that waited finds the
-# environment complete.
-hold = $(PYTHON) -c 'import fcntl, os, sys; \
+# One make builds at a time, under a lock that the system releases with the process; another waits and
+# then finds the environment complete.
+locked = $(PYTHON) -c 'import fcntl, os, sys; \
 	lock = os.open(".make-environment.lock", os.O_RDWR | os.O_CREAT, 0o644); \
 	fcntl.flock(lock, fcntl.LOCK_EX); os.set_inheritable(lock, True); os.execvp(sys.argv[1], sys.argv[1:])'
 
 environment: python
-	@$(hold) $(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
+	@$(locked) $(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
 
 environment-bench: python
-	@$(hold) $(MAKE) --silent --no-print-directory .venv-bench/.complete-$(TAG)
+	@$(locked) $(MAKE) --silent --no-print-directory .venv-bench/.complete-$(TAG)
 
-# With this package, as the checkout holds it.
+# The environment of the study, with this package in editable form.
 .venv/.complete-$(TAG): requirements.lock pyproject.toml
 	$(call build,.venv,$<)
 	@$(call pip_of,.venv); \
 	$$pip install --quiet --no-deps --no-build-isolation --editable . && $$pip check
 	@touch $@
 
-# The peers of `make bench`, without the package. A peer that is missing is reported by the benchmark.
+# The peers of `make bench`, without this package. The benchmark reports peers that are missing.
 .venv-bench/.complete-$(TAG): requirements-bench.lock
 	$(call build,.venv-bench,$<)
 	@touch $@
 
-# $(call pip_of,FOLDER) opens a shell line with the environment's pip. Some systems split ensurepip
-# from Python; their own pip can fill the environment as well.
+# $(call pip_of,FOLDER) begins a shell line and sets `pip` for the environment. Where Python comes
+# without ensurepip, the system's pip is used.
 pip_of = pip="$(PYTHON) -m pip --python $(1)/bin/python"; \
 	if [ -x $(1)/bin/pip ]; then pip="$(1)/bin/python -m pip"; fi; \
 	export PIP_DISABLE_PIP_VERSION_CHECK=1
 pinned := --quiet --no-deps --use-pep517 --require-hashes --requirement
 
-# $(call build,FOLDER,LOCK FILE): a new environment with what is pinned.
+# $(call build,FOLDER,LOCK FILE): a new environment with the pinned packages.
 define build
 @echo "building the environment in $(1) with Python $(TAG)"
 @$(PYTHON) -m venv --clear $(1) >/dev/null 2>&1 || $(PYTHON) -m venv --clear --without-pip $(1)
@@ -191,10 +190,9 @@ python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
 		echo "$(PYTHON) is Python $(TAG), vibralign needs 3.11 or newer: make PYTHON=..." >&2; exit 1; }
 
-# The extras and the build backend, with the hashes of all platforms, valid for Python 3.11 and newer;
-# the peers of `make bench` at the study's versions of what is common; `vibralign export` is left to
-# its users. `fewest` keeps to one version of
-# a package where newer Pythons would allow another.
+# Pins the extras and the build backend with the hashes of all platforms, for Python 3.11 and newer.
+# Packages that the study and the peers of `make bench` share have the study's versions. The extra
+# `export` is not pinned. `fewest` takes one version of a package for all Pythons.
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)

@@ -1,4 +1,4 @@
-"""The study of vibratory part alignment: `snakemake -c2` builds every result of the paper."""
+"""The study of vibratory part alignment: `snakemake -c2` builds all results."""
 
 from pathlib import Path
 

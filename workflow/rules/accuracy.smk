@@ -1,4 +1,4 @@
-"""The integrator on random sets, apart from the study: `snakemake -c2 accuracy` and `make fuzz`."""
+"""Checks of the integrator on random sets: `snakemake -c2 accuracy` and `make fuzz`."""
 
 from verification.fuzz_campaign import HOLDS
 from verification.trials import trial_of
@@ -55,7 +55,7 @@ rule judge:
         "../scripts/judge.py"
 
 
-# More sets add parts: those that are there stay.
+# A larger number of sets adds parts; finished parts stay.
 rule fuzz_part:
     input:
         "<results>/data/kernels.json",
@@ -94,7 +94,7 @@ rule fuzz_summary:
         "../scripts/fuzz_summary.py"
 
 
-# These print, also where nothing had to be computed. Their logs are no run's.
+# These two print a result even if nothing was computed. They are no runs: their log is not below logs/.
 rule accuracy:
     input:
         rules.judge.output.text,

@@ -1,4 +1,4 @@
-"""The claims ledger: the paper's claims, judged by the figures' data and by more runs; jamming."""
+"""The claims ledger: the paper's claims, judged by figures and by runs of their own; jamming."""
 
 
 localrules:
@@ -10,7 +10,7 @@ localrules:
 claims_data = expand("<results>/data/claims/{run}.nc", run=study.claims_runs)
 
 
-# One job, because a start of Python costs as much as most of these runs.
+# One job for all runs, because a start of Python costs as much as most of them.
 rule claims_runs:
     input:
         "<results>/data/kernels.json",

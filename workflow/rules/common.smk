@@ -1,4 +1,4 @@
-"""What the rules share: the code of their scripts, and their plans as plain values."""
+"""Functions that the rules share: hashes of their scripts' code, and plans as plain values."""
 
 from pathlib import Path
 
@@ -7,13 +7,13 @@ from model.study.sweep import sweep_of
 from model.tracking.code import code_hash, code_of
 from benchmarks.plans import HARD_PICTURES, PICTURES
 
-codes = {}  # of every script, by its name
+codes = {}  # hash of a script's code, by the script's name
 
 
 def code(script):
-    """Return params with a hash of each file that a script imports: an edit reruns its jobs.
+    """Return params with a hash of each file that a script imports, so that an edit reruns its jobs.
 
-    Snakemake shows those that differ as the reason of a rerun: `snakemake -n --quiet host`.
+    Snakemake names the files that differ as the reason of a rerun: `snakemake -n --quiet host`.
     """
     code = code_of(Path(workflow.basedir), f"workflow/scripts/{script}.py")
     codes[script] = code_hash(code)
@@ -21,12 +21,12 @@ def code(script):
 
 
 def stated(plan):
-    """Return a plan as plain values: Snakemake compares these, and ignores models silently."""
+    """Return a plan as plain values; Snakemake compares these, but silently ignores models."""
     return plan.model_dump(mode="json")
 
 
 def pictures(*places):
-    """Return the files of pictures from their paths without extension."""
+    """Return the files of pictures, given by their paths without extension."""
     return [f"<results>/{place}{kind}" for place in places for kind in (".png", ".svg", ".pdf")]
 
 
@@ -46,12 +46,12 @@ def plan(wildcards):
 
 
 def picture_at(wildcards):
-    """Return which of the comparison's pictures belongs at a place."""
+    """Return the name of the picture at a place, in the comparison of methods."""
     return {place: name for name, place in {**PICTURES, **HARD_PICTURES}.items()}[wildcards.place]
 
 
 def numbers_of_part(wildcards):
-    """Return the seed of a part of the campaign, its first set, and how many it has."""
+    """Return the seed of the campaign, the first set of a part, and the number of its sets."""
     campaign = study.accuracy.fuzz
     first = int(wildcards.chunk) * campaign.sets_a_job
     count = min(campaign.sets_a_job, campaign.sets - first)

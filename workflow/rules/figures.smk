@@ -1,4 +1,4 @@
-"""The figures: compiled kernels, chunks of each sweep, one dataset a figure, and its pictures."""
+"""The figures: compiled kernels, chunks of sweeps, one dataset a figure, and its pictures."""
 
 
 localrules:
@@ -7,9 +7,9 @@ localrules:
     plot,
 
 
-# Compiled once, before the jobs that would otherwise all compile at the same time. Its output holds
-# the hash of the kernels' code, and is taken as `ancient` by none of them: Snakemake does not look at
-# the params of a job below one that must run, so that an edit of the physics would run this rule only.
+# Compiles once, before jobs that would otherwise all compile at the same time. The output contains the
+# hash of the kernels' code. It is a plain input of these jobs, not an `ancient` one: Snakemake does not
+# look at params of jobs downstream of one that must run, and would run this rule only.
 rule kernels:
     output:
         data="<results>/data/kernels.json",
@@ -114,7 +114,7 @@ rule schematic:
         "../scripts/schematic.py"
 
 
-# Of a figure that is a map, the refined map is shown, with the figure's own points.
+# For a figure that is a map, the picture shows the refined map with the figure's own points.
 rule plot:
     input:
         lambda wildcards: (["<results>/data/maps/{figure}.nc"] if wildcards.figure in MAPS else []),

@@ -1,4 +1,4 @@
-"""Stability maps that follow their boundary: those of Figs. 13 and 14, and `snakemake -c2 maps`."""
+"""Refined stability maps: Figs. 13 and 14, and the further ones of `snakemake -c2 maps`."""
 
 from model.study.maps.plan import marks_of
 
@@ -9,7 +9,7 @@ localrules:
     draw_vibration,
 
 
-WITH_VIBRATION = ("fig13", "friction_press_force")  # of these, what vibration adds is drawn
+WITH_VIBRATION = ("fig13", "friction_press_force")  # maps with a picture of what vibration adds
 
 
 rule map_part:
@@ -31,7 +31,7 @@ rule map_part:
         "../scripts/map_part.py"
 
 
-# `marks` are the operating points of other figures, in a map of outcomes.
+# `marks` are the operating points of other figures.
 rule map:
     input:
         expand("<results>/data/maps/{{map}}/{n}.nc", n=range(study.maps.chunks)),
@@ -95,7 +95,7 @@ rule draw_vibration:
         "../scripts/draw_vibration.py"
 
 
-# Every map that is not a figure of the paper: those are part of the study.
+# All maps that are no figures of the paper; maps that are figures belong to the study.
 rule maps:
     input:
         pictures(*(f"figures/maps/{map}" for map in study.map_names if map not in MAPS)),

@@ -1,7 +1,7 @@
 """Comparison of methods: speed against error, figures with fixed steps, and hard cases.
 
-Errors and evaluations are data, the same in every build. CPU times are not: they live under
-benchmarks/, and nothing under data/ or figures/ is made from them.
+Errors and evaluations are the same in every build. CPU times are not: they are kept in benchmarks/,
+and nothing in data/ or figures/ is made from them.
 """
 
 from benchmarks.plans import fixed_step_plan, hard_cases_plan, precision_plan
@@ -22,7 +22,7 @@ drawn_from = {
 }
 
 
-# Apart from the other kernels, so that an edit of what only these jobs run reruns no figure.
+# Apart from the other kernels, so that an edit of the compared methods reruns no figure.
 rule unlocated_kernels:
     input:
         "<results>/data/kernels.json",
@@ -41,8 +41,8 @@ rule unlocated_kernels:
         "../scripts/unlocated_kernels.py"
 
 
-# One job for both outputs, so that the most expensive runs are made once. It has one thread, of
-# which Snakemake tells the linear algebra under scipy's Radau: with more, that rounds otherwise.
+# One job for both outputs, so that the most expensive runs are made once. Snakemake limits a job of
+# one thread to one thread of linear algebra: with more, scipy's Radau would round otherwise.
 rule precision:
     input:
         "<results>/data/unlocated_kernels.json",

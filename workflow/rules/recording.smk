@@ -1,4 +1,4 @@
-"""Every invocation holds the folder and leaves a record; its jobs run what was announced to them."""
+"""Recording: an invocation locks the folder and leaves a record; jobs refuse code edited since."""
 
 import sys
 

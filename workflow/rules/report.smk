@@ -1,4 +1,4 @@
-"""One page of everything, and the explorer beside it."""
+"""The report, one page on the whole study, and the explorer."""
 
 
 localrules:
@@ -16,7 +16,7 @@ shown = [
 ]
 
 
-# The engines as WebAssembly, in the cache, and the page that runs them with the two maps.
+# The engines as WebAssembly, in the cache; the explorer contains them, and the two maps of the paper.
 rule page_engines:
     output:
         data="<results>/data/page_engines.json",
@@ -55,7 +55,7 @@ rule explorer:
         "../scripts/explorer.py"
 
 
-# The report shows the PNGs, and links to the other kinds of picture and to the explorer.
+# The report shows PNGs, and links to the other formats and to the explorer.
 rule report:
     input:
         "<results>/explorer.html",

@@ -1,4 +1,4 @@
-"""Compute the trajectories that the claims ledger needs beside the figures'."""
+"""Compute the runs of the claims ledger that no figure has."""
 
 from collections import Counter
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Draw the runs that only the claims ledger has."""
+"""Draw the runs of the claims ledger that no figure has."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Draw one of the pictures of the hard cases."""
+"""Draw a picture of the hard cases."""
 
 from pathlib import Path
 

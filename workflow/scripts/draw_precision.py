@@ -1,4 +1,4 @@
-"""Draw one of the pictures of speed against error."""
+"""Draw a picture of speed against error."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Plot where the part aligns only with vibration, only without, in both ways and in neither."""
+"""Plot where the part aligns only with vibration, only without, with and without, or not at all."""
 
 from pathlib import Path
 

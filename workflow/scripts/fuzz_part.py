@@ -1,4 +1,4 @@
-"""Try every property on some of the random sets of `make fuzz`."""
+"""Check the properties of runs on a part of the random sets of `make fuzz`."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Compile the kernels into their cache, and record which ones they are."""
+"""Compile the kernels into the cache, and write the hash of their code."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:
     device = Parameters(**snakemake.params.parameters)
-    # One process, in which the kernels of one scene shorten the compilation of the other's.
+    # In one process, because kernels compiled for one scene are reused for the other.
     align([device], horizon=0.1, cores=1)
     align([device], horizon=0.1, cores=1, scene=INSERTION)
     simulate(device, horizon=0.1)

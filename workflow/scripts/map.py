@@ -1,4 +1,4 @@
-"""Assemble a map from its parts, computing only what appears at their borders."""
+"""Assemble a map from its parts; nodes at the borders between parts are computed here."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Compile the engines for the explorer, into the cache, and state what was made."""
+"""Compile the engines for the explorer into the cache, and write their sizes and hashes."""
 
 import hashlib
 from pathlib import Path

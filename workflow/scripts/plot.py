@@ -1,4 +1,4 @@
-"""Plot a dataset; of a refined map, with the figure's own points."""
+"""Plot a dataset; a refined map is plotted with the points of its figure."""
 
 from pathlib import Path
 

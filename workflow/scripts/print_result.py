@@ -1,4 +1,4 @@
-"""Print a text; fail if its last line is not the one that it must end with, where one is given."""
+"""Print a text; fail if its last line does not contain the param ``must_end``."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Compile the kernels of runs without event location, and record which ones they are."""
+"""Compile the kernels of runs without event location, and write the hash of their code."""
 
 from pathlib import Path
 
