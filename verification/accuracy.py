@@ -1,9 +1,10 @@
-"""Accuracy of the integrator on random sets: the campaign behind `make accuracy`.
+"""Accuracy of the integrator on random sets: `make accuracy`.
 
-Two trials draw parameter sets from the distributions in the configuration. "error" compares every
-alignment time and its ``tau_error`` with a run at a tolerance of 1e-13 and with the independent
-solution, and every way of leaving the scene with the latter; "settled" continues every run that
-ended as settled to several times the horizon. Tables are CSV.
+Two trials draw parameter sets from the distributions in the configuration:
+
+- "error" compares alignment times and their ``tau_error`` with runs at a tolerance of 1e-13 and
+  with the independent solution, and the reasons for leaving the scene with the latter;
+- "settled" continues runs that ended as settled to several times the horizon.
 """
 
 import math
@@ -30,25 +31,25 @@ Table = dict[str, NDArray[Any]]
 TIGHT = 1e-13  # tolerance of the run taken as the truth
 ACCURATE = 1e-8  # accuracy wanted of a regular alignment time
 _AFTER = 1.0  # time after the run's end within which the independent solution may end
-# Names of the ways of leaving the scene in the independent solution.
+# Endings of the independent solution for every reason to leave the scene.
 LEAVING = {
-    Reason.MOVED_AWAY: ("face far", "right wall"),  # a wall's name for all that comes down beside
+    Reason.MOVED_AWAY: ("face far", "right wall"),  # "right wall" too where it comes down beside
     Reason.OVERSHOT: ("face far", "left wall"),
     Reason.CORNER_ON_WALL: ("right wall", "left wall"),
     Reason.EDGE_ON_OTHER_FACE: ("other face",),
     Reason.BOTH_SIDES: ("both sides",),
     Reason.OVERTURNED: ("overturned",),
 }
-_UNBOUNDED = 2_000_000_000  # evaluations: a trial is stopped by its horizon only
-# Wanted of an error estimate (decision 3): rarely too small, hardly ever by a factor of ten, and
-# not because it is large.
+_UNBOUNDED = 2_000_000_000  # evaluations: only the horizon stops a run
+# Requirements on error estimates (decision 3): share of errors below the estimate, share below ten
+# times the estimate, and largest median of estimate over error.
 _COVERED, _NEARLY_COVERED, _TOO_LARGE = 0.95, 0.999, 30.0
-# Largest further motion of a settled run: a difference of 1e-3 that contracts by 0.98 a period.
+# Largest further motion of a settled run: a difference of 1e-3 that shrinks by 0.98 a period.
 FARTHEST = 0.05
 
 
 def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
-    """Run one chunk of a trial; return a table with a row for each set."""
+    """Run one chunk of a trial; return a table with one row a set."""
     numbers = trial.numbers_of_chunk(chunk, chunks)
     batch = trial.batch(numbers)
     judge = _errors if trial.name == "error" else _settled
@@ -61,7 +62,7 @@ def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
 
 
 def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Table:
-    """Return default runs, runs at ``TIGHT``, and the independent solution of certain ends."""
+    """Return default runs, runs at ``TIGHT``, and independent solutions of runs with a sure end."""
     runs = align(batch, settings, cores=cores)
     left = runs.outcome == Outcome.LEFT_SCENE
     ended = np.where(left, run_once(batch, settings, cores=cores)["time"], runs.tau_align)
@@ -97,7 +98,8 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
 def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> tuple[int, bool]:
     """Return the outcome of the batch engine at the horizon, and whether the motion repeats.
 
-    It repeats if from ``since`` on every ``cycle`` has as many events and lift-offs as the first.
+    It repeats if all cycles after ``since``, each of length ``cycle``, have on average as many
+    events and lift-offs as the first.
     """
     from_here = since + 0.37 * cycle  # hardly ever at an event
     whole = int((settings.horizon - from_here) / cycle)
@@ -111,12 +113,12 @@ def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> t
 
 
 def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Table:
-    """Return default runs, and the motion in ``longer`` horizons of those that settled.
+    """Return default runs, and for settled ones the motion up to ``longer`` times the horizon.
 
-    One run of the reference engine is followed and carried on, so that both take the same course.
-    Through a chaotic transient that is another than the one of ``align``, and may settle later than
-    at the horizon: it is followed to where it settles, and compared with its end there. Where it
-    never settles, a run of the batch engine is carried on.
+    The reference engine runs twice, with and without the end by settling, so that both motions are
+    the same up to the end. After a chaotic transient its motion may differ from that of ``align``
+    and settle after the horizon; the end is then taken where it settles. If it never settles, a run
+    of the batch engine is continued instead.
     """
     runs = align(batch, settings, cores=cores)
     long = replace(settings, horizon=longer * settings.horizon, max_evaluations=_UNBOUNDED)
@@ -155,9 +157,9 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
 
 
 class Check(NamedTuple):
-    """One line of the summary: a quantity, its value, and the required value, if any.
+    """One line of the summary: a quantity, its value, and the required value.
 
-    ``holds`` is None where nothing is required.
+    ``holds`` is None if nothing is required.
     """
 
     what: str
@@ -179,9 +181,10 @@ def _share(name: str, counted: NDArray[np.bool_], least: float) -> Check:
 def judge_estimate(
     truth: str, error: NDArray[np.float64], estimate: NDArray[np.float64]
 ) -> list[Check]:
-    """Checks of estimates of errors found against ``truth``, both of shape (n,).
+    """Return checks of error estimates; ``error`` and ``estimate`` have shape (n,).
 
-    An error of NaN, where the truth is another ending, is covered by no estimate.
+    Errors are measured against ``truth``, whose name goes into the checks. An error of NaN, for a
+    set that ends otherwise, is covered by no estimate.
     """
     ratio = np.divide(estimate, error, out=np.full(error.size, math.inf), where=error > 0.0)
     median = float(np.median(ratio[np.isfinite(error)]))
@@ -194,7 +197,7 @@ def judge_estimate(
 
 
 def _against(truth: str, tau: NDArray[np.float64], table: Table) -> list[Check]:
-    """Checks of ``tau_error`` for alignments without a flag."""
+    """Return checks of ``tau_error`` for alignments without a flag."""
     return judge_estimate(truth, np.abs(table["tau_align"] - tau), table["tau_error"])
 
 
@@ -235,7 +238,7 @@ def judge_errors(table: Table) -> list[Check]:
 
 
 def _judge_leaving(table: Table) -> list[Check]:
-    """Checks of the sets that leave the scene, none of them flagged; none without such sets."""
+    """Return checks of the sets that leave the scene; ``table`` has no flagged sets."""
     left = np.flatnonzero(table["outcome"] == Outcome.LEFT_SCENE)
     if not left.size:
         return []
@@ -252,7 +255,7 @@ def _judge_leaving(table: Table) -> list[Check]:
 
 
 def is_wrong(table: Table) -> NDArray[np.bool_]:
-    """Return a mask of sets that ended as settled, but aligned, left, failed or moved later."""
+    """Return a mask of sets that settled, and later aligned, left, failed or moved all the same."""
     settled = table["outcome"] == Outcome.SETTLED
     near = np.nan_to_num(table["later_moved"], nan=math.inf) <= FARTHEST
     stays = (table["later_outcome"] == Outcome.HORIZON_REACHED) & (near | (table["repeats"] == 1))
@@ -260,7 +263,7 @@ def is_wrong(table: Table) -> NDArray[np.bool_]:
 
 
 def judge_settled(table: Table) -> list[Check]:
-    """Judge the "settled" trial, with the number of every set that was wrong."""
+    """Judge the "settled" trial; the numbers of wrong sets are listed."""
     settled, wrong = table["outcome"] == Outcome.SETTLED, is_wrong(table)
     numbers = ", ".join(str(number) for number in table["set"][wrong])
     moved = table["later_moved"][settled & (table["repeats"] == -1)]
@@ -292,21 +295,21 @@ def summary(errors: Table, settled: Table) -> str:
 
 
 def write_table(table: Mapping[str, NDArray[Any]], path: Path) -> None:
-    """Write a table as CSV, whole or not at all; numbers with all their digits."""
+    """Write a table as CSV, numbers with all their digits."""
     with atomic_write(path) as part:
         pd.DataFrame(table).to_csv(part, index=False, na_rep="nan", lineterminator="\n")
 
 
 def read_tables(paths: Sequence[Path]) -> Table:
-    """Return the table whose chunks are in ``paths``, in the order of the sets' numbers.
+    """Return the table of all chunks in ``paths``, sorted by the number of the set.
 
     Raises:
-        ValueError: chunks whose columns differ, or that do not hold each set once.
+        ValueError: a chunk cannot be read, columns differ, or a set is missing or occurs twice.
     """
     chunks: list[pd.DataFrame] = []
     for path in paths:
         try:
-            # A row that is cut off has empty fields; a number that is not known is written "nan".
+            # Only a row that is cut off has empty fields: an unknown number is written "nan".
             chunk = pd.read_csv(path, na_values=["nan"], keep_default_na=False)
             if (chunk == "").to_numpy().any():
                 raise ValueError("a row is cut off")  # noqa: TRY301

@@ -1,7 +1,7 @@
-"""Fuzz: random sets over the whole domain of the parameters, and properties of every run.
+"""Fuzz, `make fuzz`: random sets over the whole domain of the parameters, and properties of runs.
 
-The distributions reach far beyond real devices, to find runs that do not end, end in an undeclared
-way, or end differently when they are repeated. `make fuzz` runs it.
+The distributions reach far beyond real devices, to find runs that do not end, have an undeclared
+outcome, or end differently when they are repeated.
 """
 
 from collections import Counter
@@ -23,9 +23,9 @@ Floats = NDArray[np.float64]
 
 SETTINGS = Settings(horizon=5.0, tolerance=1e-9, max_evaluations=2_500)
 IN_SLOT = Settings(scene=INSERTION, horizon=20.0, tolerance=1e-9, max_evaluations=20_000)
-_PATIENCE = 4  # limits of evaluations that the reference engine may take: its steps are shorter
-_MOST_RUNS = 7  # of a set: two, and three more where they part; each time one of what is flat
-_UNBOUNDED = 500_000_000  # evaluations of a run that its horizon stops
+_PATIENCE = 4  # factor on the limit of evaluations for the reference engine: its steps are shorter
+_MOST_RUNS = 7  # of a set: two, three more if these differ, and runs that start flat
+_UNBOUNDED = 500_000_000  # evaluations: only the horizon stops a run
 _LAST_STEP = 600  # evaluations that a step and its event may take beyond the limit
 
 _LEAVING = (
@@ -41,14 +41,13 @@ _FAILING = (
     Reason.IMPOSSIBLE_START, Reason.STEP_TOO_SMALL, Reason.TOO_MANY_EVALUATIONS, Reason.CHATTER,
     Reason.NOT_FINITE, Reason.NO_FRICTION_SOLUTION,
 )  # fmt: skip
-# A failure that is the solver's own, and not that of a set which asks for too much. It says that
-# there is no answer, which is allowed, but rarely.
+# Failures of the solver that no property of the set explains: allowed, but only in a small share.
 UNEXPLAINED = (Reason.CHATTER, Reason.NOT_FINITE, Reason.STEP_TOO_SMALL,
                Reason.NO_FRICTION_SOLUTION)  # fmt: skip
 
 
 class Law(NamedTuple):
-    """Log-uniform from ``low`` to ``high``; 0 in a share ``zero``, negative in ``minus``."""
+    """Log-uniform from ``low`` to ``high``; a share ``zero`` is 0, a share ``minus`` negative."""
 
     low: float
     high: float
@@ -77,7 +76,7 @@ LAWS: Mapping[str, Law] = {
     "rest_y": Law(1e-2, 1e2, minus=0.1),
     "rest_tilt": Law(1e-6, 1.0, zero=0.5, minus=0.5),
 }
-# Devices of which about half fall in, for the insertion scene: most sets of ``LAWS`` never do.
+# For the insertion scene: about half of these devices fall in, while most sets of ``LAWS`` do not.
 LAWS_IN_SLOT: Mapping[str, Law] = {
     **LAWS,
     "half_width": Law(0.3, 3.0),
@@ -119,7 +118,7 @@ def draw(seed: int, first: int, count: int, laws: Mapping[str, Law] = LAWS) -> B
         if name.startswith("rest_") and law.zero == 0.0:
             value = np.where(rows[:, 2, i] < _DERIVED, np.nan, value)
         values[name] = value
-    # Anywhere on the edge, near its ends above all.
+    # On the edge, most often near its ends.
     reach = values["half_width"] * (2.0 + values["clearance"])
     place = rows[:, 0, -1]
     values["misalignment"] = reach * np.where(rows[:, 1, -1] < 0.5, place, 1e-3**place * 0.999)
@@ -127,7 +126,7 @@ def draw(seed: int, first: int, count: int, laws: Mapping[str, Law] = LAWS) -> B
 
 
 class Finding(NamedTuple):
-    """A broken property: number of the set, the property, and the values found."""
+    """A broken property: number of the set, name of the property, and results of the run."""
 
     number: int
     what: str
@@ -135,11 +134,10 @@ class Finding(NamedTuple):
 
 
 class Report(NamedTuple):
-    """Result of a campaign: outcomes of its runs, sensitive sets, and every violation.
+    """Result of a campaign: outcomes of its runs, sensitive sets, and broken properties.
 
-    ``against_neighbour`` and ``against_reference`` count the sets that were compared: not flagged,
-    chaotic, or stopped at the limit of evaluations, on either side. ``unexplained`` holds the sets
-    that failed without a reason of their own.
+    ``against_neighbour`` and ``against_reference`` count the sets that were compared, whose two
+    runs both have a certain end. ``unexplained`` are the sets that failed by ``UNEXPLAINED``.
     """
 
     sets: int
@@ -153,7 +151,7 @@ class Report(NamedTuple):
 
 
 def _same(one: Alignments, other: Alignments) -> NDArray[np.bool_]:
-    """Return a mask of the sets that agree to the bit, NaN included."""
+    """Return a mask of the sets whose results are equal to the bit; NaN equals NaN."""
     agree = np.ones(len(one), dtype=np.bool_)
     for field in fields(Alignments):
         a, b = getattr(one, field.name), getattr(other, field.name)
@@ -177,7 +175,7 @@ def _sets(batch: Batch, rows: NDArray[np.int64], displaced: float = 0.0) -> Batc
 
 
 def broken_properties(runs: Alignments, settings: Settings) -> dict[str, NDArray[np.bool_]]:
-    """Return, for each required property, a mask of the sets that break it, shape (n,)."""
+    """Return masks of the sets that break a property, shape (n,), by name of the property."""
     inserts = settings.success is Outcome.INSERTED
     ends = (
         (Outcome.INSERTED, Outcome.JAMMED, Outcome.CLIMBED_OUT) if inserts else (Outcome.ALIGNED,)
@@ -218,10 +216,10 @@ def try_sets(
     settings: Settings = SETTINGS,
     laws: Mapping[str, Law] = LAWS,
 ) -> Report:
-    """Run sets of the laws and try every property on them.
+    """Draw and run sets, and check the properties of their runs.
 
     Raises:
-        ValueError: fewer than one set.
+        ValueError: ``count`` is below 1.
     """
     if count < 1:
         raise ValueError(f"sets = {count!r}: must be >= 1")
@@ -234,7 +232,7 @@ def try_sets(
     again = _taken(align(_sets(batch, order), settings, cores=3), order)
     broken["is the same to the bit in another order on other cores"] = ~_same(runs, again)
 
-    # Sets that are flagged, or stopped at the limit, are compared with nothing and not run again.
+    # Only sets with a certain end are compared.
     rows = np.flatnonzero(_is_certain(runs))
     certain = _taken(runs, rows)
 
@@ -256,8 +254,7 @@ def try_sets(
         patient = replace(limits, max_evaluations=_PATIENCE * limits.max_evaluations)
         return align(_sets(batch, which), patient, cores=1, engine="scalar")
 
-    # A neighbour: a set without the flag `sensitive` must end alike a tolerance away. The reference
-    # engine: one run at a time.
+    # A set that is not sensitive must end alike half a tolerance away, and in the reference engine.
     against_neighbour = compare("its neighbour", near) if rows.size else 0
     against_reference = compare("the reference engine", alone) if rows.size else 0
 
@@ -291,15 +288,15 @@ def try_sets(
 
 
 def _is_certain(runs: Alignments) -> NDArray[np.bool_]:
-    """Return a mask of the sets with a certain end: no flag, not chaotic, below the limit.
+    """Return a mask of the sets with a certain end: not sensitive, not chaotic, below the limit.
 
-    A run that stopped at the limit may have stopped before or after its end.
+    Whether a run reaches its end below the limit of evaluations depends on its steps.
     """
     return ~runs.sensitive & ~np.isin(runs.reason, (Reason.TOO_MANY_EVALUATIONS, Reason.CHAOTIC))
 
 
 def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
-    """Return a mask of sets whose outcomes or times differ although both are certain."""
+    """Return a mask of the sets whose outcomes or times differ, if both ends are certain."""
     with np.errstate(invalid="ignore"):
         apart = np.abs(runs.tau_align - others.tau_align) > SENSITIVE
         apart |= np.abs(runs.tau_inserted - others.tau_inserted) > SENSITIVE
@@ -309,11 +306,11 @@ def _differ(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
 
 
 def _one_settles(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
-    """Return a mask of the sets of which one run has settled and the other reaches the horizon.
+    """Return a mask of the sets of which one run settles and the other reaches the horizon.
 
-    Closest approaches are sampled at each engine's own steps, so that one run may pass the test of
-    periodic steady state before the other (decision 6). That is no other motion if both, run on
-    without the test, ``_move_alike``.
+    Engines sample closest approaches at their own steps, so that one run may pass the test of a
+    periodic steady state before the other (decision 6). The motions are still the same if both,
+    continued without the test, ``_move_alike``.
     """
     mine, theirs = (
         runs.outcome == Outcome.HORIZON_REACHED,
@@ -323,14 +320,14 @@ def _one_settles(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
 
 
 def _move_alike(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
-    """Return a mask of the sets that end alike after as many lift-offs and as much sticking."""
+    """Return a mask of the sets with the same end, lift-offs and share of sticking."""
     alike = _is_certain(runs) & _is_certain(others) & ~_differ(runs, others)
     alike &= (runs.outcome == others.outcome) & (runs.separations == others.separations)
     return alike & (np.abs(runs.sticking_share - others.sticking_share) <= SENSITIVE)
 
 
 def _spread(mask: NDArray[np.bool_], rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    """Return the mask of ``count`` sets from that of some ``rows``."""
+    """Return a mask of ``count`` sets from a mask of the sets ``rows``; the others are False."""
     spread = np.zeros(count, dtype=np.bool_)
     spread[rows] = mask
     return spread

@@ -1,4 +1,4 @@
-"""Campaign of `make fuzz`: properties of many random sets, in parts that are added up."""
+"""The campaign of `make fuzz`: many random sets, checked in parts whose reports are added up."""
 
 import json
 from collections import Counter
@@ -9,7 +9,7 @@ from typing import Any
 from verification.fuzz import SCENES, UNEXPLAINED_SHARE, Finding, Report, try_sets
 
 _AT_ONCE = 2000
-_SHOWN = 10  # findings of each kind
+_SHOWN = 10  # findings printed for each property
 HOLDS = "every property holds"
 
 
@@ -23,7 +23,7 @@ def added(reports: Sequence[Report]) -> Report:
 
 
 def try_part(scene: str, seed: int, first: int, count: int) -> Report:
-    """Run ``count`` sets of a scene from number ``first`` on, some thousand at a time."""
+    """Check ``count`` sets of a scene from number ``first`` on."""
     starts = range(first, first + count, _AT_ONCE)
     return added(
         [try_sets(seed, n, min(_AT_ONCE, first + count - n), *SCENES[scene]) for n in starts]
@@ -48,7 +48,7 @@ def read_report(path: Path) -> Report:
 
 
 def summary(report: Report, seed: int, scene: str = "alignment") -> str:
-    """Return what a campaign found, as text; its last line is ``HOLDS`` if nothing is broken."""
+    """Return a report as text; the last line is ``HOLDS`` if no property is broken."""
     settings, _ = SCENES[scene]
     head = (
         f"{report.sets} sets of seed {seed}, scene {scene}, horizon {settings.horizon:g}, "

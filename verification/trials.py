@@ -1,6 +1,6 @@
 """Random parameter sets of `make accuracy`, drawn from the distributions in the configuration.
 
-``accuracy`` runs and judges the trials; a workflow rule imports only this module.
+``accuracy`` runs and judges the trials.
 """
 
 from typing import TYPE_CHECKING, Any, Literal
@@ -21,11 +21,11 @@ TRIALS: tuple[TrialName, ...] = ("error", "settled")
 
 
 class Trial(Plan):
-    """One trial's computation; its JSON is its identity.
+    """A trial as data; the hash of its JSON is its identity.
 
     Attributes:
         name: "error" or "settled".
-        parameters: every parameter, None where it is derived; drawn ones hold the baseline's.
+        parameters: every parameter, None where it is derived; drawn ones as in the baseline.
         settings: settings of the runs, with the trial's own horizon.
         ranges: distributions of the drawn parameters.
         seed: seed of the draw; the two trials draw different sets.
@@ -43,7 +43,7 @@ class Trial(Plan):
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """Return the metadata of a sidecar: identity, parameters held and drawn, settings."""
+        """Metadata of the sidecar: identity, parameters held and drawn, settings."""
         drawn = [
             {
                 "parameter": name,
@@ -63,17 +63,17 @@ class Trial(Plan):
         }
 
     def numbers_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
-        """Return the numbers of a chunk's sets: every ``chunks``-th one.
+        """Return the numbers of a chunk's sets: every ``chunks``-th set.
 
         Raises:
-            ValueError: a chunk that is not one of ``chunks``.
+            ValueError: ``chunk`` is not below ``chunks``.
         """
         if not 0 <= chunk < chunks:
             raise ValueError(f"chunk = {chunk}: must be 0 to {chunks - 1}")
         return np.arange(chunk, self.sets, chunks, dtype=np.int64)
 
     def batch(self, numbers: NDArray[np.int64]) -> Batch:
-        """Return the sets of these numbers; a set does not depend on how many there are."""
+        """Return sets by their numbers; a set does not depend on the number of sets drawn."""
         rng = np.random.default_rng([self.seed, TRIALS.index(self.name)])
         draws = rng.random((self.sets, 2, len(self.ranges)))[numbers]
         drawn = {}
@@ -84,7 +84,7 @@ class Trial(Plan):
 
 
 def trial_of(study: "Study", name: TrialName) -> Trial:
-    """Return a trial of the study's law."""
+    """Return a trial of a study."""
     law = study.accuracy
     return Trial(
         name=name,

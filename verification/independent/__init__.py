@@ -1,4 +1,4 @@
-"""Independent solution of the runs, for verification of the integrator."""
+"""The independent solution: a second statement of the model on scipy, to verify the integrator."""
 
 from verification.independent.insertion import insert
 from verification.independent.solution import Solution, solve

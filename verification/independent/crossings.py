@@ -1,4 +1,4 @@
-"""Search for events on the dense output of a step, at many more places than its ends."""
+"""Search for events on the dense output of a step, which is sampled at many times."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -11,16 +11,17 @@ from verification.independent.motion import State
 
 Function = Callable[[Any, State], Any]
 
-ON_ZERO = 1e-9  # an event function below this, as a mode begins, begins on its zero
+ON_ZERO = 1e-9  # an event function below this at the beginning of a mode begins on its zero
 _NODES = np.concatenate([[0.0, 1e-4, 1e-3, 1e-2], np.linspace(1 / 24, 1.0, 24)])
 
 
 def first_event(
     functions: Mapping[str, Function], sol: Any, start: float, end: float, muted: str
 ) -> tuple[str, float] | None:
-    """Return the earliest event on the dense output ``sol`` between two times.
+    """Return (name, time) of the earliest event on the dense output ``sol`` between two times.
 
-    The ``muted`` one changed nothing where the mode began: it counts once it has been positive.
+    The ``muted`` event began the mode and changed nothing: it counts only after its function has
+    been positive.
     """
     times = start + _NODES * (end - start)
     states = sol(times)

@@ -1,7 +1,7 @@
-"""Runs of the independent solution on into the slot, until the part is inserted.
+"""Runs of the independent solution in the slot, after alignment, until the part is inserted.
 
-It shares no code with ``model``: the contacts in the slot are those of motion.py, and whether a
-part is wedged follows from the directions of its two normal forces.
+It shares no code with ``model``. motion.py has the contacts in the slot. A part is wedged if the
+line between its two contacts lies within the friction angle of both normal forces.
 """
 
 import cmath
@@ -22,7 +22,7 @@ def _stands_on(mode: Mode, edge: int) -> bool:
 
 
 class _Insertion(Run):
-    """One run, of which what follows the fall into the slot is added."""
+    """A run that is continued after alignment, in the slot."""
 
     def __init__(self, device: Device, tolerance: float, depth: float) -> None:
         super().__init__(device, tolerance)
@@ -80,9 +80,9 @@ class _Insertion(Run):
         return found if isinstance(found, str) else self.pressed(time, z, found)
 
     def pressed(self, time: float, z: State, mode: Mode) -> Mode | str:
-        """Return the mode with the contacts of corners that are already behind a wall.
+        """Return the mode with contacts for corners that are behind a wall already.
 
-        As A1 passes B1 under load, the tilt has put B1 behind the wall.
+        When A1 passes B1 under load, the tilted part has B1 behind the wall.
         """
         for wall, side in (("right_wall", RIGHT), ("left_wall", LEFT)):
             free = getattr(mode, wall) == "off" and not _stands_on(mode, side)
@@ -92,13 +92,13 @@ class _Insertion(Run):
         return mode
 
     def _off_wall(self, side: int, at: Body) -> Any:
-        """Return a level that is negative for a corner behind its wall, deeper below the plane."""
+        """Return a level < 0 for a corner that is behind its wall, and farther below the plane."""
         corner = self.device.corner(side, at)
         behind = side * corner.real - self.device.l
         return highest(-behind, behind + corner.imag)
 
     def _touches(self, wall: str, time: float, z: State, mode: Mode) -> Mode | str:
-        """Return the mode after a corner has come behind its wall."""
+        """Return the mode after a corner has touched its wall."""
         touch = self.touch(wall, mode, body(z))
         pulls = touch.load <= 0.0 and self.device.p.contact_damping > 0.0
         changes: dict[str, Any] = {wall: "released" if pulls else "on"}
@@ -109,7 +109,7 @@ class _Insertion(Run):
         return self._next(time, z, mode, replace(mode, **changes))
 
     def _in_slot(self, name: str, time: float, z: State, mode: Mode) -> Mode | str | None:
-        """Return what follows an event that only a part in the slot meets; None for others."""
+        """Return the mode or ending after an event that only the slot has; None for others."""
         what, _, event = name.partition(" ")
         at = body(z)
         if event == "touches":
@@ -138,11 +138,11 @@ class _Insertion(Run):
         return self._after_meeting(event, side, time, z, off_right)
 
     def continued(self, time: float, z: State, mode: Mode) -> Mode | str:
-        """Return the mode after the fall into the slot, or the name of the end."""
+        """Return the mode after the fall into the slot, or the ending."""
         return self.pressed(time, z, replace(mode, dropped=True, face="off"))
 
     def end_at_horizon(self, z: State, mode: Mode) -> str:
-        """Return how a part ends that neither is inserted nor leaves the slot."""
+        """Return the ending of a part that is neither inserted nor out of the slot."""
         if not mode.dropped:
             return "horizon"
         d, at = self.device, body(z)
@@ -166,10 +166,13 @@ class _Insertion(Run):
 def insert(
     parameters: Parameters, horizon: float, depth: float, tolerance: float = SMALLEST_TOLERANCE
 ) -> Solution:
-    """Solve for one parameter set until both bottom corners are at a depth, dimensionless.
+    """Solve for one parameter set until both bottom corners are at a depth (dimensionless).
 
-    The ending is "inserted", "wedged" or "lack of force" for a part that is held at two points at
-    the horizon, "climbed out", "horizon", or the event at which the part left the scene. ``tau`` is
-    that of alignment, from which the horizon counts once more. Errors as of ``solve``.
+    The ending is "inserted"; "wedged" or "lack of force" if the part sticks at two points at the
+    horizon; "climbed out"; "horizon"; or the event at which the part left the scene. ``tau`` is the
+    alignment time, at which the horizon begins anew.
+
+    Raises:
+        ArithmeticError, ValueError: as ``solve``.
     """
     return _Insertion(Device(parameters), tolerance, depth).run(horizon)

@@ -1,7 +1,8 @@
-"""Second statement of the model, for verification of the package: contacts, forces, friction.
+"""Second statement of the model, to verify the package: contacts, forces, friction.
 
-It shares no code with ``model``. Vectors of the plane are complex numbers, a contact is a place, a
-tangent and a normal, and forces act by r × F. Consistent readings only.
+It shares no code with ``model``. Vectors of the plane are complex numbers. A contact is a place
+with a tangent and a normal, and the moment of a force is r × F. Only the consistent variant of the
+equations.
 """
 
 import cmath
@@ -19,10 +20,10 @@ RIGHT, LEFT = 1, -1
 
 @dataclass(frozen=True)
 class Mode:
-    """States of the contacts, "on", "off" or "released", and signs of the slips (0 sticks).
+    """States of the contacts, "on", "off" or "released", and signs of the slips (0: sticks).
 
-    ``right_side`` is A1 on the right side face, ``right_wall`` and ``left_wall`` B1 and B2 on the
-    walls of the slot. The contacts of the right side take the place of the support, and its slip.
+    ``right_side`` is A1 on the right side face; ``right_wall`` and ``left_wall`` are B1 and B2 on
+    the walls of the slot. Contacts of the right side replace the support; its slip is then theirs.
     """
 
     edge: int = RIGHT
@@ -51,7 +52,10 @@ class Mode:
 
 
 class Body(NamedTuple):
-    """Mass centre, direction e_t of the bottom face, their rates: complex, scalar or arrays."""
+    """Mass centre, direction e_t of the bottom face, velocity, and rate of the tilt.
+
+    Complex numbers (``turn`` real), or arrays of them.
+    """
 
     centre: Any
     along: Any
@@ -60,7 +64,10 @@ class Body(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """A contact: place from the centre, tangent, normal, load, slip, and its free drift."""
+    """A contact; ``place`` is relative to the mass centre.
+
+    ``drift`` is the part of the slip acceleration that depends on velocities only.
+    """
 
     place: Any
     tangent: Any
@@ -77,7 +84,7 @@ def dot(a: Any, b: Any) -> Any:
 
 
 def body(z: State) -> Body:
-    """Return the part in a state, shape (6,), or in many, shape (6, n)."""
+    """Return the ``Body`` of a state, shape (6,), or of many, shape (6, n)."""
     if z.ndim == 1:
         x, y, tilt, x_rate, y_rate, turn = z.tolist()
         return Body(complex(x, y), cmath.exp(1j * tilt), complex(x_rate, y_rate), turn)
@@ -90,7 +97,10 @@ def highest(*values: Any) -> Any:
 
 
 def _group(touches: list[Touch], slides: int, reverse: bool) -> tuple[Any, ...]:
-    """Return (contacts, shares of the friction, sign of the slip, load); the deciding one first."""
+    """Return (contacts, shares of the friction, sign of the slip, load).
+
+    The slip of the first contact decides; ``reverse`` makes the last one the first.
+    """
     total = sum(touch.load for touch in touches)
     shares = [touch.load / total if len(touches) > 1 else 1.0 for touch in touches]
     if reverse:
@@ -134,7 +144,7 @@ class Device:
     def _touch(
         self, at: Body, place: Any, tangent: Any, normal: Any, reach: Any, *, fixed_to_base: bool
     ) -> Touch:
-        """Return a contact; an edge is fixed to the base and a corner to the part."""
+        """Return a contact; an edge is ``fixed_to_base``, a corner to the part."""
         of_part = at.velocity + 1j * at.turn * place
         depth = reach + dot(place, normal) if fixed_to_base else reach - dot(place, normal)
         load = self.p.contact_stiffness * depth - self.p.contact_damping * dot(of_part, normal)
@@ -149,20 +159,19 @@ class Device:
         return at.centre + complex(side * self.a, -self.b) * at.along
 
     def depths(self, side: int, at: Body) -> tuple[Any, Any, Any, Any]:
-        """Return the depth of an edge behind the bottom, left, right and top face."""
+        """Return the depths of an edge behind the bottom, left, right and top face of the part."""
         place = (side * self.l - at.centre) * at.along.conjugate()
         return self.b + place.imag, self.a + place.real, self.a - place.real, self.b - place.imag
 
     def not_aligned(self, at: Body) -> Any:
-        """Return a level that is negative with A1 beyond B1 and B2 in the slot."""
+        """Return a level that is negative when A1 is beyond B1, and B2 in the slot."""
         corner = self.corner(LEFT, at)
         return highest(self.depths(RIGHT, at)[2], -corner.real - self.l, corner.imag)
 
     def rates(self, time: Any, z: State, mode: Mode) -> tuple[Any, ...]:
-        """Return (acceleration, angular one, contacts, frictions, slip accelerations).
+        """Return (acceleration, angular acceleration, groups, frictions, slip accelerations).
 
-        Contacts are two groups, support and side: (contacts, their shares of the friction, sign of
-        the slip, load); the slip of the first contact counts.
+        The two groups of contacts, support and side, are as from ``_group``.
         """
         p, at = self.p, body(z)
         support = []

@@ -1,8 +1,8 @@
-"""Runs of the independent solution: events and transitions.
+"""Runs of the independent solution: events and transitions up to alignment.
 
-It shares no code with ``model``. Events are sought on the dense output of scipy's DOP853, and then
-met by integrating up to them. Slow; consistent readings only. What follows alignment is in
-insertion.py.
+It shares no code with ``model``. Events are located on the dense output of scipy's DOP853, and the
+state at an event is integrated anew. It is slow, and has the consistent variant of the equations
+only. insertion.py continues runs in the slot.
 """
 
 import itertools
@@ -30,19 +30,20 @@ from verification.independent.motion import (
 
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
 _ABSOLUTE = 1e-2  # scipy's atol over its rtol
-_AT_REST = 1e-11
+_AT_REST = 1e-11  # a slip below this is none
 _NO_LOAD = 1e-11
 FLAT = 1e-8  # a part tilted by less rests on its edge
-MOMENT = 1e-5
+MOMENT = 1e-5  # time ahead at which friction without load is decided
 _FIRST_STEP = 1e-3
 _MOST_EVENTS = 100_000
 _CONTACTS = "face", "side", "corner", "right_side", "right_wall", "left_wall"
 
 
 class Solution(NamedTuple):
-    """Result of a run: ``tau`` of alignment, else NaN; the events met, in order.
+    """Result of a run.
 
-    ``ending`` is "aligned", "horizon", or the event at which the part left the scene.
+    ``ending`` is "aligned", "horizon", or the event at which the part left the scene. ``tau`` is
+    the alignment time, NaN without an alignment; ``events`` are in order of time.
     """
 
     ending: str
@@ -52,7 +53,7 @@ class Solution(NamedTuple):
 
 
 def _with(mode: Mode, what: str, state: str) -> Mode:
-    """Return the mode with another state of one contact; a corner that opens forgets its offset."""
+    """Return the mode with one contact in ``state``; a corner that opens loses its offset."""
     if what == "corner" and state == "off":
         mode = replace(mode, offset=0.0)
     changes: dict[str, Any] = {what: state}
@@ -60,7 +61,7 @@ def _with(mode: Mode, what: str, state: str) -> Mode:
 
 
 class Run:
-    """One run of a device: its modes one after the other."""
+    """A run of a device through its modes."""
 
     def __init__(self, device: Device, tolerance: float) -> None:
         self.device, self.tolerance = device, tolerance
@@ -135,7 +136,7 @@ class Run:
             rising = (at.velocity + 1j * at.turn * place).imag
             return highest(*beside(at), side * z[2] + FLAT, rising)
 
-        if side == RIGHT or mode.side == "off":  # else B2 has come through the slot's wall
+        if side == RIGHT or mode.side == "off":  # else B2 came through the slot's wall
             add(f"{name} lands", lands)
         if not faced:
             add(f"{name} wall", lambda _t, z, at: highest(*beside(at), -side * z[2] - FLAT))
@@ -165,7 +166,7 @@ class Run:
         return "horizon"
 
     def run(self, horizon: float) -> Solution:
-        """Run from the start to the end; after alignment the horizon counts once more."""
+        """Run from the start to the end; after alignment the horizon begins anew."""
         p = self.device.p
         reach = self.device.l - p.misalignment
         y = (self.device.b - reach * math.sin(p.initial_tilt)) / math.cos(p.initial_tilt)
@@ -193,12 +194,12 @@ class Run:
     def segment(
         self, time: float, z: State, mode: Mode, end: float, muted: str
     ) -> tuple[str, float, State]:
-        """Integrate in one mode up to its event: (name or "", time, state)."""
+        """Integrate in one mode; return (name of the event or "" at ``end``, time, state)."""
 
         def derivative(t: float, y: State) -> State:
             return self.device.derivative(t, y, mode)
 
-        # Places, tilts and rates are small beside 1.
+        # The absolute tolerance is smaller, because positions, tilts and rates are small beside 1.
         options = {"rtol": self.tolerance, "atol": _ABSOLUTE * self.tolerance}
         solver = DOP853(
             derivative, time, z, end, first_step=min(_FIRST_STEP, end - time), **options
@@ -219,7 +220,7 @@ class Run:
             state = solve_ivp(
                 derivative, (solver.t_old, met), before, method="DOP853", **options
             ).y[:, -1]
-            # One step of Newton's method takes out the error of the dense output.
+            # One step of Newton's method removes the error of the dense output.
             function, near = self.functions(mode)[name], 1e-4 * (solver.t - solver.t_old)
             slope = float(function(met + near, sol(met + near)) - function(met, sol(met))) / near
             move = -float(function(met, state)) / slope if slope else 0.0
@@ -231,12 +232,15 @@ class Run:
     def decided(
         self, time: float, z: State, mode: Mode, support_rests: bool, side_rests: bool
     ) -> Mode:
-        """Return the mode whose friction fits the slips: at rest the first that is consistent."""
+        """Return the mode with friction that fits the slips; at rest the first consistent one.
+
+        ``support_rests`` and ``side_rests`` tell that the contact stuck before.
+        """
         on_edge = "on" in (mode.face, mode.right_side)
         on_corner = "on" in (mode.corner, mode.right_wall)
         at_corner = on_corner and (mode.slip_at_corner or not on_edge)
         at_wall = mode.left_wall == "on" and (mode.slip_at_wall or mode.side != "on")
-        # A contact that stuck at one place may slip at the other.
+        # Where the friction moves from edge to corner or back, a contact that stuck may slip.
         support_rests = support_rests and at_corner == mode.slip_at_corner
         side_rests = side_rests and at_wall == mode.slip_at_wall
         mode = replace(mode, slip_at_corner=at_corner, slip_at_wall=at_wall)
@@ -259,7 +263,7 @@ class Run:
             trial = replace(mode, slides=slides, side_slides=side_slides)
             at, now = z, time
             holds, begins = True, {}
-            if unloaded:  # decide by the state a moment ahead
+            if unloaded:  # no friction without load: decide by the state a moment ahead
                 at, now = z.copy(), time + MOMENT
                 rate = self.device.derivative(time, z, trial)
                 at[:3] += MOMENT * (z[3:] + 0.5 * MOMENT * rate[3:])
@@ -285,12 +289,12 @@ class Run:
         raise ArithmeticError("no friction fits the slips")
 
     def _next(self, time: float, z: State, was: Mode, mode: Mode) -> Mode:
-        """Return ``decided`` where a contact that sticks goes on if friction still suffices."""
+        """Return ``decided``; a contact that sticks goes on sticking if friction suffices."""
         rests = was.slides == 0 and was.supported
         return self.decided(time, z, mode, rests, was.beside and was.side_slides == 0)
 
     def after(self, name: str, time: float, z: State, mode: Mode) -> Mode | str:
-        """Return the mode that follows an event, or the name of the end."""
+        """Return the mode that follows an event, or the ending."""
         d, at = self.device, body(z)
         if name in ("aligned", "overturned", "left wall", "right wall", "face far"):
             return name
@@ -317,7 +321,7 @@ class Run:
     def _after_meeting(
         self, event: str, side: int, time: float, z: State, mode: Mode
     ) -> Mode | str:
-        """Return the mode after an edge enters by its nearest face, or after a corner lands."""
+        """Return the mode after an edge enters the part or a corner lands, or the ending."""
         d, at = self.device, body(z)
         elsewhere = mode.edge != side and (mode.face != "off" or mode.corner != "off")
         bottom, left, right, top = d.depths(side, at)
@@ -345,16 +349,15 @@ class Run:
 def solve(
     parameters: Parameters, horizon: float, tolerance: float = SMALLEST_TOLERANCE
 ) -> Solution:
-    """Solve for one parameter set (consistent readings, alignment scene).
+    """Solve the alignment scene for one parameter set, with the consistent variant.
 
     Args:
         parameters: the device, tilted toward the slot at the start or upright.
         horizon: latest time, dimensionless.
-        tolerance: scipy's rtol, a hundredth of it its atol; by default the smallest rtol that it
-            takes.
+        tolerance: scipy's rtol; its atol is a hundredth of it. The default is scipy's smallest.
 
     Raises:
-        ArithmeticError: scipy gives up, or no friction force is consistent.
-        ValueError: a part that starts tilted away from the slot, on its corner.
+        ArithmeticError: scipy fails, or no friction force is consistent.
+        ValueError: the part starts tilted away from the slot, on its corner.
     """
     return Run(Device(parameters), tolerance).run(horizon)
