@@ -4,7 +4,7 @@ import argparse
 import os
 from pathlib import Path
 
-# One core for everybody, settled before any of their libraries is imported.
+# One core for all methods; libraries read this when they are imported.
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[_name] = "1"
 if hasattr(os, "sched_setaffinity"):
@@ -26,7 +26,7 @@ def _say(line: str) -> None:
 
 
 def main() -> None:
-    """Read the command line and do it."""
+    """Run the benchmark that the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a rough table within three minutes")
     parser.add_argument("--only", default="", metavar="TEXT", help="methods with this in the name")

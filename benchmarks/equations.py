@@ -1,13 +1,13 @@
 """The peers' own statement of the physics: equations of motion, event functions and modes.
 
-``equations(sin, cos)`` works on the operands of these two: floats in a numba kernel, or heyoka's
-expressions. It shares no code with the package that it is compared to, and models the contacts of
-the chosen problems: the edge A1 under the bottom face, and flight. Notation as in
-``model.physics.notation``; everything dimensionless.
+It shares no code with the package. ``equations(sin, cos)`` takes floats in a numba kernel, or
+heyoka's expressions, as ``sin`` and ``cos`` do. The contacts are those of the chosen problems: the
+edge A1 under the bottom face, or none. Notation as in ``model.physics.notation``; all quantities
+are dimensionless.
 
-A mode is a smooth vector field. It ends at a down-crossing of one of its event functions;
-``next_mode`` gives the mode that follows. One set of equations holds in all modes, and a mode is
-the values of its coefficients (``Mode``).
+A mode is a smooth vector field. It ends when one of its event functions crosses zero downwards;
+``next_mode`` gives the mode that follows. All modes have the same equations, and differ in the
+coefficients ``Mode``.
 """
 
 import math
@@ -52,7 +52,7 @@ DEVICE_SIZE = len(Device._fields)
 
 
 def device(parameters: Parameters) -> tuple[float, ...]:
-    """The constants of ``parameters``, in the order of ``Device``."""
+    """Return the constants of a device, in the order of ``Device``."""
     values = parameters.given() | {"slot_half_width": parameters.slot_half_width}
     values["rest_x"] = _or(values["rest_x"], parameters.misalignment)
     values["rest_y"] = _or(values["rest_y"], parameters.half_height)
@@ -64,9 +64,9 @@ def _or(value: float | None, default: float) -> float:
 
 
 class Mode(NamedTuple):
-    """Coefficients of the equations: the forces that act, and the event functions.
+    """Coefficients of the equations: of the forces, and of the event functions.
 
-    A function without coefficients keeps its offset, 1, and is never met.
+    An event function without coefficients equals its offset, 1, and never crosses zero.
     """
 
     load: Any = 0.0
@@ -114,10 +114,10 @@ MODES = (
 
 
 class Touch(NamedTuple):
-    """The edge A1 in the frame of the part.
+    """The contact at the edge A1, in the frame of the part.
 
-    Where it stands along the face (s) and along the axis (r·e_n), how deep and how fast it goes in,
-    the slip, and the part of the slip's acceleration that no force makes.
+    ``along_face`` is s and ``along_axis`` r·e_n; ``slip_drift`` is the part of the slip
+    acceleration that depends on velocities only.
     """
 
     along_face: Any
@@ -134,8 +134,8 @@ class Equations(NamedTuple):
     """Functions of time ``t``, state ``y`` (6,), ``Device`` ``p`` and ``Mode`` ``m``.
 
     ``sticking_friction(t, y, p, touch)`` is the friction force that keeps the slip constant, and
-    ``slip_acceleration(t, y, p, touch, load, friction)`` how the slip changes under a friction
-    force. ``left_corner(y, p)`` is (X, Y) of the corner B2.
+    ``slip_acceleration(t, y, p, touch, load, friction)`` the slip acceleration under a load and a
+    friction force. ``left_corner(y, p)`` is (X, Y) of the corner B2.
     """
 
     touch: Callable[..., Any]
@@ -151,7 +151,7 @@ def equations(
     cos: Callable[[Any], Any],
     compiled: Callable[[Any], Any] = lambda function: function,
 ) -> Equations:
-    """The equations on top of ``sin`` and ``cos``, each function passed through ``compiled``."""
+    """Return the equations with these ``sin`` and ``cos``; ``compiled`` decorates each function."""
 
     @compiled
     def touch(y, p):
@@ -230,7 +230,7 @@ _OPEN = MODES[OPEN]
 
 
 def start(parameters: Parameters) -> Any:
-    """State (6,) at τ = 0: at rest, the bottom face touching A1 without pressing."""
+    """Return the state (6,) at τ = 0: at rest, the bottom face on A1 without load."""
     x, tilt = parameters.misalignment, parameters.initial_tilt
     r_x = parameters.slot_half_width - x
     y = (parameters.half_height - r_x * math.sin(tilt)) / math.cos(tilt)
@@ -247,7 +247,7 @@ def _device_of(p):
 
 
 def rates_in(mode: int):
-    """``f(t, y, p) -> dy/dt`` in ``mode``, compiled."""
+    """Return a compiled ``f(t, y, p) -> dy/dt`` for a mode."""
     coefficients = MODES[mode]
 
     @numba.njit(
@@ -260,7 +260,7 @@ def rates_in(mode: int):
 
 
 def event_in(mode: int, which: int):
-    """``g(t, y, p) -> float``, the event function ``which`` of ``mode``, compiled."""
+    """Return a compiled ``g(t, y, p) -> float``, the event function ``which`` of a mode."""
     coefficients = MODES[mode]
 
     @numba.njit(["f8(f8, f8[::1], f8[::1])", "f8(f8, f8[:], f8[::1])"], error_model="numpy")
@@ -277,7 +277,7 @@ def _sliding(slip):
 
 @jit
 def first_mode(t, y, p):
-    """At rest on the edge without load: it slides as it would without friction, or lifts off."""
+    """Return the first mode, at rest without load: it slides as without friction, or flies."""
     q = _device_of(p)
     at = _touch(y, q)
     ahead = y + _MOMENT * np.array(_rates(t, y, q, _OPEN))
@@ -288,14 +288,14 @@ def first_mode(t, y, p):
 
 @jit
 def _aligned(y, q):
-    """Return whether B2 is inside the slot; the caller knows that A1 is beyond B1."""
+    """Return whether B2 is inside the slot, for a part with A1 beyond B1."""
     x, height = _left_corner(y, q)
     return x >= -q.slot_half_width and height < 0.0
 
 
 @jit
 def _stop_slip(y, q, at):
-    """Take the slip left by the location of an event out of ``y``, by a friction impulse."""
+    """Remove from ``y`` the slip that the located event has left, by a friction impulse."""
     impulse = -at.slip / (1.0 + at.along_axis * at.along_axis / q.inertia)
     y[3] += impulse * at.cos
     y[4] += impulse * at.sin
@@ -304,7 +304,7 @@ def _stop_slip(y, q, at):
 
 @jit
 def next_mode(t, y, p, mode, which):
-    """The mode after ``which`` of ``mode`` has fallen; a slip that ends is taken out of ``y``."""
+    """Return the mode after the event ``which``; where a slip ends, set it to zero in ``y``."""
     q = _device_of(p)
     at = _touch(y, q)
     if mode == BEYOND:

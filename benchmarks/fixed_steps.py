@@ -16,7 +16,7 @@ KIND = "fixed_steps"
 
 
 class Wrong(IntEnum):
-    """Kind of error of a point; the values are the flags stored in the dataset."""
+    """Error of a point; the values are the flags in the dataset."""
 
     NOT_WRONG = 0
     WRONG_OUTCOME = 1
@@ -26,10 +26,10 @@ class Wrong(IntEnum):
 def judged(
     tau: NDArray[np.float64], located: NDArray[np.float64], tau_tolerance: float
 ) -> NDArray[np.int8]:
-    """Return ``Wrong`` of alignment times against those with event location; shapes broadcast.
+    """Return ``Wrong`` for alignment times against ``located`` ones; shapes broadcast.
 
-    Times are NaN where not aligned. A point is wrong if its outcome, aligned or not, differs, or
-    its time by more than ``tau_tolerance``.
+    A time is NaN without an alignment. A point is wrong if only one of its runs aligns, or if the
+    times differ by more than ``tau_tolerance``.
     """
     aligned, should = ~np.isnan(tau), ~np.isnan(located)
     both = aligned & should
@@ -42,7 +42,7 @@ def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
     """Return alignment times by scheme and step beside those of the figure's dataset.
 
     Raises:
-        DatasetError: ``located`` is of another sweep.
+        DatasetError: ``located`` belongs to another sweep.
     """
     sweep = plan.sweep
     of = located.attrs.get("config_hash")
@@ -99,7 +99,7 @@ def fixed_step_dataset(plan: FixedStepPlan, located: xr.Dataset) -> xr.Dataset:
 
 
 def wrong_counts(dataset: xr.Dataset) -> dict[tuple[str, float], dict[str, int]]:
-    """Counts by scheme and step: all points, each kind of ``Wrong``, and wrong sensitive ones."""
+    """Return counts by scheme and step: all points, points by ``Wrong``, wrong sensitive points."""
     sensitive = dataset["sensitive"].values == 1
     counts = {}
     for row, scheme in enumerate(str(dataset["scheme"].attrs["flag_meanings"]).split()):

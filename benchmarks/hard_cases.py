@@ -1,12 +1,12 @@
 """Hard cases: every method on scenes that are hard to integrate.
 
-A method is stable on a case if its outcome is right and its error within the required accuracy,
-inaccurate if it gives another answer, and broken if it gives none. The true solution is the default
-method's at a far smaller tolerance; if two such tolerances disagree, errors of a state are
-meaningless and only the outcome is judged.
+A method is *stable* on a case if its outcome is right and its error within the required accuracy,
+*inaccurate* if it gives another answer, and *broken* if it gives none. The true solution is the
+default method's at a far smaller tolerance. If two such tolerances disagree, only the outcome is
+judged.
 
-The batch engine, which steps by Taylor series, is judged on the bases beside the methods of the
-speed-against-error comparison, as ``BATCH``.
+Besides the methods of the speed-against-error comparison, the batch engine (Taylor series) is
+judged as ``BATCH``, on the cases that vary the base.
 """
 
 import math
@@ -31,7 +31,7 @@ from model.study.csv_tables import read_records, records_text
 DEFAULT, BATCH = "dop853_located", "batch"
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
-_TRUE_EVALUATIONS = 2_000_000_000  # the limit is for the others
+_TRUE_EVALUATIONS = 2_000_000_000  # true runs have no practical limit
 
 
 class Mark(Enum):
@@ -44,7 +44,7 @@ class Mark(Enum):
 
 @dataclass(frozen=True)
 class CertainTruth(Truth):
-    """The true run of a case; ``uncertainty`` of its alignment time or final state."""
+    """The true run of a case; ``uncertainty`` is the error of its alignment time or final state."""
 
     uncertainty: float
 
@@ -53,8 +53,8 @@ class CertainTruth(Truth):
 class Judged:
     """Result of one method on one case.
 
-    ``outcome`` is the true one, ``error`` NaN where there is none to measure, ``uncertainty`` that
-    of the truth, and ``microseconds`` the CPU time of this one run.
+    ``outcome`` and ``uncertainty`` are those of the true run. ``error`` is NaN if only the outcome
+    is judged. ``microseconds`` is the CPU time of this single run.
     """
 
     case: str
@@ -94,7 +94,7 @@ def methods_for(plan: HardCasesPlan, name: str) -> list[str]:
 
 
 def compile_batch(plan: HardCasesPlan) -> None:
-    """Run the batch engine on the first case, so that no case's time holds the compilation."""
+    """Run the batch engine on the first case, so that no time includes the compilation."""
     problem = problem_of(plan, next(iter(plan.spec.all_cases)))
     HARD_METHODS[BATCH].answer(problem, plan.spec.tolerance)
 
@@ -140,7 +140,7 @@ def judge(plan: HardCasesPlan, name: str, method: str, truth: CertainTruth) -> J
 def mark_of(
     solution: Solution, truth: CertainTruth, accurate: float
 ) -> tuple[float, Verdict, Mark]:
-    """Return (error, verdict, mark); the error is NaN where only the outcome can be judged."""
+    """Return (error, verdict, mark); the error is NaN if only the outcome can be judged."""
     if solution.failure is None and not np.isfinite(solution.states).all():
         return math.nan, Verdict.FAILED, Mark.BROKEN
     error, verdict = deviation_of(solution, truth)
@@ -148,7 +148,7 @@ def mark_of(
         return math.nan, verdict, Mark.BROKEN
     if verdict == Verdict.WRONG_OUTCOME:
         return math.nan, verdict, Mark.INACCURATE
-    # A part that leaves the scene does so at an event that the others do not have.
+    # Other methods do not locate the event at which a part leaves: its state there has no error.
     if truth.outcome == Outcome.LEFT_SCENE or truth.uncertainty > 0.1 * accurate:
         return math.nan, verdict, Mark.STABLE
     return error, verdict, Mark.STABLE if error <= accurate else Mark.INACCURATE
@@ -160,14 +160,14 @@ _FORMATS = {"error": ".3e", "uncertainty": ".1e", "microseconds": ".0f"}
 
 
 def table_of(judged: list[Judged], *, times: bool) -> str:
-    """Return the judged runs as CSV, with or without their CPU times, new in every build."""
+    """Return the judged runs as CSV, with or without CPU times, which differ between builds."""
     return records_text(Judged, judged, _FORMATS, without="" if times else "microseconds")
 
 
 def read_judged(path: Path) -> list[Judged]:
-    """Return the judged runs that ``table_of`` wrote; times that are not there are NaN.
+    """Return the judged runs of a table by ``table_of``; missing times are NaN.
 
     Raises:
-        TableError: a file that is missing or not such a table.
+        TableError: the file is missing or no such table.
     """
     return read_records(path, "hard cases", Judged)

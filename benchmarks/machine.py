@@ -1,4 +1,4 @@
-"""What a benchmark ran on: processor, Python and versions."""
+"""The machine of a benchmark: processor, Python and versions."""
 
 import importlib.metadata
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def facts(packages: Sequence[str]) -> dict[str, object]:
-    """Processor, Python and the versions of ``packages``; nothing that names the machine."""
+    """Return processor, Python and versions of ``packages``, without the name of the machine."""
     return {
         "processor": processor(),
         "cores": os.cpu_count(),
@@ -21,7 +21,7 @@ def facts(packages: Sequence[str]) -> dict[str, object]:
 
 
 def processor() -> str:
-    """Name of the processor, from the operating system."""
+    """Return the name of the processor, from the operating system."""
     info = Path("/proc/cpuinfo")
     if info.is_file():
         for line in info.read_text(encoding="utf-8").splitlines():

@@ -1,8 +1,8 @@
-"""Maps that follow their boundary against full grids: wrong nodes, and the share of trajectories.
+"""Refined maps against full grids: wrong nodes, and the share of trajectories.
 
-Both take the same single runs from the paper's start, and a node that the refined map computes is
-computed once: the full grid is those nodes and all others. Hence a node can be wrong only where it
-was filled, and none may be wrong without a flag. Compared are the maps of every plane.
+Both use single runs from the nominal start. The nodes of the refined map are computed first, and
+the full grid adds all others. Hence only a filled node can be wrong; none may be wrong without a
+flag.
 """
 
 import json
@@ -29,12 +29,13 @@ class Comparison:
     """A refined map against the full grid.
 
     Attributes:
-        figure, cells: which map, and its finest cells along a side.
-        computed: share of the nodes that the refined map computes.
-        flagged: share that it flags, for lying beside a border or in a patch.
-        failed: nodes whose run failed on the full grid, which are not compared.
-        wrong: other nodes in another area than on the full grid.
-        wrong_unflagged: wrong nodes that it does not flag.
+        figure: name of the map.
+        cells: finest cells along a side.
+        computed: share of nodes that the refined map computes.
+        flagged: share of nodes that it flags, beside a border or in a patch.
+        failed: nodes whose run fails on the full grid; they are not compared.
+        wrong: nodes in another area than on the full grid.
+        wrong_unflagged: wrong nodes without a flag.
     """
 
     figure: str
@@ -54,7 +55,7 @@ class Comparison:
 
 
 class _Nodes:
-    """Nodes of one plane as they are asked for, each computed once."""
+    """Nodes of one map, computed when they are asked for and kept."""
 
     def __init__(self, plan: MapPlan) -> None:
         self.plan = plan
@@ -62,7 +63,7 @@ class _Nodes:
         self.end = np.full(plan.lattice.shape, np.nan)  # as in ``end_times``
 
     def evaluate(self, rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
-        """Compute what is new among the nodes, and return their areas and duration scales."""
+        """Return areas of nodes, and end times on the duration scale; compute the new ones."""
         new = np.flatnonzero(self.area[rows, columns] < 0)
         for first in range(0, new.size, _AT_ONCE):
             some = rows[new[first : first + _AT_ONCE]], columns[new[first : first + _AT_ONCE]]
@@ -75,14 +76,14 @@ class _Nodes:
 
 
 def coarse_plan(study: Study, name: str, cells: int) -> MapPlan:
-    """Return the map of a plane with so many cells along a side."""
+    """Return the map of a plane with ``cells`` finest cells along a side."""
     plane = study.plane(name)
     own = study.parameters(name) if isinstance(plane, Map) else study.baseline.replace(**plane.held)
     return plan_of(name, own, study.settings, (plane.x, plane.y), cells, None)
 
 
 def compare(plan: MapPlan) -> Comparison:
-    """Refine a map, then compute every node of it."""
+    """Compare a refined map with the full grid."""
     nodes = _Nodes(plan)
     refined = refine(nodes.evaluate, plan.lattice)
     nodes.evaluate(*np.nonzero(nodes.area < 0))
@@ -105,7 +106,7 @@ def judge(plan: MapPlan, refined: Refined, area: NDArray[np.int8]) -> Comparison
 
 
 def report(cells: int, folder: Path, say: Callable[[str], None]) -> None:
-    """Compare the map of every plane; said as it comes, and kept as ``maps.json``."""
+    """Compare the maps of all planes; print each result, and write them to ``maps.json``."""
     study = load_study(study_path())
     found = []
     for name in study.map_names:

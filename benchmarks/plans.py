@@ -1,4 +1,4 @@
-"""Plans of the comparison of methods: numbers only, so that new wording computes nothing."""
+"""Plans of the comparison of methods: without texts, so that new wording computes nothing."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -11,14 +11,14 @@ from model.study.sweep import Sweep, sweep_of
 if TYPE_CHECKING:
     from model.study.config.study import Study
 
-# Its pictures, and where each belongs in the results root, without extension.
+# Paths of the pictures of speed against error, below the results root and without extension.
 PICTURES: Mapping[str, str] = {
     "evaluations": "figures/precision",
     "times": "benchmarks/precision",
     "wrong_points": "figures/wrong_points",
 }
 
-# Those of the section on hard cases.
+# Paths of the pictures of hard cases.
 HARD_PICTURES: Mapping[str, str] = {
     "stability": "figures/stability",
     "stiffness": "figures/stiffness",
@@ -67,7 +67,7 @@ def hard_cases_plan(study: "Study") -> HardCasesPlan:
 class FixedStepPlan(Plan):
     """Plan of one figure with fixed steps.
 
-    ``every`` keeps every n-th value of each axis, and all curves of a family.
+    ``every`` = n keeps every n-th value of an axis, and all curves of a family.
     """
 
     sweep: Sweep
@@ -77,7 +77,7 @@ class FixedStepPlan(Plan):
 
     @property
     def kept(self) -> tuple[slice, ...]:
-        """Return the values that are kept along each dimension of the sweep."""
+        """Slices of the values that are kept, one for each dimension of the sweep."""
         return tuple(
             slice(None, None, self.every if isinstance(dimension, Axis) else None)
             for dimension in self.sweep.dimensions
@@ -85,7 +85,7 @@ class FixedStepPlan(Plan):
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """Return ``Sweep.metadata`` with the values that are kept."""
+        """Metadata of the sidecar: the sweep's, with the kept values and the steps."""
         kept = [
             {"parameter": dimension.parameter, "values": dimension.values[part]}
             for dimension, part in zip(self.sweep.dimensions, self.kept, strict=True)

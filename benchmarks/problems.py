@@ -1,4 +1,4 @@
-"""What methods solve: parameter sets to run, and what a method makes of them."""
+"""Problems, parameter sets that methods are to run, and their solutions."""
 
 import math
 from collections.abc import Sequence
@@ -22,12 +22,12 @@ from model.runs.settings import Settings
 Floats = NDArray[np.float64]
 
 TRUE_TOLERANCE = 1e-13
-SEED = 20070401  # of all that is drawn
+SEED = 20070401  # seed of all random draws
 _SPREAD = 1e-3  # relative spread of the press force among neighbours
 
 
 class Verdict(IntEnum):
-    """Result of a method on a problem; the values are the flags stored in the dataset."""
+    """Verdict on a method's solution; the values are the flags in the dataset."""
 
     RIGHT_OUTCOME = 0
     WRONG_OUTCOME = 1
@@ -42,9 +42,9 @@ class Solution:
 
     Attributes:
         tau_align: alignment times, shape (n,); NaN where a set does not align.
-        states: shape (n, stops, 6), at ``Problem.stops``; NaN where not known.
-        evaluations: right-hand sides of all sets together; None where a method cannot tell.
-        failure: why a run ended before it aligned or reached the horizon, where one did.
+        states: states at ``Problem.stops``, shape (n, stops, 6); NaN where unknown.
+        evaluations: evaluations of all sets together; None if the method does not count them.
+        failure: verdict on a run that neither aligned nor reached the horizon; None without one.
     """
 
     tau_align: Floats
@@ -63,8 +63,8 @@ class Problem:
         settings: horizon, equations and limit of evaluations; a method sets its own tolerance.
         checkpoints: times at which states are compared if no case aligns; empty if all do, and then
             the alignment time is compared.
-        interpreted_evaluations: limit of evaluations for methods whose steps run in the
-            interpreter, which cost some fifty times a compiled one.
+        interpreted_evaluations: limit of evaluations for methods that step in Python, where a step
+            costs about fifty times a compiled one.
     """
 
     name: str
@@ -75,7 +75,7 @@ class Problem:
 
     @property
     def stops(self) -> tuple[float, ...]:
-        """Times whose states a solution holds: the checkpoints, or else the horizon."""
+        """Times of the states in a solution: the checkpoints, or else the horizon."""
         return self.checkpoints or (self.settings.horizon,)
 
     @cached_property
@@ -89,17 +89,17 @@ class Problem:
 
     @cached_property
     def events(self) -> float:
-        """Events that are located in a trajectory, in the mean of the cases."""
+        """Events located in a trajectory, mean of the cases."""
         return float(run_once(Batch.stack(self.cases), self.settings)["events"].mean())
 
     def answers(self, solution: Solution) -> Floats:
-        """Return what is compared, shape (cases, answers): alignment times, or states in a row."""
+        """Return the compared numbers, shape (cases, answers): alignment times, or all states."""
         if self.checkpoints:
             return solution.states.reshape(len(solution.states), -1)
         return solution.tau_align[:, np.newaxis]
 
     def solution(self, answers: Floats, evaluations: int | None) -> Solution:
-        """Return a solution that consists of ``answers`` only; NaN for what they do not tell."""
+        """Return the solution with these ``answers``; its other numbers are NaN."""
         tau = np.full(len(answers), np.nan)
         states = np.full((len(answers), len(self.stops), 6), np.nan)
         if self.checkpoints:
@@ -109,17 +109,17 @@ class Problem:
         return Solution(tau, states, evaluations)
 
     def batch(self, count: int) -> tuple[Parameters, ...]:
-        """``count`` parameter sets or a few more: neighbours of every case, as many of each.
+        """Return ``count`` parameter sets or a few more: as many neighbours of each case.
 
-        They are to ask for the work of the cases, which align unless there are checkpoints. A case
-        stands in for a neighbour that does not, or not between half and twice the case's time.
+        A set must take about as much work as its case. Without checkpoints, a neighbour that does
+        not align between half and twice the case's time is therefore replaced by the case.
         """
         sets = neighbours(self.cases, -(-count // len(self.cases)))
         if self.checkpoints:
             return sets
         settings = Settings(horizon=self.settings.horizon, alignment_only=True)
         tau = run_once(Batch.stack(sets), settings)["tau_align"]
-        own = np.resize(tau[: len(self.cases)], tau.size)  # the first of every case's is itself
+        own = np.resize(tau[: len(self.cases)], tau.size)  # the cases are their first neighbours
         alike = (0.5 * own <= tau) & (tau <= 2.0 * own)
         cases = self.cases * (len(sets) // len(self.cases))
         return tuple(
@@ -136,7 +136,7 @@ def failure_of(outcome: Outcome, reason: Reason) -> Verdict | None:
 
 
 def simulated(problem: Problem, settings: Settings) -> Solution:
-    """Return the solution of the cases by the reference engine, its error estimates counted."""
+    """Return the reference engine's solution; evaluations include those for error estimates."""
     tau, states, evaluations, failure = [], [], 0, None
     for case in problem.cases:
         rows, ends = settings.rows(Batch.stack([case])), []
@@ -164,7 +164,10 @@ def last_state(settings: Settings, rows: Floats, tolerance: Floats) -> tuple[Run
 
 
 def neighbours(cases: Sequence[Parameters], each: int) -> tuple[Parameters, ...]:
-    """Return ``each`` neighbours of every case, itself first, their press forces a little apart."""
+    """Return ``each`` neighbours of every case, with slightly different press forces.
+
+    The cases themselves come first.
+    """
     factors = 1.0 + _SPREAD * np.random.default_rng(SEED).uniform(-1.0, 1.0, size=each)
     factors[:1] = 1.0
     return tuple(

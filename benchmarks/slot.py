@@ -25,8 +25,8 @@ from verification.independent import insert
 
 Floats = NDArray[np.float64]
 
-# Rest is told by both sides sticking, as in the independent solution, and not by periods; and the
-# reference engine, which gives the trajectories, takes more evaluations than the fuzz allows.
+# Without an end by settling: in the independent solution a part rests if both sides stick. The
+# reference engine, which gives the trajectories, needs more evaluations than the fuzz allows.
 SETTINGS = replace(IN_SLOT, may_settle=False, max_evaluations=1_000_000)
 _ENDS = Outcome.INSERTED, Outcome.JAMMED, Outcome.CLIMBED_OUT
 _TOLERANCE = 1e-12  # of the independent solution
@@ -43,7 +43,7 @@ def sets_of(count: int, seed: int = 2007) -> list[tuple[Parameters, Any]]:
     for first in range(0, 100 * count, _AT_ONCE):
         batch = draw(seed, first, _AT_ONCE, LAWS_IN_SLOT)
         runs = align(batch, SETTINGS, cores=1)
-        # The independent solution starts on the edge, and not flat or where it falls in at once.
+        # The independent solution starts tilted, on the edge, and not in the slot.
         fits = (batch.values["initial_tilt"] > 0.0) & (runs.tau_align > 0.0)
         fits &= (batch.values["contact_stiffness"] <= _SOFT) & np.isin(runs.outcome, _ENDS)
         for row in np.flatnonzero(fits & ~runs.sensitive):
@@ -54,7 +54,7 @@ def sets_of(count: int, seed: int = 2007) -> list[tuple[Parameters, Any]]:
 
 
 def ends_as(run: Any, ending: str) -> bool:
-    """Return whether an ending of the independent solution is the run's outcome and reason."""
+    """Return whether an ending of the independent solution agrees with outcome and reason."""
     if run.outcome is Outcome.INSERTED:
         return ending == "inserted"
     if run.outcome is Outcome.JAMMED:
@@ -63,7 +63,7 @@ def ends_as(run: Any, ending: str) -> bool:
 
 
 def by_independent(p: Parameters, run: Any, depth: float) -> tuple[float, bool]:
-    """Return (time until inserted, whether the end is the run's); NaN for one not inserted."""
+    """Return (time of insertion, NaN without one; whether the ending agrees with the run)."""
     try:
         solution = insert(p, SETTINGS.horizon, depth, _TOLERANCE)
     except ArithmeticError:
@@ -73,7 +73,7 @@ def by_independent(p: Parameters, run: Any, depth: float) -> tuple[float, bool]:
 
 
 def scene_of(p: Parameters) -> str:
-    """Return the scene: edges meet the part's faces, its bottom corners the base."""
+    """Return MuJoCo's scene: edges meet the faces of the part, its bottom corners the base."""
     a, b, gap, r = p.half_width, p.half_height, p.slot_half_width, _RADIUS * p.half_width
     edges = "".join(
         f'<geom type="sphere" size="{r!r}" pos="{side * (gap + r)!r} {-r!r} 0" contype="1" '
@@ -102,7 +102,7 @@ def scene_of(p: Parameters) -> str:
 
 
 def by_mujoco(p: Parameters, run: Any, depth: float) -> float:
-    """Return the time from alignment until both corners are that deep, NaN if they are not."""
+    """Return the time from alignment until both corners are at ``depth``, NaN if never."""
     import mujoco  # noqa: PLC0415  (a peer)
 
     model = modelled(scene_of(p), p)
@@ -127,7 +127,7 @@ def judge(
     after = np.array([run.tau_inserted for run in runs])
     time, alike = (np.array(each) for each in zip(*independent, strict=True))
     apart = np.abs(np.array([run.tau_align for run in runs]) + after - time)
-    # MuJoCo follows a part that leaves the scene, and may see it go in later.
+    # MuJoCo goes on after a part has left the scene: it may go in later.
     stays = np.array([run.outcome is not Outcome.CLIMBED_OUT for run in runs])
     same = (np.isnan(after) == np.isnan(mujoco))[stays]
     both = np.isfinite(mujoco) & (after > 0.0)
@@ -150,7 +150,7 @@ def judge(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Read the command line and do it; the exit code is 1 where an agreement fails."""
+    """Run the comparison; return the exit code, 1 if a check fails."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.slot", description=__doc__)
     parser.add_argument("--sets", type=int, default=200)
     given = parser.parse_args(arguments)

@@ -1,7 +1,7 @@
-"""The table of ``make bench``: times at equal true error, as it is printed and as it is kept.
+"""The table of ``make bench``: times at equal true error, printed and written.
 
-Every method climbs the same ladder of tolerances from coarse to fine. The first whose true error
-keeps the target is the method's setting, and the cost of a trajectory there is its row.
+Methods climb the same ladder of tolerances from coarse to fine. The first tolerance that keeps the
+target error is the method's setting; its row is the cost of a trajectory there.
 """
 
 import json
@@ -19,17 +19,17 @@ from benchmarks.problems import Problem
 from benchmarks.work_precision import climbed, cpu_microseconds
 from model.study.csv_tables import records_text
 
-TARGET = 1e-8  # true error that nine of ten cases keep
+TARGET = 1e-8  # true error that nine of ten cases must keep
 TOLERANCES = [float(f"{10.0 ** (half / 2.0):.3g}") for half in range(-8, -29, -1)]
 _SLOW = 4.0  # seconds; a call longer than this is timed once
 
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the table; NaN where there is no number, and then a remark says why.
+    """A row of the table; where numbers are NaN, ``remark`` says why.
 
-    ``ratio`` is the method's time over that of the package's first engine. ``microseconds``,
-    ``evaluations`` and ``events`` are those of a trajectory, in the mean.
+    ``ratio`` is the method's time over that of the first method. ``microseconds``, ``evaluations``
+    and ``events`` are means of a trajectory.
     """
 
     problem: str
@@ -56,13 +56,13 @@ class Row:
 
 
 def compare(problem: Problem, methods: Sequence[Method], budget: float, rounds: int) -> list[Row]:
-    """Return each method's cost at the loosest tolerance that keeps ``TARGET``, fastest first.
+    """Return the cost of methods at the loosest tolerance that keeps ``TARGET``, fastest first.
 
     Args:
-        problem: what is solved.
+        problem: the problem to solve.
         methods: all methods; ratios refer to the first.
-        budget: CPU seconds of a method's ladder, without compilation.
-        rounds: how often each is timed, in turn with the others; the median counts.
+        budget: CPU seconds for the ladder of a method, without compilation.
+        rounds: number of times that all methods are timed in turn; the median counts.
     """
     rows: list[Row] = []
     clocks: list[Callable[[], float]] = []
@@ -104,7 +104,7 @@ def loosest(method: Method, problem: Problem, budget: float) -> Row:
 
 
 def _first_call(method: Method, problem: Problem, row: Row) -> tuple[Row, Callable[[], float]]:
-    """Return the row with its evaluations, and a clock: it returns µs of a trajectory."""
+    """Return the row with its evaluations, and a function that times a trajectory in µs."""
     sets = problem.batch(method.batch) if method.batch > 1 else problem.cases
     solve = partial(method.solve, problem, sets, row.tolerance, math.inf)
     started = thread_time()
@@ -122,7 +122,7 @@ def _first_call(method: Method, problem: Problem, row: Row) -> tuple[Row, Callab
 
 
 def text(table: Sequence[Row]) -> str:
-    """The table to read: a block for each problem."""
+    """Return the table for the terminal, a block for each problem."""
     width = max((len(row.method) for row in table), default=0)
     lines: list[str] = []
     problem = None
@@ -155,7 +155,7 @@ def _or_dash(value: float, spec: str) -> str:
 
 
 def write(table: Sequence[Row], machine: Mapping[str, object], folder: Path) -> None:
-    """``peers.csv`` and ``machine.json`` in ``folder``."""
+    """Write ``peers.csv`` and ``machine.json`` into ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
     formats = {each.name: ".6g" for each in fields(Row) if each.type is float}
     (folder / "peers.csv").write_text(records_text(Row, table, formats), encoding="utf-8")

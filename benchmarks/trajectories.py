@@ -54,10 +54,10 @@ _RIGHT_EDGE_ONLY = Scene("right_edge", frozenset({"edge_on_face"}))
 
 
 def only_right_edge(case: Parameters, horizon: float) -> bool:
-    """Return whether A2 never meets the bottom face, and A1 passes B1 with B2 already in the slot.
+    """Return whether A2 never meets the bottom face, and B2 is in the slot when A1 passes B1.
 
-    A2 cannot meet it while B2 stays right of A2; and B2 must not dip in after A1 has passed, which
-    would be one more event.
+    A2 cannot meet the face while B2 stays right of A2. If B2 fell in after A1 had passed, that
+    would be another event, which the peers do not have.
     """
     run = simulate(case, horizon=horizon)
     states = run.state[run.time <= run.tau_align].T
@@ -68,13 +68,12 @@ def only_right_edge(case: Parameters, horizon: float) -> bool:
 
 
 def drawn_points(figure: str, count: int) -> tuple[Parameters, ...]:
-    """Return ``count`` points of a figure's sweep, in the order of a fixed shuffle, that qualify.
+    """Return the first ``count`` points of a figure, in a fixed random order, that peers can run.
 
-    They align, without being flagged as sensitive; they do so alike if the scene declares nothing
-    but an edge under the bottom face; and they pass ``only_right_edge``.
+    These are the points of ``with_right_edge_only``.
 
     Raises:
-        ValueError: fewer points qualify.
+        ValueError: there are fewer such points.
     """
     study = load_study(study_path())
     sweep = sweep_of(study, figure)
@@ -92,7 +91,11 @@ def drawn_points(figure: str, count: int) -> tuple[Parameters, ...]:
 def with_right_edge_only(
     batch: Batch, settings: Settings
 ) -> Iterator[tuple[Parameters, float, float]]:
-    """Yield (set, alignment time, its error) of sets that align without a flag by A1 alone."""
+    """Yield (set, alignment time, its error) for the sets that peers can run.
+
+    They align and are not sensitive, align at the same time in a scene whose only contact is an
+    edge under the bottom face, and pass ``only_right_edge``.
+    """
     full = align(batch, settings, cores=1)
     edge = align(batch, settings, cores=1, scene=_RIGHT_EDGE_ONLY)
     same = (full.outcome == Outcome.ALIGNED) & ~full.sensitive
@@ -103,7 +106,7 @@ def with_right_edge_only(
 
 
 def all_problems(points: int, neighbours_of_w: int) -> list[Problem]:
-    """W1 to W3 with so many neighbours each, Figs. 6 and 13 with so many points each."""
+    """Return W1 to W3 with neighbours, and Figs. 6 and 13 with ``points`` points each."""
     tens = tuple(float(time) for time in range(10, 101, 10))
     few = max(1, neighbours_of_w // 4)
     ends, goes_on = Settings(horizon=10.0), Settings(horizon=100.0, may_settle=False)

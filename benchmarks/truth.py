@@ -33,14 +33,14 @@ from verification.trials import trial_of
 Floats = NDArray[np.float64]
 
 _HEYOKA_TOLERANCES = (1e-15, 1e-12)
-_CLOSE = 0.05  # relative; what MuJoCo is to keep in the median
-_FAR = 0.2  # relative; beyond it a set is looked at again
+_CLOSE = 0.05  # largest median of MuJoCo's relative differences
+_FAR = 0.2  # relative difference above which a set is counted
 _SHARPER = 1e-12  # tolerance at which sets beyond their estimate are run again
 _TIME_STEP = 5e-4
 _EDGE_RADIUS = 0.01  # radius of the ball that represents an edge
-_BEYOND = 10.0  # how much longer the face is than the part's
-_IMPEDANCE = 0.001  # share of the constraint in an acceleration: small, as of a plain spring
-_NO_CREEP = 1e6  # how much harder friction holds than the normal constraint
+_BEYOND = 10.0  # length by which MuJoCo's face is longer than the part's
+_IMPEDANCE = 0.001  # MuJoCo's impedance of the constraint: small, so that it is a plain spring
+_NO_CREEP = 1e6  # stiffness of friction over that of the normal constraint
 
 
 class Sets(NamedTuple):
@@ -52,7 +52,7 @@ class Sets(NamedTuple):
 
 
 def draw(count: int) -> Sets:
-    """The first ``count`` sets of the law that qualify."""
+    """Return the first ``count`` random sets that the peers can run."""
     study = load_study(study_path())
     trial = trial_of(study, "error").model_copy(update={"sets": 8 * count})
     settings = trial.settings.settings
@@ -68,7 +68,7 @@ def draw(count: int) -> Sets:
 
 
 def by_heyoka(sets: Sets) -> tuple[Floats, Floats]:
-    """(alignment times, their errors: how far a run at a coarser tolerance is off)."""
+    """Return heyoka's alignment times, and their errors: the difference from coarser runs."""
     from benchmarks.methods.heyoka_batch import HeyokaBatch  # noqa: PLC0415  (a peer)
 
     problem = Problem("truth", tuple(sets.cases), Settings(horizon=float(sets.tau.max()) + 1.0))
@@ -81,7 +81,7 @@ def by_heyoka(sets: Sets) -> tuple[Floats, Floats]:
 
 
 def suspension(p: Parameters) -> str:
-    """Joints and inertia of the part, as MuJoCo takes them."""
+    """Return joints and inertia of the part for MuJoCo."""
     rest_x = p.misalignment if p.rest_x is None else p.rest_x
     rest_y = p.half_height if p.rest_y is None else p.rest_y
 
@@ -106,11 +106,11 @@ OPTIONS = f"""<compiler angle="radian" autolimits="true"/>
 
 
 def _scene(p: Parameters) -> str:
-    """The scene as MuJoCo takes it; the mass centre's joints are relaxed where the springs are.
+    """Return MuJoCo's scene; the joints of the mass centre are relaxed where the springs are.
 
-    A ball inside a box leaves by the nearest face, and on a soft base A1 is often deeper behind the
-    bottom face than away from its end: the face is longer than the part's. Until A1 passes the
-    part's end, nothing else is met.
+    MuJoCo pushes a ball out of a box by the nearest face. On a soft base A1 is often deeper behind
+    the bottom face than it is away from the end of the face. The box is therefore longer than the
+    part; this matters only after A1 has passed the part's end.
     """
     return f"""
 <mujoco>
@@ -128,7 +128,7 @@ def _scene(p: Parameters) -> str:
 
 
 def by_mujoco(p: Parameters, horizon: float) -> float:
-    """Alignment time, NaN if it does not align by ``horizon``."""
+    """Return MuJoCo's alignment time, NaN without an alignment up to ``horizon``."""
     import mujoco  # noqa: PLC0415  (a peer)
 
     model = modelled(_scene(p), p)
@@ -142,7 +142,7 @@ def by_mujoco(p: Parameters, horizon: float) -> float:
         mujoco.mj_step(model, data)
         place = _along_face(data.qpos, p)
         if place >= p.half_width and _left_corner_is_in(data.qpos, p):
-            if along >= p.half_width:  # it has waited for the other corner
+            if along >= p.half_width:  # A1 passed earlier; now the other corner is in
                 return float(data.time)
             return before + _TIME_STEP * (p.half_width - along) / (place - along)
         before, along = float(data.time), place
@@ -152,8 +152,8 @@ def by_mujoco(p: Parameters, horizon: float) -> float:
 def modelled(scene: str, p: Parameters) -> Any:
     """Return MuJoCo's model of a scene with the base's stiffness, damping and friction.
 
-    A constraint of small impedance d gives f = (k r + b v)/w for a body's inverse weight w, so that
-    stiffness and damping are the base's times w.
+    A constraint of small impedance gives the force f = (k r + b v)/w, with w the inverse weight of
+    the body. Its k and b are therefore the stiffness and damping of the base times w.
     """
     import mujoco  # noqa: PLC0415  (a peer)
 
@@ -167,7 +167,7 @@ def modelled(scene: str, p: Parameters) -> Any:
 
 
 def _along_face(pose: Any, p: Parameters) -> float:
-    """Return the place of A1 along the bottom face."""
+    """Return the coordinate s of A1 along the bottom face."""
     x, y, tilt = (float(each) for each in pose)
     return (p.slot_half_width - x) * math.cos(tilt) - y * math.sin(tilt)
 
@@ -181,22 +181,22 @@ def _left_corner_is_in(pose: Any, p: Parameters) -> bool:
 
 
 def sharper(sets: Sets) -> tuple[Floats, Floats]:
-    """(alignment times, their errors) of the package at ``_SHARPER``."""
+    """Return the package's alignment times at ``_SHARPER``, and their errors."""
     horizon = float(sets.tau.max()) + 1.0
     runs = align(sets.cases, cores=1, horizon=horizon, tolerance=_SHARPER)
     return runs.tau_align, runs.tau_error
 
 
 class Outside(NamedTuple):
-    """A set whose two alignment times are further apart than their two errors."""
+    """A set whose two alignment times differ by more than the sum of their errors."""
 
     row: int
-    factor: float  # how much further
-    explained: bool  # whether the package agrees once it is more accurate
+    factor: float  # difference over the sum of the errors
+    explained: bool  # whether the package agrees with heyoka at ``_SHARPER``
 
 
 def outside(sets: Sets, heyoka: tuple[Floats, Floats]) -> list[Outside]:
-    """Every set that disagrees with heyoka."""
+    """Return the sets that disagree with heyoka."""
     factors = np.abs(heyoka[0] - sets.tau) / (sets.error + heyoka[1])
     rows = np.flatnonzero(~(factors <= 1.0))
     if not rows.size:
@@ -211,7 +211,7 @@ def outside(sets: Sets, heyoka: tuple[Floats, Floats]) -> list[Outside]:
 def judge(
     sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats, beyond: Sequence[Outside]
 ) -> list[Check]:
-    """Judge the comparison; ``beyond`` as ``outside`` finds it."""
+    """Judge the comparison; ``beyond`` are the sets of ``outside``."""
     apart = np.abs(heyoka[0] - sets.tau)
     off = np.abs(mujoco - sets.tau) / sets.tau
     known = off[np.isfinite(off)]
@@ -233,7 +233,7 @@ def judge(
 
 
 def explain(sets: Sets, heyoka: tuple[Floats, Floats], beyond: Sequence[Outside]) -> list[str]:
-    """Every set beyond the sum of its error estimates, one line each."""
+    """Return a line for each set beyond the sum of its error estimates."""
     return [
         f"    set {row}: tau {sets.tau[row]:.12g}, {factor:.1f} times the estimates "
         f"{sets.error[row]:.1e} + {heyoka[1][row]:.1e} from heyoka, "
@@ -243,7 +243,7 @@ def explain(sets: Sets, heyoka: tuple[Floats, Floats], beyond: Sequence[Outside]
 
 
 def write(sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats, path: Path) -> None:
-    """Every set as a row of a CSV file."""
+    """Write all sets into a CSV file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     names = list(sets.cases[0].given())
     with path.open("w", newline="", encoding="utf-8") as file:
@@ -256,7 +256,7 @@ def write(sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats, path: Path)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Read the command line and do it; the exit code is 1 where an agreement fails."""
+    """Run the comparison; return the exit code, 1 if a check fails."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.truth", description=__doc__)
     parser.add_argument("--sets", type=int, default=500)
     parser.add_argument("--output", type=Path, default=Path("results/benchmarks/truth.csv"))

@@ -1,10 +1,9 @@
 """Speed against error: every method on one case of each kind of motion, from coarse to fine.
 
-``climbed`` is the ladder, ``cpu_microseconds`` the time of a trajectory: ``make bench`` uses both.
-
-The true solution is the default method's at a tolerance far below the others. Evaluations and
-errors are data, the same in every build; CPU times are not, and are kept apart from them. The
-variables of the dataset keep their public names: the dimension of settings is ``rung``.
+``make bench`` also uses ``climbed``, the ladder of resolutions, and ``cpu_microseconds``, the time
+of a trajectory. The true solution is the default method's at a far smaller tolerance. Errors and
+evaluations are the same in every build; CPU times are not, and are kept apart. In the dataset, the
+dimension of settings is called ``rung``.
 """
 
 import math
@@ -31,12 +30,12 @@ NAME = "precision"
 
 
 class CaseError(ValueError):
-    """A case that does not do what its configuration says."""
+    """Error: a case does not end as its configuration says."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Result of one method on one case at one resolution: length of a step, or tolerance."""
+    """Result of one method on one case at one resolution, a length of steps or a tolerance."""
 
     case: str
     method: str
@@ -48,9 +47,9 @@ class Setting:
 
 @dataclass(frozen=True)
 class TimedSetting(Setting):
-    """A setting with the CPU time of one trajectory, NaN where it has no right outcome.
+    """A setting with the CPU time of one trajectory, NaN if its outcome is wrong.
 
-    ``events`` are located in the trajectory by methods that locate events.
+    ``events`` is the number of events that the package locates in the trajectory.
     """
 
     microseconds: float
@@ -67,12 +66,12 @@ class Truth:
 
     @classmethod
     def of(cls, run: Trajectory) -> "Truth":
-        """Return the truth that a trajectory is."""
+        """Return the truth from a trajectory."""
         return cls(run.outcome, run.tau_align, run.state[-1])
 
     @property
     def size(self) -> float:
-        """Largest magnitude among the compared values."""
+        """Largest absolute value of the compared numbers."""
         if self.outcome == Outcome.ALIGNED:
             return self.tau_align
         return float(np.abs(self.state).max())
@@ -96,14 +95,14 @@ def true_run(plan: PrecisionPlan, name: str) -> Trajectory:
     """Return the case ``name`` at the true tolerance.
 
     Raises:
-        CaseError: it aligns and should not, or the other way round, or its digits are uncertain.
+        CaseError: the case aligns and should not, or should and does not, or is sensitive.
     """
     problem, case = problem_of(plan, name), plan.cases[name]
     truth = simulate(
         problem.cases[0],
         problem.settings,
         tolerance=plan.ladder.true_tolerance,
-        max_evaluations=plan.settings.settings.max_evaluations,  # the limit is for the others
+        max_evaluations=plan.settings.settings.max_evaluations,  # the ladder's limit is for the methods
     )
     expected = Outcome.ALIGNED if case.until is None else Outcome.HORIZON_REACHED
     place = f"precision.cases.{name}"
@@ -122,7 +121,7 @@ def true_run(plan: PrecisionPlan, name: str) -> Trajectory:
 
 
 def error_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
-    """Return ``deviation_of``, never below the rounding of the number that it is an error of."""
+    """Return ``deviation_of``, with an error not below the rounding of the compared number."""
     error, verdict = deviation_of(solution, truth)
     if verdict == Verdict.RIGHT_OUTCOME:
         error = max(error, float(np.spacing(truth.size)))
@@ -130,7 +129,7 @@ def error_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
 
 
 def deviation_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
-    """Return (error, verdict) of one case: of the alignment time if there is one, or the state."""
+    """Return (error, verdict): the error of the alignment time, or of the state without one."""
     if solution.failure is not None:
         return math.nan, solution.failure
     tau, state = float(solution.tau_align[0]), solution.states[0, -1]
@@ -144,7 +143,7 @@ def deviation_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
 def climbed(
     how: Method, problem: Problem, resolutions: Iterable[float], budget: float = math.inf
 ) -> Iterator[tuple[float, Solution, float]]:
-    """Yield (resolution, solution, its CPU seconds) from coarse to fine; NaN where it fails.
+    """Yield (resolution, solution, CPU seconds) from coarse to fine; a failed solution is NaN.
 
     Raises:
         NotReachedError: the solutions take more than ``budget`` seconds.
@@ -163,10 +162,10 @@ def climbed(
 
 
 def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Iterator[TimedSetting]:
-    """Yield a method's settings on one case, coarse to fine, until one costs too much."""
+    """Yield a method's settings on one case from coarse to fine, up to the first over the limit."""
     problem, how = problem_of(plan, case), METHODS[method]
     events = round(problem.events)
-    warm = False  # the first run may load or compile what the others find ready
+    warm = False  # the first run may include compilation
     resolutions = plan.ladder.steps if how.fixed else plan.ladder.tolerances
     for resolution, solution, seconds in climbed(how, problem, resolutions):
         error, verdict = error_of(solution, truth)
@@ -291,9 +290,9 @@ _WORTHWHILE = 0.05  # seconds of runs that share the cost of a call, one or two 
 
 
 def least_batch(how: Method, seconds: float) -> int:
-    """Return how many runs are timed together, of which one takes about ``seconds``.
+    """Return the number of runs to time together, where one takes about ``seconds``.
 
-    A batch that does not run in vectors only spreads the cost of a call, which long runs hide.
+    Without vectors, a batch only spreads the cost of a call, which is negligible for long runs.
     """
     if how.vectorized:
         return how.batch
@@ -303,13 +302,12 @@ def least_batch(how: Method, seconds: float) -> int:
 def cpu_microseconds(
     work: Callable[[int], object], together: int = 1, known: float | None = None
 ) -> float:
-    """Return the CPU time of one of the ``count`` runs of ``work(count)``: the median of batches.
+    """Return the CPU time (µs) of a run, the median of batches.
 
     Args:
-        work: work that has run before, so that it is compiled.
-        together: least number of runs in a batch.
-        known: seconds that ``together`` runs took, where that is known. Runs that take long are
-            not repeated.
+        work: ``work(count)`` makes ``count`` runs; it must be compiled.
+        together: smallest number of runs in a batch.
+        known: seconds that ``together`` runs took before; long runs are then not repeated.
     """
     once = _cpu_seconds(work, together) if known is None else known
     if once > _PATIENCE:
@@ -335,9 +333,9 @@ def timings_table(settings: Sequence[TimedSetting]) -> str:
 
 
 def read_timings(path: Path) -> list[TimedSetting]:
-    """Return the settings that ``timings_table`` wrote.
+    """Return the settings of a table by ``timings_table``.
 
     Raises:
-        TableError: a file that is missing or not such a table.
+        TableError: the file is missing or no such table.
     """
     return read_records(path, "timings", TimedSetting)
