@@ -102,7 +102,7 @@ def true_run(plan: PrecisionPlan, name: str) -> Trajectory:
         problem.cases[0],
         problem.settings,
         tolerance=plan.ladder.true_tolerance,
-        max_evaluations=plan.settings.settings.max_evaluations,  # the ladder's limit is for the methods
+        max_evaluations=plan.settings.settings.max_evaluations,  # not the ladder's, for methods
     )
     expected = Outcome.ALIGNED if case.until is None else Outcome.HORIZON_REACHED
     place = f"precision.cases.{name}"

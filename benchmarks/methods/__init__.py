@@ -1,7 +1,7 @@
-"""The methods that are compared, one interface for the report's sections and for ``make bench``.
+"""The compared methods, with one interface for the report's sections and for ``make bench``.
 
-To add one, write a subclass of ``base.Method``; name it in ``METHODS`` if the report compares it,
-in ``peers`` if only ``make bench`` does.
+To add a method, write a subclass of ``base.Method``, and name it in ``METHODS`` for the report, or
+in ``peers`` for ``make bench``.
 """
 
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from benchmarks.problems import Problem
 from model.physics.parameters import Parameters
 from model.runs.settings import Settings
 
-_TOGETHER = 16  # least batch in which the package shows its speed on one case and its neighbours
+_TOGETHER = 16  # trajectories in a batch: the smallest that shows the speed of the package
 
 METHODS: Mapping[str, Method] = {
     "dop853_located": Package("DOP853, events located (default)", batch=_TOGETHER),
@@ -30,7 +30,7 @@ METHODS: Mapping[str, Method] = {
 
 
 def compile_unlocated(parameters: Parameters) -> None:
-    """Compile the kernels of the methods that locate no event, by short runs."""
+    """Compile the kernels of the methods without event location, by short runs."""
     problem = Problem("short", (parameters,), Settings(horizon=0.1))
     for method in METHODS.values():
         if not method.located:

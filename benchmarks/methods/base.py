@@ -1,4 +1,4 @@
-"""What every method is: a way to integrate problems, from a resolution to a ``Solution``."""
+"""The interface of methods: a method integrates a problem at a resolution."""
 
 import contextlib
 import math
@@ -11,7 +11,7 @@ from model.physics.parameters import Parameters
 
 
 class NotReachedError(Exception):
-    """A method has no answer: it ran out of time, failed or met the same event without end."""
+    """Error: a method ran out of time, failed, or met endless events."""
 
 
 class Method:
@@ -19,12 +19,12 @@ class Method:
 
     Attributes:
         name: name in tables and legends.
-        formulation: how the problem is put to it, in a few words.
-        package: the distribution whose version is reported.
-        fixed: whether its resolution is the length of a step; else it is a tolerance.
-        located: whether it locates every event.
-        batch: how many trajectories it is given at once; 1 if one after the other.
-        vectorized: whether those of a batch run in vectors; else it spreads the cost of a call.
+        formulation: formulation of the problem for this method, in a few words.
+        package: distribution whose version is reported.
+        fixed: True if the resolution is the length of a step, False if it is a tolerance.
+        located: True if the method locates all events.
+        batch: number of trajectories in a call.
+        vectorized: True if the trajectories of a batch run in vectors.
     """
 
     name: str
@@ -39,19 +39,19 @@ class Method:
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], resolution: float, deadline: float, /
     ) -> Solution:
-        """Integrate every case as fast as the method can.
+        """Integrate the cases; this call is timed.
 
         Raises:
-            NotReachedError: it cannot, or not before ``deadline`` (of ``process_time``).
+            NotReachedError: the method fails, or ``process_time`` reaches ``deadline``.
         """
         raise NotImplementedError
 
     def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
-        """Integrate the cases of the problem for their answers: by default as ``solve`` does."""
+        """Integrate the cases of the problem to measure errors; by default as ``solve``."""
         return self.solve(problem, problem.cases, resolution, deadline)
 
     def warm(self, problem: Problem, resolution: float) -> None:
-        """Compile what solving ``problem`` needs; its time is not counted."""
+        """Compile what ``solve`` needs for the problem; this call is not timed."""
         if not self._is_warm:
             self._is_warm = True
             with contextlib.suppress(NotReachedError):
@@ -59,7 +59,7 @@ class Method:
 
 
 def typical_error(answers: Floats, truth: Floats) -> float:
-    """Return the 90th percentile, over the cases, of each case's largest error."""
+    """Return the 90th percentile of the cases' largest errors."""
     errors = np.abs(answers - truth).max(axis=1)
     errors[np.isnan(errors)] = np.inf
     return float(np.quantile(errors, 0.9, method="inverted_cdf"))

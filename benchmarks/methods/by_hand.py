@@ -1,13 +1,13 @@
-"""Fixed steps as one writes them by hand: RK4 and semi-implicit Euler, no event located.
+"""Fixed steps as written by hand: RK4 and semi-implicit Euler, without event location.
 
-One right-hand side holds for every state: a contact presses wherever its depth is positive, with
-n = max(0, load), and its friction is -μ n sign(slip). It has kinks where a contact begins or ends
-and jumps where a slip reverses, and steps go across them. It cannot stick: at rest the friction
+One right-hand side is used for all states: a contact of positive depth presses with
+n = max(0, load), and its friction is -μ n sign(slip). It has kinks where a contact begins or ends,
+and jumps where a slip reverses; steps go across them. A part cannot stick: at rest the friction
 force changes its sign from step to step.
 
-Contacts and forces are those of ``model.physics``. A mode holds how a contact began; here it is
-inferred from the state: A1 inside the part presses on the bottom face, A2 on the nearer of bottom
-and left side, and a corner on the flat only by the depth beyond that of its edge.
+Contacts and forces are those of ``model.physics``. Modes tell how a contact began; here this is
+inferred from the state. A1 inside the part presses on the bottom face, A2 on the nearer of bottom
+and left side face, and a corner on the flat only with the depth beyond that of its edge.
 """
 
 import math
@@ -51,7 +51,7 @@ _EVERY_CONTACT = ALIGNMENT.declared
 
 @inlined_kernel
 def _force(contact, depth, q, p):
-    """Generalized force (x, y, moment) of one contact that is ``depth`` deep: n and T together."""
+    """Return the generalized force (x, y, moment) of a contact, n and T together."""
     n = max(0.0, contact_load(depth, contact.closing_rate, q, p))
     slip = -1.0 if never_sticks(p) else contact.slip  # printed friction (R2) takes one direction
     friction = -p.friction * n * (1.0 if slip > 0.0 else (-1.0 if slip < 0.0 else 0.0))
@@ -65,7 +65,7 @@ def _force(contact, depth, q, p):
 
 @inlined_kernel
 def _force_beside(edge, q, p):
-    """Force on one side of the slot: at its edge, and on the part's corner over the flat."""
+    """Return the generalized force on one side: at the edge, and at the corner on the flat."""
     bottom, left, right, top = edge_inside(edge, corner_positions(q, p), p)
     inside = min(min(bottom, left), min(right, top)) > 0.0
     on_face = inside and (edge == RIGHT_EDGE or bottom <= left)
@@ -85,7 +85,7 @@ def _force_beside(edge, q, p):
 
 @inlined_kernel
 def rates(time, q, p):
-    """Return dy/dτ in the state ``q``, in any mode, as a ``State``."""
+    """Return dq/dτ as a ``State``."""
     right, left = _force_beside(RIGHT_EDGE, q, p), _force_beside(LEFT_EDGE, q, p)
     free = applied_forces(time, q, p)
     x, y = free[0] + right[0] + left[0], free[1] + right[1] + left[1]
@@ -95,7 +95,7 @@ def rates(time, q, p):
 
 @inlined_kernel
 def outside(q, p):
-    """Positive until the part has fallen in, by the selected alignment criterion (R8)."""
+    """Return a level > 0 until the part has fallen in, by the selected alignment criterion (R8)."""
     if p.printed_alignment_criterion != 0.0:
         return largest(corners_outside(corner_positions(q, p), p, START))[0]
     return largest(not_fallen_in(corner_positions(q, p), p, START))[0]
@@ -110,7 +110,7 @@ def _has_left(q, p):
 
 @kernel
 def rk4_step(time, h, q, k1, p):
-    """Return the state after a step of the classical Runge-Kutta method, ``k1`` its first rates."""
+    """Return the state after a step of the classical Runge-Kutta method; ``k1``: rates at ``q``."""
     k2 = rates(time + 0.5 * h, moved(q, 0.5 * h, k1), p)
     k3 = rates(time + 0.5 * h, moved(q, 0.5 * h, k2), p)
     k4 = rates(time + h, moved(q, h, k3), p)
@@ -119,7 +119,7 @@ def rk4_step(time, h, q, k1, p):
 
 @kernel
 def euler_step(h, q, k1):
-    """Return the state after a step of semi-implicit Euler: positions with the new velocities."""
+    """Return the state after a step of semi-implicit Euler, which moves with the new velocities."""
     x_rate, y_rate = q.x_rate + h * k1.x_rate, q.y_rate + h * k1.y_rate
     tilt_rate = q.tilt_rate + h * k1.tilt_rate
     x, y, tilt = q.x + h * x_rate, q.y + h * y_rate, q.tilt + h * tilt_rate
@@ -128,9 +128,9 @@ def euler_step(h, q, k1):
 
 @kernel
 def run_each(rows, euler, h, horizon, most_steps, out):
-    """Run every row of constants; write (fallen in, finished, steps, time, state) into ``out``.
+    """Run all rows of constants; write (fallen in, finished, steps, time, state) into ``out``.
 
-    A run ends with the step after which the part has fallen in or left, at the horizon, or
+    A run ends after the step in which the part has fallen in or left the scene, at the horizon, or
     unfinished after ``most_steps``.
     """
     for row in range(rows.shape[0]):
@@ -149,13 +149,13 @@ def run_each(rows, euler, h, horizon, most_steps, out):
 
 @kernel
 def write_rates(time, y, row, out):
-    """Write ``rates`` of the constants in ``row`` into ``out``; both states of shape (6,)."""
+    """Write ``rates`` with the constants in ``row`` into ``out``; ``y`` and ``out``: shape (6,)."""
     store_in(rates(time, state_of(y), constants_in(row)), out)
 
 
 @kernel
 def outside_of(y, row):
-    """Return ``outside`` of the constants in ``row``."""
+    """Return ``outside`` with the constants in ``row``."""
     return outside(state_of(y), constants_in(row))
 
 
@@ -163,7 +163,7 @@ Scheme = Literal["rk4", "semi_implicit_euler"]
 
 
 class FixedSteps(Method):
-    """Compiled runs with equal steps; the fall is noticed at the end of a step."""
+    """Compiled runs with equal steps; the fall is detected at the end of a step."""
 
     fixed = True
     located = False

@@ -1,7 +1,7 @@
-"""heyoka's batch Taylor integrator with terminal events, a trajectory in each vector lane.
+"""heyoka's batch Taylor integrator with terminal events, one trajectory a vector lane.
 
-The mode is a set of runtime parameters of each lane, changed in the events' callbacks; a lane that
-is done is refilled, as long as there are trajectories.
+The mode of a lane is in its runtime parameters, which callbacks of the events change. A lane whose
+trajectory has ended takes the next one.
 """
 
 from collections.abc import Sequence
@@ -30,15 +30,15 @@ from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.problems import Problem, Solution
 from model import Parameters
 
-_BATCH = 1024  # trajectories at once, so that few lanes run empty at the end
+_BATCH = 1024  # trajectories in a call: few lanes are empty at the end
 _WIDEST = 8  # numbers in a vector of 512 bits
-# A function that is exactly zero at a step's start hides a root in that step from heyoka.
+# Added to event functions: heyoka misses a root in a step that starts exactly on zero.
 _LIFT = 1e-14
-_COEFFICIENTS = np.array(MODES)  # runtime parameters of a lane behind those of the device
+_COEFFICIENTS = np.array(MODES)  # runtime parameters of a lane, after those of the device
 
 
 def _system() -> tuple[list[tuple[Any, Any]], list[Any]]:
-    """The equations and event functions of every mode at once."""
+    """Return the equations and the event functions, with modes as parameters."""
     y = hy.make_vars("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate")
     p = Device(*(hy.par[i] for i in range(DEVICE_SIZE)))
     mode = Mode(*(hy.par[DEVICE_SIZE + i] for i in range(len(Mode._fields))))
@@ -94,7 +94,7 @@ class _Lanes:
         self.width = width
 
     def fill(self, lane: int, case: Parameters) -> None:
-        """Start ``case`` in ``lane``."""
+        """Start a case in a lane."""
         y, p = start(case), np.array(device(case))
         self.state[:, lane], self.pars[:DEVICE_SIZE, lane] = y, p
         self.modes[lane] = first_mode(0.0, y, p)
@@ -106,13 +106,13 @@ class _Lanes:
 
 
 class HeyokaBatch(Method):
-    """A trajectory in each vector lane of the machine."""
+    """heyoka with one trajectory a vector lane."""
 
     name = "heyoka batch"
     package = "heyoka"
 
     def __init__(self) -> None:
-        # heyoka recommends 256 bits where there are 512 too; these are up to 1.6 times faster.
+        # heyoka recommends 256 bits also on machines with 512, which are up to 1.6 times faster.
         wide = ll.get_host_cpu_features().get("avx512f", False)
         self.width = _WIDEST if wide else hy.recommended_simd_size()
         self.batch = _BATCH
@@ -120,7 +120,7 @@ class HeyokaBatch(Method):
         self._lanes: dict[float, _Lanes] = {}
 
     def warm(self, problem: Problem, tolerance: float) -> None:
-        """As ``Method.warm``: every tolerance is compiled."""
+        """As ``Method.warm``; each tolerance is compiled anew."""
         super().warm(problem, tolerance)
         self._at(tolerance)
 

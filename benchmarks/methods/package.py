@@ -1,4 +1,4 @@
-"""The package itself: both engines as ``align`` runs them, and the batch engine in other ways."""
+"""The package as a method: both engines by ``align``, and single runs of the batch engine."""
 
 import math
 from collections.abc import Sequence
@@ -23,10 +23,10 @@ from model.runs.settings import Settings
 
 
 class Package(Method):
-    """``align``: every event located, two runs of each set, or more, for the estimate of its error.
+    """``align``: all events located; at least two runs of a set, for its error estimate.
 
-    With an ``engine`` its own alignment times are the answers; states, and all answers without an
-    engine, are those of ``simulate``, since ``align`` returns no states.
+    With an ``engine``, answers are its alignment times. States, and all answers without an
+    ``engine``, come from the reference engine, because ``align`` returns no states.
     """
 
     formulation = "align, two runs each with error estimate"
@@ -50,7 +50,7 @@ class Package(Method):
 
 
 class OneRun(Package):
-    """The batch engine as peers run: one run of each set up to alignment, no error estimate."""
+    """The batch engine used like a peer: one run of a set up to alignment, no error estimate."""
 
     formulation = "one run each up to alignment, no error estimate"
 
@@ -64,10 +64,10 @@ class OneRun(Package):
 
 
 class BatchEngine(Package):
-    """The batch engine, with the final state of each run, which ``align`` does not return."""
+    """The batch engine with the final state of a run, which ``align`` does not return."""
 
     def answer(self, problem: Problem, resolution: float, _deadline: float = math.inf) -> Solution:
-        """As ``Method.answer``, of one case."""
+        """As ``Method.answer``, for one case."""
         settings = _settings(problem, resolution)
         rows = settings.rows(Batch.stack(problem.cases))
         carrying = batch_engine(settings, carries_error=True)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from benchmarks.methods.base import Method
 from benchmarks.methods.package import OneRun, Package
 
-# (module, class, arguments): a method each, none of which another one beats on every problem;
-# scipy's RK45 is there because it is scipy's default (decision 8).
+# (module, class, arguments) of methods that no other beats on all problems; and RK45, because it is
+# scipy's default (decision 8).
 _PEERS = (
     ("heyoka_batch", "HeyokaBatch", ()),
     ("scipy_ivp", "ScipyIvp", ("RK45",)),
@@ -17,9 +17,9 @@ _PEERS = (
 
 
 def all_methods(say: Callable[[str], None]) -> list[Method]:
-    """Return the package's engines, then every peer installed; ``say`` is told of the others.
+    """Return the package's engines, then the installed peers; report the others by ``say``.
 
-    The first is the one that ratios refer to.
+    Ratios refer to the first method.
     """
     methods: list[Method] = [
         Package("vibralign batch", engine="batch"),

@@ -1,4 +1,4 @@
-"""scipy's ``solve_ivp``: compiled right-hand side and events, restarted at every event."""
+"""scipy's ``solve_ivp`` with compiled right-hand side and events, restarted at every event."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -24,8 +24,8 @@ from benchmarks.problems import Problem, Solution
 from model import Parameters
 
 _MOST_EVENTS = 20_000  # of one trajectory; W3 has about 1,000
-_AT_ONCE = 1e-12  # events closer than this take no time between them
-_CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try then
+_AT_ONCE = 1e-12  # events closer than this are taken as simultaneous
+_CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try after such events
 
 
 class ScipyIvp(Method):
@@ -53,12 +53,12 @@ class ScipyIvp(Method):
                     events=self._events[mode], rtol=max(tolerance, 3e-14), atol=tolerance,
                     first_step=limits.first or None, max_step=limits.longest,
                 )  # fmt: skip
-            except ValueError as error:  # LSODA's dense output denies the change of sign it saw
+            except ValueError as error:  # LSODA's dense output has no change of sign after all
                 if "different signs" not in str(error):
                     raise
                 if 0.0 < limits.first <= _CAREFUL[-1]:
                     raise NotReachedError("an event was seen and not found") from None
-                return t, y, EVENTS[mode][0], 0  # as if at once: to be tried again
+                return t, y, EVENTS[mode][0], 0  # as an event at the start: tried again
             if run.status < 0:
                 raise NotReachedError(run.message)
             if run.status == 0:
@@ -70,7 +70,7 @@ class ScipyIvp(Method):
 
 
 class _Event:
-    """An event function as scipy takes it: it ends the run where it falls."""
+    """An event function for scipy: it ends the run where it crosses zero downwards."""
 
     terminal = 1
     direction = -1
@@ -86,8 +86,8 @@ class _Event:
 class Limits(NamedTuple):
     """First step, 0 for the method's own choice, and longest step.
 
-    The longest is an eighth of the excitation's period. In flight steps would grow so long that a
-    whole contact fits into one and goes unseen.
+    The longest is an eighth of the excitation's period. In flight, longer steps could go across a
+    whole contact.
     """
 
     first: float
@@ -103,11 +103,11 @@ Segment = Callable[..., tuple[float, NDArray[np.float64], int | None, int]]
 def drive(
     segment: Segment, problem: Problem, cases: Sequence[Parameters], deadline: float
 ) -> Solution:
-    """Solve ``cases`` one after the other: integrate, apply the event, restart.
+    """Solve cases one after the other: integrate, apply the event, restart.
 
-    A mode starts where one of its functions is zero. If that rises and falls again within the first
-    step, a code that looks at signs finds the event at the start once more; it is then sent again
-    with a smaller first step. ``p`` is the array of ``Device``.
+    A mode starts on a zero of one of its functions. If this function rises and falls again within
+    the first step, a method that compares signs finds the event at the start once more. The step is
+    then repeated with smaller first steps.
     """
     answers, evaluations = [], 0
     for case in cases:

@@ -1,4 +1,4 @@
-"""scipy's ``solve_ivp`` on the right-hand side without modes; the fall is its only event."""
+"""scipy's ``solve_ivp`` with the right-hand side without modes; its only event is the fall."""
 
 import itertools
 import math
@@ -45,7 +45,7 @@ class ScipyUnlocated(Method):
     def _solve_one(self, problem: Problem, parameters: Parameters, resolution: float) -> Solution:
         row = Batch.stack([parameters]).constants(problem.settings.readings)[0]
         write, fall_of = entry_point(write_rates), entry_point(outside_of)
-        # A run of no steps ends where it starts.
+        # A run without a step returns its start.
         at_once = replace(problem.settings, max_evaluations=1)
         begun = solve_by_hand(Batch.stack([parameters]), "rk4", 1.0, at_once).states[0, 0]
         counter = itertools.count(1)
@@ -68,7 +68,7 @@ class ScipyUnlocated(Method):
 
         fall.terminal, fall.direction = True, -1.0  # type: ignore[attr-defined]
         try:
-            # A solver that steps across a contact may run away: its verdict shows it.
+            # A solver that steps across a contact may overflow: its verdict shows it.
             with np.errstate(all="ignore"):
                 run = solve_ivp(
                     rates_at, (0.0, problem.settings.horizon), begun, method=self.solver,

@@ -1,4 +1,4 @@
-"""What a method needs to reach an error, and advice on the choice of one."""
+"""Cost of methods at a required error, and advice on the choice of a method."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared
 
 @dataclass(frozen=True)
 class Need:
-    """The cheapest setting from which on a method keeps within an error, on one case."""
+    """The cheapest setting of a method on a case that keeps a required error."""
 
     rhs_evaluations: int
     microseconds: float
@@ -29,10 +29,10 @@ class Need:
 
 
 def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, str], Need]:
-    """Return, by (method, case), the cost of keeping the true error at ``target`` or below.
+    """Return by (method, case) the cost of a true error of at most ``target``.
 
-    A setting counts only if all finer ones keep within the target too: an error that passes through
-    zero is luck. Where a method does not get there, it has no entry.
+    A setting counts only if all finer ones keep the target too: an error that passes through zero
+    is luck. A method that does not reach the target on a case has no entry.
     """
     found: dict[tuple[str, str], Need] = {}
     for method in METHODS:
@@ -62,9 +62,9 @@ def advice(
     """Return three sentences of advice on the choice of a method, from the measurements.
 
     Args:
-        settings: every method on every case.
-        wrong: by figure, its dataset with fixed steps.
-        titles: of the cases.
+        settings: settings of all methods on all cases.
+        wrong: datasets with fixed steps, by figure.
+        titles: titles of the cases, by name.
     """
     fine, coarse = needs(settings, FINE), needs(settings, COARSE)
     cases = list(titles)
@@ -99,7 +99,7 @@ def advice(
 
 
 def _fastest(need: Mapping[tuple[str, str], Need], cases: Sequence[str]) -> str | None:
-    """Return the method that keeps the error in every case in the least time (geometric mean)."""
+    """Return the method that keeps the error in all cases in the least time (geometric mean)."""
     costs = {
         method: math.prod(need[method, case].microseconds for case in cases)
         for method in METHODS

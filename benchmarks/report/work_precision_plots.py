@@ -27,9 +27,9 @@ LABELS: Mapping[Wrong, str] = {
     Wrong.WRONG_TIME: "wrong time",
     Wrong.WRONG_OUTCOME: "wrong outcome",
 }
-TYPICAL_SCHEME = "rk4"  # what a study of 2007 would have used
+TYPICAL_SCHEME = "rk4"  # the usual method of a study of 2007
 
-# Blue is located; warm colours are fixed steps; the rest is scipy.
+# Blue: with event location; orange and purple: fixed steps; the others: scipy.
 LOOKS: Mapping[str, Mapping[str, Any]] = {
     "dop853_located": {"color": style.BLUE, "marker": "o", "linestyle": "-", "linewidth": 2.2},
     "rk4_fixed": {"color": style.ORANGE, "marker": "^", "linestyle": "-"},
@@ -69,7 +69,7 @@ def time_over_error(settings: Sequence[TimedSetting], titles: Mapping[str, str])
 def _work_over_error(
     settings: Sequence[Setting], work: str, titles: Mapping[str, str], label: str
 ) -> Figure:
-    """Draw a line for each method; a setting with the wrong outcome has no error and no point."""
+    """Draw a line for each method; settings with a wrong outcome have no point."""
     right = [setting for setting in settings if setting.verdict == Verdict.RIGHT_OUTCOME]
     with style.context():
         rows = math.ceil(len(titles) / 2)
@@ -108,7 +108,7 @@ def handles(methods: Collection[str]) -> list[Line2D]:
 
 
 def wrong_points(datasets: Sequence["xr.Dataset"]) -> Figure:
-    """Draw the points of each figure that come out wrong with RK4: a row for each step."""
+    """Draw the points of each figure that RK4 gets wrong, a row for each step."""
     steps = datasets[0]["step"].values
     with style.context():
         figure = style.new_figure(height=(1.5 + 6.5 * len(steps)) * style.CENTIMETRE)
@@ -147,7 +147,7 @@ _NOT_ALIGNED_SHADE = "#E4E4E4"
 
 
 def _draw_wrong_points(axes: Axes, part: "xr.Dataset", *, is_map: bool) -> None:
-    """Draw what is true in grey, curves or the area that does not align, and wrong points on it."""
+    """Draw the true curves, or the area without alignment, in grey, and the wrong points on it."""
     y, x = (str(name) for name in part["tau_located"].dims)
     swept, located, tau = part[x].values, part["tau_located"].values, part["tau_align"].values
     gaps = np.isnan(located)
@@ -161,7 +161,7 @@ def _draw_wrong_points(axes: Axes, part: "xr.Dataset", *, is_map: bool) -> None:
         )  # fmt: skip
         axes.set_ylabel(axis_label(part[y]))
     else:
-        heights = np.where(np.isnan(tau), located, tau)  # what came out, or else what should have
+        heights = np.where(np.isnan(tau), located, tau)  # the time with RK4, or else the true one
         axes.plot(swept, located.T, label="_located", **_LOCATED_LOOK)
         axes.set_ylim(0.0, 1.0 if gaps.all() else 1.15 * float(np.nanmax(located)))
         axes.set_ylabel("alignment duration $τ$")

@@ -1,4 +1,4 @@
-"""Hashes of code follow what runs; a sidecar says what a job made of what."""
+"""Hashes of code change with the code that runs; sidecars name the inputs and outputs of jobs."""
 
 import hashlib
 import json
@@ -155,7 +155,7 @@ def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(
 
 
 def test_looking_at_the_checkout_takes_no_lock_in_it(package: Path) -> None:
-    """A lock would stay behind where a job is killed, and stop whoever works there."""
+    """A killed job would leave git's lock behind, and git would then refuse to work there."""
 
     def git(*arguments: str) -> None:
         who = ["-c", "user.name=test", "-c", "user.email=test@localhost"]

@@ -1,4 +1,4 @@
-"""Every difference between two states is found, and no other."""
+"""All differences between two states are found, and no others."""
 
 import builtins
 import shutil
@@ -172,7 +172,7 @@ def test_gaps_are_counted_and_grids_are_cut_to_common_points(make_dataset) -> No
 
 
 def test_a_trajectory_is_compared_away_from_its_jumps() -> None:
-    """A jump that comes 1e-9 later is no change of 1; a course that is 1e-3 higher is one."""
+    """A jump that is 1e-9 later is no change of 1; a variable that is 1e-3 higher has changed."""
 
     def course(jump: float, offset: float, steps: int) -> xr.Dataset:
         before, after = np.linspace(0.0, jump, steps), np.linspace(jump, 2.0, steps)

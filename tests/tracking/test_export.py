@@ -1,4 +1,4 @@
-"""What an export to MLflow holds; in the nightly, that the real MLflow holds it.
+"""Contents of an export to MLflow; in the nightly, with the real MLflow.
 
 MLflow is not in the environment that `make` builds: `pip install 'vibralign[export]'` adds it.
 """
@@ -24,7 +24,7 @@ from model.tracking.invocation import Invocation
 
 @pytest.fixture
 def built(recorded) -> Any:
-    """An invocation that made a dataset and a table, and in which another figure failed."""
+    """An invocation that made a dataset and a table, with one failed figure."""
     invocation = recorded.invocation()
     recorded.merge()
     recorded.claims()

@@ -1,4 +1,4 @@
-"""The study's memory: nothing that ran is missing from it, whatever became of it."""
+"""The history: it contains all invocations and runs, however they ended."""
 
 import csv
 import os

@@ -1,4 +1,4 @@
-"""The reference: what a build may differ from it, what it may not, and how it is changed."""
+"""The reference: allowed and refused differences of a build, and acceptance of new results."""
 
 import csv
 from pathlib import Path
@@ -60,7 +60,7 @@ def curves() -> xr.Dataset:
 
 
 def found(**changes: dict[tuple[int, int], float]) -> list[str]:
-    """Variables found to differ where points of the built dataset are changed."""
+    """Return the variables that differ after points of the built dataset are changed."""
     built = curves()
     for name, points in changes.items():
         for place, value in points.items():

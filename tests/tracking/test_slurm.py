@@ -1,4 +1,4 @@
-"""Jobs that Slurm holds for a folder, and why some ended; Slurm itself is a script here."""
+"""Jobs in Slurm that belong to a folder, and why some ended; a script takes the place of squeue."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def answer(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let squeue be a shell script, and nothing else be on the PATH."""
+    """Replace squeue by a shell script, the only command on the PATH."""
     tools = tmp_path / "bin"
     tools.mkdir()
     (tools / "squeue").write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")

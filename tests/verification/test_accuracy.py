@@ -178,7 +178,7 @@ def test_chunks_that_are_missing_or_different_are_refused(tables):
 
 
 def made(**columns):
-    """A table of 2,000 sure alignments at τ = 1, each known to 1e-9, ten times the true error."""
+    """A table of 2,000 alignments at τ = 1 with ``tau_error`` 1e-9, ten times the true error."""
     size = 2000
     table = {
         "set": np.arange(size),
@@ -202,7 +202,7 @@ def failing(table):
 
 
 def first(count, value, other):
-    """2,000 values, the first ``count`` of them another."""
+    """2,000 values, of which the first ``count`` differ."""
     return np.where(np.arange(2000) < count, value, other)
 
 

@@ -50,11 +50,11 @@ def test_ten_thousand_sets_keep_every_property():
     findings = [finding for report in reports for finding in report.findings]
     assert sum(report.sets for report in reports) == 10_000
     assert findings == []
-    # Half of them stop at the limit, two in a hundred say that they are not sure; the rest, 4,257
-    # and 3,965, is compared.
+    # Half of the sets stop at the limit of evaluations, two in a hundred are sensitive; the others,
+    # 4,257 and 3,965, are compared.
     assert sum(report.against_neighbour for report in reports) > 4200
     assert sum(report.against_reference for report in reports) > 3900
-    # No answer is allowed where it is said, and rare.
+    # A declared failure is allowed, but only in a small share.
     assert sum(len(report.unexplained) for report in reports) <= UNEXPLAINED_SHARE * 10_000
     reports.append(try_sets(SEED, SETTLES, 1))
     endings = {name.split(":")[0] for report in reports for name in report.endings}
@@ -160,7 +160,7 @@ def test_a_property_that_is_broken_is_found(device, field, value, what):
     assert broken_properties(bad, PATIENT)[what].all()
 
 
-# What random sets found in the solver, each mended where it stands.
+# Errors of the solver that random sets have found, now corrected.
 FOUND = {
     # At rest without load, the friction state that fits a moment later did not fit now: it ended
     # at once and came back, without time passing.

@@ -1,4 +1,4 @@
-"""Parts of a campaign of random sets: added up, stored, and summed up in words."""
+"""Reports of the parts of a fuzz campaign: added up, stored, and summed up in words."""
 
 from collections import Counter
 

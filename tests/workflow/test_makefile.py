@@ -1,4 +1,4 @@
-"""`make` adds the environment to `snakemake`, and passes on what it is told."""
+"""`make` builds the environment, and passes its options on to `snakemake`."""
 
 import json
 import re

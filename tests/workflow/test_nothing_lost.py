@@ -29,7 +29,7 @@ FEW = ("tiny/data/fig05.nc", "tiny/data/fig13.nc")  # of six jobs, chunks among 
 
 
 def failed_runs(workspace: Any) -> dict[str, dict[str, str]]:
-    """The index's lines of runs that went wrong."""
+    """Rows of failed and interrupted runs in the index."""
     with (workspace.folder / "tiny/runs.csv").open(encoding="utf-8", newline="") as stream:
         return {row["run"]: row for row in csv.DictReader(stream) if row["status"] != "done"}
 
@@ -44,7 +44,7 @@ def outcomes(workspace: Any) -> list[str]:
 
 
 def is_clean(workspace: Any, built: Any, targets: Sequence[str] = FEW) -> None:
-    """`snakemake` ends well, with the bytes of a clean build, and leaves no half file."""
+    """`snakemake` succeeds with the bytes of a clean build, and leaves no temporary file."""
     run = workspace.snakemake(*targets)
     assert run.returncode == 0, run.stdout + run.stderr
     chunks = [f"tiny/data/chunks/fig13/{i}.nc" for i in range(3)]
@@ -73,7 +73,7 @@ def victims(process: subprocess.Popen[bytes], kind: str) -> list[int]:
 
 
 def let_begin(process: subprocess.Popen[bytes], workspace: Any, jobs: int) -> None:
-    """Wait until so many jobs of ``process`` have begun, or it has ended."""
+    """Wait until ``process`` has started this number of jobs, or has ended."""
     started = time.time()
 
     def begun() -> int:
@@ -85,7 +85,7 @@ def let_begin(process: subprocess.Popen[bytes], workspace: Any, jobs: int) -> No
 
 
 def kill_when_there(process: subprocess.Popen[bytes], kind: str) -> None:
-    """Kill -9 of the jobs or of Snakemake, as soon as there is any; nothing if it ends before."""
+    """Kill (-9) the jobs or Snakemake as soon as one runs; do nothing if the build ends before."""
     while process.poll() is None:
         found = victims(process, kind)
         for pid in found:
@@ -173,7 +173,7 @@ def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(workspace: Any, bui
 
 
 def small_files() -> None:
-    """No file may grow beyond 30 kB: writing the rest fails, as on a full disk."""
+    """Limit files to 30 kB: writing more fails, as on a full disk."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000))
 
 
@@ -222,7 +222,7 @@ def of_another_figure(path: Path) -> None:
 
 
 def of_another_study(path: Path) -> None:
-    """With its sidecar, so that only what it holds can tell."""
+    """The file has a fitting sidecar, so that only its content shows the error."""
     import xarray as xr  # noqa: PLC0415
 
     from model.study.files import write_json  # noqa: PLC0415
@@ -247,7 +247,7 @@ def test_damaged_files_are_made_again(copy_of_built: Any, built: Any) -> None:
 
 
 def test_a_forged_dataset_is_not_drawn(copy_of_built: Any, built: Any) -> None:
-    """Not even one that is as old as the true one, so that Snakemake sees nothing to do."""
+    """Also if it is as old as the true one, so that Snakemake sees nothing to do."""
     data, picture = "tiny/data/fig11.nc", "tiny/figures/fig11.png"
     path = copy_of_built.folder / data
     times = path.stat().st_atime_ns, path.stat().st_mtime_ns

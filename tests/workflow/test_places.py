@@ -1,4 +1,4 @@
-"""The study builds wherever it lies, and however Snakemake is called."""
+"""The study builds in any folder, and by any call of Snakemake."""
 
 import os
 import subprocess

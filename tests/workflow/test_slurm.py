@@ -1,4 +1,4 @@
-"""The study as jobs of a real Slurm: the bytes of a local build, whatever happens on the way.
+"""The study as jobs of a real Slurm: it gives the bytes of a local build after any disturbance.
 
 `make slurm-test` runs this, on daemons of its own. Every test ends with a restart by `make`.
 """
@@ -53,7 +53,7 @@ def slurm() -> Iterator[Slurm]:
 
 @pytest.fixture(scope="module")
 def built(make_workspace: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """A local build of what is restarted; tests must not change it."""
+    """A local build to compare with; tests must not change it."""
     made = make_workspace(tmp_path_factory.mktemp("built"))
     run = made.snakemake(*FEW)
     assert run.returncode == 0, run.stdout + run.stderr
@@ -62,7 +62,7 @@ def built(make_workspace: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 @pytest.fixture
 def cluster(slurm: Slurm, make_workspace: Any, tmp_path: Path) -> Iterator[Any]:
-    """A workspace whose jobs are Slurm's; the queue is empty before and after."""
+    """A workspace whose jobs run in Slurm; the queue is empty before and after."""
     yield make_workspace(tmp_path / "project", "slurm", **slurm.environment)
     resume(slurm)
     slurm.empty()
@@ -77,7 +77,7 @@ def compiled(cluster: Any) -> Any:
 
 
 def wait_until(condition: Callable[[], Any], what: str) -> Any:
-    """Return what the condition returns as soon as it is true."""
+    """Wait until ``condition`` returns a true value, and return it."""
     until = time.monotonic() + PATIENCE
     while not (found := condition()):
         assert time.monotonic() < until, f"waited in vain until {what}"
@@ -86,12 +86,12 @@ def wait_until(condition: Callable[[], Any], what: str) -> Any:
 
 
 def drain(slurm: Slurm) -> None:
-    """Let what is submitted wait."""
+    """Drain the nodes, so that submitted jobs wait."""
     slurm.call("scontrol", "update", "nodename=n1,n2", "state=drain", "reason=test")
 
 
 def resume(slurm: Slurm) -> None:
-    """Let it begin; a node that is not drained cannot be resumed."""
+    """Resume the drained nodes, so that waiting jobs begin."""
     for line in slurm.call("sinfo", "--noheader", "--Node", "--format=%N %T").splitlines():
         node, state = line.split()
         if "drain" in state:
@@ -99,7 +99,7 @@ def resume(slurm: Slurm) -> None:
 
 
 def kill_snakemake(process: Any) -> None:
-    """Kill -9 of everything that `make` started on this machine; Slurm's jobs are not among it."""
+    """Kill (-9) all processes that `make` started here; jobs in Slurm go on."""
     for child in psutil.Process(process.pid).children(recursive=True):
         with contextlib.suppress(psutil.NoSuchProcess):
             child.kill()
@@ -109,7 +109,7 @@ def kill_snakemake(process: Any) -> None:
 
 
 def is_restarted(cluster: Any, built: Any, files: tuple[str, ...] = FEW, retries: int = 0) -> None:
-    """`make` on Slurm ends well, with the bytes of the local build."""
+    """`make` on Slurm succeeds with the bytes of the local build."""
     run = cluster.make(*files, *HASTY, f"--retries={retries}")
     assert run.returncode == 0, run.stdout + run.stderr
     assert cluster.sha256(*files) == built.sha256(*files)

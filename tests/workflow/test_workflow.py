@@ -75,7 +75,7 @@ def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) ->
 
 
 def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> None:
-    """Not even where something else is missing and the kernels have to be compiled anew."""
+    """Also if another result is missing and the kernels are compiled anew."""
     for script in copy_of_built.folder.glob("workflow/scripts/*.py"):
         text = script.read_text(encoding="utf-8")
         script.write_text(f"{text}\nEDITED = True\n", encoding="utf-8")
@@ -127,9 +127,9 @@ THREADED = ("history", "merge", "map", "claims_runs", "claims", "jamming", "plot
 
 
 def build_whole(made: Any, cores: int, first: str | None) -> list[str]:
-    """Build the whole study, one figure ``first``; the runs in their order.
+    """Build the whole study, one figure ``first``; return the runs in order of time.
 
-    With so many cores, and as many threads a job for numerical libraries.
+    Jobs get as many threads for numerical libraries as there are cores.
     """
     threads = ["--set-threads", *(f"{rule}={cores}" for rule in THREADED)]
     for targets in ([first], []) if first else ([],):
@@ -145,11 +145,9 @@ def test_the_whole_study_has_the_same_bytes_in_another_folder(
 ) -> None:
     """Datasets, pictures, claims and report of two builds, at one and at two cores.
 
-    The second makes first what the first made last, with two threads a job in place of one.
-
-    `make nightly` does it on the smoke study, with STUDY=full on the whole one.
-
-    CPU times, which no two builds share, are made the same before what shows them is compared.
+    The second build starts with the last figure of the first, and its jobs have two threads.
+    `make nightly` builds the smoke study, with STUDY=full the whole one. CPU times differ between
+    builds: they are copied from one to the other before pages that show them are compared.
     """
     builds: list[Any] = []
     orders: list[list[str]] = []
