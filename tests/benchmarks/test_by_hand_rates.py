@@ -79,7 +79,7 @@ def placed(kind, random, p):
 
 
 def overlaps(y, p):
-    """Contacts that overlap the base, found from the geometry anew."""
+    """Return the contacts that overlap the base, from the geometry."""
     q = state_of(y)
     found = set()
     right, left = (edge_inside(edge, corner_positions(q, p), p) for edge in (RIGHT_EDGE, LEFT_EDGE))
@@ -99,7 +99,7 @@ def slip_state(slip, p):
 
 
 def located_mode(kinds, y, p):
-    """The mode in which the located solver would hold the state, or None where it has none."""
+    """Return the mode of a state in the located solver, or None if it has none."""
     q = state_of(y)
     mode = START._replace(face=OPEN)
     slips = []

@@ -1,4 +1,4 @@
-"""Wrong points are counted right, and computed on the points that the located dataset holds."""
+"""Fixed steps: wrong points are counted, and computed at points of the located dataset."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The comparison in the slot with other solutions: what it says of agreement.
+"""The comparison in the slot with other solutions: its checks of agreement.
 
 MuJoCo is not in this environment; `make truth` runs it.
 """

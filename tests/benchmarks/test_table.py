@@ -1,4 +1,4 @@
-"""The table of ``make bench``: settings at the target, times in turn, and what is told of them."""
+"""The table of ``make bench``: settings at the target error, times in turn, rows and remarks."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""The comparison with other engines: what it says of agreement, and the scene it hands over.
+"""The comparison with other engines: its checks of agreement, and MuJoCo's scene.
 
 The engines themselves are not in this environment; `make truth` runs them.
 """
@@ -74,7 +74,7 @@ def test_estimates_are_judged_by_the_rule_of_the_accuracy_trials(device):
 
 def test_a_set_outside_is_run_again_more_accurately(device):
     right = align([device] * 2, tolerance=1e-12, cores=1)
-    # As if both runs of the first had erred alike: explained by what is right, not by what is not.
+    # As if both runs of the first set had the same error: a sharper run then explains it.
     sets = Sets([device] * 2, right.tau_align + [3e-9, 0.0], np.full(2, 1e-9))
     for shift, explained in ((0.0, True), (6e-9, False)):
         (one,) = outside(sets, (right.tau_align + [shift, 0.0], np.full(2, 1e-12)))

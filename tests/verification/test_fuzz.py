@@ -32,9 +32,9 @@ ONCE_WRONG = (
     61987, 115174, 138461, 307496, 488748, 518930, 567408, 624176, 690504, 764952, 813861, 837068,
     846441, 1016048,
 )  # fmt: skip
-ALSO_WRONG = 50385  # of another seed: what aligns lasts for a part in 10⁸ of the step
-SETTLES_STICKING = (62, 21603)  # of that seed, inside of a step
-# So were these; a tilt of 1e-7 decides them, and nothing is sure.
+ALSO_WRONG = 50385  # of another seed: it is aligned for 1e-8 of a step only
+SETTLES_STICKING = (62, 21603)  # of that seed, within a step
+# These were wrong too: a tilt of 1e-7 decides them, so that they must be sensitive or fail.
 NEARLY_FLAT = (137368, 147806, 634297, 689932, 734897, 814978, 875933, 1027689)
 # Of the insertion scene; docs/measurements.md lists the causes. Carried error too small, inserted
 # as the part falls in, sensitive, missed by the reference engine, settled in one engine only; an

@@ -91,7 +91,7 @@ for line in sys.stdin:
             main(arguments)
         except SystemExit as ended:
             code = ended.code or 0
-        except BaseException:  # as the interpreter does with what nobody catches
+        except BaseException:  # as the interpreter does with an uncaught exception
             sys.excepthook(*sys.exc_info())
         sys.stdout.flush(), sys.stderr.flush()
         os._exit(code)
@@ -131,12 +131,12 @@ class Workspace:
         self._make_environment()
 
     def configure(self, study: dict[str, Any]) -> None:
-        """Write the configuration that is laid over config.yaml."""
+        """Write the configuration whose values replace those of config.yaml."""
         text = yaml.safe_dump(study)
         (self.folder / "config" / "tiny.yaml").write_text(text, encoding="utf-8")
 
     def _make_environment(self) -> None:
-        """Stand-in for .venv with the Python that runs the tests, and the package."""
+        """Make a stand-in for .venv with the Python of the tests, and the package."""
         tools = self.folder / ".venv" / "bin"
         tools.mkdir(parents=True)
         run = f'PYTHONPATH="{self.sources}" exec "{sys.executable}"'
@@ -152,7 +152,7 @@ class Workspace:
 
     @property
     def environment(self) -> dict[str, str]:
-        """So that jobs import the package from ``checkout``, and no test's invocation."""
+        """Variables with which jobs import the package from ``checkout``, without an invocation."""
         kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_INV" not in name}
         return {**kept, "PYTHONPATH": self.sources, **self.added}
 
@@ -222,13 +222,13 @@ class Workspace:
         )
 
     def kill(self, process: subprocess.Popen[bytes]) -> None:
-        """Kill -9 whatever is left of a process group."""
+        """Kill (-9) the remaining processes of a group."""
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait(timeout=60)
 
     def planned(self) -> set[tuple[str, str]]:
-        """(rule, output) of everything that a dry run wants to make."""
+        """Return (rule, output) of all outputs that a dry run would make."""
         run = self.dry_run("--summary")
         assert run.returncode == 0, run.stderr
         rows = [line.split("\t") for line in run.stdout.splitlines() if "\t" in line]
@@ -238,7 +238,7 @@ class Workspace:
         return {(row["rule"], row["output_file"]) for row in table if row["plan"] != "no update"}
 
     def take_times(self, other: "Workspace") -> None:
-        """Take CPU times, which no two builds share, from another build of the whole study."""
+        """Copy CPU times, which differ between builds, from another build of the whole study."""
         for name in ("precision", "hard_cases"):
             times = f"tiny/benchmarks/{name}.csv"
             (self.folder / times).write_bytes((other.folder / times).read_bytes())
@@ -304,7 +304,7 @@ def make_workspace() -> type[Workspace]:
 
 @pytest.fixture(scope="session")
 def touched(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """Every output of the tiny study as a file that Snakemake takes for made."""
+    """A tiny study whose outputs are empty files that Snakemake takes for complete."""
     made = Workspace(tmp_path_factory.mktemp("touched"))
     for _, output in made.planned():
         path = made.folder / output
@@ -317,7 +317,7 @@ def touched(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """A clean build of all that tests compare with; they must not change it."""
+    """A clean build to compare with; tests must not change it."""
     made = Workspace(tmp_path_factory.mktemp("built"))
     run = made.snakemake(*made.DATA, *made.BESIDE, *made.PICTURES)
     assert run.returncode == 0, run.stdout + run.stderr
@@ -326,7 +326,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
 
 @pytest.fixture
 def copy_of_built(tmp_path: Path, built: Workspace) -> Workspace:
-    """The clean build, to be changed at will."""
+    """A copy of the clean build that a test may change."""
     made = Workspace(tmp_path / "project")
     for part in ("tiny", ".snakemake"):
         shutil.copytree(built.folder / part, made.folder / part)
