@@ -139,7 +139,7 @@ rule plot:
         "../scripts/plot.py"
 
 
-# `snakemake -c2 fig06` builds one figure.
+# `snakemake -c2 fig06` builds one figure, and its data, which a picture that is there does not ask for.
 for name in FIGURES:
 
     rule:
@@ -147,3 +147,4 @@ for name in FIGURES:
             name
         input:
             pictures(f"figures/{name}"),
+            f"<results>/data/{name}.nc" if name in COMPUTED else [],
