@@ -38,10 +38,13 @@ def pytest_configure(config: pytest.Config) -> None:
         align([baseline()], horizon=0.1)
 
 
+_BUILT = {"test_makefile", "test_nothing_lost", "test_workflow"}  # share the fixture `built`
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Give each file to one process, since its tests share fixtures, and begin with the longest."""
     for item in items:
-        shared = item.path.stem in ("test_workflow", "test_nothing_lost")  # the fixture `built`
+        shared = item.path.stem in _BUILT
         item.add_marker(pytest.mark.xdist_group("built" if shared else str(item.path)))
     items.sort(key=lambda item: item.path.parent.name != "workflow")
 
