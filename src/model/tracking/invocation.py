@@ -77,7 +77,9 @@ class Invocation:
         lock_folder(self.name, patience)
         self._holds_folder = True
         for name in discard_damaged(self.root):
-            sys.stderr.write(f"{name}: not as its job left it: deleted, and made anew where it is asked for\n")
+            sys.stderr.write(
+                f"{name}: not as its job left it: deleted, and made anew where it is asked for\n"
+            )
 
     def start(self) -> None:
         """Lock the folder and record the start of this invocation.
