@@ -23,6 +23,7 @@ from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import PLAIN, TIME
 from model.physics.units import Units
+from model.runs.engines import Engine
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
@@ -30,6 +31,7 @@ from model.show.si import in_words
 from model.study.files import atomic_write
 from model.tracking.job import version
 
+ENGINE: Engine = "scalar"  # also of the control: the other would have to be compiled first
 _SUCCESSES = (Outcome.ALIGNED, Outcome.INSERTED)
 
 
@@ -64,7 +66,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
         print_json(_record(run, settings) | ({"si": _in_si(run, units)} if units else {}))
     else:
         lines = _report(run, units)
-        lines.append(unvibrated_words(parameters, settings))
+        lines.append(unvibrated_words(parameters, settings, ENGINE))
         if units and arguments.dimensionless:
             lines += ["", "dimensionless:", *_report(run, None)[1:], _units_line(units)]
         print("\n".join(lines))
@@ -170,7 +172,7 @@ def _final_state(run: Trajectory) -> dict[str, float]:
 
 def unvibrated_record(parameters: Parameters, settings: Settings) -> dict[str, Any]:
     """Return how the unvibrated control ends, for --json."""
-    columns = unvibrated_results(Batch.stack([parameters]), settings)
+    columns = unvibrated_results(Batch.stack([parameters]), settings, engine=ENGINE)
     values = {name: column[0].item() for name, column in columns.items()}
     return values | {"unvibrated": _name(Unvibrated(values["unvibrated"]))}
 

@@ -20,7 +20,7 @@ from model.events.scenes import ALIGNMENT
 from model.physics.parameters import Batch, Parameters
 from model.physics.rest import rest_under_press
 from model.physics.variants import Variants
-from model.runs.engines import engine_for
+from model.runs.engines import Engine, engine_for
 from model.runs.settings import Settings
 
 Array = NDArray[np.float64]
@@ -40,7 +40,9 @@ class UnvibratedEnds(NamedTuple):
     tilt: Array
 
 
-def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> UnvibratedEnds:
+def unvibrated(
+    batch: Batch, settings: Settings, cores: int = 1, engine: Engine | None = None
+) -> UnvibratedEnds:
     """Run the sets of ``batch`` without excitation, from the simultaneous start.
 
     Sets that differ only in their excitation are run once.
@@ -49,6 +51,7 @@ def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> UnvibratedEn
         batch: the vibrated runs.
         settings: of the vibrated runs; within their horizon the part must come to rest.
         cores: number of threads.
+        engine: "batch" or "scalar"; the fastest that fits by default.
     """
     still = np.zeros(len(batch))
     controls = Batch({**batch.values, "frequency": still, "phase": still})
@@ -56,7 +59,7 @@ def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> UnvibratedEn
     scene = ALIGNMENT if settings.success is Outcome.INSERTED else settings.scene
     changes: dict[str, Any] = {"insertion_depth": None, "alignment_only": True}
     settings = replace(settings, scene=scene, start="simultaneous", **changes)
-    run = engine_for(settings, cores=cores)
+    run = engine_for(settings, engine, cores)
     found = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     rests = (found.outcome == Outcome.SETTLED) & (found.end_on_edge == 1.0) & (found.end_tilt > 0.0)
     ends = np.where(rests, Unvibrated.RESTS, Unvibrated.LEAVES)
@@ -76,9 +79,11 @@ def slow_tilt(batch: Batch, settings: Settings) -> Array:
     return tilts
 
 
-def unvibrated_results(batch: Batch, settings: Settings, cores: int = 1) -> dict[str, NDArray[Any]]:
+def unvibrated_results(
+    batch: Batch, settings: Settings, cores: int = 1, engine: Engine | None = None
+) -> dict[str, NDArray[Any]]:
     """Return the results in ``UNVIBRATED_CONTROL`` of the sets of ``batch``, each of shape (n,)."""
-    found = unvibrated(batch, settings, cores)
+    found = unvibrated(batch, settings, cores, engine)
     return {
         "unvibrated": found.outcome,
         "unvibrated_tilt": found.tilt,
@@ -86,9 +91,11 @@ def unvibrated_results(batch: Batch, settings: Settings, cores: int = 1) -> dict
     }
 
 
-def unvibrated_words(parameters: Parameters, settings: Settings) -> str:
+def unvibrated_words(
+    parameters: Parameters, settings: Settings, engine: Engine | None = None
+) -> str:
     """Return the end of the unvibrated control in a line of words."""
-    found = unvibrated_results(Batch.stack([parameters]), settings)
+    found = unvibrated_results(Batch.stack([parameters]), settings, engine=engine)
     outcome, tilt, slow = (column[0] for column in found.values())
     words = UNVIBRATED_TEXT[Unvibrated(outcome)]
     if outcome == Unvibrated.RESTS:
