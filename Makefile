@@ -100,7 +100,7 @@ workflow: environment
 	$(call check,snakefmt --check Snakefile workflow)
 
 unit: environment
-	$(call check,pytest --numprocesses $(CORES) --dist loadgroup --no-loadscope-reorder)
+	$(call check,pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder)
 
 browser-test: environment
 	$(call check,pytest -m browser -rs tests/show/explorer)

@@ -38,15 +38,14 @@ def pytest_configure(config: pytest.Config) -> None:
         align([baseline()], horizon=0.1)
 
 
-_BUILT = {"test_makefile", "test_nothing_lost", "test_workflow"}  # share the fixture `built`
+# Files that take longest. The second begins while the study of the first is built.
+_FIRST = ["test_workflow", "test_in_browser", "test_nothing_lost", "test_reruns", "test_mutations"]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give each file to one process, since its tests share fixtures, and begin with the longest."""
-    for item in items:
-        shared = item.path.stem in _BUILT
-        item.add_marker(pytest.mark.xdist_group("built" if shared else str(item.path)))
-    items.sort(key=lambda item: item.path.parent.name != "workflow")
+    """Begin with the longest files, since a process runs whole files."""
+    place = {stem: n for n, stem in enumerate(_FIRST)}
+    items.sort(key=lambda item: place.get(item.path.stem, len(_FIRST)))
 
 
 @pytest.fixture(autouse=True)

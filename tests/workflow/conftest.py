@@ -2,6 +2,7 @@
 
 import contextlib
 import copy
+import fcntl
 import hashlib
 import json
 import os
@@ -122,8 +123,10 @@ class Workspace:
         self.folder = folder
         self.profile = profile
         self.added = added  # to the environment of every command
-        folder.mkdir(exist_ok=True)
         self.checkout = PROJECT
+        if (folder / "Snakefile").exists():  # that of another process
+            return
+        folder.mkdir(exist_ok=True)
         for part in PARTS:
             put = shutil.copytree if (PROJECT / part).is_dir() else shutil.copy
             put(PROJECT / part, folder / part)
@@ -317,10 +320,17 @@ def touched(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """A clean build to compare with; tests must not change it."""
-    made = Workspace(tmp_path_factory.mktemp("built"))
-    run = made.snakemake(*made.DATA, *made.BESIDE, *made.PICTURES)
-    assert run.returncode == 0, run.stdout + run.stderr
+    """A clean build to compare with, one for all processes; tests must not change it."""
+    shared = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        shared = shared.parent
+    with (shared / "built.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        made = Workspace(shared / "built")
+        if not (shared / "complete").exists():
+            run = made.snakemake(*made.DATA, *made.BESIDE, *made.PICTURES)
+            assert run.returncode == 0, run.stdout + run.stderr
+            (shared / "complete").touch()
     return made
 
 
