@@ -44,6 +44,7 @@ wildcard_constraints:
 include: "workflow/rules/common.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/maps.smk"
+include: "workflow/rules/pictures.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/report.smk"

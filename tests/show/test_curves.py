@@ -155,7 +155,7 @@ def runs():
         "rubbing": run_curves("rubbing", within(0.0, 0.5))["rubbing"],
     }
     titled = {name: each.assign_attrs(title=f"Title of {name}") for name, each in datasets.items()}
-    return draw_runs(titled), titled
+    return draw_runs(*titled.values()), titled
 
 
 def test_each_run_has_a_panel_with_its_title_and_run_curves(runs) -> None:

@@ -24,6 +24,7 @@ from model.tracking.history import (
     write_index,
 )
 from model.tracking.invocation import Invocation
+from model.tracking.job import named
 
 
 def test_a_run_and_its_invocation_are_recorded(recorded) -> None:
@@ -262,3 +263,11 @@ def test_what_is_not_as_its_job_left_it_is_deleted(recorded) -> None:
         "fig08.nc",
     ]
     assert discard_damaged(recorded.root) == []
+
+
+@pytest.mark.parametrize(
+    ("run", "figure"),
+    [("chunk/fig06/0", "fig06"), ("plot/maps/fig13_vibration", "fig13"), ("kernels", None)],
+)
+def test_a_run_is_named_with_its_rule_and_figure(run, figure):
+    assert named(run) == {"run": run, "rule": run.split("/", 1)[0], "figure": figure}

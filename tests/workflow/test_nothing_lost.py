@@ -217,8 +217,7 @@ def truncate(path: Path) -> None:
 
 
 def of_another_figure(path: Path) -> None:
-    other = path.parents[1] / "fig11" / "0"
-    shutil.copy(other.with_suffix(".nc"), path)
+    shutil.copy(path.parents[2] / "fig11.nc", path)
 
 
 def of_another_study(path: Path) -> None:

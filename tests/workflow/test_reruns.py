@@ -15,22 +15,17 @@ import pytest
 PROJECT = Path(__file__).resolve().parents[2]
 
 LAST = {"report"}
-METHODS = {"precision", "hard_cases", "fixed_steps", "draw_precision", "draw_hard_cases", *LAST}
-FIXED = {"fixed_steps", "draw_precision"}
+METHODS = {"precision", "hard_cases", "fixed_steps", "draw_methods", *LAST}
+FIXED = {"fixed_steps", "draw_methods"}
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
-MAPPED = {"map_part", "map", "draw_vibration"}
-OWN_RUNS = {"claims_runs", "draw_claims"}  # of the claims ledger
-JAMMING = {"jamming", "draw_jamming"}
+MAPPED = {"map_part", "map"}
 COMPUTED = {
-    "chunk", "history", "merge", *MAPPED, *OWN_RUNS, *JAMMING, *METHODS, *DRAWN, "explorer",
+    "sweep", "chunk", "merge", *MAPPED, "claims_runs", *METHODS, *DRAWN, "explorer",
 }  # fmt: skip
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
-PICTURES = {
-    "schematic", "plot", "draw_vibration", "draw_claims", "draw_jamming", "draw_precision",
-    "draw_hard_cases", *LAST,
-}  # fmt: skip
+PICTURES = {"schematic", "plot", "draw_methods", *LAST}
 EDIT = ("\nfrom ", "\nEDITED = True\nfrom ")
 
 # (file, what stands there, what an edit puts there, the rules that must run again)
@@ -58,7 +53,7 @@ EDITS = [
     # What is shown
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5', PICTURES),
     ("src/model/show/maps.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
-     {"plot", "draw_vibration", *LAST}),
+     {"plot", *LAST}),
     ("src/model/show/schematics/sheet.py", *EDIT, {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),
     ("src/model/show/report/findings.claims.html.j2", "Thresholds", "on trial", LAST),
@@ -132,8 +127,8 @@ def test_the_reason_of_a_rerun_names_the_file(project: Any) -> None:
 STATED = [
     # Maps mark where other figures stand: they are assembled anew, and not computed.
     ({"figures": {"fig11": {"held": {"press_force": 2.6}}}},
-     {"chunk", "merge", "map", "draw_vibration", "explorer", *DRAWN}),
-    ({"figures": {"fig11": {"title": "Another title"}}}, {"merge", "explorer", *DRAWN}),
+     {"sweep", "map", "explorer", *DRAWN}),
+    ({"figures": {"fig11": {"title": "Another title"}}}, {"sweep", "explorer", *DRAWN}),
     # Captions stand on the two pages, and in no dataset.
     ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     ({"figures": {"fig13": {"caption": "Another caption."}}}, {"explorer", *LAST}),
@@ -141,9 +136,9 @@ STATED = [
     ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *FIXED, *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
     ({"claims_runs": {"rubbing": {"held": {"frequency": 0.6}}}},
-     {*OWN_RUNS, "explorer", *JUDGED}),
+     {"claims_runs", "plot", "explorer", *JUDGED}),
 ]  # fmt: skip
-OF_ALL = {"map", "draw_vibration", "explorer", "draw_precision", "claims", *LAST}
+OF_ALL = {"map", "explorer", "draw_methods", "claims", *LAST}
 
 
 @pytest.mark.parametrize(("stated", "expected"), STATED, ids=[str(each[0]) for each in STATED])

@@ -200,7 +200,7 @@ def test_cancelled_jobs_fail_with_the_reason(compiled: Any, built: Any, slurm: S
     slurm.call("scancel", number)
     assert process.wait(timeout=PATIENCE) != 0
     resume(slurm)
-    assert failed_runs(compiled)["history/fig05"]["reason"] == (
+    assert failed_runs(compiled)["sweep/fig05"]["reason"] == (
         f"Slurm job {number}: ended before it began; Slurm wrote no log"
     )
     is_restarted(compiled, built, (ONE,))
@@ -217,7 +217,7 @@ def test_a_job_that_fails_before_its_command_says_why(
     tiny.write_text(f"{text}\nstructure: {{inertia: -1.0}}\n", encoding="utf-8")
     resume(slurm)
     assert process.wait(timeout=PATIENCE) != 0
-    reason = failed_runs(compiled)["history/fig05"]["reason"]
+    reason = failed_runs(compiled)["sweep/fig05"]["reason"]
     assert reason.startswith(f"Slurm job {number}: ")
     assert "structure.inertia = -1.0: must be a finite number > 0" in reason
     tiny.write_text(text, encoding="utf-8")
@@ -238,7 +238,7 @@ def test_a_job_does_not_run_what_was_edited_after_it_was_submitted(
     path.write_text(f"{text}\n{added}\n", encoding="utf-8")
     resume(slurm)
     assert process.wait(timeout=PATIENCE) != 0
-    assert failed_runs(compiled)["history/fig05"]["reason"] == (
+    assert failed_runs(compiled)["sweep/fig05"]["reason"] == (
         f"job history refused: its {edited} was edited after it was submitted; start again"
     )
     path.write_text(text, encoding="utf-8")
@@ -258,7 +258,7 @@ def test_a_job_over_its_time_limit_says_so_and_a_second_attempt_has_more(
     rules.write_text(text, encoding="utf-8")
     (compiled.folder / "stall").touch()
     assert compiled.make(ONE, *HASTY).returncode != 0
-    reason = failed_runs(compiled)["history/fig05"]["reason"]
+    reason = failed_runs(compiled)["sweep/fig05"]["reason"]
     assert reason.startswith("Slurm job ")
     assert reason.endswith("DUE TO TIME LIMIT ***")
     (compiled.folder / "stall").touch()

@@ -45,7 +45,7 @@ def test_one_figure_is_a_target(workspace: Any) -> None:
     run = workspace.dry_run("fig11")
     assert run.returncode == 0, run.stderr
     planned = run.stdout + run.stderr
-    for rule in ("chunk", "merge", "plot", "fig11"):
+    for rule in ("sweep", "plot", "fig11"):
         assert rule in planned
     for rule in ("report", "schematic", "fig12"):
         assert rule not in planned
@@ -82,10 +82,10 @@ def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> 
     (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
     edited = copy_of_built.dry_run(*copy_of_built.DATA, *copy_of_built.BESIDE)
     counts = dict(line.split() for line in edited.stdout.splitlines() if len(line.split()) == 2)
-    jobs = ("kernels", "chunk", "merge", "history", "unlocated_kernels", "fixed_steps", "precision")
+    jobs = ("kernels", "sweep", "chunk", "merge", "unlocated_kernels", "fixed_steps", "precision")
     jobs += ("map_part", "map")
     assert set(jobs) <= set(counts), edited.stdout
-    assert int(counts["chunk"]) == 4
+    assert int(counts["chunk"]) == 3
 
 
 def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any) -> None:
@@ -123,7 +123,7 @@ def test_another_folder_order_and_number_of_cores_give_the_same_bytes(
     assert workspace.sha256(*targets) == built.sha256(*targets)
 
 
-THREADED = ("history", "merge", "map", "claims_runs", "claims", "jamming", "plot")
+THREADED = ("sweep", "merge", "map", "claims_runs", "claims", "plot")
 
 
 def build_whole(made: Any, cores: int, first: str | None) -> list[str]:

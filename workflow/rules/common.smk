@@ -30,14 +30,9 @@ def pictures(*places):
     return [f"<results>/{place}{kind}" for place in places for kind in (".png", ".svg", ".pdf")]
 
 
-def sweep(wildcards):
+def figure_sweep(wildcards):
     """Return the sweep of a figure."""
     return stated(sweep_of(study, wildcards.figure))
-
-
-def title(wildcards):
-    """Return the title of a figure."""
-    return study.figures[wildcards.figure].title
 
 
 def plan(wildcards):

@@ -1,10 +1,13 @@
-"""The figures: compiled kernels, chunks of sweeps, one dataset a figure, and its pictures."""
+"""Data of the figures and of jamming: compiled kernels, sweeps, and chunks of large ones, merged."""
 
 
 localrules:
     merge,
-    schematic,
-    plot,
+
+
+# Sweeps that one job computes: trajectories, figures of one chunk, and jamming.
+WHOLE = [*HISTORIES, *(name for name in GRIDDED if study.figures[name].chunks == 1), "jamming"]
+IN_CHUNKS = [name for name in GRIDDED if name not in WHOLE]
 
 
 # Compiles once, before jobs that would otherwise all compile at the same time. The output contains the
@@ -28,6 +31,29 @@ rule kernels:
         "../scripts/kernels.py"
 
 
+rule sweep:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        data="<results>/data/{name}.nc",
+        record="<results>/data/{name}.run.json",
+    log:
+        "<results>/logs/sweep/{name}.log",
+    wildcard_constraints:
+        name="|".join(WHOLE),
+    priority: 1
+    params:
+        *code("sweep"),
+        sweep=lambda wildcards: stated(sweep_of(study, wildcards.name)),
+        title=lambda wildcards: (
+            study.jamming if wildcards.name == "jamming" else study.figures[wildcards.name]
+        ).title,
+    message:
+        "{wildcards.name}: computing its sweep"
+    script:
+        "../scripts/sweep.py"
+
+
 rule chunk:
     input:
         "<results>/data/kernels.json",
@@ -39,7 +65,7 @@ rule chunk:
     priority: 1
     params:
         *code("chunk"),
-        sweep=sweep,
+        sweep=figure_sweep,
         chunks=lambda wildcards: study.figures[wildcards.figure].chunks,
     message:
         "{wildcards.figure}: computing chunk {wildcards.chunk}"
@@ -60,91 +86,13 @@ rule merge:
     log:
         "<results>/logs/merge/{figure}.log",
     wildcard_constraints:
-        figure="|".join(GRIDDED),
+        figure="|".join(IN_CHUNKS),
     priority: 1
     params:
         *code("merge"),
-        sweep=sweep,
-        title=title,
+        sweep=figure_sweep,
+        title=lambda wildcards: study.figures[wildcards.figure].title,
     message:
         "{wildcards.figure}: merging its chunks"
     script:
         "../scripts/merge.py"
-
-
-rule history:
-    input:
-        "<results>/data/kernels.json",
-    output:
-        data="<results>/data/{figure}.nc",
-        record="<results>/data/{figure}.run.json",
-    log:
-        "<results>/logs/history/{figure}.log",
-    wildcard_constraints:
-        figure="|".join(HISTORIES),
-    params:
-        *code("sweep"),
-        sweep=sweep,
-        title=title,
-    message:
-        "{wildcards.figure}: computing the trajectory"
-    script:
-        "../scripts/sweep.py"
-
-
-rule schematic:
-    output:
-        multiext("<results>/figures/{figure}", ".svg", ".pdf"),
-        png=report(
-            "<results>/figures/{figure}.png",
-            caption="../report/figure.rst",
-            category="Figures of the paper",
-        ),
-        record="<results>/figures/{figure}.run.json",
-    log:
-        "<results>/logs/schematic/{figure}.log",
-    wildcard_constraints:
-        figure="|".join(SCHEMATICS),
-    params:
-        *code("schematic"),
-        parameters=lambda wildcards: study.parameters(wildcards.figure).given(),
-    message:
-        "{wildcards.figure}: drawing the model"
-    script:
-        "../scripts/schematic.py"
-
-
-# For a figure that is a map, the picture shows the refined map with the figure's own points.
-rule plot:
-    input:
-        lambda wildcards: (["<results>/data/maps/{figure}.nc"] if wildcards.figure in MAPS else []),
-        "<results>/data/{figure}.nc",
-    output:
-        multiext("<results>/figures/{figure}", ".svg", ".pdf"),
-        png=report(
-            "<results>/figures/{figure}.png",
-            caption="../report/figure.rst",
-            category="Figures of the paper",
-        ),
-        record="<results>/figures/{figure}.run.json",
-    log:
-        "<results>/logs/plot/{figure}.log",
-    wildcard_constraints:
-        figure="|".join(COMPUTED),
-    params:
-        *code("plot"),
-    message:
-        "{wildcards.figure}: plotting"
-    script:
-        "../scripts/plot.py"
-
-
-# `snakemake -c2 fig06` builds one figure, and its data, which a picture that is there does not ask for.
-for name in FIGURES:
-
-    rule:
-        name:
-            name
-        input:
-            pictures(f"figures/{name}"),
-            f"<results>/data/{name}.nc" if name in COMPUTED else [],

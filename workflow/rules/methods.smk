@@ -8,8 +8,7 @@ from benchmarks.plans import fixed_step_plan, hard_cases_plan, precision_plan
 
 
 localrules:
-    draw_precision,
-    draw_hard_cases,
+    draw_methods,
 
 
 fixed_steps = expand(
@@ -19,6 +18,7 @@ drawn_from = {
     "evaluations": ["<results>/data/precision.nc"],
     "times": ["<results>/benchmarks/precision.csv"],
     "wrong_points": fixed_steps,
+    **dict.fromkeys(HARD_PICTURES, ["<results>/data/hard_cases.csv"]),
 }
 
 
@@ -102,7 +102,7 @@ rule fixed_steps:
         "../scripts/fixed_steps.py"
 
 
-rule draw_precision:
+rule draw_methods:
     input:
         lambda wildcards: drawn_from[picture_at(wildcards)],
     output:
@@ -110,35 +110,15 @@ rule draw_precision:
         png=report("<results>/{place}.png", caption="../report/methods.rst", category="Methods"),
         record="<results>/{place}.run.json",
     log:
-        "<results>/logs/draw_precision/{place}.log",
+        "<results>/logs/draw_methods/{place}.log",
     wildcard_constraints:
-        place="|".join(PICTURES.values()),
+        place="|".join([*PICTURES.values(), *HARD_PICTURES.values()]),
     params:
-        *code("draw_precision"),
+        *code("draw_methods"),
         picture=picture_at,
         titles={name: case.title for name, case in study.precision.cases.items()},
+        hard_cases=stated(study.hard_cases),
     message:
-        "speed against error: drawing {wildcards.place}"
+        "methods: drawing {wildcards.place}"
     script:
-        "../scripts/draw_precision.py"
-
-
-rule draw_hard_cases:
-    input:
-        "<results>/data/hard_cases.csv",
-    output:
-        multiext("<results>/{place}", ".svg", ".pdf"),
-        png=report("<results>/{place}.png", caption="../report/hard_cases.rst", category="Methods"),
-        record="<results>/{place}.run.json",
-    log:
-        "<results>/logs/draw_hard_cases/{place}.log",
-    wildcard_constraints:
-        place="|".join(HARD_PICTURES.values()),
-    params:
-        *code("draw_hard_cases"),
-        picture=picture_at,
-        spec=stated(study.hard_cases),
-    message:
-        "hard cases: drawing {wildcards.place}"
-    script:
-        "../scripts/draw_hard_cases.py"
+        "../scripts/draw_methods.py"

@@ -132,18 +132,16 @@ def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[
     return strip.plot(swept[columns], rows, label=FAILED_LABEL, **look)
 
 
-def draw_runs(datasets: Mapping[str, "xr.Dataset"]) -> Figure:
+def draw_runs(*datasets: "xr.Dataset") -> Figure:
     """Draw the runs made for the claims alone, a panel for each dataset in the order given."""
     rows = -(-len(datasets) // 2)
     with style.context():
         figure = style.new_figure(height=7.2 * rows * style.CENTIMETRE)
         panels = figure.subplots(rows, 2, squeeze=False).flat
-        for letter, axes, (name, dataset) in zip(
-            ascii_lowercase, panels, datasets.items(), strict=False
-        ):
+        for letter, axes, dataset in zip(ascii_lowercase, panels, datasets, strict=False):
             title = str(dataset.attrs["title"])
             axes.set_title(f"$\\bf{{{letter}}}$  {title}", loc="left")
-            _draw_run(axes, dataset, *_CLAIMED.get(name, _DURATION))
+            _draw_run(axes, dataset, *_CLAIMED.get(dataset.attrs["figure"], _DURATION))
         for axes in [*figure.axes][len(datasets) :]:
             axes.set_visible(False)
         return figure

@@ -1,13 +1,14 @@
-"""Figs. 5 to 14: draw a dataset by its attribute ``kind``."""
+"""Drawings of datasets: Figs. 5 to 14 and the maps by their ``kind``, and further ones by name."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from model.show.curves import curves
+from model.show.curves import curves, draw_runs
 from model.show.history import history
-from model.show.maps import stability_map
+from model.show.jamming import draw_jamming
+from model.show.maps import stability_map, vibration_map
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,3 +32,8 @@ def draw(dataset: "xr.Dataset", *coarse: "xr.Dataset") -> Figure:
     if kind not in _DRAW:
         raise ValueError(f"kind = {kind!r}: must be one of {', '.join(_DRAW)}")
     return _DRAW[kind](dataset, *coarse)
+
+
+DRAWINGS: Mapping[str, Callable[..., Figure]] = {
+    "figure": draw, "vibration": vibration_map, "claims": draw_runs, "jamming": draw_jamming,
+}  # fmt: skip

@@ -140,7 +140,7 @@ def parameters_of(record: Record) -> dict[str, str]:
 
 def metrics_of(record: Record) -> dict[str, float]:
     """Return counts by figure, seconds by run, and the sums of both."""
-    wholes = [run for run in record["runs"] if run["rule"] in ("merge", "history")]
+    wholes = [run for run in record["runs"] if run["rule"] in ("merge", "sweep") and run["figure"]]
     metrics = {
         f"{run['figure']}.{name}": float(count)
         for run in wholes

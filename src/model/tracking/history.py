@@ -24,7 +24,7 @@ from typing import Any
 from model.study.csv_tables import csv_text
 from model.study.files import write_text
 from model.tracking import TrackingError
-from model.tracking.job import file_hash
+from model.tracking.job import file_hash, named
 from model.tracking.slurm import slurm_reasons
 
 Record = dict[str, Any]
@@ -148,9 +148,7 @@ def runs_without_sidecar(root: Path, since: float, reasons: Mapping[str, str]) -
         began = logs[run].stat().st_mtime if run in logs else time.time()
         found.append(
             {
-                "run": run,
-                "rule": run.split("/", maxsplit=1)[0],
-                "figure": next((part for part in run.split("/") if part.startswith("fig")), None),
+                **named(run),
                 "status": status,
                 "reason": reason,
                 "log": f"logs/{run}.log",

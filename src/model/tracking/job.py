@@ -16,6 +16,7 @@ import importlib.metadata
 import json
 import os
 import platform
+import re
 import resource
 import subprocess
 import sys
@@ -124,11 +125,8 @@ def write_sidecar(
         metadata: code, parameters, settings, counts.
         started: start of the job.
     """
-    rule, *rest = run.split("/")
     content = {
-        "run": run,
-        "rule": rule,
-        "figure": next((part for part in rest if part.startswith("fig")), None),
+        **named(run),
         **metadata,
         "inputs": _hashes(inputs, record.parent),
         "outputs": _hashes(outputs, record.parent),
@@ -142,6 +140,13 @@ def write_sidecar(
         "git": git_state(),
     }
     write_json(content, record)
+
+
+def named(run: str) -> dict[str, str | None]:
+    """Return the name of a run with the rule and the figure in it."""
+    figure = re.search(r"/(fig\d\d)", run)
+    rule = run.split("/", maxsplit=1)[0]
+    return {"run": run, "rule": rule, "figure": figure[1] if figure else None}
 
 
 def file_hash(path: Path) -> str:

@@ -1,0 +1,94 @@
+"""Pictures: schematics, and one picture or more of each dataset."""
+
+
+localrules:
+    schematic,
+    plot,
+
+
+PLANES = [name for name in study.map_names if name not in MAPS]  # maps that are no figures
+WITH_VIBRATION = ("fig13", "friction_press_force")  # maps with a picture of what vibration adds
+
+# Data, drawing and category of the report, by the picture. A figure that is a map is drawn as the
+# refined map with the figure's own points.
+PLOTTED = {
+    **{
+        name: (
+            [f"data/maps/{name}.nc"] * (name in MAPS) + [f"data/{name}.nc"],
+            "figure",
+            "Figures of the paper",
+        )
+        for name in COMPUTED
+    },
+    **{f"maps/{name}": ([f"data/maps/{name}.nc"], "figure", "Stability maps") for name in PLANES},
+    **{
+        f"maps/{name}_vibration": ([f"data/maps/{name}.nc"], "vibration", "Stability maps")
+        for name in WITH_VIBRATION
+    },
+    "claims": ([f"data/claims/{run}.nc" for run in study.claims_runs], "claims", "Claims"),
+    "jamming": (["data/jamming.nc"], "jamming", "Claims"),
+}
+
+
+rule schematic:
+    output:
+        multiext("<results>/figures/{figure}", ".svg", ".pdf"),
+        png=report(
+            "<results>/figures/{figure}.png",
+            caption="../report/figure.rst",
+            category="Figures of the paper",
+        ),
+        record="<results>/figures/{figure}.run.json",
+    log:
+        "<results>/logs/schematic/{figure}.log",
+    wildcard_constraints:
+        figure="|".join(SCHEMATICS),
+    params:
+        *code("schematic"),
+        parameters=lambda wildcards: study.parameters(wildcards.figure).given(),
+    message:
+        "{wildcards.figure}: drawing the model"
+    script:
+        "../scripts/schematic.py"
+
+
+rule plot:
+    input:
+        lambda wildcards: [f"<results>/{data}" for data in PLOTTED[wildcards.picture][0]],
+    output:
+        multiext("<results>/figures/{picture}", ".svg", ".pdf"),
+        png=report(
+            "<results>/figures/{picture}.png",
+            caption="../report/picture.rst",
+            category=lambda wildcards: PLOTTED[wildcards.picture][2],
+        ),
+        record="<results>/figures/{picture}.run.json",
+    log:
+        "<results>/logs/plot/{picture}.log",
+    wildcard_constraints:
+        picture="|".join(PLOTTED),
+    params:
+        *code("plot"),
+        drawing=lambda wildcards: PLOTTED[wildcards.picture][1],
+    message:
+        "{wildcards.picture}: plotting"
+    script:
+        "../scripts/plot.py"
+
+
+# `snakemake -c2 fig06` builds one figure, and its data, which a picture that is there does not ask for.
+for name in FIGURES:
+
+    rule:
+        name:
+            name
+        input:
+            pictures(f"figures/{name}"),
+            f"<results>/data/{name}.nc" if name in COMPUTED else [],
+
+
+# `snakemake -c2 maps` builds the maps that are no figures of the paper.
+rule maps:
+    input:
+        pictures(*(f"figures/maps/{name}" for name in PLANES)),
+        pictures(*(f"figures/maps/{name}_vibration" for name in WITH_VIBRATION)),
