@@ -7,20 +7,25 @@ import pytest
 from model.compile import cache
 
 
-def test_a_changed_source_opens_another_folder(tmp_path, monkeypatch):
+def test_changed_code_opens_another_folder_and_changed_words_do_not(tmp_path, monkeypatch):
     for layer in cache.KERNEL_LAYERS:
         assert (cache.PACKAGE / layer).is_dir()
         (tmp_path / layer).mkdir()
     source = tmp_path / "engines" / "scalar" / "step.py"
     source.parent.mkdir()
-    source.write_text("x = 1\n")
     monkeypatch.setattr(cache, "PACKAGE", tmp_path)
-    first = cache.kernel_fingerprint()
-    source.write_text("x = 2\n")
-    second = cache.kernel_fingerprint()
-    source.write_text("x = 1\n")
-    assert first != second
-    assert cache.kernel_fingerprint() == first
+    monkeypatch.setenv("VIBRALIGN_CACHE", str(tmp_path / "kept"))
+
+    def fingerprint(text):
+        source.write_text(text)
+        return cache.kernel_fingerprint()
+
+    first = fingerprint('"""Words."""\nx = 1\n')
+    assert fingerprint("x = 2\n") != first
+    for words in ('"""Words."""\nx = 1\n', '"""Others."""\nx = 1\n', "# why\n\nx = (1)\n"):
+        assert fingerprint(words) == first
+    source.rename(source.with_name("stage.py"))
+    assert cache.kernel_fingerprint() != first
 
 
 @pytest.mark.parametrize(

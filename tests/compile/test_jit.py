@@ -2,6 +2,7 @@
 
 import gc
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -93,13 +94,18 @@ print(sine, set_up, norm(numpy.ones(4)))
 """
 
 
-def test_loading_from_the_cache_sets_up_no_compiler(tmp_path):
+def test_another_checkout_with_other_words_loads_from_the_cache_and_sets_up_no_compiler(tmp_path):
+    package = shutil.copytree(PROJECT / "src/model", tmp_path / "src/model")
+    edited = package / "physics/trigonometry.py"
+    words = edited.read_text("utf-8").replace("Sine", "The sine", 1)
+    edited.write_text(f"# A comment.\n{words}", "utf-8")
     printed = [
         subprocess.run(
-            [sys.executable, "-c", SINE], env=os.environ | {"VIBRALIGN_CACHE": str(tmp_path)},
+            [sys.executable, "-c", SINE],
+            env=os.environ | {"VIBRALIGN_CACHE": str(tmp_path / "kept"), "PYTHONPATH": str(source)},
             capture_output=True, text=True, check=True,
         ).stdout.split()
-        for _ in range(2)
+        for source in (PROJECT / "src", tmp_path / "src")
     ]  # fmt: skip
     sine, sine_again = (float(each[0]) for each in printed)
     assert sine == sine_again == pytest.approx(np.sin(0.5))
@@ -107,20 +113,19 @@ def test_loading_from_the_cache_sets_up_no_compiler(tmp_path):
     assert [each[2] for each in printed] == ["2.0", "2.0"]  # others compile as they did
 
 
-def test_threads_calling_a_kernel_at_once_keep_the_cache_setting_of_numba(empty, monkeypatch):
-    folders = {jit.config.CACHE_DIR}
+def test_threads_calling_a_kernel_at_once_compile_it_once(empty, monkeypatch):
     monkeypatch.setitem(globals(), "part", jit.kernel(halved))
     for _ in range(20):
-        whole, gate = jit.kernel(quartered), threading.Barrier(4)
+        made, gate = jit.kernel(quartered), threading.Barrier(4)
 
-        def first(each, whole=whole, gate=gate):
+        def first(each, made=made, gate=gate):
             gate.wait()
-            return whole(each)
+            return made(each), id(made._whole)
 
         with ThreadPoolExecutor(4) as pool:
-            assert list(pool.map(first, [4.0, 8.0, 12.0, 16.0])) == [1.0, 2.0, 3.0, 4.0]
-        folders.add(jit.config.CACHE_DIR)
-    assert len(folders) == 1
+            found = list(pool.map(first, [4.0, 8.0, 12.0, 16.0]))
+        assert [value for value, _ in found] == [1.0, 2.0, 3.0, 4.0]
+        assert len({whole for _, whole in found}) == 1
     assert kept(empty) == {"quartered"}
 
 

@@ -12,13 +12,16 @@ pyproject.toml.
 
 import functools
 import gc
+import hashlib
+import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 from llvmlite import ir
 
-from model.compile.cache import cache_folder, config, numba_cache_in
+from model.compile.cache import PACKAGE, cache_folder
 
 NUMBA_BELOW = (0, 69)
 """First release of numba (major, minor) with which these kernels are untested."""
@@ -41,7 +44,11 @@ def check_numba(version: str) -> None:
 
 check_numba(numba.__version__)
 
-from numba.core.caching import CompileResultCacheImpl, FunctionCache  # noqa: E402
+from numba.core.caching import (  # noqa: E402
+    CompileResultCacheImpl,
+    FunctionCache,
+    _CacheLocator,
+)
 from numba.core.codegen import JITCodeLibrary, ll  # type: ignore[attr-defined]  # noqa: E402
 from numba.core.compiler import Compiler  # noqa: E402
 from numba.core.registry import CPUDispatcher  # noqa: E402
@@ -49,6 +56,8 @@ from numba.core.registry import CPUDispatcher  # noqa: E402
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _CACHE_FOLDER = str(cache_folder())
+_FIRST_CALL = threading.Lock()  # of a kernel, which several threads may call at once
+config: Any = numba.config  # its settings are set at import, unseen by type checkers
 
 # --- Parts: kernels that other kernels call -----------------------------------------------------
 
@@ -181,7 +190,7 @@ class _Part(CPUDispatcher):
     def whole(self) -> "_Whole":
         """Return the kernel as Python calls it."""
         if self._whole is None:
-            with numba_cache_in(_CACHE_FOLDER):
+            with _FIRST_CALL:
                 if self._whole is None:
                     whole: Any = _Whole(
                         self.py_func, targetoptions=self._options, pipeline_class=_WholeCompiler
@@ -258,8 +267,44 @@ class _WholeCompiler(Compiler):
         super().__init__(typing, target, library, *rest)
 
 
+class _Locator(_CacheLocator):
+    """Place of a kernel's machine code in the cache.
+
+    numba's own name a place by the path and the line of a function. By these, every checkout and
+    every edit of a docstring would compile all kernels anew.
+    """
+
+    def __init__(self, file: Path) -> None:
+        roots = (
+            PACKAGE,
+            Path(_CACHE_FOLDER).resolve(),
+        )  # which the name of the cache folder stands for
+        root = next((each for each in roots if file.is_relative_to(each)), None)
+        self._place = str(file.relative_to(root)) if root else str(file)
+        self._stamp = "" if root else hashlib.sha256(file.read_bytes()).hexdigest()
+
+    @classmethod
+    def from_function(cls, _function: Any, file: str) -> "_Locator":
+        """Return the place of a function that ``file`` defines."""
+        return cls(Path(file).resolve())
+
+    def get_cache_path(self) -> str:
+        """Return the cache folder."""
+        return _CACHE_FOLDER
+
+    def get_source_stamp(self) -> str:
+        """Return what differs once stored code is out of date."""
+        return self._stamp
+
+    def get_disambiguator(self) -> str:
+        """Return a hash of the place, since files in two folders may have the same name."""
+        return hashlib.sha256(self._place.encode()).hexdigest()[:16]
+
+
 class _StoredResult(CompileResultCacheImpl):
     """A compiled kernel as the cache stores it."""
+
+    _locator_classes: list[type[object]] = [_Locator]  # noqa: RUF012  (as numba declares it)
 
     def reduce(self, cres: Any) -> Any:
         """Drop the environments that hold no constants: loading one imports its module."""

@@ -7,7 +7,6 @@ The source of each function is a file beside the compiled kernels, and is regist
 import contextlib
 import hashlib
 import linecache
-import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -47,7 +46,6 @@ def _kept(name: str, code: str) -> str:
             _SOURCES.mkdir(exist_ok=True)
             with tempfile.NamedTemporaryFile("w", dir=_SOURCES, delete=False) as file:
                 file.write(code)
-            os.utime(file.name, (0, 0))  # numba recompiles if the modification time differs
             Path(file.name).replace(path)
     return str(path)
 

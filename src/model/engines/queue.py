@@ -8,8 +8,7 @@ from numba.core import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from model.compile.cache import config
-from model.compile.jit import kernel
+from model.compile.jit import config, kernel
 
 Queue = NDArray[np.int64]
 

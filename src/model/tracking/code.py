@@ -11,9 +11,10 @@ import platform
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
 
+from model.compile import outline as outlined
 from model.compile.cache import cache_folder
+from model.compile.outline import outline
 from model.study.files import write_text
 
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -32,35 +33,6 @@ def _module_file(name: str) -> Path | None:
         return None
     candidates = (base.with_suffix(".py"), base / "__init__.py")
     return next((file for file in candidates if file.is_file()), None)
-
-
-_WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-
-
-def _outline(node: Any, imported: list[str]) -> list[Any]:
-    """Return a syntax tree as nested lists, without docstrings and line numbers.
-
-    Names that may be imported modules are added to ``imported``. Imports for type checkers only
-    are left out.
-    """
-    kind = node.__class__
-    fields: list[Any] = [kind.__name__]
-    typing_only = kind is ast.If and getattr(node.test, "id", None) == "TYPE_CHECKING"
-    for name in kind._fields:
-        value = getattr(node, name, None)
-        seen = [] if typing_only and name == "body" else imported
-        if value.__class__ is list:
-            if name == "body" and kind in _WITH_DOCSTRING and ast.get_docstring(node, clean=False):
-                value = value[1:]
-            value = [_outline(v, seen) if isinstance(v, ast.AST) else v for v in value]
-        elif isinstance(value, ast.AST):
-            value = _outline(value, seen)
-        fields.append(value)
-    if kind is ast.Import:
-        imported += [alias.name for alias in node.names]
-    elif kind is ast.ImportFrom and node.module and node.level == 0:
-        imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-    return fields
 
 
 _COMPANIONS = {".j2", ".yaml", ".html", ".js", ".css"}
@@ -82,7 +54,7 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
         hashed, *imported = kept.read_text(encoding="utf-8").split()
     except (OSError, ValueError):
         imported = []
-        digest = hashlib.sha256(repr(_outline(ast.parse(code), imported)).encode())
+        digest = hashlib.sha256(repr(outline(ast.parse(code), imported)).encode())
         for companion in companions:
             digest.update(companion)
         hashed = digest.hexdigest()
@@ -94,8 +66,9 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
 
 @cache
 def _outlines() -> Path:
-    """Return the cache folder of ``_parsed``, by the version of Python and this module's code."""
-    made_by = Path(__file__).read_bytes() + platform.python_version().encode()
+    """Return the cache folder of ``_parsed``, by the version of Python and the code of both."""
+    made_by = b"".join(Path(file).read_bytes() for file in (__file__, outlined.__file__))
+    made_by += platform.python_version().encode()
     return cache_folder().parent / f"outlines-{hashlib.sha256(made_by).hexdigest()[:16]}"
 
 
