@@ -13,7 +13,7 @@ from model.study.devices import load_device
 
 PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
-IN_SECONDS = ["--horizon", "600 ms", "--tolerance", "1e-6"]  # of the peg: 60 of its units
+IN_SECONDS = ["--horizon", "200 ms", "--tolerance", "1e-6"]  # of the peg: 20 of its units
 
 
 BASE = ["--set", "contact_stiffness=300 kN/m"]  # as the model takes it where it is left open
