@@ -149,7 +149,11 @@ def test_a_snakemake_that_is_just_dying_is_waited_for(copy_of_built: Any) -> Non
     assert process.wait(timeout=600) == 0
 
 
-def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(workspace: Any, built: Any) -> None:
+def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(
+    copy_of_built: Any, built: Any
+) -> None:
+    workspace = copy_of_built
+    (workspace.folder / FEW[0]).unlink()
     script = workspace.folder / "workflow/scripts/sweep.py"
     text = script.read_text(encoding="utf-8")
     stall = "\n    Path('begun').touch(); __import__('time').sleep(5.0); Path('ended').touch()\n"

@@ -103,13 +103,13 @@ def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any
     assert "trying chunk" not in again.stdout + again.stderr
 
 
-def test_fuzz_with_more_sets_tries_only_the_further_ones(workspace: Any) -> None:
+def test_fuzz_with_more_sets_tries_only_the_further_ones(copy_of_built: Any) -> None:
     more = ("--config", 'accuracy={"fuzz": {"sets": 7}}')
-    run = workspace.snakemake("fuzz")
+    run = copy_of_built.snakemake("fuzz")
     assert run.returncode == 0, run.stdout + run.stderr
     assert "5 sets of seed 2007" in run.stdout
     assert run.stdout.splitlines().count("every property holds") == 1
-    dry = workspace.dry_run("fuzz", *more)
+    dry = copy_of_built.dry_run("fuzz", *more)
     # Of parts of two sets, the third had one of its two; the fourth is new.
     assert "fuzz_part 2" in " ".join(dry.stdout.split()), dry.stdout + dry.stderr
 

@@ -6,9 +6,7 @@ from verification.trials import trial_of
 
 localrules:
     judge,
-    accuracy,
     fuzz_summary,
-    fuzz,
 
 
 trial_chunks = {"error": study.accuracy.chunks, "settled": study.accuracy.settled.chunks}
@@ -94,28 +92,23 @@ rule fuzz_summary:
         "../scripts/fuzz_summary.py"
 
 
-# These two print a result even if nothing was computed. They are no runs: their log is not below logs/.
-rule accuracy:
-    input:
-        rules.judge.output.text,
-    log:
-        "<results>/accuracy/printed.log",
-    params:
-        must_end="",
-    message:
-        "the result of the trials"
-    script:
-        "../scripts/print_result.py"
+# These print a result even if nothing was computed. They are no runs: their log is not below logs/.
+for name, text, must_end in (
+    ("accuracy", "summary", ""),
+    ("fuzz", f"fuzz_{campaign.scene}", HOLDS),
+):
 
-
-rule fuzz:
-    input:
-        f"<results>/accuracy/fuzz_{campaign.scene}.txt",
-    log:
-        "<results>/accuracy/printed.log",
-    params:
-        must_end=HOLDS,
-    message:
-        "the result of the fuzz"
-    script:
-        "../scripts/print_result.py"
+    rule:
+        name:
+            name
+        input:
+            f"<results>/accuracy/{text}.txt",
+        log:
+            "<results>/accuracy/printed.log",
+        localrule: True
+        params:
+            must_end=must_end,
+        message:
+            f"the result of {name}"
+        script:
+            "../scripts/print_result.py"
