@@ -11,8 +11,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OWN = {"model", "benchmarks", "verification", "tests"}
+OWN = {"model", "benchmarks", "verification", "docs", "tests"}
 DISTRIBUTIONS = {
+    "PIL": "pillow",
     "yaml": "pyyaml",
 }  # where the import's name differs
 STUDY = ["plot", "study"]
@@ -27,7 +28,7 @@ EXTRAS = {f"src/model/{name}": extras for name, extras in EXTRAS.items()} | {
     "workflow": STUDY,
     "verification": STUDY,
     "benchmarks": [*STUDY, "bench"],
-    "docs": ["docs"],
+    "docs": ["plot", "docs"],
     "tests": [*STUDY, "dev"],
 }
 
