@@ -56,6 +56,7 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     assert record["bases"][0]["contact_stiffness"] == pytest.approx(100.0 * 3000.0)
     assert record["leeways"][0]["value"] == pytest.approx(10.0)
     assert record["leeways"][0]["high"] == pytest.approx(5.0 * units.force)
+    assert record["natural_frequencies"]["axial"] == pytest.approx(15.915, abs=1e-3)
     assert record["unvibrated"] == "rests"
     assert 0.0 < record["slow_tilt"] < record["unvibrated_tilt"] < 0.2
     assert assess("--json") == cli.DONE

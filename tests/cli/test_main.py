@@ -380,6 +380,10 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     assert re.search(r"largest normal force at one place +20 N\n", said)
     assert si["results"]["contact_force_max"] == si["contact_force_max_N"]
     assert re.search(r"  velocity along y +\S+ mm/s\n", said)
+    assert si["natural_frequencies"]["axial"] == pytest.approx(math.sqrt(1e4) / (2.0 * math.pi))
+    assert si["excitation_ratios"] == record["excitation_ratios"]
+    assert record["excitation_ratios"]["axial"] == pytest.approx(math.pi)  # 50 Hz
+    assert "axial 15.92 Hz, lateral 2.055 Hz, tilt 16.78 Hz; excitation at 3.14, " in said
     assert "dimensionless" not in said
     assert cli.main(["simulate", "--device", PEG, "--dimensionless"]) == cli.DONE
     said = capsys.readouterr().out

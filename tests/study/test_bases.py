@@ -13,6 +13,7 @@ from model.study.devices.base import (
     MATERIALS,
     damping_ratio_of,
     hertz_stiffness,
+    pair_of,
     plate_stiffness,
     restitution_of,
 )
@@ -60,6 +61,11 @@ def test_restitution_is_continuous_at_critical_damping():
 
 
 BASE = {"edge_radius": "0.2 mm", "materials": "steel on aluminium"}
+
+
+def test_materials_are_named_in_either_case_and_either_english():
+    assert pair_of("Steel on Aluminum") == pair_of("steel on aluminium")
+    assert pair_of("pom ON peek") == (MATERIALS["POM"], MATERIALS["PEEK"])
 
 
 def test_materials_and_a_restitution_become_contact_parameters():

@@ -7,8 +7,10 @@ import pytest
 
 from model import align
 from model.events.outcomes import Outcome
+from model.physics.quantities import FREQUENCY
 from model.study.devices import DeviceError, Tolerance, load_device, read_device
 from model.study.devices.amounts import read_amount, read_range
+from model.study.devices.holder import natural_frequencies
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 STEEL = {"materials": "steel on aluminium", "edge_radius": "0.2 mm", "restitution": 0.5}
@@ -168,11 +170,93 @@ def test_a_device_that_makes_no_sense_is_refused(changes, words):
         ({"frequency": 0.05}, "have their resonance at 15.9 Hz"),
         ({"press_force": "10 kN"}, "amplitude of 3 N"),
         ({"friction": "0.2 ± 0.3"}, "friction = 0.2 ± 0.3: the tolerance reaches below 0"),
+        ({"axial_damping": 0.07}, "if 0.07 is the ratio, write axial_damping_ratio"),
+        ({"tilt_stiffness": 500}, "a natural frequency of 531 Hz, the axial one is 15.9 Hz"),
+        ({"initial_tilt": 1}, "initial_tilt = 1 rad is 57.3°: write 1 deg if it is in degrees"),
+        ({"contact_stiffness": "20 GN/m"}, "more than steel of this size has"),
     ],
 )
 def test_a_doubtful_value_is_named(changes, words):
     [doubt, *_] = read_device(EXAMPLE, changes).doubts
     assert words in doubt
+
+
+@pytest.mark.parametrize("path", [EXAMPLE, *EXAMPLE.parent.glob("devices/*.yaml")], ids=str)
+def test_no_quantity_may_be_a_thousand_times_off_unnoticed(path):
+    stated = read_device(path)
+    own = stated.resolved({})
+    measured = {name: own[name] for name in ("contact_stiffness", "contact_damping") if name in own}
+    assert stated.doubts == read_device(path, measured).doubts == []
+    for changes in ({}, measured):
+        for name, value in read_device(path, changes).quantities.items():
+            for factor in (1e-3, 1e3):
+                try:
+                    assert read_device(path, {**changes, name: value * factor}).doubts, name
+                except DeviceError as refusal:
+                    assert name in str(refusal) or "already inside" in str(refusal)  # noqa: PT017
+
+
+def test_a_damping_ratio_stands_for_a_damping(tmp_path):
+    path = tmp_path / "peg.yaml"
+    text = EXAMPLE.read_text(encoding="utf-8")
+    for name in ("axial", "lateral", "tilt"):
+        text = text.replace(f"{name}_damping:", f"{name}_damping_ratio: 0.07 ± 0.02 #")
+    path.write_text(text, encoding="utf-8")
+    stated = read_device(path)
+    # 2ζ√(k m): mass 0.3 kg, inertia 4.5e-5 kg m², stiffnesses 3000 and 50 N/m, 0.5 N m/rad
+    dampings = 0.14 * math.sqrt(3000 * 0.3), 0.14 * math.sqrt(50 * 0.3), 0.14 * math.sqrt(2.25e-5)
+    names = ("axial_damping", "lateral_damping", "tilt_damping")
+    found = stated.resolved({})
+    assert tuple(found[name] for name in names) == pytest.approx(dampings)
+    assert stated.doubts == []
+    # The ratio is what is stated: it and its tolerance hold for another stiffness.
+    assert stated.resolved({"axial_stiffness": 12e3})["axial_damping"] == pytest.approx(
+        2.0 * dampings[0]
+    )
+    assert stated.tolerances["tilt_damping_ratio"] == Tolerance("uniform", 0.02)
+    # A damping replaces the ratio of the file, and a ratio the damping.
+    assert read_device(path, {"axial_damping": 3.0}).resolved({})["axial_damping"] == 3.0
+    replaced = read_device(EXAMPLE, {"axial_damping_ratio": 0.07}).resolved({})
+    assert replaced["axial_damping"] == pytest.approx(dampings[0])
+    path.write_text(f"{text}\naxial_damping: 6\n", encoding="utf-8")
+    with pytest.raises(DeviceError, match="axial_damping and axial_damping_ratio state the same"):
+        read_device(path)
+    with pytest.raises(DeviceError, match=r"axial_damping_ratio = -0\.1: must be a finite number"):
+        read_device(EXAMPLE, {"axial_damping_ratio": -0.1})
+
+
+def test_the_natural_frequencies_are_those_of_the_three_springs():
+    found, parameters = load_device(EXAMPLE, {})
+    natural = {
+        name: value * found.of(FREQUENCY) for name, value in natural_frequencies(parameters).items()
+    }
+    expected = {"axial": 3000 / 0.3, "lateral": 50 / 0.3, "tilt": 0.5 / 4.5e-5}
+    assert natural == pytest.approx(
+        {name: math.sqrt(value) / (2.0 * math.pi) for name, value in expected.items()}
+    )
+
+
+def test_yaml_does_not_reckon_with_numbers(tmp_path):
+    path = tmp_path / "peg.yaml"
+    text = EXAMPLE.read_text(encoding="utf-8")
+    path.write_text(text.replace("50 Hz", "050"), encoding="utf-8")
+    assert read_device(path).quantities["frequency"] == 50.0
+    for refused in ("0x32", "1:30", "5_0"):
+        path.write_text(text.replace("50 Hz", refused), encoding="utf-8")
+        with pytest.raises(DeviceError, match=f"frequency = '{refused}'"):
+            read_device(path)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_a_device_saved_in_another_encoding_is_read_or_refused_with_the_remedy(tmp_path, encoding):
+    path = tmp_path / "peg.yaml"
+    text = EXAMPLE.read_text(encoding="utf-8").replace("0.15", "0.15 ± 0.05")
+    path.write_bytes(text.encode(encoding))
+    if encoding == "cp1252":
+        with pytest.raises(DeviceError, match="line 19 is not UTF-8 text: save the file as UTF-8"):
+            read_device(path)
+    else:
+        assert read_device(path).tolerances["friction"].width == 0.05
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from model.study.config import FIGURES, Study, load_study, study_path
 from model.study.devices import StatedDevice, read_device
 from model.study.devices.amounts import read_amount
 from model.study.devices.base import BASE
+from model.study.devices.holder import RATIOS
 
 _READINGS = ("consistent", "printed")
 
@@ -244,5 +245,6 @@ def parameter_table(baseline: Parameters) -> str:
         rows.append((name, field.symbol, default, field.quantity.unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
     units = [(name, unit, words) for name, (words, unit) in (UNITS | BASE).items()]  # type: ignore[operator]
-    lines += ["what a file for --device states besides:", *in_columns(units)]
+    ratios = [(name, "1", f"damping ratio, in place of {each}") for name, each in RATIOS.items()]
+    lines += ["what a file for --device states besides:", *in_columns([*units, *ratios])]
     return "\n".join(lines) + "\n"

@@ -25,7 +25,15 @@ from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.simulate import simulate
 from model.runs.unvibrated import unvibrated_words
-from model.show.si import in_words, named_words, range_words, scale, si_list
+from model.show.si import (
+    in_words,
+    named_words,
+    natural_record,
+    natural_words,
+    range_words,
+    scale,
+    si_list,
+)
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
@@ -91,6 +99,7 @@ def _assess(arguments: argparse.Namespace) -> int:
         print_json(
             _record(result, given.units)
             | unvibrated_record(device, settings)
+            | natural_record(device, given.units)
             | {"yield": drawn and _yield_record(drawn, nearest, stated, settings)}
         )
         return int(not met)
@@ -182,7 +191,7 @@ def _verdict(
         head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
         lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]
         lines.append(_line("stiff bases", _stiff_bases(result, units)))
-    lines.append(unvibrated_words(device, settings))
+    lines += [natural_words(device, units), unvibrated_words(device, settings)]
     if result.failing_start is not None:
         run = simulate(device.replace(**result.failing_start), settings)
         start = ", ".join(f"{name} = {value:.4g}" for name, value in result.failing_start.items())

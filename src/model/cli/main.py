@@ -22,6 +22,7 @@ from model.cli import (
     explore,
     export,
     map,  # noqa: A004  (the name of the command)
+    new,
     runs,
     show,
     simulate,
@@ -32,7 +33,7 @@ from model.tracking.job import version
 
 # In the order of the help. The function ``add`` of a module adds its command to the parsers.
 COMMANDS = (
-    simulate, assess, design, map, explore, runs, show, diff, export, verify, accept, claims
+    new, simulate, assess, design, map, explore, runs, show, diff, export, verify, accept, claims
 )  # fmt: skip
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 

@@ -27,7 +27,7 @@ from model.runs.engines import Engine
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
-from model.show.si import in_words
+from model.show.si import in_words, natural_record, natural_words
 from model.study.files import atomic_write
 from model.tracking.job import version
 
@@ -63,9 +63,11 @@ def _simulate(arguments: argparse.Namespace) -> int:
     announce_compilation()
     run = simulate(parameters, settings)
     if arguments.json:
-        print_json(_record(run, settings) | ({"si": _in_si(run, units)} if units else {}))
+        in_si = {"si": _in_si(run, units) | natural_record(parameters, units)} if units else {}
+        print_json(_record(run, settings) | in_si)
     else:
         lines = _report(run, units)
+        lines.append(natural_words(parameters, units))
         lines.append(unvibrated_words(parameters, settings, ENGINE))
         if units and arguments.dimensionless:
             lines += ["", "dimensionless:", *_report(run, None)[1:], _units_line(units)]
@@ -186,6 +188,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "message": run.message,
         "remedy": run.remedy,
         **unvibrated_record(run.parameters, settings),
+        **natural_record(run.parameters, None),
         "final_time": float(run.time[-1]),
         "final_state": _final_state(run),
         "parameters": asdict(run.parameters),

@@ -2,10 +2,22 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
-from model.physics.parameters import FIELDS
-from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, STIFFNESS, TIME, Quantity
+from model.physics.parameters import FIELDS, Parameters
+from model.physics.quantities import (
+    ANGLE,
+    FORCE,
+    FREQUENCY,
+    LENGTH,
+    PLAIN,
+    SPEED,
+    STIFFNESS,
+    TIME,
+    Quantity,
+)
 from model.physics.units import Units
+from model.study.devices.holder import natural_frequencies
 from model.study.devices.stated import unit_of
 
 # Unit and its size in SI units: for values below 1, and for values from that size on.
@@ -55,6 +67,31 @@ def si_words(value: float, quantity: Quantity) -> str:
 def named_words(values: Mapping[str, float]) -> str:
     """Return a device's quantities in SI units by name, such as "press_force = 10 N"."""
     return ", ".join(f"{name} = {si_words(v, quantity_of(name))}" for name, v in values.items())
+
+
+def natural_record(parameters: Parameters, units: Units | None) -> dict[str, Any]:
+    """Return the natural frequencies for --json, in the units of the user, and the excitation's."""
+    one, natural = scale(units, FREQUENCY), natural_frequencies(parameters)
+    return {
+        "natural_frequencies": {name: value * one for name, value in natural.items()},
+        "excitation_ratios": {
+            name: parameters.frequency / value if value else None for name, value in natural.items()
+        },
+    }
+
+
+def natural_words(parameters: Parameters, units: Units | None) -> str:
+    """Return a line on the natural frequencies and how many times as fast the excitation is."""
+    record = natural_record(parameters, units)
+    natural = [
+        f"{name} {in_words(value, FREQUENCY, units)}"
+        for name, value in natural_frequencies(parameters).items()
+    ]
+    ratios = [
+        "-" if each is None else f"{each:.3g}" for each in record["excitation_ratios"].values()
+    ]
+    words = f"; excitation at {', '.join(ratios)} times them"
+    return f"natural frequencies: {', '.join(natural)}{words}"
 
 
 def display(value: float, quantity: Quantity) -> tuple[str, float]:

@@ -1,5 +1,6 @@
-"""Atomic writing of files: a file is replaced when it is complete, or stays as it was."""
+"""Atomic writing of files, which are replaced when complete; reading of a user's texts."""
 
+import codecs
 import contextlib
 import json
 import tempfile
@@ -29,6 +30,22 @@ def atomic_write(target: Path) -> Iterator[Path]:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file, in UTF-8, or in UTF-16 with its byte order mark.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is no such text; the message names the line.
+    """
+    content = path.read_bytes()
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        return content.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise ValueError(f"line {line} is not UTF-8 text: save the file as UTF-8") from None
 
 
 def write_text(text: str, path: Path) -> None:

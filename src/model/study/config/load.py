@@ -14,6 +14,7 @@ from model.study.config.base import ConfigError
 from model.study.config.checks import faults_of
 from model.study.config.figures import KIND
 from model.study.config.study import Study
+from model.study.files import read_text
 
 
 def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:
@@ -75,8 +76,8 @@ def check_study(mapping: Mapping[str, Any], source: str = "config") -> Study:
 
 def _mapping(path: Path) -> dict[str, Any]:
     try:
-        mapping = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        mapping = yaml.safe_load(read_text(path))
+    except (OSError, ValueError, yaml.YAMLError) as error:
         raise ConfigError(f"{path}: cannot be read as YAML: {error}") from None
     if not isinstance(mapping, dict):
         raise ConfigError(f"{path}: must be a mapping of keys to values")

@@ -2,7 +2,8 @@
 
 A bare number is in SI units. ``±`` (or ``+-``) states the half-width of a uniform distribution,
 ``σ`` (or ``sigma``) the standard deviation of a normal one. A tolerance in per cent is a share of
-the value. pint reads the units; frequencies may also be in revolutions or radians per time.
+the value. pint reads the units, ``spelling`` what pint does not know; frequencies may also be in
+revolutions or radians per time.
 """
 
 import math
@@ -12,12 +13,11 @@ from functools import cache
 from typing import Any, Literal
 
 from model.physics.parameters import FIELDS
+from model.study.devices.spelling import NUMBER, clearer, ends_of, plain, spelled
 
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _AMOUNT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 _SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")
-_RANGE = re.compile(r"\s+to\s+")
-_COMMA = re.compile(r"\d,\d")
+_BRACKETS = re.compile(rf"\((.+)({_SPREAD.pattern}.+)\)(.*)")  # (12 ± 3) N
 _UNIT = re.compile(r"(?:1\s*/\s*)?[^\W\d_][^,]*|°.*|%")  # pint reads ", 1 N" as a unit, too
 
 
@@ -54,16 +54,29 @@ def read_amount(name: str, given: object, unit: str) -> Amount:
     Raises:
         ValueError: no number, an unknown unit, a unit of another quantity, or a tolerance < 0.
     """
+    if given is None:
+        raise ValueError(f"{name} is not filled in: {_rule(unit)}")
     if isinstance(given, (int, float)) and not isinstance(given, bool):
         return Amount(float(given))
     if not isinstance(given, str):
         raise ValueError(f"{name} = {given!r}: {_rule(unit)}")  # noqa: TRY004  (of a file)
-    text, *spread = _SPREAD.split(given, maxsplit=1)
+    written = _BRACKETS.sub(r"\1\4\2\4", plain(given))
+    text, *spread = _SPREAD.split(written, maxsplit=1)
     if not spread:
+        if ends_of(written):
+            raise ValueError(
+                f"{name} = {given!r}: is a range; state one value, or a value ± its tolerance "
+                "(ranges stand below free:)"
+            )
         return Amount(_number(name, given, text, unit))
     sign, width = spread
     kind: Literal["uniform", "normal"] = "uniform" if sign in ("±", "+/-", "+-") else "normal"
     if width.strip().endswith("%") and "%" not in text:
+        if unit == "1":
+            raise ValueError(
+                f"{name} = {given!r}: is the value in per cent, too? Write {text.strip()} % "
+                f"{sign} {width.strip()}, or both without %"
+            )
         tolerance = Tolerance(kind, _number(name, given, width, "1"), relative=True)
         value = _number(name, given, text, unit)
     else:
@@ -78,16 +91,17 @@ def read_amount(name: str, given: object, unit: str) -> Amount:
 
 
 def read_range(name: str, given: object, unit: str) -> tuple[float, float]:
-    """Read a range such as ``2 to 30 N``; a unit may stand at both ends or at the second.
+    """Read a range such as ``2 to 30 N`` or ``2–30 N``; the unit may stand at the second end only.
 
     Raises:
         ValueError: not two amounts, or the second not above the first.
     """
-    ends = _RANGE.split(given) if isinstance(given, str) else []
-    if len(ends) != 2:
+    ends = ends_of(plain(given)) if isinstance(given, str) else []
+    if not ends:
         raise ValueError(f"{name} = {given!r}: must be a range such as 2 to 30 {unit}")
+    high = _number(name, given, ends[1], unit)
     suffix = "" if _unit_of(ends[0]) else _unit_of(ends[1])
-    low, high = (_number(name, given, end, unit) for end in (f"{ends[0]} {suffix}", ends[1]))
+    low = _number(name, given, f"{ends[0]} {suffix}", unit)
     if not low < high:
         raise ValueError(f"{name} = {given!r}: must rise from the first value to the second")
     return low, high
@@ -112,9 +126,13 @@ def _number(name: str, given: Any, text: str, unit: str) -> float:
     if match is None:
         raise ValueError(f"{name} = {given!r}: {_rule(unit)}")
     value, own = float(match[1]), match[2]
-    if _COMMA.search(text):
-        with_point = _COMMA.sub(lambda match: match[0].replace(",", "."), text).strip()
-        raise ValueError(f"{name} = {given!r}: write {with_point}")
+    if instead := clearer(text):
+        raise ValueError(f"{name} = {given!r}: write {instead}")
+    if re.search(r"\+\s*\d", own):
+        raise ValueError(
+            f"{name} = {given!r}: a tolerance is symmetric: write the middle of the limits ± half "
+            "their distance"
+        )
     if own and not _UNIT.fullmatch(own):
         raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}")
     return value if own in ("", unit) else value * _factor(name, given, own, unit)
@@ -126,7 +144,7 @@ def _factor(name: str, given: Any, own: str, unit: str) -> float:
 
     registry = _registry()
     try:
-        one = registry.Quantity(1.0, registry.parse_units(own))
+        one = registry.Quantity(1.0, registry.parse_units(spelled(own, unit)))
         # For pint a cycle is an angle of 2π; a frequency counts it as 1.
         turning = unit == "Hz" and "radian" in one.to_root_units().units._units
         return float(one.to("" if unit == "1" else unit).magnitude) / (

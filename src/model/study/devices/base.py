@@ -21,6 +21,8 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
+from model.study.devices.holder import RATIOS
+
 
 class Material(NamedTuple):
     """Young's modulus in Pa and Poisson's ratio, at room temperature."""
@@ -55,6 +57,7 @@ BASE: Mapping[str, tuple[str, str]] = {
 SOURCES: Mapping[str, tuple[str, ...]] = {
     "contact_stiffness": ("materials", "edge_radius", "plate_thickness", "plate_radius"),
     "contact_damping": ("restitution",),
+    **{damping: (ratio,) for ratio, damping in RATIOS.items()},
 }
 
 
@@ -64,14 +67,15 @@ def pair_of(text: object) -> tuple[Material, Material]:
     Raises:
         ValueError: another form, or an unknown material.
     """
-    names = str(text).split(" on ")
-    if len(names) != 2 or not all(name.strip() in MATERIALS for name in names):
+    known = {name.casefold(): material for name, material in MATERIALS.items()}
+    names = str(text).casefold().replace("aluminum", "aluminium").split(" on ")
+    pair = [known[name.strip()] for name in names if name.strip() in known]
+    if len(names) != 2 or len(pair) != 2:
         raise ValueError(
             f"materials = {text!r}: must be the part's on the base's, such as steel on aluminium, "
             f"of {', '.join(MATERIALS)}; for others state contact_stiffness"
         )
-    part, base = (MATERIALS[name.strip()] for name in names)
-    return part, base
+    return pair[0], pair[1]
 
 
 def hertz_stiffness(pair: tuple[Material, Material], radius: float, force: float) -> float:

@@ -13,7 +13,9 @@ from model.physics.rest import Start
 from model.physics.units import UNITS, Device, device
 from model.study.devices.amounts import Tolerance, read_amount, read_range
 from model.study.devices.base import BASE, SOURCES, pair_of, with_base
+from model.study.devices.holder import RATIOS, with_damping
 from model.study.devices.plausibility import check_place, check_press, doubts
+from model.study.files import read_text
 
 # Upper limits that a design may have to keep: meaning and SI unit.
 LIMITS: Mapping[str, tuple[str, str]] = {
@@ -23,7 +25,7 @@ LIMITS: Mapping[str, tuple[str, str]] = {
 }
 # Limit "vibration" of a design: the share of devices that must not align without vibration.
 VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
-QUANTITIES = (*UNITS, *PARAMETER_NAMES, *BASE)
+QUANTITIES = (*UNITS, *PARAMETER_NAMES, *RATIOS, *BASE)
 _BESIDES = ("materials", "free", "limits", "start")
 
 
@@ -70,9 +72,9 @@ class StatedDevice:
         return device(self.resolved(changes))
 
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
-        """Return the quantities with ``changes``, and the base as contact stiffness and damping."""
+        """Return the quantities with ``changes``, and the parameters that others state."""
         pair = None if self.materials is None else pair_of(self.materials)
-        return with_base({**self.quantities, **changes}, pair)
+        return with_base(with_damping({**self.quantities, **changes}), pair)
 
     def changed(self, **changes: float) -> "StatedDevice":
         """Return the device with other values (SI units) and the same tolerances."""
@@ -97,7 +99,7 @@ class StatedDevice:
             and each.around(self.quantities[name]) > abs(self.quantities[name])
             and (name not in FIELDS or FIELDS[name].bound)
         ]
-        return doubts(self.resolved({}), self.device) + cut_off
+        return doubts({**self.quantities, **self.resolved({})}, self.device) + cut_off
 
 
 def load_device(path: Path, changes: Mapping[str, object]) -> Device:
@@ -114,14 +116,16 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
     Args:
         path: file with lines NAME: VALUE, in SI units or with units.
         changes: quantities by name that replace the file's, numbers in SI units or text with
-            units. A changed quantity keeps its tolerance unless the text states another. A contact
-            stiffness or damping also replaces the quantities from which it would be computed.
+            units. A changed quantity keeps its tolerance unless the text states another. A
+            stiffness or damping also replaces the quantities from which it would be computed, a
+            damping ratio the damping.
 
     Raises:
         DeviceError: the file cannot be read, is not YAML, breaks a rule, or makes no sense.
     """
     changes = {} if changes is None else changes
-    replaced = {each for name in changes for each in SOURCES.get(name, ())} - set(changes)
+    replaced = {each for name in changes for each in (*SOURCES.get(name, ()), RATIOS.get(name))}
+    replaced -= set(changes)
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
         values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _BESIDES})
@@ -138,7 +142,7 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
             start=_start(mapping.get("start")),
         )
         # Refuses unknown and missing quantities, before anything is computed from them.
-        device({n: v for n, v in stated.quantities.items() if n not in BASE})
+        device(with_damping({n: v for n, v in stated.quantities.items() if n not in BASE}))
         check_press(stated.quantities["press_force"])
         check_place(stated.resolved({}))
         _check_tolerances(stated)
@@ -156,11 +160,19 @@ def unit_of(name: str) -> str:
     check_name(name, QUANTITIES, "quantity of a device")
     if name in FIELDS:
         return FIELDS[name].quantity.unit
-    return (UNITS | BASE)[name][1]  # type: ignore[operator]
+    return "1" if name in RATIOS else (UNITS | BASE)[name][1]  # type: ignore[operator]
 
 
 class _Loader(yaml.SafeLoader):
-    """Loader of YAML that refuses a key given twice."""
+    """Loader of YAML that leaves numbers as text and refuses a key given twice.
+
+    For YAML 050 is 40, and 1:30 is 90.
+    """
+
+    yaml_implicit_resolvers = {  # noqa: RUF012 - never changed
+        first: [each for each in resolvers if each[0].rpartition(":")[2] in {"bool", "null"}]
+        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
         seen: set[object] = set()
@@ -174,12 +186,12 @@ class _Loader(yaml.SafeLoader):
 
 def _mapping(path: Path) -> dict[str, Any]:
     try:
-        mapping = yaml.load(path.read_text(encoding="utf-8"), _Loader)  # noqa: S506 - a SafeLoader
+        mapping = yaml.load(read_text(path), _Loader)  # noqa: S506 - a SafeLoader
     except OSError as error:
         raise DeviceError(f"{path}: cannot be read: {error.strerror}") from None
     except DeviceError as error:
         raise DeviceError(f"{path}: {error}") from None
-    except (UnicodeDecodeError, yaml.YAMLError, TypeError) as error:
+    except (ValueError, yaml.YAMLError, TypeError) as error:
         reason = " ".join(str(error).split())
         raise DeviceError(f"{path}: cannot be read as YAML: {reason}") from None
     if not isinstance(mapping, dict):
