@@ -18,9 +18,9 @@ from model.engines.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, 
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.events.table import EVENTS
 from model.physics.parameters import FIELDS, Parameters
-from model.physics.quantities import ANGLE
 from model.physics.units import UNITS
 from model.study.config import Study
+from model.study.io import unit_in_file
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -176,7 +176,7 @@ def _profiles() -> str:
 
 def _variables_of(table: Mapping[str, Result]) -> str:
     rows = (
-        (f"`{name}`", each.symbol or "", "rad" if each.quantity is ANGLE else "1", each.explanation)
+        (f"`{name}`", each.symbol or "", unit_in_file(each.quantity), each.explanation)
         for name, each in table.items()
         if each.stored
     )

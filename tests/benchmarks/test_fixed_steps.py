@@ -9,7 +9,7 @@ from benchmarks.methods.by_hand import solve_by_hand
 from benchmarks.plans import FixedStepPlan
 from model import Batch, Settings
 from model.study.config import Study
-from model.study.io import DatasetError, read_dataset, write_dataset
+from model.study.io import DatasetError, described, read_dataset, write_dataset
 from model.study.sweep import merge, run, sweep_of
 
 NAN = np.nan
@@ -95,7 +95,7 @@ def test_a_figure_anew_stands_beside_the_located_one(
                 np.testing.assert_array_equal(found, run.tau_align[0])
     path = tmp_path_factory.mktemp("data") / "fig13.nc"
     write_dataset(dataset, path)
-    xr.testing.assert_identical(read_dataset(path), dataset)
+    xr.testing.assert_identical(read_dataset(path), described(dataset))
 
 
 def test_a_dataset_of_another_sweep_is_refused(plan: FixedStepPlan, located: xr.Dataset) -> None:

@@ -31,7 +31,7 @@ from model.events.outcomes import Outcome
 from model.runs.simulate import Trajectory
 from model.study.config import load_study, study_path
 from model.study.csv_tables import TableError
-from model.study.io import read_dataset, write_dataset
+from model.study.io import described, read_dataset, write_dataset
 
 STATE = np.zeros(6)
 
@@ -185,7 +185,7 @@ def test_the_dataset_holds_the_settings(
     for name in ("a.nc", "b.nc"):
         write_dataset(dataset, tmp_path / name)
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
-    xr.testing.assert_identical(read_dataset(tmp_path / "a.nc"), dataset)
+    xr.testing.assert_identical(read_dataset(tmp_path / "a.nc"), described(dataset))
 
 
 @pytest.fixture

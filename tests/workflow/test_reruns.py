@@ -43,7 +43,7 @@ EDITS = [
     ("src/model/study/config/accuracy.py", *EDIT, {"explorer", *LAST}),
     ("src/model/study/config/claims.py", *EDIT, {"explorer", *LAST}),
     ("src/model/study/config/settings.py", *EDIT, COMPUTED),
-    ("src/model/study/files.py", "0o644", "0o640", EVERYTHING),
+    ("src/model/study/files.py", "0o666", "0o660", EVERYTHING),
     ("src/model/study/io.py", '"complevel": 4', '"complevel": 5', COMPUTED),
     ("src/model/study/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0", COMPUTED - {*MAPPED}),
     ("src/model/study/maps/compute.py", "PERIODS = 0.4", "PERIODS = 0.5",

@@ -29,7 +29,7 @@ from model.cli import (
     verify,
 )
 from model.cli.files import WriteError
-from model.tracking.job import version
+from model.study.version import version
 
 # In the order of the help. The function ``add`` of a module adds its command to the parsers.
 COMMANDS = (

@@ -19,7 +19,7 @@ from model.study.files import atomic_write
 from model.study.maps.compute import MapNodes
 from model.study.maps.dataset import in_si, map_dataset
 from model.study.maps.plan import plan_of
-from model.tracking.job import version
+from model.study.version import version
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where the file frees no two quantities
 _SPAN = 2.5  # an axis is value / _SPAN to value * _SPAN, where the file states no range

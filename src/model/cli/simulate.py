@@ -29,7 +29,7 @@ from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.si import in_words, natural_record, natural_words
 from model.study.files import atomic_write
-from model.tracking.job import version
+from model.study.version import version
 
 ENGINE: Engine = "scalar"  # also of the control: the other would have to be compiled first
 _SUCCESSES = (Outcome.ALIGNED, Outcome.INSERTED)

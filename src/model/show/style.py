@@ -152,7 +152,7 @@ def axis_label(coordinate: "xr.DataArray") -> str:
     words = re.split(r"; | \(", words, maxsplit=1)[0]  # without the explanation
     symbol, unit = symbol_of(coordinate), coordinate.attrs.get("units", "1")
     label = words if symbol == words else f"{words} {symbol}"
-    return label if unit == "1" else f"{label} in {unit}"
+    return label if unit == "1" else f"{label} in {unit.replace('radian', 'rad')}"
 
 
 def cell_edges(values: Floats) -> Floats:

@@ -5,15 +5,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.physics.parameters import FIELDS
 from model.study.design import MEASURES, Design, Search
+from model.study.devices.stated import unit_of
+from model.study.io import NO_YES
 
 _NAMES = {
     "share": ("share of the devices within the tolerances that go in from every start", "1"),
     "margin": ("distance of the nearest failing device, in tolerances", "1"),
     "time": ("longest alignment time within the tolerances", "s"),
     "contact_force": ("largest contact force within the tolerances", "N"),
-    "tilt": ("largest tilt within the tolerances", "rad"),
+    "tilt": ("largest tilt within the tolerances", "radian"),
     "vibration": ("share of the devices within the tolerances that need the vibration", "1"),
 }
 
@@ -27,13 +28,15 @@ def design_dataset(search: Search, design: Design) -> xr.Dataset:
         for name, values in columns.items()
     }
     for name, values in tried.settings.items():
-        unit = FIELDS[name].quantity.unit if name in FIELDS else ""
-        attributes = {"long_name": f"setting: {name}", "units": unit}
+        attributes = {"long_name": f"setting: {name}", "units": unit_of(name)}
         variables[f"setting_{name}"] = ("candidate", values, attributes)
     front = np.isin(np.arange(tried.share.size), design.front).astype(np.int8)
-    variables["front"] = ("candidate", front, {"long_name": "1 on the front of time and margin"})
+    words = {"long_name": "whether the setting is on the front of time and margin", **NO_YES}
+    variables["front"] = ("candidate", front, words)
     metadata: dict[str, Any] = {
         "title": "Settings of a device: yield, margin and time",
+        "summary": f"{tried.share.size} settings of {search.stated.source.name} that a search has "
+        "tried, each judged by devices within and beyond the tolerances.",
         "identity": search.identity,
         "free": list(search.stated.free),
         "recommended": design.best,

@@ -3,7 +3,7 @@
 import codecs
 import contextlib
 import json
-import tempfile
+import secrets
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -19,13 +19,10 @@ def atomic_write(target: Path) -> Iterator[Path]:
         OSError: the folder cannot be created or written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(
-        dir=target.parent, prefix=f".{target.name}-", suffix=".part", delete=False
-    ) as made:
-        part = Path(made.name)
+    part = target.with_name(f".{target.name}-{secrets.token_hex(4)}.part")
+    part.touch(mode=0o666, exist_ok=False)  # less what the umask withholds
     try:
         yield part
-        part.chmod(0o644)  # a temporary file is created for its owner only
         part.replace(target)
     except BaseException:
         part.unlink(missing_ok=True)

@@ -13,11 +13,16 @@ import xarray as xr
 from model.engines.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
-from model.physics.quantities import ANGLE
+from model.physics.quantities import ANGLE, PLAIN, Quantity
 from model.runs.settings import Settings
 from model.study.files import atomic_write
+from model.study.version import version
 
 _LARGE = 2**16  # number of values above which a grid is stored in pieces
+_SOURCE = (
+    "B. Bakšys, J. Baskutienė: Numerical simulation of parts alignment under kinematical "
+    "excitation, Mechanika, Kaunas (2007)"
+)
 
 
 class DatasetError(ValueError):
@@ -37,6 +42,9 @@ def discard(faults: Mapping[Path, str]) -> None:
         raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
 
 
+NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
+
+
 def flags(values: type[IntEnum]) -> dict[str, Any]:
     """Return the CF attributes of a variable whose values are members of an enumeration."""
     return {
@@ -45,9 +53,14 @@ def flags(values: type[IntEnum]) -> dict[str, Any]:
     }
 
 
+def unit_in_file(quantity: Quantity) -> str:
+    """Return the unit of a dimensionless variable: a radian for angles."""
+    return "radian" if quantity is ANGLE else PLAIN.unit
+
+
 def _attributes(result: Result) -> dict[str, Any]:
     """Return the attributes of the variable of a result."""
-    attributes = {"units": "rad" if result.quantity is ANGLE else "1", "long_name": result.meaning}
+    attributes = {"units": unit_in_file(result.quantity), "long_name": result.meaning}
     if result.symbol:
         attributes["symbol"] = result.symbol
     return attributes | (flags(result.flags) if result.flags else {})
@@ -67,7 +80,8 @@ HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
 def parameter_attributes(name: str) -> dict[str, Any]:
     """Return the attributes of a parameter's coordinate."""
     field = FIELDS[name]
-    return {"long_name": field.description, "symbol": field.symbol, "units": "1"}
+    units = unit_in_file(field.quantity)
+    return {"long_name": field.description, "symbol": field.symbol, "units": units}
 
 
 def summary_of(swept: Mapping[str, int]) -> str:
@@ -97,20 +111,15 @@ def parameter_coordinates(
 def global_attributes(
     name: str, kind: str, identity: str, title: str, summary: str, settings: Settings
 ) -> dict[str, Any]:
-    """Return the global attributes that every dataset of the study has.
+    """Return the global attributes of a dataset of runs; ``write_dataset`` adds those of all files.
 
     ``name`` and ``kind`` are such as "fig06" and "curves". ``identity`` is the hash of everything
     besides the code that determines the numbers.
     """
     depth = settings.insertion_depth
     return {
-        "Conventions": "CF-1.11 ACDD-1.3",
         "title": title,
         "summary": summary,
-        "source": "vibralign, numerical integration of the equations of motion",
-        "references": "Numerical simulation of parts alignment under kinematical excitation, "
-        "Mechanika (2007)",
-        "license": "MIT",
         "comment": "All quantities are dimensionless unless their units say otherwise: lengths in "
         "units of the excitation amplitude F1/K_Y, time in 1/p with p^2 = K_Y/M, forces in F1.",
         "figure": name,
@@ -118,6 +127,7 @@ def global_attributes(
         "config_hash": identity,
         "readings": json.dumps(asdict(settings.readings)),
         "scene": settings.scene.name,
+        "start": settings.start,
         **({} if depth is None else {"insertion_depth": depth}),
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,
@@ -136,22 +146,52 @@ def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:
     }
 
 
+def _of_every_file() -> dict[str, str]:
+    """Return the global attributes of every file: conventions, origin, credit.
+
+    They hold no time, so that equal runs give equal bytes.
+    """
+    return {
+        "Conventions": "CF-1.11, ACDD-1.3",
+        "history": f"written by vibralign {version()}",
+        "source": "vibralign, numerical integration of the equations of motion",
+        "product_version": version(),
+        "keywords": "assembly, vibration, alignment, contact, friction, simulation",
+        "creator_name": "vibralign contributors",
+        "creator_type": "group",
+        "citation": f"vibralign contributors: vibralign, version {version()}",
+        "references": _SOURCE,
+        "license": "MIT",
+    }
+
+
+def described(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with the attributes that every file has besides its own."""
+    variables = {
+        name: variable.assign_attrs({"coverage_content_type": "modelResult", **variable.attrs})
+        for name, variable in dataset.data_vars.items()
+    }
+    return dataset.assign(variables).assign_attrs(_of_every_file() | dataset.attrs)
+
+
 def write_dataset(dataset: xr.Dataset, path: Path) -> None:
-    """Write ``dataset`` as netCDF-4.
+    """Write ``dataset``, ``described``, as netCDF-4.
 
     Raises:
         OSError: the file cannot be written; the former one then stays.
     """
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
-        # NaN is data (the part does not align), never a fill value.
-        encoding[str(name)] = {"_FillValue": None}
+        # NaN says that there is no value, such as the time of a part that does not align. CF allows
+        # none in the coordinate of a dimension.
+        missing = np.nan if variable.dtype.kind == "f" and name not in dataset.dims else None
+        encoding[str(name)] = {"_FillValue": missing}
         if variable.ndim:
             encoding[str(name)] |= {"zlib": True, "complevel": 4, "shuffle": True}
         if variable.ndim == 2 and variable.size > _LARGE:
             encoding[str(name)] |= {"chunksizes": tuple(min(n, 256) for n in variable.shape)}
     with atomic_write(path) as part:
-        dataset.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        described(dataset).to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
 
 
 def read_dataset(path: Path) -> xr.Dataset:

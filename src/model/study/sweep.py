@@ -41,11 +41,12 @@ Columns = Mapping[str, NDArray[Any]]
 """Variables by name: of runs, each of shape (n,), or of one trajectory over time."""
 
 POINT = "point"
+SAMPLE = "sample"  # of a trajectory: its time is no dimension, since it stands twice at a jump
 
 # Quantities of a trajectory for claims on displacement and rest.
 TRACK_QUANTITIES: Mapping[str, dict[str, Any]] = {
     "tilt_end": {
-        "units": "rad",
+        "units": "radian",
         "long_name": "tilt at the end, mean over the last excitation period",
         "symbol": "φ",
     },
@@ -63,6 +64,7 @@ TRACK_QUANTITIES: Mapping[str, dict[str, Any]] = {
         "long_name": "largest force of A2 on the side face until alignment",
     },
 }
+_TIME = {"units": "1", "long_name": "time", "symbol": "τ"}
 _DEPTH = {"units": "1", "long_name": "depth at which the part counts as inserted"}
 _ATTRIBUTES = {**VARIABLES, **TRACK_QUANTITIES, "insertion_depth": _DEPTH}
 _IN_THE_SLOT = (
@@ -179,7 +181,7 @@ def sweep_of(study: "Study", name: str) -> Sweep:
 def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dataset:
     """Run one chunk of a sweep; return its variables over ``point``, the flat index into the grid.
 
-    Variables of a trajectory have the dimension ``time``.
+    Variables of a trajectory have the dimension ``sample``.
 
     Raises:
         ValueError: ``chunk`` is not below ``chunks``.
@@ -190,13 +192,24 @@ def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dat
         name: (
             POINT,
             found[name].astype(VALUE_TYPES[name].stored if name in VARIABLES else np.float64),
+            _ATTRIBUTES[name],
         )
         for name in sweep.variables
     }
     if sweep.kind == "history":
-        variables |= {name: ("time", found[name]) for name in ("time", *HISTORY_VARIABLES)}
+        variables |= {
+            name: (SAMPLE, found[name], attributes)
+            for name, attributes in {"time": _TIME, **HISTORY_VARIABLES}.items()
+        }
     stated = {"figure": sweep.figure, "config_hash": sweep.identity, "chunk": chunk}
-    return xr.Dataset(variables, {POINT: points}, {**stated, "chunks": chunks})
+    words = {
+        "title": f"{sweep.figure}: chunk {chunk + 1} of {chunks}",
+        "summary": "Results at some points of a grid, before they are merged into its dataset.",
+    }
+    where = {"units": "1", "long_name": "flat index into the grid"}
+    return xr.Dataset(
+        variables, {POINT: (POINT, points, where)}, {**words, **stated, "chunks": chunks}
+    )
 
 
 def _computed(sweep: Sweep, batch: Batch, cores: int) -> dict[str, NDArray[Any]]:
@@ -287,10 +300,9 @@ def dataset_of(sweep: Sweep, title: str, columns: Columns) -> xr.Dataset:
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {}
     if sweep.kind == "history":
-        time = {"units": "1", "long_name": "time", "symbol": "τ"}
-        coordinates["time"] = ("time", columns["time"], time)
+        coordinates["time"] = (SAMPLE, columns["time"], _TIME)
         for name, attributes in HISTORY_VARIABLES.items():
-            variables[name] = ("time", columns[name], attributes)
+            variables[name] = (SAMPLE, columns[name], attributes)
     for name in sweep.variables:
         variables[name] = ([*swept], columns[name].reshape(sweep.shape), _ATTRIBUTES[name])
     coordinates |= parameter_coordinates(swept, sweep.parameters)

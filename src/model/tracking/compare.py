@@ -112,18 +112,20 @@ def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Datase
     """
     import xarray as xr  # noqa: PLC0415
 
-    if _TIME not in before.dims:
+    if _TIME not in before.variables:
         return xr.align(before, after, join="inner")
+    (samples,), of_after = before[_TIME].dims, after[_TIME].dims
     times, other = before[_TIME].values, after[_TIME].values
     smooth = (times <= other[-1]) & ~_near_jump(times, times) & ~_near_jump(times, other)
     kept = np.flatnonzero(smooth)
     moved = {
-        name: (_TIME, np.interp(times[kept], other, variable.values), variable.attrs)
-        if variable.dims == (_TIME,)
+        name: (samples, np.interp(times[kept], other, variable.values), variable.attrs)
+        if variable.dims == of_after
         else variable
         for name, variable in after.data_vars.items()
     }
-    return before.isel({_TIME: kept}), xr.Dataset(moved, {_TIME: times[kept]}, attrs=after.attrs)
+    at = {_TIME: (samples, times[kept])}
+    return before.isel({samples: kept}), xr.Dataset(moved, at, attrs=after.attrs)
 
 
 def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -147,7 +149,8 @@ def change_of(before: "xr.DataArray", after: "xr.DataArray", figure: str) -> Cha
         worst = int(np.argmax(np.where(known, distance, -1.0)))
         place = tuple(map(int, np.unravel_index(worst, distance.shape)))
         largest, values = float(distance[place]), (float(old[place]), float(new[place]))
-        named = zip(after.dims, place, strict=True)
+        named = ((_TIME if _TIME in after.coords else name, i)
+                 for name, i in zip(after.dims, place, strict=True))  # fmt: skip
         at = {str(name): float(after[name].values[i]) for name, i in named}
     gone, come = np.isnan(new) & ~np.isnan(old), np.isnan(old) & ~np.isnan(new)
     return Change(

@@ -170,14 +170,6 @@ def versions() -> dict[str, str]:
     return found
 
 
-def version() -> str:
-    """Return the version of this package."""
-    try:
-        return importlib.metadata.version("vibralign")
-    except importlib.metadata.PackageNotFoundError:
-        return "(not installed)"
-
-
 def git_state() -> dict[str, Any]:
     """Return the commit, and whether the checkout differs from it; empty outside a checkout."""
 

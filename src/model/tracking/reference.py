@@ -81,7 +81,7 @@ def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list
         words = f"is not computed with the reference's parameters: {', '.join(differing)}"
         return [Disagreement(figure, "parameters", 0, words)]
     findings = [*_outcomes(reference, built), *_numbers(reference, built)]
-    if "time" in reference.dims:
+    if "time" in reference.coords:
         findings += _courses(reference, built)
     return [Disagreement(figure, *each) for each in findings]
 

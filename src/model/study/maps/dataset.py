@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from model.engines.results import UNVIBRATED_CONTROL
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
-from model.physics.quantities import TIME
+from model.physics.quantities import ANGLE, PLAIN, TIME
 from model.physics.units import UNITS, Units
 from model.study.io import (
+    NO_YES,
     VARIABLES,
     DatasetError,
     discard,
@@ -28,8 +29,6 @@ from model.study.maps.lattice import AROUND, BESIDE, PATCH, WINDOW, Bools, Float
 from model.study.maps.plan import MapPlan, Mark
 from model.study.maps.starts import sum_up_starts
 
-_NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
-
 MAP_VARIABLES: dict[str, dict[str, Any]] = {
     "outcome": VARIABLES["outcome"],
     "reason": VARIABLES["reason"],
@@ -42,20 +41,20 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
     "tau_error": {"long_name": "estimated error of the alignment duration, where computed"},
     "sensitive": {
         "long_name": "a start displaced by the tolerance ends differently, where computed",
-        **_NO_YES,
+        **NO_YES,
     },
     **{name: VARIABLES[name] for name in UNVIBRATED_CONTROL},
     "flagged": {
         "long_name": "the outcome may be another",
         "comment": f"sensitive, or filled within {BESIDE} nodes of another outcome, within "
         f"{2 * BESIDE} where the border is crooked, or within {AROUND} of a patch",
-        **_NO_YES,
+        **NO_YES,
     },
     "patch": {
         "long_name": "outcomes alternate: no border is drawn here",
         "comment": f"the border crosses more than {PATCH:g} of the {WINDOW} x {WINDOW} small cells "
         "around",
-        **_NO_YES,
+        **NO_YES,
     },
     "level": {"long_name": "refinement level: how often the coarse cell was halved"},
     "trajectories": {"long_name": "starts computed at this node, 0 where it was filled"},
@@ -67,7 +66,7 @@ MAP_VARIABLES: dict[str, dict[str, Any]] = {
         "long_name": "aligns from every start of the ensemble",
         "comment": "starts are tried where the paper's aligns: all beside nodes that fail, those "
         "from which nodes near fail, and few inside",
-        **_NO_YES,
+        **NO_YES,
     },
     "tau_worst": {
         "long_name": "longest alignment duration of the starts tried",
@@ -94,10 +93,18 @@ def part_dataset(plan: MapPlan, part: int, parts: int, nodes: MapNodes) -> xr.Da
         values = {"row": rows.astype(np.int32), "column": columns.astype(np.int32)}
         values |= store.at(rows, columns)
         variables |= {
-            f"{step}_{name}": ((step, f"{step}_start")[: value.ndim], value)
+            f"{step}_{name}": (
+                (step, f"{step}_start")[: value.ndim],
+                value,
+                {"units": "1", "long_name": f"{name.replace('_', ' ')} of the step {step!r}"},
+            )
             for name, value in values.items()
         }
-    return xr.Dataset(variables, attrs=_stamp(plan, part, parts))
+    words = {
+        "title": f"{plan.name}: part {part + 1} of {parts}",
+        "summary": "Nodes of a map that one job has computed, before they are assembled.",
+    }
+    return xr.Dataset(variables, attrs=words | _stamp(plan, part, parts))
 
 
 def part_counts(nodes: MapNodes) -> dict[str, int]:
@@ -273,6 +280,7 @@ def _between(worse: np.ufunc, values: Floats, stride: int) -> Floats:
 def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
     """Return a map with parameters and durations in SI units; ``units`` become coordinates."""
     quantities = {name: FIELDS[str(name)].quantity for name in dataset.coords}
+    quantities = {n: each for n, each in quantities.items() if each not in (PLAIN, ANGLE)}
     quantities |= {name: TIME for name in dataset.data_vars if str(name).startswith("tau_")}
     found = dataset.copy()
     for name, quantity in quantities.items():

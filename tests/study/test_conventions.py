@@ -1,0 +1,169 @@
+"""Every kind of file that the project writes keeps to CF and ACDD, by the checker of IOOS."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from benchmarks.fixed_steps import fixed_step_dataset
+from benchmarks.methods import METHODS
+from benchmarks.plans import FixedStepPlan, precision_plan
+from benchmarks.work_precision import Truth, measured, precision_dataset, true_run
+from model import Parameters, Settings
+from model.study.config import Axis, Ensemble, RunSettings, Span, Study
+from model.study.design import Design, Search
+from model.study.design_files import design_dataset
+from model.study.devices import load_device, read_device
+from model.study.io import write_dataset
+from model.study.maps.compute import compute_part
+from model.study.maps.dataset import in_si, map_dataset, part_dataset
+from model.study.maps.plan import MapPlan, plan_of
+from model.study.sweep import Sweep, merge, run, sweep_of
+from model.study.version import version
+
+PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
+CHECKER = """
+import sys
+from compliance_checker.runner import CheckSuite, ComplianceChecker
+
+CheckSuite.load_all_available_checkers()
+*files, out = sys.argv[1:]
+suites = ["cf:1.11", "acdd:1.3"]
+ComplianceChecker.run_checker(
+    files, suites, 0, "strict", output_filename=out, output_format=["json_new"]
+)
+"""
+
+
+def plan(device: Parameters, other: str, low: float, high: float) -> MapPlan:
+    settings = RunSettings(readings="consistent", horizon=20.0, tolerance=1e-6)
+    x = Span(parameter="tilt_stiffness", start=2.0, stop=16.0)
+    y = Span(parameter=other, start=low, stop=high)
+    starts = Ensemble(phases=2, tilts=[1.0], every=1)
+    return plan_of("trial", device, settings, (x, y), 2, starts)
+
+
+def few(study: Study, name: str) -> Sweep:
+    """A sweep with two values of each parameter."""
+    sweep = sweep_of(study, name)
+    dimensions = [
+        part.model_copy(update={"count": 2} if isinstance(part, Axis) else {})
+        for part in sweep.dimensions
+    ]
+    return Sweep.model_validate({**sweep.model_dump(), "dimensions": dimensions})
+
+
+def swept(study: Study, name: str) -> xr.Dataset:
+    sweep = few(study, name)
+    return merge(sweep, name, [run(sweep)])
+
+
+def fixed_steps(study: Study) -> xr.Dataset:
+    plan = FixedStepPlan(sweep=few(study, "fig13"), every=1, steps=[0.05], tau_tolerance=0.1)
+    return fixed_step_dataset(plan, swept(study, "fig13"))
+
+
+def precision(study: Study) -> xr.Dataset:
+    plan = precision_plan(study)
+    ladder = plan.ladder.model_copy(update={"tolerances": [1e-3], "steps": [0.05]})
+    cases = dict(list(plan.cases.items())[:2])
+    plan = plan.model_copy(update={"ladder": ladder, "cases": cases})
+    truths = {case: true_run(plan, case) for case in cases}
+    method = next(iter(METHODS))
+    settings = [
+        each for case in cases for each in measured(plan, case, method, Truth.of(truths[case]))
+    ]
+    return precision_dataset(plan, truths, settings)
+
+
+def design() -> xr.Dataset:
+    search = Search(read_device(PEG), [], Settings(), 1, 0)
+    search.known |= {(force, 0.3): (1.0, 2.0, 0.1, 20.0, 0.1, np.nan) for force in (8.0, 9.0)}
+    return design_dataset(search, Design(search.tried(), 0, {}))
+
+
+@pytest.fixture(scope="module")
+def written(
+    small_study: Callable[[int, int], Study],
+    device: Parameters,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> dict[str, Path]:
+    """A file of every kind: the figures' are like the two sweeps, a map like that in SI units."""
+    study, units = small_study(4, 3), load_device(PEG, {}).units
+    forces, tilts = (
+        plan(device, "press_force", 1.0, 9.0),
+        plan(device, "initial_tilt", 0.001, 0.003),
+    )
+    datasets = {
+        **{name: swept(study, name) for name in ("fig05", "centred", "jamming")},
+        "chunk": run(few(study, "fig06"), 0, 2),
+        "part": part_dataset(forces, 0, 1, compute_part(forces)),
+        "map_in_si": in_si(map_dataset(tilts, compute_part(tilts), "A map"), units),
+        "fixed_steps": fixed_steps(study),
+        "precision": precision(study),
+        "design": design(),
+    }
+    paths = {kind: tmp_path_factory.mktemp("files") / f"{kind}.nc" for kind in datasets}
+    for kind, dataset in datasets.items():
+        write_dataset(dataset, paths[kind])
+    return paths
+
+
+def test_the_checker_finds_nothing_wanting(written: dict[str, Path], tmp_path: Path) -> None:
+    """At every level of CF, and of what ACDD highly recommends but names of CF's own table.
+
+    That table has quantities of the Earth, and no tilt of a peg.
+    """
+    out = tmp_path / "report.json"
+    command = [sys.executable, "-c", CHECKER, *map(str, written.values()), str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    reports = json.loads(out.read_text(encoding="utf-8"))
+    assert len(reports) == len(written)
+    wanting = [
+        (Path(file).name, each["name"], message)
+        for file, report in reports.items()
+        for suite, levels in {"cf:1.11": "all", "acdd:1.3": "high"}.items()
+        for each in report[suite][f"{levels}_priorities"]
+        for message in each["msgs"]
+        if message != "standard_name"
+    ]
+    assert wanting == []
+
+
+def test_every_file_says_where_it_comes_from(written: dict[str, Path]) -> None:
+    for path in written.values():
+        with netCDF4.Dataset(path) as file:
+            assert file.Conventions == "CF-1.11, ACDD-1.3"
+            assert file.history == f"written by vibralign {version()}"
+            assert file.product_version == version()
+            assert file.creator_name == "vibralign contributors"
+            assert "Baskutienė" in file.references
+            assert file.keywords
+            assert file.citation
+
+
+def test_nan_is_a_missing_value_and_an_angle_is_in_radians(written: dict[str, Path]) -> None:
+    with netCDF4.Dataset(written["map_in_si"]) as file:
+        assert np.isnan(file["tau_align"]._FillValue)
+        assert "_FillValue" not in file["initial_tilt"].ncattrs()
+        assert np.ma.is_masked(file["tau_align"][:])
+        assert file["initial_tilt"].units == file["phase"].units == "radian"
+        assert file["inertia"].units == "kg m²"
+    with netCDF4.Dataset(written["fig05"]) as file:
+        assert file["tilt"].units == file["rest_tilt"].units == "radian"
+        assert file["time"].dimensions == file["tilt"].dimensions == ("sample",)
+        assert "time" in file["tilt"].coordinates.split()
+
+
+def test_a_pressed_start_is_stated(fixed_study: Study) -> None:
+    pressed = fixed_study.settings.model_copy(update={"start": "pressed"})
+    study = fixed_study.model_copy(update={"settings": pressed})
+    assert swept(study, "fig06").attrs["start"] == "pressed"
+    assert swept(fixed_study, "fig06").attrs["start"] == "simultaneous"
