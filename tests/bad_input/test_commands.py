@@ -1,6 +1,7 @@
 """Bad input to commands: one line that names the remedy, exit code 2, no files left behind."""
 
 import errno
+import json
 import os
 import resource
 import subprocess
@@ -11,7 +12,16 @@ import pytest
 
 from model import simulate
 from model.cli import main as cli
-from model.study.config import ConfigError, baseline, load_study, study_path
+from model.cli.files import save_picture
+from model.show import style
+from model.study.config import (
+    ConfigError,
+    baseline,
+    check_study,
+    load_study,
+    read_study,
+    study_path,
+)
 from model.study.files import write_json, write_text
 from model.study.io import read_dataset, write_dataset
 
@@ -121,6 +131,68 @@ def test_a_configuration(tmp_path, content):
 def test_a_configuration_that_is_not_there_or_a_folder(tmp_path, name):
     with pytest.raises(ConfigError, match="cannot be read"):
         load_study(tmp_path / name)
+
+
+def test_text_in_place_of_a_number_is_refused_with_the_remedy():
+    stated = read_study(study_path())
+    stated["figures"]["fig06"]["swept"]["count"] = "60"  # as Snakemake's --config states it
+    with pytest.raises(ConfigError) as refusal:
+        check_study(stated)
+    assert "figures.fig06.swept.count = '60': is text, must be a number" in str(refusal.value)
+    assert "--configfile FILE" in str(refusal.value)
+
+
+# ------------------------------------------------------------------------------------- environment
+
+
+def run_with(line: list[str], **variables: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, **variables}
+    return subprocess.run(
+        [*COMMAND, *line], capture_output=True, text=True, check=False, env=environment
+    )
+
+
+def test_a_run_without_compiled_kernels(tmp_path):
+    line = ["simulate", "--horizon", "1", "--json"]
+    compiled = run_with(line)
+    python = run_with(line, NUMBA_DISABLE_JIT="1", VIBRALIGN_CACHE=str(tmp_path))
+    assert python.returncode == cli.DONE, python.stderr
+    records = [json.loads(done.stdout) for done in (compiled, python)]
+    assert records[0]["outcome"] == records[1]["outcome"]
+    assert records[0]["tilt_max"] == pytest.approx(records[1]["tilt_max"], rel=1e-9)
+
+
+def test_a_dataset_whose_name_python_cannot_tell(tmp_path):
+    folder = tmp_path / "ü"
+    folder.mkdir()
+    axes = ["--x", "friction", "0.1", "0.2", "--y", "press_force", "1", "2"]
+    locale = {"LC_ALL": "POSIX", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+    done = run_with(["map", *axes, "--out", str(folder / "map.nc")], **locale)
+    assert done.returncode == cli.REFUSED
+    assert "Python takes the names of files for ASCII here: set PYTHONUTF8=1" in done.stderr
+
+
+@pytest.mark.parametrize(("mask", "mode"), [(0o022, 0o644), (0o027, 0o640), (0o002, 0o664)])
+def test_a_file_may_be_read_by_whom_the_umask_allows(tmp_path, mask, mode):
+    before = os.umask(mask)
+    try:
+        write_text("text", tmp_path / "file")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "file").stat().st_mode & 0o777 == mode
+
+
+@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+def test_a_picture_has_the_same_bytes_on_another_day(tmp_path, monkeypatch, kind):
+    pictures = []
+    for day in ("0", "1000000000"):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", day)  # for matplotlib the present
+        with style.context():
+            figure = style.new_figure()
+            figure.add_subplot().plot([0.0, 1.0], [1.0, 0.0], label="$\\phi$")
+        save_picture(figure, tmp_path / f"{day}.{kind}")
+        pictures.append((tmp_path / f"{day}.{kind}").read_bytes())
+    assert pictures[0] == pictures[1]
 
 
 # --------------------------------------------------------------------------------------- full disk

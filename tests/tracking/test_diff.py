@@ -172,20 +172,26 @@ def test_gaps_are_counted_and_grids_are_cut_to_common_points(make_dataset) -> No
 
 
 def test_a_trajectory_is_compared_away_from_its_jumps() -> None:
-    """A jump that is 1e-9 later is no change of 1; a variable that is 1e-3 higher has changed."""
+    """A jump that is 1e-9 later is no change of 1; a variable that is 1e-3 higher has changed.
 
-    def course(jump: float, offset: float, steps: int) -> xr.Dataset:
+    In files of an earlier version time is the dimension.
+    """
+
+    def course(jump: float, offset: float, steps: int, over: str = "sample") -> xr.Dataset:
         before, after = np.linspace(0.0, jump, steps), np.linspace(jump, 2.0, steps)
         time = np.concatenate([before, after])
         force = np.concatenate([np.ones(steps), np.zeros(steps)]) + offset
-        return xr.Dataset({"force": ("time", force)}, {"time": time})
+        return xr.Dataset({"force": (over, force)}, {"time": (over, time)})
 
-    def largest(after: xr.Dataset) -> float:
-        pair = common_points(course(1.0, 0.0, 11), after)
-        return change_of(*(each["force"] for each in pair), figure="fig05").largest
+    def largest(after: xr.Dataset, over: str = "sample") -> float:
+        pair = common_points(course(1.0, 0.0, 11, over), after)
+        change = change_of(*(each["force"] for each in pair), figure="fig05")
+        assert set(change.at) == {"time"}
+        return change.largest
 
     assert largest(course(1.0 + 1e-9, 0.0, 14)) == 0.0
     assert largest(course(1.0 + 1e-9, 1e-3, 14)) == pytest.approx(1e-3)
+    assert largest(course(1.0 + 1e-9, 1e-3, 14), "time") == pytest.approx(1e-3)
 
 
 def test_without_xarray_the_extra_is_named(monkeypatch) -> None:

@@ -26,6 +26,7 @@ def test_a_wheel_runs_without_the_checkout(tmp_path: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         for file in study_files(study_path()):
             assert f"model/study/config/{file.name}" in archive.namelist()
+        assert "model/study/devices/new.yaml" in archive.namelist()
         archive.extractall(tmp_path / "installed")
     shutil.rmtree(source)
     code = (

@@ -98,12 +98,9 @@ def _search(arguments: argparse.Namespace, seed: int) -> "Search":
     starts = starts_of(given.parameters, given.study.maps.ensemble)[::_STARTS]
     search = Search(given.stated, starts, settings, os.cpu_count() or 1, seed)
     if arguments.out is not None and arguments.out.exists():
-        import xarray as xr  # noqa: PLC0415
+        from model.study.design_files import known_in  # noqa: PLC0415
 
-        from model.study.design_files import known_of  # noqa: PLC0415
-
-        with xr.open_dataset(arguments.out) as dataset:
-            search.known.update(known_of(dataset, search))
+        search.known.update(known_in(arguments.out, search))
     return search
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from model.study.files import atomic_write
+from model.study.files import check_encoding
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,7 +32,8 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
     """Refuse a file that could not be written.
 
     Raises:
-        ValueError: another extension, no such folder, a folder, or no permission.
+        ValueError: another extension, no such folder, a folder, no permission, or a name that
+            cannot be told to the netCDF library.
     """
     if path.suffix.lower().lstrip(".") not in extensions:
         one = "in" if len(extensions) == 1 else "in one of"
@@ -43,6 +44,8 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
         raise ValueError(f"{option} {path}: is a folder, must be a file")
     if not os.access(path if path.exists() else path.parent, os.W_OK):
         raise ValueError(f"{option} {path}: cannot be written, permission denied")
+    if "nc" in extensions:
+        check_encoding(path)
 
 
 def check_picture(path: Path) -> None:
@@ -66,5 +69,4 @@ def save_picture(figure: "Figure", path: Path) -> None:
     """Write a figure in the format of the file's extension, as a whole or not at all."""
     from model.show import style  # noqa: PLC0415  (as in check_picture)
 
-    with atomic_write(path) as part, style.context():
-        figure.savefig(part, format=path.suffix.lower().lstrip("."))
+    style.write(figure, path)

@@ -84,7 +84,7 @@ def _explorer(path: Path, stated: StatedDevice) -> str | None:
         return None
     units, parameters = load_device(stated.source, {})
     own = json.dumps(Scales(units).values(parameters))
-    if f'"baseline": {own}' not in page.read_text(encoding="utf-8"):
+    if f'"baseline": {own}' not in page.read_text(encoding="utf-8", errors="replace"):
         return None
     quantities = stated.resolved({})
     changes = {name: quantities[name] for name in stated.changes if name in FIELDS}

@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 import numba
 from llvmlite import ir
 
-from model.compile.cache import PACKAGE, cache_folder
+from model.compile.cache import PACKAGE, CheckedFiles, cache_folder
 
 NUMBA_BELOW = (0, 69)
 """First release of numba (major, minor) with which these kernels are untested."""
@@ -313,13 +313,18 @@ class _StoredResult(CompileResultCacheImpl):
 
 
 class _Cache(FunctionCache):
-    """numba's cache, read without setting up the compiler.
+    """numba's cache, read without setting up the compiler, from files with checksums.
 
     Before a look-up numba sets up everything it can compile, scipy's linear algebra included.
     Stored machine code needs none of it; after a miss, numba's compiler sets it up by itself.
     """
 
     _impl_class = _StoredResult
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = CheckedFiles(self.cache_path, self._impl.filename_base, stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         with self._guard_against_spurious_io_errors():

@@ -37,12 +37,12 @@ def defined(name: str, code: str, known: Mapping[str, Any], label: str = "") -> 
 
 
 def _kept(name: str, code: str) -> str:
-    """Write a source to a file named by its hash, unless it exists, and return the path."""
+    """Write a source to a file named by its hash, unless it is there whole; return the path."""
     digest = hashlib.sha256(code.encode()).hexdigest()[:16]
     path = _SOURCES / f"{name}-{digest}.py"
     linecache.cache[str(path)] = len(code), None, code.splitlines(keepends=True), str(path)
     with contextlib.suppress(OSError):  # a read-only folder: linecache holds the lines
-        if not path.exists():
+        if not path.exists() or path.stat().st_size != len(code.encode()):
             _SOURCES.mkdir(exist_ok=True)
             with tempfile.NamedTemporaryFile("w", dir=_SOURCES, delete=False) as file:
                 file.write(code)

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from model.compile.jit import config
 from model.engines.batch.event_kernels import in_vector_kernels
 from model.engines.batch.scheduling import integrate_all, new_batch_memory
 from model.engines.queue import Queue, new_queue
@@ -48,8 +49,8 @@ def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = Fa
 
 
 def batch_engine_fits(settings: Settings) -> bool:
-    """Return whether the batch engine runs these settings."""
-    return settings.readings == Variants.consistent()
+    """Return whether the batch engine runs these settings; it is no Python to step through."""
+    return settings.readings == Variants.consistent() and not config.DISABLE_JIT
 
 
 def error_carrying_engine(
@@ -76,8 +77,8 @@ def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -
         return scalar_engine(settings, cores=cores)
     if not batch_fits:
         raise ValueError(
-            f"engine = {name!r}: needs the consistent readings; choose 'scalar', "
-            "or None for the fastest one that fits"
+            f"engine = {name!r}: needs the consistent readings and compilation (no "
+            "NUMBA_DISABLE_JIT); choose 'scalar', or None for the fastest one that fits"
         )
     return batch_engine(settings, cores)
 

@@ -7,7 +7,9 @@ shapes and columns are in ``interface``.
 
 import contextlib
 import gc
+import hashlib
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -179,7 +181,9 @@ def _compile(folder: Path) -> None:
     table = interface() | {"functions": {}}
     compiled = compile_modules([function for function, _ in made])
     for (function, size), module in zip(made, compiled, strict=True):
-        table["functions"][function.name] = {"stack": module.stack, "memory": size}
+        sha256 = hashlib.sha256(module.binary).hexdigest()
+        stated = {"stack": module.stack, "memory": size, "sha256": sha256}
+        table["functions"][function.name] = stated
         (folder / f"{function.name}.wasm").write_bytes(module.binary)
     (folder / "interface.json").write_text(json.dumps(table))
 
@@ -200,19 +204,33 @@ def modules() -> Modules:
         RuntimeError: they do not compile; the message holds the compiler's.
     """
     folder = _folder()
-    if not folder.exists():
-        with tempfile.TemporaryDirectory(dir=folder.parent, ignore_cleanup_errors=True) as made:
-            command = [sys.executable, "-m", "model.runs.in_browser", made]
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
-            if done.returncode != 0:
-                raise RuntimeError(f"the engines did not compile to WebAssembly:\n{done.stderr}")
-            with contextlib.suppress(OSError):  # another process was faster
-                Path(made).rename(folder)
-    return Modules(
-        (folder / "run_one.wasm").read_bytes(),
-        (folder / "run_many.wasm").read_bytes(),
-        json.loads((folder / "interface.json").read_text()),
-    )
+    if (kept := _kept(folder)) is not None:
+        return kept
+    shutil.rmtree(folder, ignore_errors=True)  # damaged
+    with tempfile.TemporaryDirectory(dir=folder.parent, ignore_cleanup_errors=True) as made:
+        command = [sys.executable, "-m", "model.runs.in_browser", made]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise RuntimeError(f"the engines did not compile to WebAssembly:\n{done.stderr}")
+        kept = _kept(Path(made))
+        with contextlib.suppress(OSError):  # another process was faster
+            Path(made).rename(folder)
+    if kept is None:
+        raise RuntimeError(f"the engines for the page cannot be kept in {folder.parent}")
+    return kept
+
+
+def _kept(folder: Path) -> Modules | None:
+    """Return the modules in a folder, None if one is missing or not as it was written."""
+    try:
+        table = json.loads((folder / "interface.json").read_text())
+        found = {name: (folder / f"{name}.wasm").read_bytes() for name in table["functions"]}
+        for name, module in found.items():
+            if hashlib.sha256(module).hexdigest() != table["functions"][name]["sha256"]:
+                return None
+        return Modules(**found, interface=table)
+    except (OSError, ValueError, LookupError, TypeError):
+        return None
 
 
 if __name__ == "__main__":

@@ -192,15 +192,17 @@ def save(figure: Figure, stem: Path) -> tuple[Path, ...]:
 
     Each file appears whole or not at all, so that an interrupted run leaves no half picture.
     """
-    stem = Path(stem)
-    return tuple(_write(figure, stem, extension) for extension in FORMATS)
+    files = tuple(Path(stem).with_name(f"{Path(stem).name}.{kind}") for kind in FORMATS)
+    for file in files:
+        write(figure, file)
+    return files
 
 
-def _write(figure: Figure, stem: Path, extension: str) -> Path:
-    target = stem.with_name(f"{stem.name}.{extension}")
+def write(figure: Figure, target: Path) -> None:
+    """Write a figure in the format of the file's extension; the same figure, the same bytes."""
+    kind = target.suffix.lower().lstrip(".")
     with atomic_write(target) as part, part.open("wb") as stream, context(), _quiet_fonts():
-        figure.savefig(stream, format=extension, metadata=_METADATA[extension])
-    return target
+        figure.savefig(stream, format=kind, metadata=_METADATA.get(kind))
 
 
 @contextlib.contextmanager

@@ -45,7 +45,7 @@ def read_rows(path: Path, what: str, read: Callable[[dict[str, str]], Row]) -> l
         if not rows:
             raise ValueError("it has no rows")  # noqa: TRY301 - reported with the others below
         return [read(row) for row in rows]
-    except (OSError, UnicodeDecodeError, KeyError, ValueError, TypeError) as error:
+    except (OSError, KeyError, ValueError, TypeError, csv.Error) as error:
         raise TableError(f"{path}: is not a table of {what} ({error}): build it again") from None
 
 

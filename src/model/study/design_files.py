@@ -1,5 +1,6 @@
 """Files of designs: every setting of a search as a dataset, from which the search can go on."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,12 +45,33 @@ def design_dataset(search: Search, design: Design) -> xr.Dataset:
     return xr.Dataset(variables, attrs=metadata)
 
 
+def known_in(path: Path, search: Search) -> dict[tuple[float, ...], tuple[float, ...]]:
+    """Return ``Search.known`` from the file of an earlier part of the same search.
+
+    Empty for the file of another search.
+
+    Raises:
+        ValueError: it is no file of a search, or an earlier version's.
+    """
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as stored:
+            return known_of(stored.load(), search)
+    except (OSError, ValueError, RuntimeError, LookupError) as error:
+        raise ValueError(
+            f"--out {path}: is no file of this version's design ({error}): choose another name, "
+            "or delete it"
+        ) from None
+
+
 def known_of(dataset: xr.Dataset, search: Search) -> dict[tuple[float, ...], tuple[float, ...]]:
     """Return ``Search.known`` from the dataset of an earlier part of the same search.
 
     Empty for the dataset of another search.
+
+    Raises:
+        KeyError: it is no dataset of a search.
     """
-    if dataset.attrs.get("identity") != search.identity:
+    if dataset.attrs["identity"] != search.identity:
         return {}
     keys = np.stack([dataset[f"setting_{name}"].values for name in search.stated.free], axis=1)
     rows = np.stack([dataset[name].values for name in ("share", "margin", *MEASURES)], axis=1)

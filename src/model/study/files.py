@@ -4,6 +4,7 @@ import codecs
 import contextlib
 import json
 import secrets
+import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,20 @@ def atomic_write(target: Path) -> Iterator[Path]:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def check_encoding(path: Path) -> None:
+    """Refuse a path that the netCDF library cannot be told.
+
+    Raises:
+        ValueError: Python takes the names of files for ASCII, and this one is not.
+    """
+    try:
+        str(path.absolute()).encode(sys.getfilesystemencoding())
+    except UnicodeEncodeError:
+        raise ValueError(
+            f"{str(path)!a}: Python takes the names of files for ASCII here: set PYTHONUTF8=1"
+        ) from None
 
 
 def read_text(path: Path) -> str:

@@ -15,7 +15,7 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, PLAIN, Quantity
 from model.runs.settings import Settings
-from model.study.files import atomic_write
+from model.study.files import atomic_write, check_encoding
 from model.study.version import version
 
 _LARGE = 2**16  # number of values above which a grid is stored in pieces
@@ -179,7 +179,9 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
 
     Raises:
         OSError: the file cannot be written; the former one then stays.
+        ValueError: as ``check_encoding``.
     """
+    check_encoding(path)
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
         # NaN says that there is no value, such as the time of a part that does not align. CF allows
@@ -198,11 +200,17 @@ def read_dataset(path: Path) -> xr.Dataset:
     """Read a dataset of the study into memory.
 
     Raises:
-        DatasetError: the file is missing, not netCDF, truncated, or not of this study.
+        DatasetError: the file is missing, not netCDF, truncated, or not of this study, or as
+            ``check_name``.
     """
+    check_encoding(path)
     try:
         with xr.open_dataset(path, engine="netcdf4", decode_timedelta=False) as stored:
             dataset = stored.load()
+    except UnicodeEncodeError:
+        raise DatasetError(
+            f"{str(path)!a}: Python takes file names for ASCII here: set PYTHONUTF8=1"
+        ) from None
     except (OSError, ValueError, RuntimeError) as error:
         raise DatasetError(f"{path}: cannot be read as netCDF ({error}): build it again") from None
     if "figure" not in dataset.attrs:

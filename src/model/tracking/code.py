@@ -8,6 +8,7 @@ import ast
 import contextlib
 import hashlib
 import platform
+import re
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -35,6 +36,7 @@ def _module_file(name: str) -> Path | None:
     return next((file for file in candidates if file.is_file()), None)
 
 
+_KEPT = re.compile(r"[0-9a-f]{64}(?: [\w.]+)*\n")  # hash and imports; all but a damaged file
 _COMPANIONS = {".j2", ".yaml", ".html", ".js", ".css"}
 
 
@@ -51,15 +53,19 @@ def _parsed(source: Path) -> tuple[str, tuple[Path, ...]]:
     code, *companions = (path.read_bytes() for path in (source, *beside))
     kept = _outlines() / hashlib.sha256(b"\0".join([code, *companions])).hexdigest()
     try:
-        hashed, *imported = kept.read_text(encoding="utf-8").split()
-    except (OSError, ValueError):
+        whole = _KEPT.fullmatch(kept.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError):
+        whole = None
+    if whole:
+        hashed, *imported = whole[0].split()
+    else:
         imported = []
         digest = hashlib.sha256(repr(outline(ast.parse(code), imported)).encode())
         for companion in companions:
             digest.update(companion)
         hashed = digest.hexdigest()
         with contextlib.suppress(OSError):
-            write_text(" ".join([hashed, *imported]), kept)
+            write_text(" ".join([hashed, *imported]) + "\n", kept)
     files = (_module_file(name) for name in imported)
     return hashed, tuple(file for file in files if file)
 

@@ -70,12 +70,17 @@ def changed_verdicts(before: Path, after: Path) -> list[Difference]:
 
 
 def _verdicts(path: Path) -> dict[str, str]:
-    with path.open(encoding="utf-8", newline="") as stream:
-        rows = csv.DictReader(stream)
-        names = rows.fieldnames or []
-        if "verdict" not in names:
-            raise TrackingError(f"{path}: has no column 'verdict', but {', '.join(names)}")
-        return {row[names[0]]: row["verdict"] for row in rows}
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            rows = csv.DictReader(stream)
+            names = rows.fieldnames or []
+            if "verdict" in names:
+                return {row[names[0]]: row["verdict"] for row in rows}
+    except (UnicodeDecodeError, csv.Error):
+        names = ["no table"]
+    raise TrackingError(
+        f"{path}: has no column 'verdict', but {', '.join(names) or 'nothing'}: build it again"
+    )
 
 
 def open_dataset(path: Path) -> "xr.Dataset":

@@ -40,6 +40,7 @@ COLUMNS = (
     "reason",
 )  # fmt: skip
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # keys of every sidecar
+_OF_INVOCATION = {"invocation", "outcome", "started", "started_stamp"}
 _KEPT = re.compile(r"data/fig\d\d\.nc|claims\.csv")  # results of which the history keeps copies
 _FULL = 1_000_000  # bytes: a disk with less free space counts as full
 
@@ -51,9 +52,12 @@ def read_record(path: Path) -> Record:
         TrackingError: the file is no record.
     """
     try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
+        record = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(record, dict):
+            raise ValueError("no mapping")  # noqa: TRY301, TRY004 - reported with the others below
     except (OSError, ValueError) as error:
         raise TrackingError(f"{path}: cannot be read as a record ({error}): delete it") from None
+    return record
 
 
 def iso(moment: datetime) -> str:
@@ -112,11 +116,13 @@ def discard_damaged(root: Path) -> list[str]:
     damaged = _files(root, ".*.part")
     for path in _files(root, "*.run.json"):
         try:
-            outputs = read_record(path).get("outputs", {})
-        except TrackingError:
+            made = {
+                path.parent / name: sha256
+                for name, sha256 in read_record(path).get("outputs", {}).items()
+            }
+        except (TrackingError, AttributeError):
             damaged.append(path)
             continue
-        made = {path.parent / name: sha256 for name, sha256 in outputs.items()}
         wrong = [file for file, sha in made.items() if file.is_file() and file_hash(file) != sha]
         damaged += [*wrong, path] if wrong else []
     for path in damaged:
@@ -181,8 +187,15 @@ def invocation_records(root: Path) -> list[Record]:
     """Return the records of all invocations as written, oldest first.
 
     A record of an invocation that was killed still says "running".
+
+    Raises:
+        TrackingError: a file is no such record.
     """
-    records = [read_record(path) for path in (root / "history").glob("*.json")]
+    records = []
+    for path in (root / "history").glob("*.json"):
+        records.append(record := read_record(path))
+        if not set(record) >= _OF_INVOCATION:
+            raise TrackingError(f"{path}: is no record of an invocation: delete it")
     return sorted(records, key=lambda each: each["started_stamp"])
 
 

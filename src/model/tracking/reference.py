@@ -166,7 +166,12 @@ def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> li
         elif not built.is_file():
             findings.append(Disagreement(figure, "dataset", 0, f"{built} is missing: build it"))
         else:
-            findings += compare_with_reference(open_dataset(accepted), open_dataset(built))
+            try:
+                findings += compare_with_reference(open_dataset(accepted), open_dataset(built))
+            except KeyError as missing:
+                reason = str(missing.args[0]).partition(". ")[0]
+                words = f"{built} cannot be compared with {accepted} ({reason}): build it again"
+                findings.append(Disagreement(figure, "dataset", 0, words))
     if (reference / CLAIMS).is_file():
         findings += _claims(reference / CLAIMS, root / CLAIMS)
     return findings

@@ -54,6 +54,11 @@ def _line(error: Mapping[str, Any]) -> str:
     if error["type"] == "missing":
         return f"{path}: missing"
     value = error["input"]
+    if error["type"] in {"int_type", "float_type"} and isinstance(value, str):
+        words = (
+            "is text, must be a number; Snakemake makes text of all that stands in braces after "
+        )
+        return f"{path} = {value!r}: {words}--config: write it into a file, --configfile FILE"
     shown = "" if isinstance(value, (dict, BaseModel)) else f" = {value!r}"
     return f"{path}{shown}: {error['msg'].removeprefix('Value error, ')}"
 
