@@ -16,7 +16,7 @@ import json
 import re
 import shutil
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -45,17 +45,17 @@ _KEPT = re.compile(r"data/fig\d\d\.nc|claims\.csv")  # results of which the hist
 _FULL = 1_000_000  # bytes: a disk with less free space counts as full
 
 
-def read_record(path: Path) -> Record:
+def read_record(path: Path, keys: Set[str] = frozenset()) -> Record:
     """Read a sidecar or the record of an invocation.
 
     Raises:
-        TrackingError: the file is no record.
+        TrackingError: the file is no record with these ``keys``.
     """
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(record, dict):
-            raise ValueError("no mapping")  # noqa: TRY301, TRY004 - reported with the others below
-    except (OSError, ValueError) as error:
+        record = {**json.loads(path.read_text(encoding="utf-8"))}
+        if missing := keys - set(record):
+            raise ValueError(f"without {', '.join(sorted(missing))}")  # noqa: TRY301 - see below
+    except (OSError, ValueError, TypeError) as error:
         raise TrackingError(f"{path}: cannot be read as a record ({error}): delete it") from None
     return record
 
@@ -116,13 +116,11 @@ def discard_damaged(root: Path) -> list[str]:
     damaged = _files(root, ".*.part")
     for path in _files(root, "*.run.json"):
         try:
-            made = {
-                path.parent / name: sha256
-                for name, sha256 in read_record(path).get("outputs", {}).items()
-            }
-        except (TrackingError, AttributeError):
+            outputs = {**read_record(path).get("outputs", {})}
+        except (TrackingError, TypeError):
             damaged.append(path)
             continue
+        made = {path.parent / name: sha256 for name, sha256 in outputs.items()}
         wrong = [file for file, sha in made.items() if file.is_file() and file_hash(file) != sha]
         damaged += [*wrong, path] if wrong else []
     for path in damaged:
@@ -187,15 +185,9 @@ def invocation_records(root: Path) -> list[Record]:
     """Return the records of all invocations as written, oldest first.
 
     A record of an invocation that was killed still says "running".
-
-    Raises:
-        TrackingError: a file is no such record.
     """
-    records = []
-    for path in (root / "history").glob("*.json"):
-        records.append(record := read_record(path))
-        if not set(record) >= _OF_INVOCATION:
-            raise TrackingError(f"{path}: is no record of an invocation: delete it")
+    paths = (root / "history").glob("*.json")
+    records = [read_record(path, _OF_INVOCATION) for path in paths]
     return sorted(records, key=lambda each: each["started_stamp"])
 
 
