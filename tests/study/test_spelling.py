@@ -44,8 +44,13 @@ def test_a_spelling_is_read_as_it_is_meant(text: str, unit: str, value: float) -
 
 def test_a_unit_behind_brackets_is_that_of_both() -> None:
     amount = read_amount("it", "(12 ± 3) %", "1")
-    assert (amount.value, amount.tolerance.width) == pytest.approx((0.12, 0.03))  # type: ignore[union-attr]
-    assert not amount.tolerance.relative  # type: ignore[union-attr]
+    assert (amount.value, amount.tolerance.width) == pytest.approx((0.12, 0.03))
+    assert not amount.tolerance.relative
+
+
+def test_a_tolerance_of_a_ratio_in_per_cent_is_a_share_where_it_can_mean_nothing_else() -> None:
+    amount = read_amount("friction", "0.15 ± 10 %", "1")
+    assert (amount.value, amount.tolerance.around(0.15)) == pytest.approx((0.15, 0.015))
 
 
 @pytest.mark.parametrize(
@@ -58,7 +63,7 @@ def test_a_unit_behind_brackets_is_that_of_both() -> None:
         ("1,234.5 N", "N", "write 1234.5 N"),
         ("1.234,5 N", "N", "write 1234.5 N"),
         ("0,125 N", "N", "write 0.125 N"),
-        ("12 ± 3 %", "1", "Write 12 % ± 3 %"),
+        ("12 ± 3 %", "1", "Write 12 % ± 3 %, or 12 ± 0.36"),
         ("20–150 Hz", "Hz", "is a range; state one value"),
         ("20-150 Hz", "Hz", "is a range; state one value"),
         ("20 mm +0.1/-0.2", "m", "a tolerance is symmetric: write the middle"),

@@ -70,24 +70,29 @@ def read_amount(name: str, given: object, unit: str) -> Amount:
             )
         return Amount(_number(name, given, text, unit))
     sign, width = spread
-    kind: Literal["uniform", "normal"] = "uniform" if sign in ("±", "+/-", "+-") else "normal"
-    if width.strip().endswith("%") and "%" not in text:
-        if unit == "1":
-            raise ValueError(
-                f"{name} = {given!r}: is the value in per cent, too? Write {text.strip()} % "
-                f"{sign} {width.strip()}, or both without %"
-            )
-        tolerance = Tolerance(kind, _number(name, given, width, "1"), relative=True)
-        value = _number(name, given, text, unit)
-    else:
-        suffix = _unit_of(width)
-        value = _number(name, given, text if _unit_of(text) else f"{text} {suffix}", unit)
-        tolerance = Tolerance(
-            kind, _number(name, given, width if suffix else f"{width} {_unit_of(text)}", unit)
-        )
+    value, tolerance = _with_tolerance(name, given, text, sign, width, unit)
     if not 0.0 <= tolerance.width < math.inf:
         raise ValueError(f"{name} = {given!r}: the tolerance must be >= 0")
     return Amount(value, tolerance if tolerance.width > 0.0 else None)
+
+
+def _with_tolerance(
+    name: str, given: str, text: str, sign: str, width: str, unit: str
+) -> tuple[float, Tolerance]:
+    """Return the value in ``text``, and the tolerance of this ``width`` around it."""
+    kind: Literal["uniform", "normal"] = "uniform" if sign in ("±", "+/-", "+-") else "normal"
+    if not width.strip().endswith("%") or "%" in text:
+        suffix = _unit_of(width)
+        value = _number(name, given, text if _unit_of(text) else f"{text} {suffix}", unit)
+        width = width if suffix else f"{width} {_unit_of(text)}"
+        return value, Tolerance(kind, _number(name, given, width, unit))
+    value, share = _number(name, given, text, unit), _number(name, given, width, "1")
+    if unit == "1" and 100.0 * share <= value:
+        raise ValueError(
+            f"{name} = {given!r}: is the value in per cent, too? Write {text.strip()} % {sign} "
+            f"{width.strip()}, or {text.strip()} {sign} {value * share:.4g}"
+        )
+    return value, Tolerance(kind, share, relative=True)
 
 
 def read_range(name: str, given: object, unit: str) -> tuple[float, float]:
