@@ -47,3 +47,12 @@ def test_a_temporary_folder_replaces_one_that_cannot_be_created(tmp_path, monkey
     folder = cache.cache_folder()
     assert folder.is_dir()
     assert Path(tmp_path / "temp") in folder.parents
+
+
+@pytest.mark.parametrize("damage", [b"", b"0123", bytes(16), b"no name of files", b"\xff" * 16])
+def test_a_damaged_name_of_the_folder_is_worked_out_again(tmp_path, monkeypatch, damage):
+    monkeypatch.setenv("VIBRALIGN_CACHE", str(tmp_path))
+    whole = cache.kernel_fingerprint()
+    (kept,) = (tmp_path / "fingerprints").iterdir()
+    kept.write_bytes(damage)
+    assert cache.kernel_fingerprint() == whole == kept.read_text(encoding="ascii")
