@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 # small factor. An error of 1 % in a force changes a duration by a thousand times this margin.
 MARGIN = 10.0
 UNKNOWN_ERROR = 1e-4  # of a run without an estimate: the difference that makes a set sensitive
-# The reference engine computes largest tilts and forces from samples.
+# At loose tolerances largest tilts and forces are less accurate than times.
 TILT_SAMPLED = 1e-4
 FORCE_SAMPLED = 2e-2
 # A run that settles may do so a period sooner or later.

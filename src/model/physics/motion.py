@@ -1,5 +1,6 @@
 """The equations of motion (3): in every mode, accelerations as a sum of named forces."""
 
+from math import sqrt
 from typing import NamedTuple
 
 from model.compile.jit import inlined_kernel
@@ -158,6 +159,21 @@ def is_supported(mode):
 def is_beside(mode):
     """Return True if a contact on the left side presses."""
     return mode.side == CLOSED or mode.wall == CLOSED
+
+
+@inlined_kernel
+def contact_rate(p, mode):
+    """Upper bound of the rate at which pressing contacts oscillate or, overdamped, come to rest.
+
+    A contact moves the part like a mass 1 / (1 + r²/I) at its normal's arm r.
+    """
+    width, height = p.half_width * p.half_width, p.half_height * p.half_height
+    mobility = 0.0
+    if is_supported(mode):
+        mobility += 1.0 + (height if mode.in_slot else width) / p.inertia
+    if is_beside(mode):
+        mobility += 1.0 + height / p.inertia
+    return max(sqrt(p.contact_stiffness * mobility), p.contact_damping * mobility)
 
 
 @inlined_kernel

@@ -22,7 +22,8 @@ from model.engines.batch.workspace import (
 from model.physics.modes import CLOSED
 
 _SUBINTERVAL = FRACTIONS[0]
-_PEAK_ITERATIONS = 2
+_MOST_ITERATIONS = 40
+_CLOSE = 1e-3  # last correction, in steps: the error left is of the order of its cube
 
 
 @inlined_kernel
@@ -49,16 +50,28 @@ def _slopes(g):
 
 
 @kernel
-def _peak(row, sign, theta, until, w, lane):
-    """Peak of a row times ``sign`` near ``theta``; -inf unless it lies before ``until``."""
+def _peak(row, sign, left, theta, right, w, lane):
+    """Maximum of a row times ``sign`` between the fractions ``left`` and ``right`` of the step.
+
+    -inf unless the row rises at ``left`` and falls at ``right``. Newton's iteration for the zero of
+    the slope, from ``theta``; a step that would leave the bracket is halved to its middle.
+    """
     length = w[LENGTH * WIDTH + lane]
-    time, value, slope, second = theta * length, 0.0, 0.0, -1.0
-    for _ in range(_PEAK_ITERATIONS):
-        time -= slope / second
+    low, time, high = left * length, theta * length, right * length
+    if not (
+        _with_slope(row, sign, low, w, lane)[1] > 0.0 > _with_slope(row, sign, high, w, lane)[1]
+    ):
+        return -inf
+    value = -inf
+    for iteration in range(_MOST_ITERATIONS):
         value, slope, second = _with_slope(row, sign, time, w, lane)
-    time -= slope / second
-    rises_to_it = second < 0.0 and 0.0 < time < until * length
-    return value - 0.5 * slope * slope / second if rises_to_it else -inf
+        low, high = (time, high) if slope > 0.0 else (low, time)
+        further = time - slope / second if second != 0.0 else inf
+        is_inside = second < 0.0 and low <= further <= high
+        if is_inside and iteration > 0 and abs(further - time) <= _CLOSE * length:
+            return value - 0.5 * slope * slope / second
+        time = further if is_inside else 0.5 * (low + high)
+    return value
 
 
 @kernel
@@ -80,9 +93,12 @@ def _highest(row, sign, until, known, w, lane):
         highest = max(highest, sign * row_at(row, until, w, lane))
     slope = _slopes(g)
     for n in range(1, NODES):
-        if slope[n - 1] > 0.0 > slope[n] and (n - 1) * _SUBINTERVAL < until:
-            theta = (n - 1 + slope[n - 1] / (slope[n - 1] - slope[n])) * _SUBINTERVAL
-            highest = max(highest, _peak(row, sign, theta, until, w, lane))
+        left, share = (n - 1) * _SUBINTERVAL, 0.5
+        if left < until and max(g[n - 1], g[n]) + bound > highest:
+            if slope[n - 1] > 0.0 > slope[n]:
+                share = slope[n - 1] / (slope[n - 1] - slope[n])
+            theta, right = (n - 1 + share) * _SUBINTERVAL, min(n * _SUBINTERVAL, until)
+            highest = max(highest, _peak(row, sign, left, min(theta, right), right, w, lane))
     return highest
 
 

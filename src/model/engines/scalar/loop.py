@@ -12,6 +12,7 @@ from model.engines.lifecycle import (
     begin,
     end_step,
     fail,
+    is_counted,
     new_history,
     note_step,
 )
@@ -19,12 +20,15 @@ from model.engines.queue import next_in
 from model.engines.record import (
     CLOSEST,
     EVALUATIONS,
+    FORCE_MAX,
     NEXT_STEP,
     OUTCOME,
     REJECTED,
+    SIDE_FORCE_MAX,
     SIZE,
     STATE,
     STOP,
+    TILT_MAX,
     TIME,
     TOLERANCE,
     TRACKED,
@@ -37,6 +41,7 @@ from model.engines.record import (
 )
 from model.engines.results import TRACK_VARIABLES
 from model.engines.scalar.location import NO_EVENT, NODE_PLACES, NODES, first_event, sample_step
+from model.engines.scalar.peaks import largest_in
 from model.engines.scalar.step import (
     CAUTION,
     LEAST_GROWTH,
@@ -59,6 +64,7 @@ from model.events.friction import hold_sticking
 from model.events.kernels import MOST_SAMPLES
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
+from model.physics.motion import contact_rate
 from model.physics.notation import STATE_SIZE
 
 _STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
@@ -66,6 +72,9 @@ _NOT_FINITE = int(Reason.NOT_FINITE)
 
 TRACK_COLUMNS = 1 + len(TRACK_VARIABLES)  # time and the variables
 _MOST_SECANTS = 6
+# Longest step, in radians of a pressing contact, where an oscillation of it at the tolerance is
+# worth a load of _LOOSE: longer ones are stable, but their dense output is not accurate.
+_MOST_RADIANS, _LOOSE = 3.0, 1e-6
 EVENT_RESOLUTION = 3e-3  # last correction of an event's time over sqrt(tolerance)
 
 
@@ -178,45 +187,6 @@ def _step_to_event(events, which, theta, time, h, y, p, mode, method, resolution
     return length, taken
 
 
-@inlined_kernel
-def _peak(i, left, middle, right):
-    """Highest value of the parabola through the samples around a maximum at node ``i``."""
-    d1, d2 = NODE_PLACES[i] - NODE_PLACES[i - 1], NODE_PLACES[i + 1] - NODE_PLACES[i]
-    rise, fall = (middle - left) / d1, (right - middle) / d2
-    if rise < 0.0 or fall > 0.0 or rise == fall:
-        return max(left, max(middle, right))
-    slope = (rise * d2 + fall * d1) / (d1 + d2)
-    return middle + 0.25 * slope * slope * (d1 + d2) / (rise - fall)
-
-
-@inlined_kernel
-def _largest(events, nodes, samples):
-    """(largest |tilt|, largest normal force) over the samples of a step."""
-    tilt, force, last = 0.0, 0.0, NODES - 1
-    for i in range(NODES):
-        tilt = max(tilt, abs(nodes[i, 2]))
-        force = max(force, max(events.support_force(samples[i]), events.side_force(samples[i])))
-        force = max(force, events.right_force(samples[i]))
-        if 0 < i < last:
-            tilt = max(tilt, _peak(i, abs(nodes[i - 1, 2]), abs(nodes[i, 2]), abs(nodes[i + 1, 2])))
-            before, here, after = samples[i - 1], samples[i], samples[i + 1]
-            support = _peak(
-                i, events.support_force(before), events.support_force(here),
-                events.support_force(after),
-            )  # fmt: skip
-            side = _peak(
-                i, events.side_force(before), events.side_force(here), events.side_force(after)
-            )
-            force = max(force, max(support, side))
-            if events.inserts == 1:
-                right = _peak(
-                    i, events.right_force(before), events.right_force(here),
-                    events.right_force(after),
-                )  # fmt: skip
-                force = max(force, right)
-    return tilt, force
-
-
 @kernel
 def track_sample(events, track, time, q, sample, runs, i):
     """Append a row to the track; a full track overwrites its oldest row."""
@@ -261,7 +231,9 @@ def advance(scene, method, control, track, history, work, runs, i):
     time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     y, tolerance, h = work.y, runs[i, TOLERANCE], runs[i, NEXT_STEP]
     store_in(state_in(runs, STATE, i), y)
-    stop = runs[i, STOP]
+    stop, rate = runs[i, STOP], contact_rate(p, mode)
+    if tolerance * rate > _LOOSE:
+        h = min(h, _MOST_RADIANS / rate)
     h_try = stop - time if time + 1.0001 * h >= stop else h
     right_hand_side(time, y, p, mode, work.k[0])
     h_step, h_next, rejected = _accepted_step(time, h_try, y, p, mode, method, tolerance, work)
@@ -275,7 +247,7 @@ def advance(scene, method, control, track, history, work, runs, i):
     sample_step(scene.events, time, h_step, 1.0, y, work.dense, p, mode, work.nodes, work.samples)
     which, theta = first_event(scene.events, time, h_step, y, work.dense, p, mode, work.samples)
     found = theta != NO_EVENT
-    length, last = h_step, NODES - 1
+    length, last, part = h_step, NODES - 1, 1.0
     if found:
         while NODE_PLACES[last] > theta:
             last -= 1
@@ -294,7 +266,11 @@ def advance(scene, method, control, track, history, work, runs, i):
         sample_step(
             scene.events, time, h_step, part, y, work.dense, p, mode, work.nodes, work.samples
         )
-    tilt, force = _largest(scene.events, work.nodes, work.samples)
+    force_so_far = runs[i, FORCE_MAX] if is_counted(mode, p) else runs[i, SIDE_FORCE_MAX]
+    tilt, force = largest_in(
+        scene.events, part, time, h_step, y, work.dense, p, mode, work.nodes, work.samples,
+        work.scratch, runs[i, TILT_MAX], force_so_far,
+    )  # fmt: skip
     note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
 
     store_state(state_of(work.y_end), runs, i)
