@@ -1,11 +1,12 @@
 """Hard cases: every method on scenes that are hard to integrate.
 
 A method is *stable* on a case if its outcome is right and its error within the required accuracy,
-*inaccurate* if it gives another answer, and *broken* if it gives none. The true solution is the
-default method's at a far smaller tolerance. If two such tolerances disagree, only the outcome is
-judged.
+*inaccurate* if it gives another answer, *over budget* if it needs more evaluations than it may, and
+*broken* if it gives no answer otherwise. The true solution is the default method's at a far smaller
+tolerance. If two such tolerances disagree, only the outcome is judged.
 
-Besides the methods of the speed-against-error comparison, the batch engine (Taylor series) is
+Every method of the speed-against-error comparison runs the cases of ``spec.every_method``, all
+within the same budget; the compiled ones run the others too. The batch engine (Taylor series) is
 judged as ``BATCH``, on the cases that vary the base.
 """
 
@@ -39,6 +40,7 @@ class Mark(Enum):
 
     STABLE = "stable"
     INACCURATE = "inaccurate"
+    OVER_BUDGET = "over budget"
     BROKEN = "broken"
 
 
@@ -76,21 +78,25 @@ HARD_METHODS: Mapping[str, Method] = {
 
 def problem_of(plan: HardCasesPlan, name: str) -> Problem:
     """Return the case ``name`` of the plan."""
-    case = plan.spec.all_cases[name]
+    case, shared = plan.spec.all_cases[name], plan.spec.every_method
+    limit = case.max_evaluations or plan.spec.max_evaluations
+    if name in shared.cases:
+        limit = shared.max_evaluations
     parameters = Parameters(**plan.parameters).replace(**case.at)  # type: ignore[arg-type]
     settings = replace(
         plan.settings.settings,
         horizon=case.until,
-        max_evaluations=case.max_evaluations or plan.spec.max_evaluations,
+        max_evaluations=limit,
         may_settle=False,
     )
-    limit = plan.spec.max_evaluations_scipy
     return Problem(name, (parameters,), settings, interpreted_evaluations=limit)
 
 
 def methods_for(plan: HardCasesPlan, name: str) -> list[str]:
-    """Return the names of the methods judged on a case: all, and BATCH on the bases."""
-    return [*METHODS, *([BATCH] if name not in plan.spec.cases else [])]
+    """Return the names of the methods judged on a case, with BATCH on the bases."""
+    is_shared = name in plan.spec.every_method.cases
+    methods = [each for each in METHODS if is_shared or METHODS[each].package != "scipy"]
+    return [*methods, *([BATCH] if name not in plan.spec.cases else [])]
 
 
 def compile_batch(plan: HardCasesPlan) -> None:
@@ -144,7 +150,9 @@ def mark_of(
     if solution.failure is None and not np.isfinite(solution.states).all():
         return math.nan, Verdict.FAILED, Mark.BROKEN
     error, verdict = deviation_of(solution, truth)
-    if verdict in (Verdict.FAILED, Verdict.TOO_MANY_EVALUATIONS):
+    if verdict == Verdict.TOO_MANY_EVALUATIONS:
+        return math.nan, verdict, Mark.OVER_BUDGET
+    if verdict == Verdict.FAILED:
         return math.nan, verdict, Mark.BROKEN
     if verdict == Verdict.WRONG_OUTCOME:
         return math.nan, verdict, Mark.INACCURATE

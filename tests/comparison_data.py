@@ -95,7 +95,7 @@ def judged() -> list[Judged]:
         for method in METHODS:
             stable, spent = method == "dop853_located", method.startswith("scipy")
             verdict = RIGHT if stable else SPENT if spent else WRONG
-            mark = Mark.STABLE if stable else Mark.BROKEN if spent else Mark.INACCURATE
+            mark = Mark.STABLE if stable else Mark.OVER_BUDGET if spent else Mark.INACCURATE
             if method == "rk4_fixed" and case == "base_100_0":
                 verdict = RIGHT
             known = error if verdict == RIGHT else NAN

@@ -31,11 +31,13 @@ def section(results: Results) -> Section:
     cases = spec.all_cases
     judged = read_judged(results.file("benchmarks/hard_cases.csv"))
     lead, *sentences = [_counted(name, judged) for name in METHODS]
+    budgets = {"shared": spec.every_method.max_evaluations, "others": spec.max_evaluations}
     content = {
         "spec": spec,
         "sentences": sentences,
         "pictures": [
-            results.picture(place, CAPTIONS[name]) for name, place in HARD_PICTURES.items()
+            results.picture(place, CAPTIONS[name].format(**budgets))
+            for name, place in HARD_PICTURES.items()
         ],
         "rows": [_row(name, case, judged) for name, case in cases.items()],
         "bases": _bases(cases, judged),
@@ -53,8 +55,8 @@ def section(results: Results) -> Section:
 
 def _counted(method: str, judged: Sequence[Judged]) -> str:
     marks = [each.mark for each in judged if each.method == method]
-    counts = ", ".join(f"{marks.count(mark)} {mark.value}" for mark in Mark)
-    return f"{METHODS[method].name}: {counts}."
+    counts = ", ".join(f"{marks.count(mark)} {mark.value}" for mark in Mark if mark in marks)
+    return f"{METHODS[method].name}: {counts}, of {len(marks)}."
 
 
 def _row(name: str, case: HardCase, judged: Sequence[Judged]) -> CaseRow:

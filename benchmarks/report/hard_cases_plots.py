@@ -17,7 +17,8 @@ from model.study.config.methods import HardCases
 CAPTIONS: Mapping[str, str] = {
     "stability": "Result of each method on each hard case. A number is the power of ten of the "
     "error; W a wrong outcome, N more evaluations than it may, F a failure; a dot a right outcome "
-    "without an error to measure.",
+    "without an error to measure. On the cases with a cell for every method each may make "
+    "{shared:,} evaluations; on the others {others:,}, and scipy's methods are not run.",
     "stiffness": "Error at the end over the stiffness of the base, by its damping. A method that "
     "gives no answer has no point.",
 }
@@ -25,11 +26,13 @@ CAPTIONS: Mapping[str, str] = {
 _FILLS: Mapping[Mark, str] = {
     Mark.STABLE: "#D6E8F5",
     Mark.INACCURATE: style.ORANGE,
-    Mark.BROKEN: "#5A5A5A",
+    Mark.OVER_BUDGET: "#B5B5B5",
+    Mark.BROKEN: "#4A4A4A",
 }
 _INKS: Mapping[Mark, str] = {
     Mark.STABLE: style.BLACK,
     Mark.INACCURATE: style.BLACK,
+    Mark.OVER_BUDGET: style.BLACK,
     Mark.BROKEN: "#FFFFFF",
 }
 _WORDS: Mapping[Verdict, str] = {
@@ -91,7 +94,7 @@ def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
         figure.legend(
             handles=[Patch(facecolor=fill, label=mark.value) for mark, fill in _FILLS.items()],
             loc="outside lower center",
-            ncols=3,
+            ncols=4,
         )
         return figure
 
@@ -112,7 +115,7 @@ def error_over_stiffness(judged: Sequence[Judged], spec: HardCases) -> Figure:
             ]
             stiffness = [cases[name].at["contact_stiffness"] for name in names]
             for method, look in LOOKS.items():
-                values = [max(errors[name, method], 1e-16) for name in names]
+                values = [max(errors.get((name, method), math.nan), 1e-16) for name in names]
                 if any(math.isfinite(value) for value in values):
                     met.add(method)
                     axes.plot(stiffness, values, label=method, **look)

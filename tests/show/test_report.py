@@ -273,15 +273,17 @@ def test_hard_cases_are_told_in_pictures_and_a_table_of_every_run(rendered, stud
     part = rendered[rendered.index('id="hard"') : rendered.index('id="device"')]
     text = plain(part)
     for name, place in HARD_PICTURES.items():
-        assert HARD_CAPTIONS[name] in text
+        hard = study.hard_cases
+        budgets = {"shared": hard.every_method.max_evaluations, "others": hard.max_evaluations}
+        assert HARD_CAPTIONS[name].format(**budgets) in text
         assert f'href="{place}.svg"' in part
     for name in ("base_100_0", "overturning"):  # which of them were run, by conftest
         assert plain(str(escape(study.hard_cases.all_cases[name].title))).replace("_", "") in text
     # The made-up runs of conftest: two of each method, as many rows, and their marks counted.
     assert part.count("<td>RK4, fixed steps</td>") == 2
-    assert "RK4, fixed steps: 0 stable, 2 inaccurate, 0 broken." in text
+    assert "RK4, fixed steps: 2 inaccurate, of 2." in text
     assert "inaccurate: wrong outcome" in text
-    assert "broken: too many evaluations" in text
+    assert "over budget: too many evaluations" in text
     bases = part[part.index("Hard bases") : part.index("Outcome, error")]
     cells = re.findall(r'<td class="n">(.*?)</td>', bases)
     assert [plain(cell) for cell in cells] == ["0.001", "1,000", "0.1", "0.002", "17,000", "0.9"]

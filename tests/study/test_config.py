@@ -126,6 +126,7 @@ REFUSED = [
     ("hard_cases.base.stifness", [1.0], ["base.stifness", "unknown key", "'stiffness'"]),
     ("hard_cases.base.stiffness", [0.0], ["cases.base_0", "contact_stiffness = 0.0", "> 0"]),
     ("hard_cases.max_evaluations", 0, ["max_evaluations = 0", "equal to 1"]),
+    ("hard_cases.every_method.cases", ["slw"], ["every_method.cases", "slw", "slow"]),
     ("precision.ladder.tolerances", [1e-3, 1e-2], ["[0.001, 0.01]", "must fall"]),
     ("precision.ladder.tolerances", [1e-1], ["tolerances = [0.1]", "between 1e-14 and 1e-2"]),
     ("precision.ladder.steps", [], ["precision.ladder.steps = []", "at least 1"]),
@@ -260,7 +261,7 @@ def test_smoke_changes_only_sizes() -> None:
         "ladder": ladder,
         "fixed_steps": {"figures"},
     }
-    hard = {"max_evaluations", "max_evaluations_scipy", "base", "cases"}
+    hard = {"max_evaluations", "every_method", "base", "cases"}
     assert set(smoke["hard_cases"]) == hard
     assert set(smoke["hard_cases"]["base"]) == {"stiffness", "damping", "until"}
     for case in smoke["hard_cases"]["cases"].values():

@@ -51,7 +51,7 @@ TINY: dict[str, Any] = {
     },
     "hard_cases": {
         "max_evaluations": 2_000,
-        "max_evaluations_scipy": 50,
+        "every_method": {"max_evaluations": 50, "cases": ["no_friction"]},
         "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},
         "cases": {
             "many_lift_offs": {"until": 0.1, "max_evaluations": 2_000},

@@ -135,3 +135,6 @@ def _cases(study: Study) -> Iterable[str]:
     for name, hard in study.hard_cases.all_cases.items():
         action = partial(study.baseline.replace, **hard.at)
         yield from _attempt(f"hard_cases.cases.{name}.at", action)
+    for name in study.hard_cases.every_method.cases:
+        known = partial(check_name, name, list(study.hard_cases.all_cases), "hard case")
+        yield from _attempt("hard_cases.every_method.cases", known)

@@ -111,6 +111,15 @@ class StiffnessCases(Strict):
     """Time τ at which the runs end."""
 
 
+class SharedCases(Strict):
+    """Hard cases that every method runs, within the same number of evaluations."""
+
+    max_evaluations: int = Field(ge=1)
+    """Evaluations after which any method is over budget."""
+    cases: list[str] = Field(min_length=1)
+    """Names of the cases."""
+
+
 class HardCases(Strict):
     """Section on hard cases: every method on every case, and the criteria for its result."""
 
@@ -123,9 +132,9 @@ class HardCases(Strict):
     accurate: float = Field(gt=0.0)
     """Largest error of an accurate result."""
     max_evaluations: int = Field(ge=1)
-    """Evaluations after which a compiled method counts as broken."""
-    max_evaluations_scipy: int = Field(ge=1)
-    """Evaluations after which a method of SciPy counts as broken."""
+    """Evaluations after which a method is over budget."""
+    every_method: SharedCases
+    """Cases that the methods of SciPy run as well."""
     base: StiffnessCases
     """Cases of stiff and damped bases."""
     cases: dict[str, HardCase] = Field(min_length=1)
