@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from model import Settings, read_device
-from model.study.assessment.yields import from_unit_cube, run_devices, yield_of
+from model.study.assessment.judge import run_devices
+from model.study.assessment.yields import from_unit_cube, yield_of
 
 DEVICES = Path(__file__).resolve().parents[1] / "docs" / "devices"
 # Settings at which some devices fail.

@@ -48,7 +48,7 @@ def _parameters() -> str:
 
 
 def _units() -> str:
-    rows = ((f"`{name}`", unit, meaning) for name, (meaning, unit) in UNITS.items())
+    rows = ((f"`{name}`", each.quantity.unit, each.description) for name, each in UNITS.items())
     return _table(("name", "SI unit", "meaning"), rows)
 
 

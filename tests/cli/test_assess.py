@@ -2,14 +2,18 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from model import INSERTION, Settings
 from model.cli import main as cli
+from model.show.assumptions import assumptions
+from model.show.si import named_words
 from model.study import assessment
 from model.study.assessment import Assessment, BaseVerdict, Leeway
-from model.study.devices import load_device
+from model.study.devices import load_device, read_device
 
 PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
@@ -26,17 +30,19 @@ def assess(*arguments: str) -> int:
 def test_a_device_in_si_units_is_assessed_in_si_units(capsys):
     assert assess("--device", PEG, *IN_SECONDS, *BASE) == cli.DONE
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].split() == ["device", PEG]
-    assert lines[1].split() == ["reliable", "goes", "in", "from", "32", "of", "32", "starts"]
-    assert re.fullmatch(r"alignment time  [\d.]+ to [\d.]+ ms, by the start", lines[2])
-    assert re.match(r"lift-offs       0 to 1; touches down at up to [\d.]+ mm/s", lines[3])
+    assert lines[0] == f"device          {PEG}, with contact_stiffness=300 kN/m"
+    words = "verdict         reliable at the stated values; no tolerances are stated"
+    assert lines[1] == words
+    assert lines[2].split() == ["starts", "goes", "in", "from", "32", "of", "32", "starts"]
+    assert re.fullmatch(r"alignment time  [\d.]+ to [\d.]+ ms, by the start", lines[3])
+    assert re.match(r"lift-offs       0 to 1; touches down at up to [\d.]+ mm/s", lines[4])
     force = next(line for line in lines if line.startswith("  press_force"))
     assert force.endswith("its value 10 N")
 
 
 def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
-    units, device = load_device(Path(PEG), {})
-    leeway = Leeway("press_force", device.press_force, 1.0, 5.0, False, True)
+    units = load_device(Path(PEG), {}).units
+    leeway = Leeway("press_force", 10.0, 3.0, 15.0, False, True)
     base = BaseVerdict(100.0, 0.8, starts=8, aligned=7, tau_best=2.0, tau_worst=3.0)
     found = Assessment(
         starts=32,
@@ -55,21 +61,24 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     assert (record["reliable"], record["depends_on_base"]) == (False, True)
     assert record["bases"][0]["contact_stiffness"] == pytest.approx(100.0 * 3000.0)
     assert record["leeways"][0]["value"] == pytest.approx(10.0)
-    assert record["leeways"][0]["high"] == pytest.approx(5.0 * units.force)
+    assert record["leeways"][0]["high"] == 15.0
     assert record["natural_frequencies"]["axial"] == pytest.approx(15.915, abs=1e-3)
+    assert record["verdict"] == "depends on the base: measure it; no tolerances are stated"
+    assert record["assumptions"]["horizon"] == "3 s (300 units of 1/p)"
     assert record["unvibrated"] == "rests"
     assert 0.0 < record["slow_tilt"] < record["unvibrated_tilt"] < 0.2
     assert assess("--json") == cli.DONE
     record = json.loads(capsys.readouterr().out)
     assert (record["units"], record["tau_worst"]) == ("1", 3.0)
-    assert record["leeways"][0]["high"] == 5.0
+    assert record["leeways"][0]["high"] == 15.0
 
 
 def test_a_failing_start_is_named_with_a_remedy(capsys):
     assert assess(*COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8") == cli.DONE
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "device          the study's, dimensionless (no --device)"
-    assert lines[1].startswith("not reliable    goes in from 0 of 32 starts")
+    assert lines[1].startswith("verdict         not reliable at the stated values; ")
+    assert lines[2] == "starts          goes in from 0 of 32 starts"
     example = next(i for i, line in enumerate(lines) if line.startswith("for example"))
     assert lines[example].startswith("for example     phase = 0, initial_tilt = 0.001: ")
     assert lines[example + 1].startswith(("reliable instead", "what to do"))
@@ -79,7 +88,12 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     device = str(Path(PEG).parent / "devices" / "peg.yaml")
     assert assess("--device", device, *IN_SECONDS, "--set", "tilt_stiffness=30") == cli.DONE
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1].startswith("not reliable    goes in from 0 of 32 starts")
+    words = "not reliable at the stated values; yield 0 % (0 % to 1.478 %) under the tolerances"
+    assert lines[1] == f"verdict         {words}"
+    assert lines[2] == "starts          goes in from 0 of 32 starts"
+    end = lines.index("assumed:")
+    assert lines[end + 7].startswith("  tolerances  as stated: ")
+    lines = lines[:end]
     shown = lines[next(i for i, line in enumerate(lines) if line.startswith("yield")) :]
     assert shown[0].startswith("yield           0 % (0 % to 1.478 %): 0 of 256 devices")
     assert [line.split("  ")[0] for line in shown[1:]] == ["contact force", "fails nearest"]
@@ -116,7 +130,7 @@ def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
     monkeypatch.setattr(assessment, "assess", found)
     assert assess("--device", PEG) == cli.DONE
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1] == "depends on the base: measure it"
+    assert lines[1].startswith("verdict         depends on the base: measure it; ")
     assert "3 of 8" in next(line for line in lines if "(100,000 × axial)" in line)
     assert "stiff bases     the verdict still changes at the stiffest" in lines
 
@@ -148,3 +162,40 @@ def test_a_yield_is_required_with_confidence(capsys, tmp_path):
     assert "required        50 %: met" in said
     assert assess(*given, "--require", "0.9") == cli.FAILED
     assert "required        90 %: not met" in capsys.readouterr().out
+
+
+def test_a_part_that_never_lands_has_no_speed_of_touching_down(capsys, monkeypatch):
+    found = Assessment(32, 0, 2.0, 3.0, {"phase": 0.0}, separations=(1, 1), impact_speed=0.0)
+    monkeypatch.setattr(assessment, "assess", lambda *_, **__: found)
+    assert assess("--device", PEG) == cli.DONE
+    lines = capsys.readouterr().out.splitlines()
+    assert "lift-offs       1; touches down no more" in lines
+    assert assess("--device", PEG, "--json") == cli.DONE
+    assert json.loads(capsys.readouterr().out)["impact_speed"] is None
+
+
+def test_a_mass_has_its_unit():
+    assert (
+        named_words({"mass": 0.2481, "restitution": 0.6}) == "mass = 0.2481 kg, restitution = 0.6"
+    )
+    assert named_words({"edge_radius": 1e-4}) == "edge_radius = 0.1 mm"
+
+
+def test_what_is_assumed_is_said_alike():
+    stated = read_device(Path(PEG), {"press_force": "12 N", "friction": "0.15 ± 0.02"})
+    settings = Settings(horizon=40.0, start="pressed")
+    said = assumptions(stated.parameters, settings, stated)
+    assert said["start"] == "the part rests under the press, then the vibration sets in"
+    assert said["base"].startswith("contact stiffness 300 kN/m (not stated: 100 times the axial")
+    assert said["horizon"] == "400 ms (40 units of 1/p)"
+    assert said["tolerances"] == "as stated: friction ± 0.02"
+    assert said["changed"] == "press_force=12 N, friction=0.15 ± 0.02"
+    assert said["goal"].startswith("aligned")
+    assumed = assumptions(stated.parameters, settings, stated, tolerances_assumed=True)
+    assert assumed["tolerances"] == "none stated, so assumed: friction ± 0.02"
+    base = {"materials": "steel on brass", "edge_radius": "0.2 mm", "restitution": 0.5}
+    hertz = read_device(Path(PEG), base)
+    words = assumptions(hertz.parameters, replace(settings, scene=INSERTION), hertz)
+    assert "(from steel on brass at this press force)" in words["base"]
+    assert "(from a restitution of 0.5)" in words["base"]
+    assert words["goal"].startswith("inserted to a depth of 1.667 mm, half of")  # 10 N / (2·3 kN/m)

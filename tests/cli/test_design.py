@@ -9,16 +9,17 @@ import xarray as xr
 from model.cli import main as cli
 
 PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
-QUICK = ["--generations", "1", "--population", "5", "--horizon", "600 ms", "--set"]
-QUICK += ["contact_stiffness=300 kN/m"]
+QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]
+BASE = ["--horizon", "600 ms", "--set", "contact_stiffness=300 kN/m"]
 
 
 @pytest.fixture
 def peg(tmp_path):
-    def write(limits):
+    def write(limits, friction="0.15"):
         path = tmp_path / "peg.yaml"
         more = f"free: {{tilt_stiffness: 0.2 to 0.4 N m/rad}}\nlimits: {{{limits}}}\n"
-        path.write_text(PEG.read_text(encoding="utf-8") + more, encoding="utf-8")
+        text = PEG.read_text(encoding="utf-8").replace("friction: 0.15", f"friction: {friction}")
+        path.write_text(text + more, encoding="utf-8")
         return str(path)
 
     return write
@@ -26,16 +27,23 @@ def peg(tmp_path):
 
 def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     out, plot = tmp_path / "design.nc", tmp_path / "front.png"
-    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, "--out", str(out)]
+    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE, "--out", str(out)]
     assert cli.main([*given, "--plot", str(plot)]) == cli.DONE
     said = capsys.readouterr().out
     assert said.startswith("recommended            tilt_stiffness = 0.")
     assert "largest contact_force" in said
+    words = "reliable at the stated values; yield 100 % (94.34 % to 100 %) under the tolerances"
+    assert f"verdict                {words}\n" in said  # 64 / (64 + 1.96²)
+    assert (
+        "  tolerances  none stated, so assumed: press_force ± 10 %, tilt_stiffness ± 10 %" in said
+    )
     assert "friction 0.1 " in said
     assert "friction 0.2 " in said
     assert plot.stat().st_size > 10_000
     with xr.open_dataset(out) as dataset:
         assert dataset.attrs["free"] == "tilt_stiffness"
+        assert "so assumed: press_force" in json.loads(dataset.attrs["assumptions"])["tolerances"]
+        assert int(dataset["devices"][dataset.attrs["recommended"]]) == 64
         assert set(dataset["front"].values.tolist()) <= {0, 1}
         tried = dataset.sizes["candidate"]
     assert cli.main([*given, "--json"]) == cli.DONE  # continued from its file: nothing is new
@@ -44,8 +52,21 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     assert record["feasible"]
 
 
+def test_assess_says_of_the_recommended_setting_what_design_says(capsys, peg):
+    device = peg("time: 0.2 s", friction="0.15 ± 0.03")
+    assert cli.main(["design", "--device", device, *QUICK, *BASE, "--json"]) == cli.DONE
+    designed = json.loads(capsys.readouterr().out)
+    [(name, value)] = designed["setting"].items()
+    assert value == float(f"{value:.4g}")  # as it is printed
+    given = ["--devices", "64", "--json", *BASE, "--set", f"{name}={value!r}"]
+    assert cli.main(["assess", "--device", device, *given]) == cli.DONE
+    assessed = json.loads(capsys.readouterr().out)
+    assert designed["verdict"] == assessed["verdict"]
+    assert designed["yield_interval"] == [assessed["yield"]["low"], assessed["yield"]["high"]]
+
+
 def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
-    assert cli.main(["design", "--device", peg("contact_force: 8 N"), *QUICK]) == cli.FAILED
+    assert cli.main(["design", "--device", peg("contact_force: 8 N"), *QUICK, *BASE]) == cli.FAILED
     said = capsys.readouterr().out
     assert said.startswith("no setting of those tried keeps the limits")
     assert "what to relax          contact_force from 8 N to " in said

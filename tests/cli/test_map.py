@@ -9,6 +9,7 @@ import xarray as xr
 
 from model.cli import main as cli
 from model.cli import map as map_commands
+from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
@@ -30,7 +31,11 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     assert run(tmp_path, "--plot", str(picture), "--set", "friction=0.05") == cli.DONE
     out, err = capsys.readouterr()
     assert err == ""  # no bar where nobody looks
-    assert {line.split()[0] for line in out.splitlines()} == {
+    lines, _, assumed = out.partition("assumed:\n")
+    assert {line.split()[0] for line in assumed.splitlines()} == {
+        "start", "touch-down", "goal", "base", "horizon", "precision",
+    }  # fmt: skip
+    assert {line.split()[0] for line in lines.splitlines()} == {
         "goes", "reliable", "vibration", "flagged", "computed", "trajectories",
     }  # fmt: skip
     with xr.open_dataset(tmp_path / "map.nc") as stored:
@@ -66,13 +71,37 @@ def test_a_device_in_si_units_gets_a_map_in_si_units(tmp_path):
             name: float(stored[name][i])
             for name, i in zip(stored["outcome"].dims, node, strict=True)
         }
-        units, device = load_device(Path(PEG), at)
+        units, device = load_device(Path(PEG), at).device
         expected = simulate(device, Settings(horizon=30.0, tolerance=1e-7)).tau_align * units.time
         np.testing.assert_allclose(stored["tau_align"].values[node], expected, rtol=1e-5)
     assert "in N m/rad" in picture.read_text()
 
 
+def test_a_map_of_a_device_is_over_any_of_its_quantities_with_units(tmp_path, capsys):
+    shaft = str(Path(PEG).parent / "devices" / "shaft.yaml")
+    plane = ["--x", "misalignment", "300um", "0.5 mm", "--y", "mass", "500g", "700g"]
+    arguments = ["--device", shaft, *plane, "--resolution", "2", "--horizon", "300 ms"]
+    out = tmp_path / "map.nc"
+    assert cli.main(["map", *arguments, "--tolerance", "1e-7", "--out", str(out)]) == cli.DONE
+    assert "\nassumed:\n" in capsys.readouterr().out
+    with xr.open_dataset(out) as stored:
+        np.testing.assert_allclose(stored["misalignment"], [3e-4, 4e-4, 5e-4])
+        np.testing.assert_allclose(stored["mass"], [0.5, 0.6, 0.7])
+        assert (stored["mass"].attrs["units"], float(stored["amplitude"])) == ("kg", 3e-4)
+        assert "contact_damping" not in stored  # follows the mass, by the restitution
+        for row, mass in enumerate((0.5, 0.6, 0.7)):
+            stated = load_device(Path(shaft), {"mass": mass, "misalignment": 3e-4})
+            horizon = 0.3 / stated.units.time  # in seconds for every mass
+            run = simulate(stated, Settings(horizon=horizon, tolerance=1e-7, scene=INSERTION))
+            assert stored["outcome"].values[row, 0] == run.outcome
+            seconds = run.tau_align * stated.units.time
+            np.testing.assert_allclose(stored["tau_align"].values[row, 0], seconds, rtol=1e-4)
+
+
 REFUSED = [
+    (["--device", PEG, "--x", "mas", "1", "2"], "Did you mean 'mass'?"),
+    (["--x", "mass", "1", "2"], "unknown parameter 'mass'"),
+    (["--device", PEG, "--x", "mass", "0", "2"], "mass = 0.0: must be a finite number > 0"),
     (
         ["--device", PEG, "--x", "tilt_stiffness", "-0.1", "1"],
         "tilt_stiffness = -0.1: must be a finite number >",

@@ -11,8 +11,9 @@ from model.study.config import load_study, study_path
 from model.study.devices import read_device
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
+VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
 GROUPS = {
-    "Verdict": ["device  peg", "reliable   aligns from 32 of 32 starts", "at most  19 N"],
+    "Verdict": ["starts   aligns from 32 of 32 starts", "at most  19 N"],
     "Leeways": ["friction to 0.3"],
     "Yield": ["yield 100 %"],
 }
@@ -37,16 +38,17 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     explorer_of(read_device(PEG), tmp_path)
     pages = []
     for name in ("one.html", "two.html"):
-        write_sheet(tmp_path / name, stated, GROUPS, study, settings)
+        write_sheet(tmp_path / name, stated, VERDICT, GROUPS, study, settings)
         pages.append((tmp_path / name).read_bytes())
     assert pages[0] == pages[1]
     page = pages[0].decode()
     assert page.count("data:image/svg+xml;base64,") == 3
     assert re.findall(r'(?:src|href)="(?!data:)([^"]*)', page) == ["peg.html#press_force=12.0"]
-    assert "reliable: aligns from 32 of 32 starts" in page
+    assert f'<p class="verdict good">{VERDICT[0]}</p>' in page
+    assert f"<p>{PEG}, with press_force=12 N; vibralign " in page  # the footer
     assert re.search(r"<td>press force</td><td>12 N</td><td>± 1.2 N</td>", page)
     assert re.search(r"<td>amplitude</td><td>1 mm</td><td>± 0.05 mm</td>", page)
     assert "@page { size: A4" in page
     explorer_of(read_device(PEG, {"tilt_stiffness": "0.5 N m/rad"}), tmp_path)
-    write_sheet(tmp_path / "three.html", stated, GROUPS, study, settings)
+    write_sheet(tmp_path / "three.html", stated, VERDICT, GROUPS, study, settings)
     assert "peg.html" not in (tmp_path / "three.html").read_text(encoding="utf-8")

@@ -1,18 +1,21 @@
 """Verdicts, bases and leeways of a device, against oracles and against runs of the model."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from model import Settings, simulate
+from model import Batch, Settings, simulate
 from model.study.assessment import Assessment, BaseVerdict, assess, reliable_at
 from model.study.assessment.assess import impact_speed
+from model.study.assessment.judge import are_reliable, run_devices
 from model.study.assessment.leeways import FINEST, STEP, STEPS, VARIED, leeways, nearest
 from model.study.config import Ensemble
 from model.study.devices import load_device, read_device
-from model.study.maps.starts import are_reliable, starts_of
+from model.study.devices.batches import batch_of
+from model.study.maps.starts import every_start, starts_of
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)
@@ -107,6 +110,70 @@ def test_an_unreliable_device_is_reliable_at_its_nearest_values(device):
         assert are_reliable(device, values, starts, COARSE).all(), each.parameter
 
 
+SHAFT = PEG.parent / "devices" / "shaft.yaml"
+SI = ["mass", "axial_stiffness", "amplitude", "lateral_stiffness", "inertia", "press_force"]
+
+
+def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
+    stated = read_device(SHAFT)
+    asked = []
+
+    def is_reliable(values):
+        asked.append(values)
+        return np.ones(len(next(iter(values.values()))), dtype=bool)
+
+    found = {each.parameter: each for each in leeways(stated, is_reliable)}
+    assert set(found) == {"mass", "axial_stiffness", "amplitude", *VARIED}
+    for name in SI:
+        assert found[name].value == stated.quantities[name]
+        assert found[name].high == pytest.approx(4.0 * stated.quantities[name])
+        assert found[name].low == pytest.approx(stated.quantities[name] / 4.0)
+    for values in asked:  # what follows from others, such as the base, follows still
+        some = {name: column[:40:7] for name, column in values.items()}
+        own = {**stated.values, **stated.quantities}
+        for i, parameters in enumerate(batch_of(stated, some)):
+            changes = {n: v[i] for n, v in some.items() if v[i] != own[n]}
+            assert parameters == read_device(SHAFT, changes).parameters
+
+
+def test_twice_the_mass_is_another_dimensionless_device():
+    one, two = (read_device(PEG, {"mass": mass}).parameters for mass in (0.3, 0.6))
+    # 1/p = √(M/K): a frequency counts √2 times as much, a damping h/√(K M) its √2th part. The
+    # inertia of the device stays, and so is half as much beside M A². Stiffnesses and forces stay.
+    ratios = {"frequency": 2.0**0.5, "inertia": 0.5, "press_force": 1.0, "tilt_stiffness": 1.0}
+    ratios |= dict.fromkeys(("lateral_damping", "axial_damping", "tilt_damping"), 0.5**0.5)
+    ratios |= {"half_width": 1.0, "lateral_stiffness": 1.0, "misalignment": 1.0, "friction": 1.0}
+    for name, ratio in ratios.items():
+        assert getattr(two, name) == pytest.approx(ratio * getattr(one, name)), name
+
+
+def test_the_nearest_amplitude_is_found_and_holds():
+    changes = {"amplitude": 0.2e-3, "contact_stiffness": 3e5, "friction": 0.3}
+    stated = read_device(PEG, changes)
+    found = assess(stated.parameters, COARSE, ENSEMBLE, stated=stated)
+    [near] = [each for each in found.nearest if each.parameter == "amplitude"]
+    assert near.above is not None
+    starts = starts_of(stated.parameters, ENSEMBLE)
+    for amplitude, goes_in in ((near.above, True), (near.above / (1.0 + FINEST), False)):
+        changed = read_device(PEG, changes | {"amplitude": amplitude})
+        runs = every_start(Batch.stack([changed.parameters]), starts, COARSE)
+        assert runs["goes_in"].all() == goes_in
+
+
+def test_a_horizon_in_seconds_holds_for_devices_of_any_mass():
+    stated = read_device(PEG, {"contact_stiffness": 3e5, "tilt_stiffness": 0.3})
+    starts = starts_of(stated.parameters, ENSEMBLE)
+    masses = np.array([0.3, 0.15, 0.6])
+    times = run_devices(stated, {"mass": masses}, starts, COARSE).time
+    slowest = 0.5 * (np.sort(times)[1] + times.max())
+    held = replace(stated, horizon=slowest)
+    assert (run_devices(held, {"mass": masses}, starts, COARSE).goes_in == (times < slowest)).all()
+    own = {"friction": np.array([0.15])}
+    each = [replace(stated.changed(mass=mass), horizon=slowest) for mass in masses.tolist()]
+    alone = [are_reliable(one, own, starts, COARSE)[0] for one in each]
+    assert alone == (times < slowest).tolist()
+
+
 def verdict(stiffness, restitution=0.5, aligned=8, worst=3.0):
     return BaseVerdict(stiffness, restitution, 8, aligned, 2.0, worst)
 
@@ -164,3 +231,29 @@ def test_reliable_forces_are_asked_in_si_units():
     with pytest.raises(ValueError, match="Did you mean 'press_force'"):
         reliable_at(peg, presforce=[1.0])
     assert math.isclose(peg.units.force, 3.0)
+
+
+def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
+    path = tmp_path / "peg.yaml"
+    path.write_text(PEG.read_text(encoding="utf-8") + "start: pressed\n", encoding="utf-8")
+    pressed = load_device(path)
+    assert pressed.start == "pressed"
+    run = simulate(pressed, tolerance=1e-7)
+    assert run.tau_align == simulate(pressed.parameters, tolerance=1e-7, start="pressed").tau_align
+    other = simulate(pressed, tolerance=1e-7, start="simultaneous")
+    assert other.tau_align == simulate(load_device(PEG), tolerance=1e-7).tau_align
+    assert abs(other.tau_align - run.tau_align) > 1.0
+    # It aligns with more friction than it goes in with: the question is that of ``assess``.
+    stated = read_device(PEG, {"contact_stiffness": 3e5})
+    asked = []
+
+    def every(*arguments):
+        asked.append(arguments[2])
+        return every_start(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("model.study.assessment.judge.every_start", every)
+        reliable_at(pressed)
+        reliable_at(stated)
+    assert {each.scene.name for each in asked} == {"insertion"}
+    assert [each.start for each in asked][::2] == ["pressed", None]

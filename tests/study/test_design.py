@@ -10,9 +10,11 @@ from model import Settings
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import UnvibratedEnds
 from model.study import design as designs
-from model.study.assessment.yields import DeviceResults
-from model.study.design import FARTHEST, Search, at_other_friction
+from model.study import design_judges
+from model.study.assessment.judge import DeviceResults
+from model.study.design import Search, as_printed, at_other_friction
 from model.study.design_files import design_dataset, known_of
+from model.study.design_judges import FARTHEST
 from model.study.devices import read_device
 from model.study.io import write_dataset
 
@@ -24,24 +26,25 @@ FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}
 
 def search(limits=None, **changes):
     stated = read_device(PEG, {"contact_stiffness": 3e5, "friction": "0.15 ± 0.05", **changes})
-    return Search(replace(stated, free=FREE, limits=limits or {}), STARTS, COARSE)
+    return Search(replace(stated, free=FREE, limits=limits or {}), STARTS, COARSE, devices=64)
 
 
-def oracle(monkeypatch):
+def oracle(monkeypatch, fails=lambda force, friction: friction >= 0.1 + force / 100.0):
     """Devices go in below a friction of 0.1 + f0/100; time 1/f0, force 2 f0; the calls' sizes."""
     calls = []
 
     def run(_, values, *_settings):
         force, friction = values["press_force"], values["friction"]
         calls.append(force.size)
-        goes_in = friction < 0.1 + force / 100.0
+        goes_in = ~fails(force, friction)
         time = np.where(goes_in, 1.0 / force, np.nan)
         nothing = np.where(goes_in, -1, 0)
         return DeviceResults(
             values, goes_in, time, time[:, None], 2.0 * force, 0.1 * force, nothing
         )
 
-    monkeypatch.setattr(designs, "run_devices", run)
+    monkeypatch.setattr(design_judges, "run_devices", run)
+    monkeypatch.setattr(design_judges, "are_reliable", lambda _, v, *__: run(None, v).goes_in)
     return calls
 
 
@@ -75,7 +78,7 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
         aligns = batch.values["press_force"] > 4.0
         return UnvibratedEnds(np.where(aligns, Unvibrated.ALIGNS, Unvibrated.RESTS), None)
 
-    monkeypatch.setattr(designs, "unvibrated", controls)
+    monkeypatch.setattr(design_judges, "unvibrated", controls)
     needed, not_needed = (
         search({"vibration": share, "contact_force": 40.0}).run(8, 12) for share in (1.0, 0.0)
     )
@@ -127,7 +130,13 @@ def test_an_interrupted_search_is_continued_and_ends_alike(monkeypatch, tmp_path
     expected = search().run(4, 8)
     whole = sum(calls)
     first = search()
-    first.run(2, 8)
+
+    def stop(generation):
+        if generation == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        first.run(4, 8, stop)
     before = sum(calls) - whole
     path = tmp_path / "design.nc"
     dataset = design_dataset(first, designs.Design(first.tried(), 0, {}))
@@ -136,12 +145,40 @@ def test_an_interrupted_search_is_continued_and_ends_alike(monkeypatch, tmp_path
 
     again = search()
     with xr.open_dataset(path) as stored:
-        again.known.update(known_of(stored, again))
-        assert known_of(stored, search(press_force=11.0)) == {}
+        again.known, again.checked = known_of(stored, again)
+        assert known_of(stored, search(press_force=11.0)) == ({}, {})
     calls.clear()
     found = again.run(4, 8)
     assert found.setting == expected.setting
     assert sum(calls) <= whole - before
+
+
+def test_a_setting_that_the_quick_judge_takes_and_assess_does_not_is_not_recommended(monkeypatch):
+    seen = []
+
+    def fails(force, friction):  # between the quick judge's devices, above 10 N
+        seen.append(friction.size)
+        return (force > 10.0) & (friction > 0.152) & (friction < 0.1545)
+
+    oracle(monkeypatch, fails)
+    one = search({"contact_force": 40.0})
+    quick = one.judge(np.array([[20.0, 0.5], [9.0, 0.5]]))
+    assert quick.share.tolist() == [1.0, 1.0]
+    found = one.run(6, 12)
+    assert found.feasible
+    assert found.setting["press_force"] <= 10.0
+    assert (found.thorough.going_in, found.thorough.devices) == (64, 64)
+    assert found.interval == pytest.approx((0.9434, 1.0), abs=1e-4)  # 64 / (64 + 1.96²)
+    assert found.judged > 1
+    for _, force in zip(range(3), (12.0, 16.0, 20.0), strict=True):
+        assert one.judges.thorough({"press_force": force, "tilt_stiffness": 0.5}).row[0] < 1.0
+
+
+def test_a_setting_is_judged_as_it_is_printed():
+    assert as_printed(13.2197, 4.0, 24.0) == 13.22
+    assert as_printed(4.00011, 4.0001, 24.0) == 4.001  # within the range
+    assert as_printed(23.99996, 4.0, 23.99997) == 23.99
+    assert f"{as_printed(0.123456, 0.1, 0.9):.4g}" == str(as_printed(0.123456, 0.1, 0.9))
 
 
 def test_a_misjudged_friction_moves_the_recommendation(monkeypatch):

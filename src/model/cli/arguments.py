@@ -6,14 +6,14 @@ Every refusal is a ValueError of one line that names the value, the rule and the
 import argparse
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
 
 from model.cli.tables import in_columns
 from model.compile.cache import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
-from model.physics.quantities import LENGTH, TIME, Quantity
+from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
 from model.physics.units import UNITS, Units
 from model.physics.variants import VARIANT_NAMES, Variants
@@ -167,19 +167,23 @@ def read_inputs(arguments: argparse.Namespace) -> Inputs:
     Without --device, --set changes the device of the study.
     """
     study = load_study(study_path())
-    stated, units, start = _stated_device(arguments), None, None
+    stated = _stated_device(arguments)
+    settings = _settings(study.settings.settings, arguments, stated)
     if stated is None:
         parameters = _changed(study.baseline, arguments.changes)
-    else:
-        (units, parameters), start = stated.device, stated.start
-    settings = _settings(study.settings.settings, arguments, units, start)
-    return Inputs(study, stated, units, parameters, settings)
+        return Inputs(study, None, None, parameters, settings)
+    settings = stated.run_settings(settings, stated.units)
+    return Inputs(study, stated, stated.units, stated.parameters, settings)
 
 
 def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     if arguments.device is None:
         return None
     stated = read_device(arguments.device, pairs(arguments.changes, "--set"))
+    for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
+        if (text := getattr(arguments, name)) is not None:
+            value = read_amount(name, text, quantity.unit).value
+            stated = replace(stated, **{name: value})  # type: ignore[arg-type]
     for doubt in stated.doubts:
         print(f"vibralign: warning: {arguments.device}: {doubt}", file=sys.stderr)
     return stated
@@ -198,11 +202,11 @@ def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
 
 
 def _settings(
-    of_study: Settings, arguments: argparse.Namespace, units: Units | None, start: Start | None
+    of_study: Settings, arguments: argparse.Namespace, stated: StatedDevice | None
 ) -> Settings:
-    """Return the study's settings, changed by the options and by the ``start`` of a device file.
+    """Return the study's settings, changed by the options.
 
-    Horizon and depth are in SI units for a device with ``units``.
+    Horizon and depth of a ``stated`` device are in SI units, and not changed here.
     """
     switches: dict[str, Any] = asdict(of_study.readings)
     if arguments.readings:
@@ -211,27 +215,20 @@ def _settings(
         check_name(name, VARIANT_NAMES, "reading")
         switches[name] = value
     horizon, tolerance, depth = of_study.horizon, of_study.tolerance, None
-    if arguments.horizon is not None:
-        horizon = _amount("horizon", arguments.horizon, TIME, units)
-    if arguments.insertion_depth is not None:
-        depth = _amount("insertion_depth", arguments.insertion_depth, LENGTH, units)
+    if arguments.horizon is not None and stated is None:
+        horizon = number("horizon", arguments.horizon)
+    if arguments.insertion_depth is not None and stated is None:
+        depth = number("insertion_depth", arguments.insertion_depth)
     if arguments.tolerance is not None:
         tolerance = number("tolerance", arguments.tolerance)
     return Settings(
         readings=Variants(**switches),
         scene=SCENES[arguments.scene],
-        start=arguments.start or start or of_study.start,
+        start=arguments.start or (stated and stated.start) or of_study.start,
         insertion_depth=depth,
         horizon=horizon,
         tolerance=tolerance,
     )
-
-
-def _amount(name: str, text: str, quantity: Quantity, units: Units | None) -> float:
-    """Return a dimensionless number; ``text`` is in SI units for a device with ``units``."""
-    if units is None:
-        return number(name, text)
-    return read_amount(name, text, quantity.unit).value / units.of(quantity)
 
 
 def parameter_table(baseline: Parameters) -> str:
@@ -244,7 +241,8 @@ def parameter_table(baseline: Parameters) -> str:
         words = field.description + (f"; {rule}" if rule else "")
         rows.append((name, field.symbol, default, field.quantity.unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
-    units = [(name, unit, words) for name, (words, unit) in (UNITS | BASE).items()]  # type: ignore[operator]
-    ratios = [(name, "1", f"damping ratio, in place of {each}") for name, each in RATIOS.items()]
-    lines += ["what a file for --device states besides:", *in_columns([*units, *ratios])]
+    units = [(name, each.quantity.unit, each.description) for name, each in UNITS.items()]
+    units += [(name, unit, words) for name, (words, unit) in BASE.items()]
+    units += [(name, "1", f"damping ratio, in place of {each}") for name, each in RATIOS.items()]
+    lines += ["what a file for --device states besides:", *in_columns(units)]
     return "\n".join(lines) + "\n"

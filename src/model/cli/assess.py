@@ -3,6 +3,7 @@
 import argparse
 import os
 import shlex
+from collections.abc import Callable
 from dataclasses import asdict, astuple, replace
 from functools import partial
 from pathlib import Path
@@ -20,19 +21,22 @@ from model.cli.files import check_file, check_picture
 from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, labelled, print_json
 from model.events.outcomes import SUCCESS_TEXT
-from model.physics.parameters import FIELDS, Parameters
+from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.simulate import simulate
 from model.runs.unvibrated import unvibrated_words
+from model.show.assumptions import assumptions, changes_words, lines_of
 from model.show.si import (
     in_words,
     named_words,
     natural_record,
     natural_words,
+    quantity_of,
     range_words,
     scale,
     si_list,
+    si_words,
 )
 
 if TYPE_CHECKING:
@@ -95,26 +99,53 @@ def _assess(arguments: argparse.Namespace) -> int:
     if stated is not None and stated.tolerances:
         drawn, nearest = _drawn(result, stated, ensemble, settings, cores, devices)
     met = drawn is None or required is None or drawn.low >= required
+    assumed = assumptions(device, settings, stated, ensemble)
+    verdict = headline(result, (drawn.going_in, drawn.devices) if drawn else None)
     if arguments.json:
         print_json(
             _record(result, given.units)
+            | {"verdict": verdict}
             | unvibrated_record(device, settings)
             | natural_record(device, given.units)
             | {"yield": drawn and _yield_record(drawn, nearest, stated, settings)}
+            | {"assumptions": assumed}
         )
         return int(not met)
     units = None if arguments.dimensionless else given.units
+    source = "the study's, dimensionless (no --device)"
+    if stated is not None:
+        changes = changes_words(stated)
+        source = f"{stated.source}{changes and f', with {changes}'}"
     groups = {"Verdict": _verdict(result, units, stated, device, settings)}
-    from_materials = stated is not None and stated.materials is not None
-    groups["Leeways"] = [*_advice(result, units), *_varied(result, units, from_materials)]
+    groups["Leeways"] = [*_advice(result, stated, units), *_varied(result, stated, units)]
     if drawn is not None and stated is not None:
         groups["Yield"] = _yield_report(result, drawn, nearest, stated, required, settings)
-    print("\n".join(line for lines in groups.values() for line in lines))
+    groups["Assumptions"] = lines_of(assumed)
+    head = [_line("device", source), _line("verdict", verdict)]
+    print("\n".join([*head, *(line for lines in groups.values() for line in lines)]))
     if arguments.sheet is not None and stated is not None:
         from model.cli.sheet import write_sheet  # noqa: PLC0415  (as above)
 
-        write_sheet(arguments.sheet, stated, groups, given.study, settings)
+        good = result.reliable and (drawn is None or drawn.share == 1.0)
+        write_sheet(arguments.sheet, stated, (verdict, good), groups, given.study, settings)
     return int(not met)
+
+
+def headline(result: "Assessment", drawn: tuple[int, int] | None) -> str:
+    """Return the verdict on a device at its stated values, and within its tolerances.
+
+    ``drawn`` are the numbers of devices within the tolerances that go in, and that were drawn.
+    """
+    words = f"{'' if result.reliable else 'not '}reliable at the stated values"
+    if result.depends_on_base:
+        words = "depends on the base: measure it"
+    if drawn is None:
+        return f"{words}; no tolerances are stated"
+    from model.study.assessment.yields import interval  # noqa: PLC0415  (scipy)
+
+    shares = drawn[0] / drawn[1], *interval(*drawn)
+    share, low, high = (f"{100.0 * each:.4g} %" for each in shares)
+    return f"{words}; yield {share} ({low} to {high}) under the tolerances"
 
 
 def _required(
@@ -167,23 +198,21 @@ def _verdict(
     device: Parameters,
     settings: "Settings",
 ) -> list[str]:
-    source = str(stated.source) if stated else "the study's, dimensionless (no --device)"
     verb = SUCCESS_TEXT[settings.success]
     starts = f"{verb} from {result.aligned} of {result.starts} starts"
     if result.bases and stated is not None and not stated.base_is_stated:
         starts += ", on a base of 100 times the axial stiffness"
-    lines = [_line("device", source)]
-    if result.depends_on_base:
-        lines += ["depends on the base: measure it", _line("", starts)]
-    else:
-        lines.append(_line("reliable" if result.reliable else "not reliable", starts))
+    lines = [_line("starts", starts)]
     if result.aligned:
         times = range_words(result.tau_best, result.tau_worst, TIME, units)
         lines.append(_line("alignment time", f"{times}, by the start"))
     fewest, most = result.separations
     hops = f"{fewest} to {most}" if fewest != most else str(fewest)
-    speed = in_words(result.impact_speed, SPEED, units)
-    lines.append(_line("lift-offs", hops + (f"; touches down at up to {speed}" if most else "")))
+    if most:
+        speed = in_words(result.impact_speed, SPEED, units)
+        landed = f"touches down at up to {speed}" if result.impact_speed else "touches down no more"
+        hops = f"{hops}; {landed}"
+    lines.append(_line("lift-offs", hops))
     force = in_words(result.contact_force_max, FORCE, units)
     tilt = in_words(result.tilt_max, ANGLE, units)
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}"))
@@ -225,45 +254,50 @@ def _stiff_bases(result: "Assessment", units: Units | None) -> str:
     )
 
 
-def _advice(result: "Assessment", units: Units | None) -> list[str]:
+def _advice(result: "Assessment", stated: "StatedDevice | None", units: Units | None) -> list[str]:
     if result.failing_start is None:
         return []
     if not result.nearest:
         words = "no single parameter makes it reliable within a factor of four: change two (map)"
         return [_line("what to do", words)]
     lines = ["reliable instead, one parameter at a time, with"]
-    return lines + in_columns([_nearest_row(each, units) for each in result.nearest])
+    value = partial(_value, stated=stated, units=units)
+    return lines + in_columns([_nearest_row(each, value) for each in result.nearest])
 
 
-def _varied(result: "Assessment", units: Units | None, from_materials: bool) -> list[str]:
+def _varied(result: "Assessment", stated: "StatedDevice | None", units: Units | None) -> list[str]:
     if not result.leeways:
         return []
-    held = "; the contact stiffness is held" if from_materials else ""
-    lines = [f"stays reliable while, one parameter at a time (ends known to 0.4 %{held}),"]
-    return lines + in_columns([_leeway_row(each, units) for each in result.leeways])
+    lines = ["stays reliable while, one parameter at a time (ends known to 0.4 %),"]
+    value = partial(_value, stated=stated, units=units)
+    return lines + in_columns([_leeway_row(each, value) for each in result.leeways])
 
 
-def _leeway_row(leeway: "Leeway", units: Units | None) -> tuple[str, ...]:
+def _leeway_row(leeway: "Leeway", words: Callable[[str, float], str]) -> tuple[str, ...]:
     low, high, own = (
-        _value(leeway.parameter, each, units) for each in (leeway.low, leeway.high, leeway.value)
+        words(leeway.parameter, each) for each in (leeway.low, leeway.high, leeway.value)
     )
     low += "" if leeway.bounded_below else " or less"
     high += "" if leeway.bounded_above else " or more"
     return leeway.parameter, f"from {low}", f"to {high}", f"its value {own}"
 
 
-def _nearest_row(nearest: "Nearest", units: Units | None) -> tuple[str, ...]:
+def _nearest_row(nearest: "Nearest", words: Callable[[str, float], str]) -> tuple[str, ...]:
     ends = [
-        f"{_value(nearest.parameter, end, units)} or a little {word}"
+        f"{words(nearest.parameter, end)} or a little {word}"
         for end, word in ((nearest.below, "less"), (nearest.above, "more"))
         if end is not None
     ]
-    own = _value(nearest.parameter, nearest.value, units)
+    own = words(nearest.parameter, nearest.value)
     return nearest.parameter, ", or ".join(ends), f"its value {own}"
 
 
-def _value(parameter: str, value: float, units: Units | None) -> str:
-    return in_words(value, FIELDS[parameter].quantity, units)
+def _value(parameter: str, value: float, stated: "StatedDevice | None", units: Units | None) -> str:
+    """Return a value of a device in words; with --dimensionless, without ``units``, in its own."""
+    quantity = quantity_of(parameter)
+    if stated is None or units is not None:
+        return si_words(value, quantity) if stated else in_words(value, quantity, None)
+    return in_words(value / stated.units.of(quantity), quantity, None)
 
 
 def _yield_report(
@@ -320,12 +354,16 @@ def _yield_record(
 def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settings") -> str:
     """Return the command line that runs a failing device."""
     changes = {**stated.changes, **failing.quantities, **failing.start}
-    words = [f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()]
-    if settings.insertion_depth is not None:
-        depth = settings.insertion_depth * stated.device.units.amplitude
-        words.insert(0, f"--insertion-depth {depth!r}")
-    scene = f"--scene {settings.scene.name}"
-    return f"vibralign simulate --device {stated.source} {scene} {' '.join(words)}"
+    words = [f"vibralign simulate --device {shlex.quote(str(stated.source))}"]
+    words.append(f"--scene {settings.scene.name} --start {settings.start}")
+    if stated.horizon is not None:
+        words.append(f"--horizon {stated.horizon!r}")
+    if stated.insertion_depth is not None:
+        words.append(f"--insertion-depth {stated.insertion_depth!r}")
+    for name, reading in asdict(settings.readings).items():
+        words += [f"--reading {name}={reading}"] if reading == "printed" else []
+    words += [f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()]
+    return " ".join(words)
 
 
 def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
@@ -340,14 +378,9 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
         for name in ("tau_best", "tau_worst"):
             each[name] = time * each[name] if each["aligned"] else None
     record["contact_force_max"] *= scale(units, FORCE)
-    record["impact_speed"] *= scale(units, SPEED)
+    record["impact_speed"] = record["impact_speed"] * scale(units, SPEED) or None  # never lands
     for each in record["bases"]:
         each["contact_stiffness"] *= stiffness
     if record["rigid_from"] is not None:
         record["rigid_from"] *= stiffness
-    for each in (*record["leeways"], *record["nearest"]):
-        one = scale(units, FIELDS[each["parameter"]].quantity)
-        for name in ("value", "low", "high", "below", "above"):
-            if each.get(name) is not None:
-                each[name] *= one
     return {"units": "1" if units is None else "SI", **record}

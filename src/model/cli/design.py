@@ -2,12 +2,14 @@
 
 import argparse
 import os
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from model.cli.arguments import (
+    Inputs,
     add_command,
     add_json,
     add_model_options,
@@ -15,9 +17,11 @@ from model.cli.arguments import (
     number,
     read_inputs,
 )
+from model.cli.assess import headline
 from model.cli.files import check_file, check_picture, save_picture
 from model.cli.tables import in_columns, labelled, print_json
 from model.physics.quantities import ANGLE, FORCE, TIME
+from model.show.assumptions import as_attribute, assumptions, lines_of
 from model.show.si import named_words, si_words
 from model.study.devices.stated import VIBRATION
 
@@ -26,8 +30,6 @@ if TYPE_CHECKING:
 
 _MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 _OTHER_FRICTIONS = (2.0 / 3.0, 4.0 / 3.0)  # factors of the stated friction
-_STARTS = 4  # every fourth start of the study is tried
-_TOLERANCE = 1e-6  # least local error of a step
 _line = partial(labelled, width=23)
 
 
@@ -41,9 +43,10 @@ def add(commands: Any) -> None:
         ". The device file names what is free (free: {press_force: 5 to 20 N}) and the limits "
         "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg, vibration: needed}, or not "
         "needed). Every setting that is tried "
-        "is judged by devices within the tolerances, and within twice and three times them; of "
-        "settings with which all go in, the one whose nearest failure is farthest, then the "
-        "fastest.",
+        "is judged quickly by devices within the tolerances, and within twice and three times "
+        "them; of settings with which all go in, the one whose nearest failure is farthest, then "
+        "the fastest. What is recommended is judged as `vibralign assess` judges it, and else the "
+        "search goes on.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")
@@ -54,6 +57,8 @@ def add(commands: Any) -> None:
     add("--generations", default="12", metavar="N", help="of the search (default: 12)")
     add("--population", default="24", metavar="N", help="settings a generation (default: 24)")
     add("--seed", default="0", metavar="N", help="of the search (default: 0)")
+    words = "devices by which the recommended setting is judged, a power of two (default: 4096)"
+    add("--devices", metavar="N", default="4096", help=words)
     add_json(parser)
 
 
@@ -68,10 +73,12 @@ def _design(arguments: argparse.Namespace) -> int:
         _count(name, getattr(arguments, name), least)
         for name, least in (("generations", 1), ("population", 5), ("seed", 0))
     )
-    search = _search(arguments, seed)
+    given = read_inputs(arguments)
+    search = _search(arguments, given, seed)
     announce_compilation()
     design = search.run(generations, population, lambda _: _keep(search, arguments.out))
-    _keep(search, arguments.out, design)
+    assumed = _assumed(design, search, given)
+    _keep(search, arguments.out, design, assumed)
     if arguments.plot is not None:
         from model.show.curves import draw_front  # noqa: PLC0415
         from model.study.design_files import design_dataset  # noqa: PLC0415
@@ -80,31 +87,65 @@ def _design(arguments: argparse.Namespace) -> int:
     others = []
     if design.feasible:
         others = _other_frictions(search, max(generations // 2, 1), population)
+    verdict = _verdict(design, search, given)
     if arguments.json:
-        print_json(_record(design, search, others))
+        print_json(_record(design, search, others) | {"verdict": verdict, "assumptions": assumed})
     else:
-        print("\n".join(_report(design, search, others)))
+        print("\n".join([*_report(design, search, verdict, others), *lines_of(assumed)]))
     return int(not design.feasible)
 
 
-def _search(arguments: argparse.Namespace, seed: int) -> "Search":
+def _search(arguments: argparse.Namespace, given: Inputs, seed: int) -> "Search":
     """Return the search of a device, with what a former search has written to --out."""
+    from model.study.assessment.yields import check_devices  # noqa: PLC0415  (as below)
     from model.study.design import Search  # noqa: PLC0415  (only this command)
     from model.study.maps.starts import starts_of  # noqa: PLC0415
 
-    given = read_inputs(arguments)
     assert given.stated is not None  # noqa: S101  (--device is given)
-    settings = replace(given.settings, tolerance=max(given.settings.tolerance, _TOLERANCE))
-    starts = starts_of(given.parameters, given.study.maps.ensemble)[::_STARTS]
-    search = Search(given.stated, starts, settings, os.cpu_count() or 1, seed)
+    devices = check_devices(number("devices", arguments.devices))
+    starts = starts_of(given.parameters, given.study.maps.ensemble)
+    cores = os.cpu_count() or 1
+    search = Search(given.stated, starts, given.settings, cores, seed, devices)
     if arguments.out is not None and arguments.out.exists():
         from model.study.design_files import known_in  # noqa: PLC0415
 
-        search.known.update(known_in(arguments.out, search))
+        search.known, search.checked = known_in(arguments.out, search)
     return search
 
 
-def _keep(search: "Search", path: Path | None, design: "Design | None" = None) -> None:
+def _assumed(design: "Design", search: "Search", given: Inputs) -> dict[str, str]:
+    """Return what the recommendation assumes."""
+    recommended = replace(search.stated.changed(**design.setting), changes=search.stated.changes)
+    return assumptions(
+        recommended.parameters,
+        recommended.run_settings(given.settings, recommended.units),
+        recommended,
+        given.study.maps.ensemble,
+        tolerances_assumed=search.tolerances_assumed,
+    )
+
+
+def _verdict(design: "Design", search: "Search", given: Inputs) -> str:
+    """Return what ``assess`` says of the recommended setting."""
+    from model.study.assessment import assess  # noqa: PLC0415  (as in _search)
+
+    stated = search.stated.changed(**design.setting)
+    ensemble = given.study.maps.ensemble
+    settings = stated.run_settings(given.settings, stated.units)
+    result = assess(stated.parameters, settings, ensemble, search.cores, stated=stated, vary=False)
+    thorough = design.thorough
+    drawn = None
+    if thorough is not None and thorough.devices:
+        drawn = thorough.going_in, thorough.devices
+    return headline(result, drawn)
+
+
+def _keep(
+    search: "Search",
+    path: Path | None,
+    design: "Design | None" = None,
+    assumed: Mapping[str, str] | None = None,
+) -> None:
     """Write the settings tried so far, so that an interrupted search can be continued."""
     if path is None:
         return
@@ -113,7 +154,8 @@ def _keep(search: "Search", path: Path | None, design: "Design | None" = None) -
     from model.study.io import write_dataset  # noqa: PLC0415
 
     design = design or Design(search.tried(), 0, search.stated.limits)
-    write_dataset(design_dataset(search, design), path)
+    attributes = {"assumptions": as_attribute(assumed)} if assumed else {}
+    write_dataset(design_dataset(search, design).assign_attrs(attributes), path)
 
 
 def _other_frictions(search: "Search", generations: int, population: int) -> "list[OtherFriction]":
@@ -132,14 +174,18 @@ def _count(name: str, text: str, least: int) -> int:
     return int(value)
 
 
-def _report(design: "Design", search: "Search", others: "list[OtherFriction]") -> list[str]:
+def _report(
+    design: "Design", search: "Search", verdict: str, others: "list[OtherFriction]"
+) -> list[str]:
+    from model.study.design_judges import POINTS  # noqa: PLC0415  (as in _search)
+
     tried, best = design.tried, design.best
     word = "recommended" if design.feasible else "nearest to it"
-    share = f"{100.0 * tried.share[best]:.4g} % of the devices within the tolerances go in"
     margin = tried.margin[best]
     lines = [] if design.feasible else ["no setting of those tried keeps the limits"]
-    lines += [_line(word, named_words(design.setting)), _line("yield", share)]
+    lines += [_line(word, named_words(design.setting)), _line("verdict", verdict)]
     words = f"{margin:.3g} tolerances away" if margin < 3.0 else "none within three tolerances"
+    words += f", on {POINTS} lines from every start" if design.feasible else ""
     lines.append(_line("nearest failure", words))
     for name, quantity in _MEASURES.items():
         limit = design.limits.get(name)
@@ -152,11 +198,15 @@ def _report(design: "Design", search: "Search", others: "list[OtherFriction]") -
         lines.append(_line("vibration", f"{words} (limit: {asked})"))
     binding = design.binding(search.stated.free)
     lines.append(_line("what binds", ", ".join(binding) or "nothing: it lies inside"))
-    lines.append(_line("tried", f"{tried.share.size} settings"))
+    words = f"{tried.share.size} settings, quickly; {design.judged} as assess judges them"
+    held = int(design.feasible)
+    words += f", of which {design.judged - held} did not hold" if design.judged > held else ""
+    lines.append(_line("tried", words))
     if not design.feasible:
         lines += _relaxed(design)
     elif len(design.front) > 1:
-        lines += ["front of time against margin:", *_front(design)]
+        words = "front of time against margin, by the quick judge: assess one before you take it"
+        lines += [words, *_front(design)]
     return lines + [_other_friction(each) for each in others]
 
 
@@ -203,7 +253,8 @@ def _other_friction(other: "OtherFriction") -> str:
     better = "no setting of those tried keeps the limits there"
     if other.feasible:
         better = f"recommended there: {named_words(other.setting)}"
-    return _line(f"friction {other.friction:.3g}", f"this setting {result}; {better}")
+    by = f"judged by {other.devices} devices"
+    return _line(f"friction {other.friction:.3g}", f"this setting {result}; {better} ({by})")
 
 
 def _record(design: "Design", search: "Search", others: "list[OtherFriction]") -> dict[str, Any]:
@@ -212,10 +263,13 @@ def _record(design: "Design", search: "Search", others: "list[OtherFriction]") -
         "feasible": design.feasible,
         "setting": design.setting,
         "yield": float(tried.share[best]),
+        "yield_interval": design.interval,
+        "devices": design.thorough and design.thorough.devices,
         "margin": float(tried.margin[best]),
         **{name: float(values[best]) for name, values in tried.measures.items()},
         "binding": design.binding(search.stated.free),
         "relax": {} if design.feasible else design.to_relax(),
         "tried": int(tried.share.size),
+        "judged": design.judged,
         "misjudged": [asdict(each) for each in others],
     }

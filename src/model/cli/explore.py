@@ -14,6 +14,7 @@ from model.cli.arguments import (
 )
 from model.cli.files import check_file, writing
 from model.physics.variants import Variants
+from model.show.assumptions import assumptions
 from model.study.devices import StatedDevice
 from model.study.devices.base import SOURCES
 from model.study.files import atomic_write
@@ -63,8 +64,9 @@ def _explore(arguments: argparse.Namespace) -> int:
         file = str(arguments.device or "")
         first = tuple(given.study.operating_point)
         origin = Origin(**_origin(arguments, given.stated))
+        assumed = assumptions(given.parameters, settings, given.stated)
         model = device_model(
-            given.parameters, given.units, file, settings, engines.interface, first, origin
+            given.parameters, given.units, file, settings, engines.interface, first, origin, assumed
         )
     with writing(), atomic_write(arguments.out) as part:
         part.write_text(build_page(model, engines), encoding="utf-8")

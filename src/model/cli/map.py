@@ -20,9 +20,11 @@ from model.cli.arguments import (
 from model.cli.files import check_file, check_picture, save_picture, writing
 from model.cli.tables import labelled
 from model.events.outcomes import SUCCESS_TEXT
-from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
-from model.physics.units import Units
+from model.physics.parameters import PARAMETER_NAMES, check_name
+from model.show.assumptions import as_attribute, assumptions, lines_of
 from model.study.config import RunSettings, Span, check_plane
+from model.study.devices.amounts import read_amount
+from model.study.devices.stated import QUANTITIES, StatedDevice, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +53,8 @@ def add(commands: Any) -> None:
     )
     add = parser.add_argument
     for side in ("x", "y"):
-        words = f"parameter along {side}, with its least and largest value"
+        words = f"parameter along {side}, with its least and largest value; with --device any "
+        words += "quantity of its file, and values such as 10um"
         add(f"--{side}", nargs=3, required=True, metavar=("NAME", "FROM", "TO"), help=words)
     words = f"finest cells along a side, a power of two (default: {_DEFAULT})"
     add("--resolution", default=str(_DEFAULT), metavar="N", help=words)
@@ -71,49 +74,42 @@ def _map(arguments: argparse.Namespace) -> int:
     check_file(arguments.out, "--out", ["nc"])
     if arguments.plot is not None:
         check_picture(arguments.plot)
-    plan, units = _plan(arguments)
+    plan, assumed = _plan(arguments)
     announce_compilation()
     # Imported here: half a second that only this command needs.
     from model.study.io import write_dataset  # noqa: PLC0415
     from model.study.maps.compute import MapNodes  # noqa: PLC0415
-    from model.study.maps.dataset import in_si, map_dataset  # noqa: PLC0415
+    from model.study.maps.dataset import map_dataset  # noqa: PLC0415
 
     title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
     cores = os.cpu_count() or 1
     with contextlib.closing(_Bar()) as bar:
         dataset = map_dataset(plan, MapNodes(plan), title, cores=cores, progress=bar)
-    if units is not None:
-        dataset = in_si(dataset, units)
+    dataset = dataset.assign_attrs(assumptions=as_attribute(assumed))
     with writing():
         write_dataset(dataset, arguments.out)
         if arguments.plot is not None:
             from model.show import plots  # noqa: PLC0415
 
             save_picture(plots.draw(dataset), arguments.plot)
-    print("\n".join(_report(dataset)))
+    print("\n".join([*_report(dataset), *lines_of(assumed)]))
     return 0
 
 
-def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", Units | None]:
+def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", dict[str, str]]:
+    """Return the map, and what it assumes."""
     given = read_inputs(arguments)
-    units, parameters, starts = given.units, given.parameters, given.study.maps.ensemble
+    stated, parameters, starts = given.stated, given.parameters, given.study.maps.ensemble
     resolution = _resolution(arguments.resolution)
-    spans = _span("--x", arguments.x), _span("--y", arguments.y)
-    # Checked in the units of the command line, so that a refusal names the values as given.
-    check_plane(parameters if units is None else units.in_si(parameters), *spans)
-    if units is not None:
-        spans = _dimensionless(spans[0], units), _dimensionless(spans[1], units)
+    x, y = (_span(f"--{side}", getattr(arguments, side), stated) for side in ("x", "y"))
+    check_plane(stated.at if stated else lambda values: parameters.replace(**values), x, y)
     from model.study.maps.plan import plan_of  # noqa: PLC0415
 
     every = min(starts.every, max(resolution // _ENSEMBLE, 1))
     starts = starts.model_copy(update={"every": every})
     settings = RunSettings.of(given.settings)
-    return plan_of("map", parameters, settings, spans, resolution, starts), units
-
-
-def _dimensionless(span: Span, units: Units) -> Span:
-    one = units.of(FIELDS[span.parameter].quantity)
-    return Span(parameter=span.parameter, start=span.start / one, stop=span.stop / one)
+    plan = plan_of("map", parameters, settings, (x, y), resolution, starts, stated)
+    return plan, assumptions(parameters, given.settings, stated, starts)
 
 
 def _resolution(text: str) -> int:
@@ -124,15 +120,23 @@ def _resolution(text: str) -> int:
     return int(value)
 
 
-def _span(option: str, given: Sequence[str]) -> Span:
+def _span(option: str, given: Sequence[str], stated: StatedDevice | None) -> Span:
+    """Return a range; that of a ``stated`` device in SI units, or with its units."""
+    from model.study.maps.plan import QuantitySpan  # noqa: PLC0415  (as in _map)
+
     name, *ends = given
-    check_name(name, PARAMETER_NAMES, "parameter")
-    start, stop = (number(f"{option} {name}", end) for end in ends)
+    check_name(name, PARAMETER_NAMES if stated is None else QUANTITIES, "parameter")
+    if stated is None:
+        start, stop = (number(f"{option} {name}", end) for end in ends)
+    else:
+        unit = unit_of(name)
+        start, stop = (read_amount(f"{option} {name}", end, unit).value for end in ends)
     if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
         raise ValueError(
             f"{option} {name} {ends[0]} {ends[1]}: must be two finite numbers, the smaller first"
         )
-    return Span(parameter=name, start=start, stop=stop)
+    kind = Span if stated is None else QuantitySpan
+    return kind(parameter=name, start=start, stop=stop)
 
 
 class _Bar:

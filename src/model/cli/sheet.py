@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,14 +10,15 @@ from urllib.parse import urlencode
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
+from model.show.assumptions import changes_words
 from model.show.device_sheet import Sheet, render
 from model.show.explorer.content import Scales
-from model.study.config import RunSettings, Span, Study
-from model.study.devices import StatedDevice, load_device
+from model.study.config import RunSettings, Study
+from model.study.devices import StatedDevice, read_device
 from model.study.files import atomic_write
 from model.study.maps.compute import MapNodes
-from model.study.maps.dataset import in_si, map_dataset
-from model.study.maps.plan import plan_of
+from model.study.maps.dataset import map_dataset
+from model.study.maps.plan import QuantitySpan, plan_of
 from model.study.version import version
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where the file frees no two quantities
@@ -30,6 +30,7 @@ _TOLERANCE = 1e-7  # least local error of a step
 def write_sheet(
     path: Path,
     stated: StatedDevice,
+    verdict: tuple[str, bool],
     groups: Mapping[str, Sequence[str]],
     study: Study,
     settings: Settings,
@@ -39,7 +40,8 @@ def write_sheet(
     Args:
         path: file to write.
         stated: the device.
-        groups: printed lines by their group: "Verdict", "Leeways" and perhaps "Yield".
+        verdict: the headline, and whether it is good.
+        groups: printed lines by their group, such as "Verdict" and "Leeways".
         study: the study, for the starts of the map.
         settings: settings of the runs.
 
@@ -48,26 +50,24 @@ def write_sheet(
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     device = stated.device
-    names = [name for name in (*stated.free, *_AXES) if name in FIELDS]
-    x, y = (_span(stated, name) for name in list(dict.fromkeys(names))[:2])
+    names = dict.fromkeys((*stated.free, *_AXES))
+    x, y = (_span(stated, name) for name in list(names)[:2])
     starts = study.maps.ensemble.model_copy(update={"every": 1})
     run_settings, cores = RunSettings.of(settings), os.cpu_count() or 1
-    plan = plan_of("map", device.parameters, run_settings, (x, y), _RESOLUTION, starts)
+    spans, parameters = (x, y), device.parameters
+    plan = plan_of("map", parameters, run_settings, spans, _RESOLUTION, starts, stated)
     title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
     dataset = map_dataset(plan, MapNodes(plan), title, cores=cores)
-    verdict = re.sub(r"^((not )?reliable)\s+", r"\1: ", groups["Verdict"][1])
-    good = verdict.startswith("reliable")
-    if "Yield" in groups:
-        share = " ".join(groups["Yield"][0].split()).partition(":")[0]
-        verdict, good = f"{verdict}; {share}", good and share.startswith("yield 100 %")
+    words, good = verdict
+    changes = changes_words(stated)
     sheet = Sheet(
         stated=stated,
-        verdict=verdict,
+        verdict=words,
         reliable=good,
-        lines=[("Verdict", groups["Verdict"][2:]), *list(groups.items())[1:]],
+        lines=list(groups.items()),
         run=simulate_once(device.parameters, settings),
-        map_data=in_si(dataset, device.units),
-        made_by=f"vibralign {version()}",
+        map_data=dataset,
+        made_by=f"{stated.source}{changes and f', with {changes}'}; vibralign {version()}",
         explorer=_explorer(path, stated),
     )
     with atomic_write(path) as part:
@@ -82,8 +82,8 @@ def _explorer(path: Path, stated: StatedDevice) -> str | None:
     page = path.with_name(f"{stated.source.stem}.html")
     if page.name == path.name or not page.exists():
         return None
-    units, parameters = load_device(stated.source, {})
-    own = json.dumps(Scales(units).values(parameters))
+    file = read_device(stated.source)
+    own = json.dumps(Scales(file.units).values(file.parameters))
     if f'"baseline": {own}' not in page.read_text(encoding="utf-8", errors="replace"):
         return None
     quantities = stated.resolved({})
@@ -91,8 +91,8 @@ def _explorer(path: Path, stated: StatedDevice) -> str | None:
     return f"{page.name}#{urlencode(changes)}" if changes else page.name
 
 
-def _span(stated: StatedDevice, name: str) -> Span:
-    """Return the range of an axis of the map, dimensionless."""
-    value, unit = stated.resolved({})[name], stated.device.units.of(FIELDS[name].quantity)
+def _span(stated: StatedDevice, name: str) -> QuantitySpan:
+    """Return the range of an axis of the map, in SI units."""
+    value = {**stated.values, **stated.quantities}[name]
     low, high = stated.free.get(name, (value / _SPAN, value * _SPAN))
-    return Span(parameter=name, start=low / unit, stop=high / unit)
+    return QuantitySpan(parameter=name, start=low, stop=high)

@@ -27,6 +27,7 @@ from model.runs.engines import Engine
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
+from model.show.assumptions import assumptions, lines_of
 from model.show.si import in_words, natural_record, natural_words
 from model.study.files import atomic_write
 from model.study.version import version
@@ -62,16 +63,17 @@ def _simulate(arguments: argparse.Namespace) -> int:
         check_file(arguments.animate, "--animate", ["html"])
     announce_compilation()
     run = simulate(parameters, settings)
+    assumed = assumptions(parameters, settings, given.stated)
     if arguments.json:
         in_si = {"si": _in_si(run, units) | natural_record(parameters, units)} if units else {}
-        print_json(_record(run, settings) | in_si)
+        print_json(_record(run, settings) | {"assumptions": assumed} | in_si)
     else:
         lines = _report(run, units)
         lines.append(natural_words(parameters, units))
         lines.append(unvibrated_words(parameters, settings, ENGINE))
         if units and arguments.dimensionless:
             lines += ["", "dimensionless:", *_report(run, None)[1:], _units_line(units)]
-        print("\n".join(lines))
+        print("\n".join([*lines, *lines_of(assumed)]))
     in_units = None if arguments.dimensionless else units
     if arguments.plot is not None:
         # ValueError: the library for this format is missing.
@@ -96,7 +98,8 @@ def _page(given: Inputs, units: Units | None, file: str) -> str:
 
     parameters, settings = given.parameters, given.settings
     first, table = tuple(given.study.operating_point), interface(settings.scene)
-    model = device_model(parameters, units, file, settings, table, first)
+    assumed = assumptions(parameters, settings, given.stated)
+    model = device_model(parameters, units, file, settings, table, first, assumed=assumed)
     return run_page(model, trace_run(parameters, settings))
 
 
@@ -193,7 +196,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "final_state": _final_state(run),
         "parameters": asdict(run.parameters),
         "readings": asdict(settings.readings),
-        "start": settings.start,
+        "start": settings.start or "simultaneous",
         "scene": settings.scene.name,
         "insertion_depth": settings.insertion_depth,
         "method": DOP853.name,

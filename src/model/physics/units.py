@@ -14,16 +14,19 @@ from model.physics.parameters import (
     FIELDS,
     PARAMETER_NAMES,
     REQUIRED_NAMES,
+    Field,
     Parameters,
     check_name,
 )
-from model.physics.quantities import Quantity
+from model.physics.quantities import LENGTH, MASS, STIFFNESS, Quantity
 
-# The quantities that serve as units of a device: meaning and SI unit.
-UNITS: Mapping[str, tuple[str, str]] = {
-    "mass": ("mass of the part and what moves with it", "kg"),
-    "axial_stiffness": ("stiffness of the holder along the assembly axis", "N/m"),
-    "amplitude": ("amplitude of the holder's excitation", "m"),
+# The quantities that serve as units of a device.
+UNITS: Mapping[str, Field] = {
+    "mass": Field("M", "mass of the part and what moves with it", MASS, "> 0"),
+    "axial_stiffness": Field(
+        "K_Y", "stiffness of the holder along the assembly axis", STIFFNESS, "> 0"
+    ),
+    "amplitude": Field("A", "amplitude of the holder's excitation", LENGTH, "> 0"),
 }
 
 

@@ -3,7 +3,7 @@
 import math
 import numbers
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, get_args
+from typing import Any, Protocol, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from model.events.insertion import INSERTION
 from model.events.kernels import SceneKernels, in_kernels
 from model.events.outcomes import Outcome
 from model.events.scenes import ALIGNMENT, Scene
-from model.physics.parameters import Batch, check_name
+from model.physics.parameters import Batch, Parameters, check_name
 from model.physics.rest import Start
 from model.physics.variants import Variants
 
@@ -33,7 +33,8 @@ class Settings:
         start: "simultaneous": the press and the vibration set in together, on a part that touches
             the base without load (paper). "pressed": the part rests under the press, which has
             risen slowly, and then the vibration sets in; needs the consistent readings. The
-            initial tilt then has no effect. A part without rest leaves the scene at once.
+            initial tilt then has no effect. A part without rest leaves the scene at once. None for
+            the start that the device's file states, and "simultaneous" where it states none.
         insertion_depth: depth at which a part counts as inserted, > 0, dimensionless, with
             ``INSERTION`` only; by default that of ``Batch.insertion_depths``.
         horizon: latest time τ of a run, > 0, dimensionless.
@@ -52,7 +53,7 @@ class Settings:
 
     readings: Variants = field(default_factory=Variants)
     scene: Scene = ALIGNMENT
-    start: Start = "simultaneous"
+    start: Start | None = None
     insertion_depth: float | None = None
     horizon: float = 300.0
     tolerance: float = 1e-10
@@ -69,7 +70,8 @@ class Settings:
             if not isinstance(getattr(self, name), kind):
                 called = "Readings" if kind is Variants else kind.__name__  # as the API calls them
                 raise TypeError(f"{name} = {getattr(self, name)!r}: must be a {called}")
-        check_name(self.start, get_args(Start), "start")
+        if self.start is not None:
+            check_name(self.start, get_args(Start), "start")
         if self.start == "pressed" and self.readings != Variants.consistent():
             raise ValueError(
                 "start = 'pressed': needs the consistent readings; choose them or 'simultaneous'"
@@ -126,6 +128,15 @@ class Settings:
             float(self.alignment_only),
             float(self.start == "pressed"),
         )
+
+
+class Stated(Protocol):
+    """Device as ``load_device`` returns it: dimensionless parameters, and the start of its runs."""
+
+    @property
+    def parameters(self) -> Parameters: ...  # noqa: D102
+    @property
+    def start(self) -> Start | None: ...  # noqa: D102
 
 
 def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
 from model.runs.engines import Array, scalar_engine
 from model.runs.errors import estimate
-from model.runs.settings import Settings, settings_with
+from model.runs.settings import Settings, Stated, settings_with
 
 _USUAL_TRACK = 4096  # rows; a longer trajectory is run again with enough rows
 
@@ -75,12 +76,13 @@ Trajectory.__doc__ = described(Trajectory.__doc__, RESULTS)
 
 
 def simulate(
-    parameters: Parameters, settings: Settings | None = None, **changes: Any
+    parameters: Parameters | Stated, settings: Settings | None = None, **changes: Any
 ) -> Trajectory:
     """Run one parameter set and return its trajectory.
 
     Args:
-        parameters: device, excitation and initial state.
+        parameters: device, excitation and initial state; or a device as ``load_device`` returns it,
+            from the start that its file states unless the settings state one.
         settings: settings of the run; the defaults of ``Settings`` if None.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
@@ -88,6 +90,9 @@ def simulate(
         ValueError: a setting out of range.
     """
     settings = settings_with(settings, changes)
+    if not isinstance(parameters, Parameters):
+        settings = replace(settings, start=settings.start or parameters.start)
+        parameters = parameters.parameters
     rows = settings.rows(Batch.stack([parameters]))
     found = estimate(scalar_engine(settings), rows, settings.tolerance)
     results = {name: column[0] for name, column in found.columns().items()}

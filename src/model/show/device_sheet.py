@@ -46,7 +46,7 @@ class Sheet:
         lines: the assessment as printed, in groups (title, lines).
         run: one run over time.
         map_data: stability map of the device, in SI units.
-        made_by: version of the program.
+        made_by: the footer: file, changes of its values, version of the program.
         explorer: address of the explorer with this device, or None.
     """
 
@@ -137,7 +137,7 @@ def _map(sheet: Sheet) -> Figure:
     figure = stability_map(sheet.map_data)
     axes = figure.axes[0]
     y, x = (str(name) for name in sheet.map_data["outcome"].dims)
-    own: Mapping[str, float] = sheet.stated.resolved({})
+    own: Mapping[str, float] = {**sheet.stated.values, **sheet.stated.quantities}
     tolerances = sheet.stated.tolerances
     wide, high = (tolerances[n].around(own[n]) if n in tolerances else 0.0 for n in (x, y))
     look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5}

@@ -16,20 +16,22 @@ from model.physics.quantities import (
     TIME,
     Quantity,
 )
-from model.physics.units import Units
-from model.study.devices.holder import natural_frequencies
+from model.physics.units import UNITS, Units
+from model.study.devices.base import BASE
+from model.study.devices.holder import RATIOS, natural_frequencies
 from model.study.devices.stated import unit_of
 
 # Unit and its size in SI units: for values below 1, and for values from that size on.
 _SMALL = {LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3)}
 _LARGE = {STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)], FORCE: [("kN", 1e3)]}
-_BY_UNIT = {quantity.unit: quantity for quantity in (LENGTH, STIFFNESS)}
 DIGITS = 4
 
 
 def quantity_of(name: str) -> Quantity:
-    """Return the quantity of a number of a device; ``PLAIN`` if its unit takes no prefix."""
-    return FIELDS[name].quantity if name in FIELDS else _BY_UNIT.get(unit_of(name), PLAIN)
+    """Return the quantity of a number of a device."""
+    if name in BASE or name in RATIOS:
+        return LENGTH if unit_of(name) == LENGTH.unit else PLAIN
+    return (FIELDS | UNITS)[name].quantity  # type: ignore[operator]
 
 
 def scale(units: Units | None, quantity: Quantity) -> float:

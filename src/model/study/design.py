@@ -1,16 +1,18 @@
 """Design: choose the free quantities of a device within their ranges and limits.
 
-A *setting* gives each free quantity a value. It is judged by devices drawn within the tolerances
-around it. Its *yield* is the share of devices that go in from every start. Its *margin* is the
-distance, in tolerances, of the nearest failing device on ``POINTS`` lines from the setting, at most
-``FARTHEST``. The best setting has the largest yield, keeps the limits, has the largest margin in
-steps of ``MARGIN_STEP``, and is then the fastest. Differential evolution (scipy) seeks it. The
-search is seeded and its results are kept: run again after an interruption, it repeats its steps
-without computing the results that it has.
+A *setting* gives each free quantity a value, with the digits that are printed. It is judged by
+devices within the tolerances around it (design_judges.py). Its *yield* is the share of devices that
+go in from every start. Its *margin* is the distance, in tolerances, of the nearest failing device
+on ``POINTS`` lines from the setting, at most ``FARTHEST``. The best setting has the largest yield,
+keeps the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
+Differential evolution (scipy) seeks it by the quick judge. The thorough one confirms it, or sends
+the search on. The search is seeded and its results are kept: run again after an interruption, it
+repeats its steps without computing the results that it has.
 """
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
@@ -19,24 +21,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from model.events.outcomes import Unvibrated
-from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
-from model.runs.unvibrated import unvibrated
-from model.study.assessment.yields import Floats, batch_of, run_devices
+from model.study.assessment.judge import Floats
+from model.study.assessment.yields import DEVICES, interval
+from model.study.design_judges import HALVINGS, MEASURES, POINTS, QUARTERS, Judges, Row, Thorough
 from model.study.devices import StatedDevice, Tolerance
 from model.study.maps.starts import Starts
 
-POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
-SCALES = (1.0, 2.0, 3.0)  # distances along a line that are tried, in tolerances
-FARTHEST = SCALES[-1]
-HALVINGS = 3  # a failure along a line is located to 1/8 of a tolerance
 MARGIN_STEP = 0.25
+DIGITS = 4  # of the values of a setting, as they are printed
+ROUNDS, CHECKS = 3, 8  # times that the search goes on, and settings judged thoroughly each time
+FEW = 256  # devices for a setting that is not recommended
 ASSUMED = Tolerance("uniform", 0.1, relative=True)  # for a device that states no tolerance
 ASSUMED_OF = ("press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance")
-_SIGMAS = 2.0  # standard deviations that count as the end of a normal tolerance
 NEAR = 0.05  # share of a limit or range within which it binds
-MEASURES = ("time", "contact_force", "tilt", "vibration")
+
+Setting = tuple[float, ...]
+"""Values of the free quantities in SI units, in the order of the device's file."""
 
 
 @dataclass(frozen=True)
@@ -91,11 +92,20 @@ class Design:
         tried: every setting, in the order in which they were computed.
         best: number of the recommended setting.
         limits: limits of the search.
+        thorough: results of the recommended setting by the thorough judge, None before it is asked.
+        judged: number of settings that the thorough judge was asked for.
     """
 
     tried: Tried
     best: int
     limits: Mapping[str, float]
+    thorough: Thorough | None = None
+    judged: int = 0
+
+    @property
+    def key(self) -> Setting:
+        """Values of the recommended setting."""
+        return tuple(self.setting.values())
 
     @property
     def setting(self) -> dict[str, float]:
@@ -106,6 +116,13 @@ class Design:
     def feasible(self) -> bool:
         """True if every device goes in at the recommended setting and the limits are kept."""
         return bool(self.tried.keeps(self.limits)[self.best])
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Interval of the yield, of 95 % confidence; (0, 1) if no device was drawn."""
+        if self.thorough is None or not self.thorough.devices:
+            return 0.0, 1.0
+        return interval(self.thorough.going_in, self.thorough.devices)
 
     @property
     def front(self) -> NDArray[np.int64]:
@@ -153,8 +170,15 @@ class Search:
         starts: phases and tilts at touch-down.
         run_settings: settings of the runs.
         cores: number of threads.
-        seed: seed of the drawn devices and of the optimiser.
-        known: results of a setting (share, margin, measures) by its values.
+        seed: seed of the quick judge's devices and of the optimiser.
+        devices: number of devices by which a recommended setting is judged, a power of two.
+        known: results of the quick judge by setting.
+        checked: results of the thorough judge by setting.
+        settled: those of ``checked`` that the search has come to, and goes by.
+        lessons: devices that failed at settled settings, as offsets in tolerances.
+        refused: settings at which a lesson fails.
+        chosen: the setting that the thorough judge has confirmed, or None.
+        tolerances_assumed: True if the device states none.
     """
 
     stated: StatedDevice
@@ -162,7 +186,14 @@ class Search:
     run_settings: Settings
     cores: int = 1
     seed: int = 0
-    known: dict[tuple[float, ...], tuple[float, ...]] = field(default_factory=dict)
+    devices: int = DEVICES
+    known: dict[Setting, Row] = field(default_factory=dict)
+    checked: dict[Setting, Thorough] = field(default_factory=dict)
+    settled: dict[Setting, Thorough] = field(default_factory=dict)
+    lessons: list[Row] = field(default_factory=list)
+    refused: set[Setting] = field(default_factory=set)
+    chosen: Setting | None = None
+    tolerances_assumed: bool = False
 
     def __post_init__(self) -> None:
         if not self.stated.free:
@@ -172,15 +203,24 @@ class Search:
             )
         if not self.stated.tolerances:
             assumed = {n: ASSUMED for n in ASSUMED_OF if n in self.stated.quantities}
-            self.stated = replace(self.stated, tolerances=assumed)
+            self.stated, self.tolerances_assumed = replace(self.stated, tolerances=assumed), True
+
+    @property
+    def judges(self) -> Judges:
+        """The judges of its settings."""
+        return Judges(
+            self.stated, self.starts, self.run_settings, self.cores, self.seed, self.devices
+        )
 
     @property
     def identity(self) -> str:
         """Hash of everything that determines the results."""
         whole = asdict(replace(self.stated, source=None, changes={}))  # type: ignore[arg-type]
-        whole |= {"starts": list(self.starts), "seed": self.seed, "points": (POINTS, HALVINGS)}
+        whole |= {"starts": list(self.starts), "seed": self.seed, "devices": self.devices}
+        whole |= {"points": (POINTS, HALVINGS, QUARTERS, DIGITS)}
         run = self.run_settings
         whole |= {"run": (run.scene.name, run.insertion_depth, run.tolerance, run.horizon)}
+        whole |= {"start": run.start}
         text = json.dumps(whole, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -190,9 +230,17 @@ class Search:
         population: int,
         after: Callable[[int], None] = lambda _: None,
     ) -> Design:
-        """Search and return the design; call ``after`` with the number of every generation."""
-        free = self.stated.free
-        done = 0
+        """Search and return the design; call ``after`` with the number of every generation.
+
+        The best setting is judged thoroughly. If it does not hold, the next best is at which no
+        lesson fails, and after ``CHECKS`` of them the search goes on from the best by then,
+        ``ROUNDS`` times at most.
+        """
+        low, high = np.array(list(self.stated.free.values())).T
+        rng = np.random.default_rng(self.seed)
+        first = stats.qmc.LatinHypercube(len(low), rng=rng).random(population)
+        first, done = low + first * (high - low), 0
+        self.settled, self.lessons, self.refused, self.chosen = {}, [], set(), None
 
         def score(points: Floats) -> Floats:
             return self.judge(np.atleast_2d(points.T)).score(self.stated.limits)
@@ -202,44 +250,93 @@ class Search:
             done += 1
             after(done)
 
-        rng = np.random.default_rng(self.seed)
-        first = stats.qmc.LatinHypercube(len(free), rng=rng).random(population)
-        low, high = np.array(list(free.values())).T
-        optimize.differential_evolution(
-            score,
-            list(free.values()),
-            init=low + first * (high - low),
-            maxiter=generations,
-            rng=np.random.default_rng(self.seed),
-            vectorized=True,
-            updating="deferred",
-            polish=False,
-            tol=0.0,
-            callback=report,
-        )
-        return self.best()
+        for number in range(ROUNDS):
+            optimize.differential_evolution(
+                score,
+                list(self.stated.free.values()),
+                init=first,
+                maxiter=generations,
+                rng=np.random.default_rng(self.seed + number),
+                vectorized=True,
+                updating="deferred",
+                polish=False,
+                tol=0.0,
+                callback=report,
+            )
+            if self._confirm():
+                break
+            order = np.argsort(self.tried().score(self.stated.limits), kind="stable")
+            first = np.array(list(self.known))[order[:population]]
+        best = self.best()
+        self.check(best.key, FEW)
+        return self._design(best.best)
+
+    def _confirm(self) -> bool:
+        """Judge the best settings thoroughly until one holds; return whether the search is over.
+
+        It is over as well if the quick judge takes none.
+        """
+        for _ in range(CHECKS):
+            while (best := self.best()).feasible and not self._survive([best.key])[0]:
+                pass
+            if not best.feasible:
+                return not self.settled
+            self.lessons += self.check(best.key).lessons
+            if self._results([best.key]).keeps(self.stated.limits)[0]:
+                self.chosen = best.key
+                return True
+        return False
 
     def best(self) -> Design:
         """Return the design by all settings that were tried so far."""
-        tried = self.tried()
-        return Design(tried, int(np.argmin(tried.score(self.stated.limits))), self.stated.limits)
+        if self.chosen is not None:
+            return self._design(list(self.known).index(self.chosen))
+        return self._design(int(np.argmin(self.tried().score(self.stated.limits))))
+
+    def _design(self, best: int) -> Design:
+        thorough = self.settled.get(list(self.known)[best])
+        return Design(self.tried(), best, self.stated.limits, thorough, len(self.settled))
 
     def judge(self, points: Floats) -> Tried:
         """Return the results of settings, shape (n, free quantities); run those not known."""
-        points = np.array([[float(f"{v:.5g}") for v in row] for row in points])
-        keys = [tuple(row) for row in points.tolist()]
+        ends = list(self.stated.free.values())
+        keys = [
+            tuple(as_printed(value, *end) for value, end in zip(row, ends, strict=True))
+            for row in points.tolist()
+        ]
         new = [key for key in dict.fromkeys(keys) if key not in self.known]
         if new:
-            self._compute(np.array(new))
+            self.known |= dict(zip(new, self.judges.quick(np.array(new)), strict=True))
+            self._survive(new)
         return self._results(keys)
+
+    def _survive(self, keys: list[Setting]) -> list[bool]:
+        """Return at which settings no lesson fails; refuse the others."""
+        survive = self.judges.survive(np.array(keys), self.lessons).tolist()
+        self.refused |= {key for key, good in zip(keys, survive, strict=True) if not good}
+        return survive
+
+    def check(self, key: Setting, least: int = 0) -> Thorough:
+        """Return the results of a setting by the thorough judge, and go by them from now on.
+
+        Once it does not hold, no more than the ``least`` number of devices is run.
+        """
+        found = self.checked.get(key)
+        if found is None or found.devices < min(least, self.devices):
+            setting = dict(zip(self.stated.free, key, strict=True))
+            found = self.checked[key] = self.judges.thorough(setting, least)
+        self.settled[key] = found
+        return found
 
     def tried(self) -> Tried:
         """Return the results of every setting so far."""
         return self._results(list(self.known))
 
-    def _results(self, keys: list[tuple[float, ...]]) -> Tried:
-        columns = np.array([self.known[key] for key in keys]).T
-        settings = np.array(keys).T
+    def _results(self, keys: list[Setting]) -> Tried:
+        rows = [self.settled[k].row if k in self.settled else self.known[k] for k in keys]
+        columns, settings = np.array(rows).T, np.array(keys).T
+        fails = [key in self.refused and key not in self.settled for key in keys]
+        columns[0][fails] = np.minimum(columns[0][fails], 1.0 - 1.0 / (1.0 + POINTS))
         return Tried(
             dict(zip(self.stated.free, settings, strict=True)),
             columns[0],
@@ -247,90 +344,16 @@ class Search:
             dict(zip(MEASURES, columns[2:], strict=True)),
         )
 
-    def _compute(self, points: Floats) -> None:
-        inner, lines = self._offsets()
-        shape = len(points), len(inner)
-        centres, offsets = np.repeat(points, len(inner), axis=0), np.tile(inner, (len(points), 1))
-        values = self._values(centres, offsets)
-        results = run_devices(self.stated, values, self.starts, self.run_settings, self.cores)
-        goes_in = results.goes_in.reshape(shape)
-        margin = np.where(goes_in, FARTHEST, np.abs(inner).max(axis=1)).min(axis=1)
-        margin = self._nearest_failure(points, lines, goes_in[:, -len(lines) :], margin)
-        needs = np.full(len(points), np.nan)
-        if "vibration" in self.stated.limits:
-            controls = unvibrated(batch_of(self.stated, values), self.run_settings, self.cores)
-            needs = (controls.outcome != Unvibrated.ALIGNS).reshape(shape).mean(axis=1)
-        measures = [
-            np.fmax.reduce(each.reshape(shape), axis=1)
-            for each in (results.time, results.force, results.tilt)
-        ]
-        share = goes_in[:, : 1 + POINTS].mean(axis=1)
-        columns = share, margin, *measures, needs
-        for key, *row in zip(map(tuple, points.tolist()), *columns, strict=True):
-            self.known[key] = tuple(float(each) for each in row)
 
-    def _nearest_failure(
-        self, points: Floats, lines: Floats, goes_in: NDArray[np.bool_], margin: Floats
-    ) -> Floats:
-        """Return the margins of settings by failures on ``lines``, at most ``margin``.
-
-        The search goes outwards until a device fails, and then halves the interval. ``goes_in``,
-        shape (n, lines), is the result at one tolerance.
-        """
-        low, high = np.where(goes_in, 1.0, 0.0), np.where(goes_in, np.inf, 1.0)
-        for further in (*SCALES[1:], *[None] * HALVINGS):
-            open_ones = np.isinf(high) if further else np.isfinite(high)
-            row, line = np.nonzero(open_ones & (low < margin[:, None]))
-            if not row.size:
-                continue
-            at = np.full(row.size, further) if further else 0.5 * (low + high)[row, line]
-            values = self._values(points[row], lines[line] * at[:, None])
-            results = run_devices(self.stated, values, self.starts, self.run_settings, self.cores)
-            low[row, line] = np.where(results.goes_in, at, low[row, line])
-            high[row, line] = np.where(results.goes_in, high[row, line], at)
-            margin = np.minimum(margin, high.min(axis=1))
-        return margin
-
-    def _values(self, points: Floats, offsets: Floats) -> dict[str, Floats]:
-        """Return the quantities of devices at ``offsets``, in tolerances, from settings."""
-        names = list(dict.fromkeys((*self.stated.free, *self.stated.tolerances)))
-        values = {name: np.full(len(points), self.stated.quantities[name]) for name in names}
-        values |= dict(zip(self.stated.free, points.T, strict=True))
-        for i, (name, tolerance) in enumerate(self.stated.tolerances.items()):
-            own = values[name]
-            width = np.array([tolerance.around(value) for value in own.tolist()])
-            width *= 1.0 if tolerance.kind == "uniform" else _SIGMAS
-            least = 1e-3 * own if _is_positive(name) else -np.inf
-            values[name] = np.maximum(own + width * offsets[:, i], least)
-        _keep_on_edge(self.stated, values)
-        return values
-
-    def _offsets(self) -> tuple[Floats, Floats]:
-        """Return offsets of devices from a setting, in tolerances, and directions of lines.
-
-        The devices are the setting itself, ``POINTS`` drawn ones, and the ends of as many lines
-        through these.
-        """
-        size = len(self.stated.tolerances)
-        cube = stats.qmc.Sobol(size, rng=np.random.default_rng(self.seed)).random(POINTS)
-        around = 2.0 * cube - 1.0
-        lines = around / np.abs(around).max(axis=1, keepdims=True)
-        return np.concatenate([np.zeros((1, size)), around, lines]), lines
-
-
-def _is_positive(name: str) -> bool:
-    return name not in FIELDS or bool(FIELDS[name].bound) or name == "press_force"
-
-
-def _keep_on_edge(stated: StatedDevice, values: dict[str, Floats]) -> None:
-    """Cut misalignments off at the largest with which the part starts on the edge.
-
-    With a larger one it cannot go in anyway.
-    """
-    if "misalignment" in values:
-        sizes = {n: values.get(n, stated.quantities[n]) for n in ("half_width", "clearance")}
-        most = 0.999 * sizes["half_width"] * (2.0 + sizes["clearance"])
-        values["misalignment"] = np.minimum(values["misalignment"], most)
+def as_printed(value: float, low: float, high: float) -> float:
+    """Return a value > 0 with ``DIGITS`` digits, within its range unless that has none such."""
+    digits = float(f"{value:.{DIGITS}g}")
+    step = 10.0 ** (math.floor(math.log10(abs(digits))) - DIGITS + 1) if digits else 0.0
+    if digits > high:
+        digits -= step
+    elif digits < low:
+        digits += step
+    return float(f"{digits:.{DIGITS}g}")
 
 
 @dataclass(frozen=True)
@@ -343,6 +366,7 @@ class OtherFriction:
         feasible: True if every device goes in at that setting and the limits are kept.
         share: share of the devices that go in at the setting that the search recommends.
         keeps: True if every device goes in there and the limits are kept.
+        devices: number of devices by which both settings are judged at most.
     """
 
     friction: float
@@ -350,14 +374,26 @@ class OtherFriction:
     feasible: bool
     share: float
     keeps: bool
+    devices: int
 
 
 def at_other_friction(
     search: Search, friction: float, generations: int, population: int
 ) -> OtherFriction:
     """Return what a search recommends for another ``friction``, and how its own setting does."""
-    other = replace(search, stated=search.stated.changed(friction=friction), known={})
+    other = Search(
+        search.stated.changed(friction=friction),
+        search.starts,
+        search.run_settings,
+        search.cores,
+        search.seed,
+        min(search.devices, FEW),
+    )
+    own = search.best().key
+    other.judge(np.array([own]))
+    share = other.check(own, other.devices)
+    keeps = bool(other._results([own]).keeps(search.stated.limits)[0])
     design = other.run(generations, population)
-    own = other.judge(np.array([list(search.best().setting.values())]))
-    keeps = bool(own.keeps(search.stated.limits)[0])
-    return OtherFriction(friction, design.setting, design.feasible, float(own.share[0]), keeps)
+    return OtherFriction(
+        friction, design.setting, design.feasible, share.row[0], keeps, other.devices
+    )

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.study.design import MEASURES, Design, Search
+from model.study.design import Design, Search, Setting
+from model.study.design_judges import MEASURES, Row, Thorough
 from model.study.devices.stated import unit_of
 from model.study.io import NO_YES
 
@@ -18,25 +19,39 @@ _NAMES = {
     "tilt": ("largest tilt within the tolerances", "radian"),
     "vibration": ("share of the devices within the tolerances that need the vibration", "1"),
 }
+_COLUMNS = ("share", "margin", *MEASURES)
+_COUNTS = {
+    "devices": "number of devices that assess draws, from every start; 0 if not judged so",
+    "going_in": "number of these that go in from every start",
+}
 
 
 def design_dataset(search: Search, design: Design) -> xr.Dataset:
-    """Return every setting of a search with its results, dim "candidate", in SI units."""
-    tried = design.tried
-    columns = {"share": tried.share, "margin": tried.margin, **tried.measures}
-    variables: dict[str, Any] = {
-        name: ("candidate", values, {"long_name": _NAMES[name][0], "units": _NAMES[name][1]})
-        for name, values in columns.items()
-    }
-    for name, values in tried.settings.items():
+    """Return every setting of a search with its results, dim "candidate", in SI units.
+
+    ``quick_*`` are the results of the quick judge. Those of the thorough one stand in their place
+    where it was asked.
+    """
+    variables: dict[str, Any] = {}
+    checked = [search.checked.get(key) for key in search.known]
+    quick = list(search.known.values())
+    rows = [row if each is None else each.row for row, each in zip(quick, checked, strict=True)]
+    for prefix, of, judge in (("", rows, ""), ("quick_", quick, ", by the quick judge")):
+        for name, column in zip(_COLUMNS, np.array(of).T, strict=True):
+            words, unit = _NAMES[name]
+            attributes = {"long_name": words + judge, "units": unit}
+            variables[f"{prefix}{name}"] = ("candidate", column, attributes)
+    for name, words in _COUNTS.items():
+        column = np.array([getattr(each, name, 0) for each in checked], dtype=np.int32)
+        variables[name] = ("candidate", column, {"long_name": words, "units": "1"})
+    for name, values in design.tried.settings.items():
         attributes = {"long_name": f"setting: {name}", "units": unit_of(name)}
         variables[f"setting_{name}"] = ("candidate", values, attributes)
-    front = np.isin(np.arange(tried.share.size), design.front).astype(np.int8)
-    words = {"long_name": "whether the setting is on the front of time and margin", **NO_YES}
-    variables["front"] = ("candidate", front, words)
+    front = np.isin(np.arange(design.tried.share.size), design.front).astype(np.int8)
+    variables["front"] = ("candidate", front, {"long_name": "whether the setting is on the front of time and margin", **NO_YES})
     metadata: dict[str, Any] = {
         "title": "Settings of a device: yield, margin and time",
-        "summary": f"{tried.share.size} settings of {search.stated.source.name} that a search has "
+        "summary": f"{design.tried.share.size} settings of {search.stated.source.name} that a search has "
         "tried, each judged by devices within and beyond the tolerances.",
         "identity": search.identity,
         "free": list(search.stated.free),
@@ -45,8 +60,10 @@ def design_dataset(search: Search, design: Design) -> xr.Dataset:
     return xr.Dataset(variables, attrs=metadata)
 
 
-def known_in(path: Path, search: Search) -> dict[tuple[float, ...], tuple[float, ...]]:
-    """Return ``Search.known`` from the file of an earlier part of the same search.
+def known_in(
+    path: Path, search: Search
+) -> tuple[dict[Setting, Row], dict[Setting, Thorough]]:
+    """Return ``known`` and ``checked`` from the file of an earlier part of the same search.
 
     Empty for the file of another search.
 
@@ -63,8 +80,10 @@ def known_in(path: Path, search: Search) -> dict[tuple[float, ...], tuple[float,
         ) from None
 
 
-def known_of(dataset: xr.Dataset, search: Search) -> dict[tuple[float, ...], tuple[float, ...]]:
-    """Return ``Search.known`` from the dataset of an earlier part of the same search.
+def known_of(
+    dataset: xr.Dataset, search: Search
+) -> tuple[dict[Setting, Row], dict[Setting, Thorough]]:
+    """Return ``known`` and ``checked`` from the dataset of an earlier part of the same search.
 
     Empty for the dataset of another search.
 
@@ -72,8 +91,16 @@ def known_of(dataset: xr.Dataset, search: Search) -> dict[tuple[float, ...], tup
         KeyError: it is no dataset of a search.
     """
     if dataset.attrs["identity"] != search.identity:
-        return {}
-    keys = np.stack([dataset[f"setting_{name}"].values for name in search.stated.free], axis=1)
-    rows = np.stack([dataset[name].values for name in ("share", "margin", *MEASURES)], axis=1)
-    pairs = zip(keys.tolist(), rows.tolist(), strict=True)
-    return {tuple(key): tuple(row) for key, row in pairs}
+        return {}, {}
+
+    def rows(*names: str) -> list[Any]:
+        return np.stack([dataset[name].values for name in names], axis=1).tolist()
+
+    keys = [tuple(key) for key in rows(*(f"setting_{name}" for name in search.stated.free))]
+    quick = map(tuple, rows(*(f"quick_{name}" for name in _COLUMNS)))
+    checked = {
+        key: Thorough(tuple(row), *count)
+        for key, row, count in zip(keys, rows(*_COLUMNS), rows(*_COUNTS), strict=True)
+        if count[0] == search.devices  # one that did not hold is judged anew, for its lessons
+    }
+    return dict(zip(keys, quick, strict=True)), checked

@@ -96,7 +96,7 @@ def test_text_cannot_end_the_script_that_holds_it() -> None:
 
 
 def test_a_device_has_its_own_units() -> None:
-    units, device = load_device(PEG, {})
+    units, device = load_device(PEG, {}).device
     settings = STUDY.settings.settings
     model = device_model(device, units, "peg.yaml", settings, INTERFACE, ["press_force"])
     by_name = {each["name"]: each for each in model["parameters"]}

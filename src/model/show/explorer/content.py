@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,10 @@ from model.events.outcomes import (
     remedy,
 )
 from model.physics.parameters import FIELDS, Field, Parameters
-from model.physics.quantities import ANGLE, LENGTH, PLAIN, STIFFNESS, TIME, Quantity
+from model.physics.quantities import ANGLE, PLAIN, TIME, Quantity
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
+from model.show.assumptions import assumptions
 from model.show.explorer.page import packed
 from model.show.si import display, scale
 from model.show.words import figure_title, symbol_parts
@@ -40,12 +42,6 @@ _PANELS: tuple[Mapping[str, str], ...] = (
     {"x": ""}, {"y": ""}, {"tilt": ""},
     {"contact_force": "n, under the part", "right_force": "right side", "side_force": "left side"},
 )  # fmt: skip
-# The units of a device: symbol in the paper, and quantity.
-_UNIT_FIELDS: Mapping[str, tuple[str, Quantity]] = {
-    "mass": ("M", Quantity("kg", length=-1, time=2, force=1)),
-    "axial_stiffness": ("K_Y", STIFFNESS),
-    "amplitude": ("A", LENGTH),
-}
 _SMALL_ANGLE = 0.05  # rad, from the middle of a slider to its ends
 _LEVELS = 254  # number of levels of a stored duration
 _MOST_NODES = 257  # along a side of a stored reliable area
@@ -128,7 +124,10 @@ def study_model(
         values = study.baseline.replace(**case.at).given()
         presets[f"case_{name}"] = {"group": "Hard cases", "title": case.title, "values": values}
     return {
-        **_model("vibralign explorer", study.baseline, scales, study.settings.settings, interface),
+        **_model(
+            "vibralign explorer", study.baseline, scales, study.settings.settings, interface,
+            assumptions(study.baseline, study.settings.settings),
+        ),
         "parameters": _parameters(study.baseline, scales, [*study.operating_point], _axes(study)),
         "presets": {name: _DEFAULT_AXES | each for name, each in presets.items()},
         "first": CURVES[0],
@@ -160,15 +159,19 @@ def device_model(
     interface: Mapping[str, Any],
     first: Sequence[str],
     origin: Origin = Origin(),
+    assumed: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, Any]:
-    """Return the content of the page of a device, in SI units if it has ``units``."""
+    """Return the content of the page of a device, in SI units if it has ``units``.
+
+    ``assumed`` is what its runs assume, in words by name.
+    """
     scales = Scales(units)
     preset = {
         **_DEFAULT_AXES, "group": "Device", "title": file or "the study's device",
         "words": _held_words(origin.held), "values": scales.values(device),
     }  # fmt: skip
     return {
-        **_model(f"vibralign explorer: {file}", device, scales, settings, interface),
+        **_model(f"vibralign explorer: {file}", device, scales, settings, interface, assumed),
         "origin": vars(origin),
         "name": Path(file).stem or "device",
         "parameters": _parameters(device, scales, tuple(first), {}),
@@ -184,12 +187,15 @@ def _model(
     scales: Scales,
     settings: Settings,
     interface: Mapping[str, Any],
+    assumed: Mapping[str, str],
 ) -> dict[str, Any]:
     """Content that every page has."""
+    said = "; ".join(f"{name}: {words}" for name, words in assumed.items())
     return {
         "title": title,
         "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, one run without an "
-        "estimate of its error; vibralign simulate gives that.",
+        "estimate of its error; vibralign simulate gives that."
+        + (f" Assumed as the page opens: {said}." if said else ""),
         "origin": vars(Origin()),
         "name": "",
         "units": scales.units is not None,
@@ -273,7 +279,7 @@ def _parameters(
         *sorted(names, key=lambda each: each not in first),
         *(n for n in values if n in UNITS),
     ):
-        field = FIELDS[name] if name in FIELDS else _unit_field(name)
+        field = (FIELDS | UNITS)[name]  # type: ignore[operator]
         letter, index = symbol_parts(field.symbol)
         least, most = axes.get(name) or _range(name, field, values, scales.of(field.quantity))
         described.append(
@@ -293,12 +299,6 @@ def _parameters(
             }
         )
     return described
-
-
-def _unit_field(name: str) -> Field:
-    """Return one of a device's units as a parameter."""
-    symbol, quantity = _UNIT_FIELDS[name]
-    return Field(symbol, UNITS[name][0], quantity, "> 0")
 
 
 # --- Presets and maps of the study --------------------------------------------------------------

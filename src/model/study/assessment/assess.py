@@ -11,20 +11,20 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from model.physics.parameters import FIELDS, Batch, Parameters, check_name
-from model.physics.units import Device
+from model.physics.parameters import Batch, Parameters
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
+from model.study.assessment.judge import are_reliable
 from model.study.assessment.leeways import Leeway, Nearest, leeways, nearest
-from model.study.config import Ensemble, load_study, study_path
+from model.study.config import Ensemble
 from model.study.devices import StatedDevice
-from model.study.maps.starts import Starts, are_reliable, every_start, starts_of
+from model.study.devices.batches import Values
+from model.study.maps.starts import Starts, every_start, starts_of
 
 DECADES = (1e2, 1e3, 1e4, 1e5, 1e6)  # contact stiffness over axial stiffness
 RESTITUTIONS = (0.3, 0.8)  # tried where no impact is stated
-_FEW = 12  # every twelfth start is tried first: most failing devices fail from many starts
 _BASE_STARTS = 4  # every fourth start is tried on a base
 _HOPPING = 8  # number of starts whose touch-downs are examined
 _SAME_TIME = 0.02  # relative difference below which two times count as equal
@@ -69,7 +69,7 @@ class BaseVerdict:
 
 @dataclass(frozen=True)
 class Assessment:
-    """Results of a device from every start, its bases and its leeways; all dimensionless.
+    """Results of a device from every start and on its bases, dimensionless, and its leeways.
 
     Attributes:
         starts: number of starts.
@@ -79,8 +79,9 @@ class Assessment:
         contact_force_max, tilt_max: largest value over all starts.
         separations: smallest and largest number of lift-offs over all starts.
         impact_speed: largest closing rate at a touch-down, of the eight starts that lift off most.
-        leeways: of the parameters in ``VARIED`` that are not 0; empty if a start fails.
-        nearest: nearest reliable values of these parameters; empty if no start fails.
+        leeways: of the values in ``VARIED`` that are not 0, in SI units for a device of a file;
+            empty if a start fails.
+        nearest: nearest reliable values of these; empty if no start fails.
         bases: verdicts on other bases; empty if none was tried.
     """
 
@@ -152,6 +153,7 @@ def assess(
     *,
     stated: StatedDevice | None = None,
     bases: bool = False,
+    vary: bool = True,
 ) -> Assessment:
     """Assess a device by some thousand runs.
 
@@ -162,6 +164,7 @@ def assess(
         cores: number of threads.
         stated: the same device as its file states it; other bases are tried if it states none.
         bases: try other bases even if one is stated.
+        vary: seek leeways or nearest reliable values.
     """
     starts = starts_of(device, ensemble)
     results = every_start(Batch.stack([device]), starts, settings, cores)
@@ -171,8 +174,10 @@ def assess(
     hopping = [starts[i] for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
     speeds = [impact_speed(simulate_once(device.replace(**s), settings)) for s in hopping]
 
-    def is_reliable(swept: Mapping[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
-        return _reliable(device, swept, starts, settings, cores)
+    own = stated or device
+
+    def is_reliable(values: Values) -> NDArray[np.bool_]:
+        return are_reliable(own, values, starts, settings, cores)
 
     varied = stated is not None and (bases or not stated.base_is_stated)
     return Assessment(
@@ -185,27 +190,10 @@ def assess(
         tilt_max=_of(np.nanmax, results["tilt_max"][0]),
         separations=(int(hops.min()), int(hops.max())),
         impact_speed=max(speeds, default=0.0),
-        leeways=() if failing else leeways(device, is_reliable),
-        nearest=nearest(device, is_reliable) if failing else (),
+        leeways=leeways(own, is_reliable) if vary and not failing else (),
+        nearest=nearest(own, is_reliable) if vary and failing else (),
         bases=on_bases(stated, starts, settings, cores) if stated and varied else (),
     )
-
-
-def _reliable(
-    device: Parameters,
-    swept: Mapping[str, NDArray[np.float64]],
-    starts: Starts,
-    settings: Settings,
-    cores: int,
-) -> NDArray[np.bool_]:
-    """Return where the device is reliable, trying most starts only where a few of them align."""
-    reliable = are_reliable(device, swept, starts[::_FEW], settings, cores)
-    left = np.flatnonzero(reliable)
-    others = [start for i, start in enumerate(starts) if i % _FEW]
-    if left.size and others:
-        some = {name: values[left] for name, values in swept.items()}
-        reliable[left] = are_reliable(device, some, others, settings, cores)
-    return reliable
 
 
 def on_bases(
@@ -221,10 +209,9 @@ def on_bases(
     impacts: tuple[float | None, ...] = RESTITUTIONS if own is None else (own,)
     if "contact_damping" in stated.quantities:
         impacts = (None,)
-    plain = replace(stated, materials=None, quantities=_without_base(stated.quantities))
     tried = [(ratio, impact) for impact in impacts for ratio in DECADES]
     devices = [
-        plain.at(
+        stated.at(
             {"contact_stiffness": ratio * axial}
             | ({} if impact is None else {"restitution": impact})
         ).parameters
@@ -248,11 +235,6 @@ def on_bases(
     )
 
 
-def _without_base(quantities: Mapping[str, float]) -> dict[str, float]:
-    sizes = ("edge_radius", "plate_thickness", "plate_radius")
-    return {name: value for name, value in quantities.items() if name not in sizes}
-
-
 def impact_speed(run: Trajectory) -> float:
     """Return the largest closing rate of edge A1 at a touch-down, 0 without a touch-down."""
     force = run.contact_force
@@ -265,38 +247,6 @@ def impact_speed(run: Trajectory) -> float:
         point_y_rate = y_rate + tilt_rate * (edge - x)
         rates.append(point_x_rate * math.sin(tilt) - point_y_rate * math.cos(tilt))
     return float(max(rates, default=0.0))
-
-
-def reliable_at(
-    device: Device,
-    settings: Settings | None = None,
-    *,
-    cores: int = 1,
-    **quantities: ArrayLike,
-) -> NDArray[np.bool_]:
-    """Return where a device aligns from every start of the study, shape (n,).
-
-    Args:
-        device: units and parameters, as ``load_device`` returns them.
-        settings: settings of the runs; None for those of the study.
-        cores: number of threads.
-        **quantities: parameters that vary together, in SI units, each of shape (n,), such as
-            ``press_force=[8.0, 10.0, 12.0]``.
-
-    Raises:
-        ValueError: an unknown parameter, shapes that differ, or a value outside its rule.
-    """
-    for name in quantities:
-        check_name(name, tuple(FIELDS), "parameter")
-    study = load_study(study_path())
-    swept = {
-        name: np.atleast_1d(np.asarray(values, dtype=np.float64))
-        / device.units.of(FIELDS[name].quantity)
-        for name, values in quantities.items()
-    } or {"friction": np.array([device.parameters.friction])}
-    starts = starts_of(device.parameters, study.maps.ensemble)
-    settings = settings or study.settings.settings
-    return _reliable(device.parameters, swept, starts, settings, cores)
 
 
 def _of(statistic: object, values: NDArray[np.float64]) -> float:

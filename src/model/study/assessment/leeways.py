@@ -2,7 +2,9 @@
 
 Each parameter is scanned from its value, downwards and upwards, in steps of one ratio. The step in
 which the verdict changes is halved until the end of the range is known to ``FINEST``. The same scan
-finds the nearest reliable values of a device that is not reliable.
+finds the nearest reliable values of a device that is not reliable. The values of a device that its
+file states are in SI units. Its mass, axial stiffness and amplitude, which are the units of its
+dimensionless parameters, are scanned as well.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -11,10 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.physics.parameters import Parameters
+from model.physics.units import UNITS
+from model.study.devices import StatedDevice
 
 VARIED = (
-    "press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance",
-    "lateral_damping", "axial_damping", "tilt_damping", "contact_stiffness", "contact_damping",
+    "press_force", "frequency", "tilt_stiffness", "lateral_stiffness", "inertia", "friction",
+    "misalignment", "clearance", "lateral_damping", "axial_damping", "tilt_damping",
+    "contact_stiffness", "contact_damping",
 )  # fmt: skip
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
 STEPS = 24  # steps of a scan: from a quarter to four times the value
@@ -22,6 +27,7 @@ HALVINGS = 4  # of the last step
 FINEST = STEP ** (0.5**HALVINGS) - 1.0  # 0.4 %
 _AT_ONCE = 4  # steps of a scan that are tried together
 
+Stated = Parameters | StatedDevice
 IsReliable = Callable[[Mapping[str, np.ndarray]], np.ndarray]
 """Takes parameters that vary together, shape (n,) each; returns where the device is reliable."""
 
@@ -89,7 +95,7 @@ class _Scan:
         self.reliable += [*reliable, False].index(False)
 
 
-def leeways(device: Parameters, is_reliable: IsReliable) -> tuple[Leeway, ...]:
+def leeways(device: Stated, is_reliable: IsReliable) -> tuple[Leeway, ...]:
     """Return the leeways of a reliable device."""
     scans = _scans(device)
     while pending := [(scan.parameter, value) for scan in scans for value in scan.pending]:
@@ -110,7 +116,7 @@ def leeways(device: Parameters, is_reliable: IsReliable) -> tuple[Leeway, ...]:
     )
 
 
-def nearest(device: Parameters, is_reliable: IsReliable) -> tuple[Nearest, ...]:
+def nearest(device: Stated, is_reliable: IsReliable) -> tuple[Nearest, ...]:
     """Return the nearest reliable values of a device that is not reliable, by parameter.
 
     A parameter of which no value tried is reliable is left out.
@@ -136,30 +142,39 @@ def nearest(device: Parameters, is_reliable: IsReliable) -> tuple[Nearest, ...]:
     )
 
 
-def _scans(device: Parameters) -> list[_Scan]:
-    """Return the scans of the parameters that are not 0, downwards and upwards in turn."""
-    names = [name for name in VARIED if getattr(device, name) != 0.0]
+def _own(device: Stated) -> dict[str, float]:
+    """Return the device's own values of what is varied, in SI units for a device of a file."""
+    if isinstance(device, Parameters):
+        return {name: getattr(device, name) for name in VARIED}
+    values = device.values
+    return {name: values[name] for name in (*UNITS, *VARIED)}
+
+
+def _scans(device: Stated) -> list[_Scan]:
+    """Return the scans of the values that are not 0, downwards and upwards in turn."""
+    own = _own(device)
+    names = [name for name, value in own.items() if value != 0.0]
     return [
-        _Scan(name, _values(device, name, ratio)) for name in names for ratio in (1.0 / STEP, STEP)
+        _Scan(name, _values(device, name, own[name], ratio))
+        for name in names
+        for ratio in (1.0 / STEP, STEP)
     ]
 
 
-def _try(
-    device: Parameters, tried: Sequence[tuple[str, float]], is_reliable: IsReliable
-) -> list[bool]:
+def _try(device: Stated, tried: Sequence[tuple[str, float]], is_reliable: IsReliable) -> list[bool]:
     """Return whether the device is reliable with one parameter at another value, for each pair."""
     if not tried:
         return []
-    names = dict.fromkeys(name for name, _ in tried)
+    own = _own(device)
     swept = {
-        name: np.array([value if own == name else getattr(device, name) for own, value in tried])
-        for name in names
+        name: np.array([value if varied == name else own[name] for varied, value in tried])
+        for name in dict.fromkeys(name for name, _ in tried)
     }
     return [bool(each) for each in is_reliable(swept)]
 
 
 def _halved(
-    device: Parameters, brackets: Sequence[tuple[str, float, float]], is_reliable: IsReliable
+    device: Stated, brackets: Sequence[tuple[str, float, float]], is_reliable: IsReliable
 ) -> list[float]:
     """Halve brackets (parameter, reliable value, failing value) and return their reliable ends."""
     ends = [(good, bad) for _, good, bad in brackets]
@@ -174,14 +189,16 @@ def _halved(
     return [good for good, _ in ends]
 
 
-def _values(device: Parameters, name: str, ratio: float) -> list[float]:
+def _values(device: Stated, name: str, own: float, ratio: float) -> list[float]:
     """Return the parameter's own value and the values of a scan that its rule admits."""
-    own = getattr(device, name)
     values = [own]
     for step in range(1, STEPS + 1):
         value = own * ratio**step
         try:
-            device.replace(**{name: value})
+            if isinstance(device, Parameters):
+                device.replace(**{name: value})
+            else:
+                device.admitted({name: value})
         except ValueError:
             break
         values.append(value)

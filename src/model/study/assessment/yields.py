@@ -11,46 +11,21 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
-from model.physics.parameters import FIELDS, Batch
-from model.physics.units import Device
+from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
+from model.study.assessment.judge import DeviceResults, Floats, run_devices
 from model.study.devices import StatedDevice, Tolerance
-from model.study.maps.starts import Starts, every_start
+from model.study.maps.starts import Starts
 
-Floats = NDArray[np.float64]
-Values = Mapping[str, Floats]
 CONFIDENCE = 0.95
+SIGMAS = 3.0  # standard deviations that count as the end of a normal tolerance
 QUANTILES = (0.05, 0.5, 0.95)
 DEVICES = 4096  # a power of two
 INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
 INDEX_STARTS = 4  # the indices take every fourth start
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; the yield is the same as at 1e-10
-
-
-@dataclass(frozen=True)
-class DeviceResults:
-    """Results of n devices from every start, in SI units.
-
-    Attributes:
-        values: quantities that differ between the devices, each of shape (n,).
-        goes_in: True if the part goes in from every start, shape (n,).
-        time: longest alignment time in s, NaN where it does not go in from any start, shape (n,).
-        times: alignment times in s, NaN where it does not go in, shape (n, starts).
-        force: largest contact force in N, shape (n,).
-        tilt: largest tilt in rad, shape (n,).
-        failing: index of the first start that fails, -1 if none does, shape (n,).
-    """
-
-    values: Values
-    goes_in: NDArray[np.bool_]
-    time: Floats
-    times: Floats
-    force: Floats
-    tilt: Floats
-    failing: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -140,42 +115,6 @@ def drawn(stated: StatedDevice, count: int, seed: int = 0) -> dict[str, Floats]:
     return from_unit_cube(stated, points)
 
 
-def _devices_at(stated: StatedDevice, values: Values) -> list[Device]:
-    rows = zip(*(column.tolist() for column in values.values()), strict=True)
-    return [stated.at(dict(zip(values, row, strict=True))) for row in rows]
-
-
-def batch_of(stated: StatedDevice, values: Values) -> Batch:
-    """Return the parameters of devices with these quantities (SI units, each of shape (n,))."""
-    return Batch.stack([device.parameters for device in _devices_at(stated, values)])
-
-
-def run_devices(
-    stated: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
-) -> DeviceResults:
-    """Run devices with these quantities (SI units, each of shape (n,)) from every start.
-
-    Raises:
-        ValueError: a quantity outside its rule.
-    """
-    devices = _devices_at(stated, values)
-    batch = Batch.stack([device.parameters for device in devices])
-    results = every_start(batch, starts, settings, cores)
-    goes_in = results["goes_in"]
-    times = np.where(goes_in, results["tau_align"], np.nan)
-    times = times * np.array([[device.units.time] for device in devices])
-    units = np.array([device.units.force for device in devices])
-    return DeviceResults(
-        values=values,
-        goes_in=np.logical_and.reduce(goes_in, axis=1),
-        time=np.fmax.reduce(times, axis=1),
-        times=times,
-        force=units * results["contact_force_max"].max(axis=1),
-        tilt=results["tilt_max"].max(axis=1),
-        failing=np.where(goes_in.all(axis=1), -1, np.argmin(goes_in, axis=1)),
-    )
-
-
 def check_devices(count: float) -> int:
     """Return a number of devices as an integer.
 
@@ -234,7 +173,7 @@ def nearest_failing(
     """Return the failing device that is nearest to the stated values, None if none fails."""
     distance = np.stack([
         np.abs(results.values[name] - stated.quantities[name])
-        / (each.around(stated.quantities[name]) * (1.0 if each.kind == "uniform" else 3.0))
+        / (each.around(stated.quantities[name]) * (1.0 if each.kind == "uniform" else SIGMAS))
         for name, each in stated.tolerances.items()
     ]).max(axis=0)  # fmt: skip
     nearest = int(np.argmin(np.where(results.goes_in, np.inf, distance)))

@@ -2,11 +2,12 @@
 
 import hashlib
 import itertools
+from collections.abc import Callable
 from typing import Annotated, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
+from model.physics.parameters import PARAMETER_NAMES, check_name
 
 Value = TypeVar("Value")
 
@@ -129,8 +130,10 @@ class Family(Strict):
         return self
 
 
-def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
+def check_plane(at: Callable[[dict[str, float]], object], x: Span, y: Span) -> None:
     """Refuse a map whose parameters are one, or whose corners break a rule.
+
+    ``at`` refuses values by name.
 
     Raises:
         ValueError: naming the parameter, its value and its rule.
@@ -138,7 +141,7 @@ def check_plane(parameters: Parameters, x: Span, y: Span) -> None:
     if x.parameter == y.parameter:
         raise ValueError(f"{x.parameter!r} is varied twice: x and y must be two parameters")
     for x_value, y_value in itertools.product((x.start, x.stop), (y.start, y.stop)):
-        parameters.replace(**{x.parameter: x_value, y.parameter: y_value})
+        at({x.parameter: x_value, y.parameter: y_value})
 
 
 class Plan(BaseModel):

@@ -102,7 +102,8 @@ def _planes(study: Study) -> Iterable[str]:
 
 
 def _plane(study: Study, plane: Plane) -> None:
-    check_plane(study.baseline.replace(**plane.held), plane.x, plane.y)
+    held = study.baseline.replace(**plane.held)
+    check_plane(lambda values: held.replace(**values), plane.x, plane.y)
 
 
 def _claims_runs(study: Study) -> Iterable[str]:

@@ -41,6 +41,7 @@ class RunSettings(Strict):
         """Return the settings of runs as the study states them."""
         stated = {name: getattr(settings, name) for name in cls.model_fields}
         named = {"readings": asdict(settings.readings), "scene": settings.scene.name}
+        named["start"] = settings.start or "simultaneous"
         return cls(**stated | named)
 
     @property

@@ -1,16 +1,18 @@
 """Devices in SI units, read from YAML files: quantities, tolerances, base, free ranges, limits."""
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, get_args
 
 import yaml
 
-from model.physics.parameters import FIELDS, PARAMETER_NAMES, check_name
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.rest import Start
-from model.physics.units import UNITS, Device, device
+from model.physics.units import UNITS, Device, Units, device
+from model.runs.settings import Settings
 from model.study.devices.amounts import Tolerance, read_amount, read_range
 from model.study.devices.base import BASE, SOURCES, pair_of, with_base
 from model.study.devices.holder import RATIOS, with_damping
@@ -47,6 +49,8 @@ class StatedDevice:
             devices that must not align without it, 1 or 0.
         changes: quantities that replace the file's, as they were given.
         start: start of its runs (``Settings.start``), or None.
+        horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
+        insertion_depth: depth in m at which it counts as inserted, or None for the default.
     """
 
     source: Path
@@ -57,31 +61,84 @@ class StatedDevice:
     limits: Mapping[str, float] = field(default_factory=dict)
     changes: Mapping[str, object] = field(default_factory=dict)
     start: Start | None = None
+    horizon: float | None = None
+    insertion_depth: float | None = None
 
-    @property
+    @cached_property
     def device(self) -> Device:
         """Units and dimensionless parameters of the device."""
         return self.at({})
 
+    @property
+    def units(self) -> Units:
+        """Units of the device."""
+        return self.device.units
+
+    @property
+    def parameters(self) -> Parameters:
+        """Dimensionless parameters of the device."""
+        return self.device.parameters
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Value of every quantity in SI units, stated or not, without those of the base."""
+        usual = {**vars(self.units), **self.units.in_si(self.parameters).given()}
+        return {name: v for name, v in usual.items() if v is not None} | self.resolved({})
+
     def at(self, changes: Mapping[str, float]) -> Device:
         """Return units and dimensionless parameters with some quantities (SI units) changed.
+
+        As with ``--set``, contact stiffness and damping follow from what the file computes them
+        from, or replace it.
 
         Raises:
             ValueError: a quantity that is unknown or outside its rule.
         """
         return device(self.resolved(changes))
 
+    def admitted(self, changes: Mapping[str, float]) -> Device:
+        """Return ``at`` for values that a file may state.
+
+        Raises:
+            ValueError: as ``at``, or the part is not pressed or starts inside the hole.
+        """
+        check_press(changes.get("press_force", self.quantities["press_force"]))
+        quantities = self.resolved(changes)
+        check_place(quantities)
+        return device(quantities)
+
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
         """Return the quantities with ``changes``, and the parameters that others state."""
-        pair = None if self.materials is None else pair_of(self.materials)
-        return with_base(with_damping({**self.quantities, **changes}), pair)
+        replaced = _replaced_by(changes)
+        kept = {name: v for name, v in self.quantities.items() if name not in replaced}
+        stated = None if "materials" in replaced else self.materials
+        pair = None if stated is None else pair_of(stated)
+        return with_base(with_damping({**kept, **changes}), pair)
 
     def changed(self, **changes: float) -> "StatedDevice":
         """Return the device with other values (SI units) and the same tolerances."""
         for name in changes:
             check_name(name, QUANTITIES, "quantity of a device")
-        quantities = {**self.quantities, **changes}
-        return replace(self, quantities=quantities, changes={**self.changes, **changes})
+        replaced = _replaced_by(changes)
+        return replace(
+            self,
+            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | changes,
+            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced},
+            materials=None if "materials" in replaced else self.materials,
+            changes={**self.changes, **changes},
+        )
+
+    def run_settings(self, settings: Settings, units: Units) -> Settings:
+        """Return ``settings`` with what is stated for runs; ``units`` are those of the device.
+
+        Devices with other quantities have other units, and the same horizon and depth in SI units.
+        """
+        changes: dict[str, Any] = {"start": settings.start or self.start}
+        if self.horizon is not None:
+            changes["horizon"] = self.horizon / units.time
+        if self.insertion_depth is not None:
+            changes["insertion_depth"] = self.insertion_depth / units.amplitude
+        return replace(settings, **changes)
 
     @property
     def base_is_stated(self) -> bool:
@@ -102,15 +159,13 @@ class StatedDevice:
         return doubts({**self.quantities, **self.resolved({})}, self.device) + cut_off
 
 
-def load_device(path: Path, changes: Mapping[str, object]) -> Device:
-    """Return units and dimensionless parameters of the device in a YAML file.
-
-    Arguments and errors are those of ``read_device``.
-    """
-    return read_device(path, changes).device
+def _replaced_by(changes: Iterable[str]) -> set[str]:
+    """Return the quantities from which those in ``changes`` would be computed."""
+    from_others = {n: (*SOURCES.get(n, ()), *((RATIOS[n],) if n in RATIOS else ())) for n in changes}
+    return {each for others in from_others.values() for each in others} - set(changes)
 
 
-def read_device(path: Path, changes: Mapping[str, object] | None = None) -> StatedDevice:
+def read_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
     """Return the device in a YAML file as it is stated.
 
     Args:
@@ -123,9 +178,8 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
     Raises:
         DeviceError: the file cannot be read, is not YAML, breaks a rule, or makes no sense.
     """
-    changes = {} if changes is None else changes
-    replaced = {each for name in changes for each in (*SOURCES.get(name, ()), RATIOS.get(name))}
-    replaced -= set(changes)
+    path, changes = Path(path), {} if changes is None else changes
+    replaced = _replaced_by(changes)
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
         values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _BESIDES})
@@ -143,12 +197,14 @@ def read_device(path: Path, changes: Mapping[str, object] | None = None) -> Stat
         )
         # Refuses unknown and missing quantities, before anything is computed from them.
         device(with_damping({n: v for n, v in stated.quantities.items() if n not in BASE}))
-        check_press(stated.quantities["press_force"])
-        check_place(stated.resolved({}))
+        stated.admitted({})
         _check_tolerances(stated)
     except ValueError as error:
         raise DeviceError(f"{path}: {error}") from None
     return stated
+
+
+load_device = read_device
 
 
 def unit_of(name: str) -> str:
@@ -158,9 +214,9 @@ def unit_of(name: str) -> str:
         ValueError: an unknown quantity.
     """
     check_name(name, QUANTITIES, "quantity of a device")
-    if name in FIELDS:
-        return FIELDS[name].quantity.unit
-    return "1" if name in RATIOS else (UNITS | BASE)[name][1]  # type: ignore[operator]
+    if name in RATIOS:
+        return "1"
+    return (UNITS | FIELDS)[name].quantity.unit if name not in BASE else BASE[name][1]  # type: ignore[operator]
 
 
 class _Loader(yaml.SafeLoader):

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.events.outcomes import SUCCESSES, Outcome
-from model.physics.parameters import Batch
 from model.runs.align import run_once
 from model.runs.engines import engine_for, error_carrying_engine
 from model.runs.errors import estimate
@@ -178,16 +177,16 @@ class Computation:
 
     def nominal(self) -> Refined:
         """Refine by the outcome and the duration from the nominal start."""
-        plan, store, settings = self.plan, self.nodes.nominal, self.plan.settings.settings
+        plan, store = self.plan, self.nodes.nominal
 
         def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
             for some_rows, some_columns, left in store.missing(rows, columns):
                 self._tell("nominal", left)
-                batch = Batch.of(plan.baseline, **plan.swept(some_rows, some_columns))
-                run = engine_for(settings, cores=self.cores)
-                carrying = error_carrying_engine(settings, cores=self.cores)
-                runs = estimate(run, settings.rows(batch), settings.tolerance, carrying)
-                store.enter(some_rows, some_columns, runs.columns())
+                for place, batch, settings in plan.groups(some_rows, some_columns):
+                    run = engine_for(settings, cores=self.cores)
+                    carrying = error_carrying_engine(settings, cores=self.cores)
+                    runs = estimate(run, settings.rows(batch), settings.tolerance, carrying)
+                    store.enter(some_rows[place], some_columns[place], runs.columns())
             found = store.at(rows, columns)
             return areas(found["outcome"]), duration_scale(plan, rows, columns, end_times(found))
 
@@ -197,15 +196,14 @@ class Computation:
 
     def unvibrated(self) -> Refined:
         """Refine by the end without vibration, and by whether the part rests under a slow press."""
-        plan, store, settings = self.plan, self.nodes.unvibrated, self.plan.settings.settings
+        plan, store = self.plan, self.nodes.unvibrated
 
         def evaluate(rows: Ints, columns: Ints) -> tuple[Ints, Floats]:
             for some_rows, some_columns, left in store.missing(rows, columns):
                 self._tell("unvibrated", left)
-                batch = Batch.of(plan.baseline, **plan.swept(some_rows, some_columns))
-                store.enter(
-                    some_rows, some_columns, unvibrated_results(batch, settings, self.cores)
-                )
+                for place, batch, settings in plan.groups(some_rows, some_columns):
+                    controls = unvibrated_results(batch, settings, self.cores)
+                    store.enter(some_rows[place], some_columns[place], controls)
             found = store.at(rows, columns)
             kind = 2 * found["unvibrated"].astype(np.int64) + np.isfinite(found["slow_tilt"])
             return kind, np.full(rows.shape, np.nan)
@@ -241,19 +239,19 @@ class Computation:
 
     def _run_starts(self, store: NodeStore, which: Bools) -> None:
         """Run the starts ``which`` at nodes, shape (rows, columns, starts), and enter them."""
-        row, column, start = place = np.nonzero(which)
+        row, column, start = np.nonzero(which)
         if not start.size:
             return
         plan, starts = self.plan, self.plan.starts()
         values = {name: np.array([given[name] for given in starts])[start] for name in starts[0]}
-        batch = Batch.of(
-            plan.baseline, **plan.swept(plan.stride * row, plan.stride * column), **values
-        )
-        runs = run_once(batch, plan.settings.settings.quickest, cores=self.cores)
-        succeeds = np.isin(runs["outcome"], SUCCESSES)
-        store.columns["end"][place] = np.where(succeeds, ALIGNS, FAILS)
-        store.columns["tau"][place] = np.where(succeeds, runs["tau_align"], np.nan)
-        store.columns["rhs_evaluations"][place] = runs["rhs_evaluations"]
+        groups = plan.groups(plan.stride * row, plan.stride * column, **values)
+        for some, batch, settings in groups:
+            place = row[some], column[some], start[some]
+            runs = run_once(batch, settings.quickest, cores=self.cores)
+            succeeds = np.isin(runs["outcome"], SUCCESSES)
+            store.columns["end"][place] = np.where(succeeds, ALIGNS, FAILS)
+            store.columns["tau"][place] = np.where(succeeds, runs["tau_align"], np.nan)
+            store.columns["rhs_evaluations"][place] = runs["rhs_evaluations"]
 
     def _tell(self, step: str, left: int) -> None:
         self.progress(step, self.nodes.trajectories(), left)
@@ -298,7 +296,9 @@ def duration_scale(plan: MapPlan, rows: Ints, columns: Ints, tau: Floats) -> Flo
     The scale is linear for short durations and logarithmic for long ones. A constant force counts
     as an excitation of frequency 1.
     """
-    frequency = plan.swept(rows, columns).get("frequency", np.array(plan.baseline.frequency))
+    frequency = np.empty(tau.shape)
+    for place, batch, _ in plan.groups(rows, columns):
+        frequency[place] = batch.values["frequency"]
     periods = tau * np.where(frequency > 0.0, frequency, 1.0) / (2.0 * math.pi)
     knee = PERIODS / SHARE  # duration from which on SHARE is the larger limit
     logarithmic = (1.0 + np.log(np.maximum(periods, knee) / knee)) / SHARE

@@ -1,5 +1,6 @@
 """Datasets of maps: the variables, the nodes of parts on disk, and the full grid."""
 
+import itertools
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,8 +13,9 @@ from numpy.typing import NDArray
 from model.engines.results import UNVIBRATED_CONTROL
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
-from model.physics.quantities import ANGLE, PLAIN, TIME
-from model.physics.units import UNITS, Units
+from model.physics.quantities import ANGLE, TIME
+from model.physics.units import UNITS
+from model.study.devices.base import BASE
 from model.study.io import (
     NO_YES,
     VARIABLES,
@@ -165,7 +167,12 @@ def map_dataset(
     """
     values = assemble(plan, nodes, cores=cores, progress=progress)
     settings = plan.settings.settings
-    summary = summary_of({axis.parameter: len(axis.values) for axis in (plan.y, plan.x)})
+    if plan.device is None:
+        summary = summary_of({axis.parameter: len(axis.values) for axis in (plan.y, plan.x)})
+    else:
+        summary = (
+            f"Results over {plan.y.parameter} by {plan.x.parameter}, {plan.y.count} values of each."
+        )
     attributes = global_attributes(plan.name, "map", plan.identity, title, summary, settings)
     attributes |= {
         "resolution": plan.cells,
@@ -185,12 +192,18 @@ def map_dataset(
         }
     dims = (plan.y.parameter, plan.x.parameter)
     swept = {plan.y.parameter: plan.y.values, plan.x.parameter: plan.x.values}
-    coordinates = parameter_coordinates(swept, plan.parameters)
+    variables = {
+        name: (dims, values[name], {"units": "1", **known}) for name, known in MAP_VARIABLES.items()
+    }
+    if plan.device is None:
+        coordinates = parameter_coordinates(swept, plan.parameters)
+    else:
+        coordinates, time = _in_si(plan)
+        for name in [each for each in variables if each.startswith("tau_")]:
+            known = variables[name][2] | {"units": TIME.unit}
+            variables[name] = (dims, values[name] * time, known)
     return xr.Dataset(
-        {
-            name: (dims, values[name], {"units": "1", **known})
-            for name, known in MAP_VARIABLES.items()
-        },
+        variables,
         dict(sorted(coordinates.items())),
         attributes,
     )
@@ -277,18 +290,34 @@ def _between(worse: np.ufunc, values: Floats, stride: int) -> Floats:
     return values
 
 
-def in_si(dataset: xr.Dataset, units: Units) -> xr.Dataset:
-    """Return a map with parameters and durations in SI units; ``units`` become coordinates."""
-    quantities = {name: FIELDS[str(name)].quantity for name in dataset.coords}
-    quantities = {n: each for n, each in quantities.items() if each not in (PLAIN, ANGLE)}
-    quantities |= {name: TIME for name in dataset.data_vars if str(name).startswith("tau_")}
-    found = dataset.copy()
-    for name, quantity in quantities.items():
-        attributes = {**dataset[name].attrs, "units": quantity.unit}
-        values = dataset[name].values * units.of(quantity)
-        if name in dataset.dims:  # there and back, 400 has become 400.0000000001788
-            values = np.array([float(f"{value:.12g}") for value in values])
-        found[name] = (dataset[name].dims, values, attributes)
-    for name, (words, unit) in UNITS.items():
-        found.coords[name] = ((), getattr(units, name), {"long_name": words, "units": unit})
-    return found
+def _in_si(plan: MapPlan) -> tuple[dict[str, Any], Floats]:
+    """Return the coordinates of a device's map in SI units, and the unit of time at its nodes.
+
+    A quantity that follows from those along the axes is no coordinate.
+    """
+    device, dims = plan.device, (plan.y.parameter, plan.x.parameter)
+    assert device is not None  # noqa: S101  (called for maps of a device)
+    corners = [
+        device.changed(**dict(zip(dims, ends, strict=True))).values
+        for ends in itertools.product(*((axis.start, axis.stop) for axis in (plan.y, plan.x)))
+    ]
+    held = {n: v for n, v in device.values.items() if all(each.get(n) == v for each in corners)}
+    values: dict[str, Any] = held | {axis.parameter: axis.values for axis in (plan.y, plan.x)}
+    coordinates = {
+        name: ((name,) if name in dims else (), value, _attributes_in_si(name))
+        for name, value in values.items()
+    }
+    mass, stiffness = (
+        np.asarray(values[name]).reshape([-1 if name == each else 1 for each in dims])
+        for name in ("mass", "axial_stiffness")
+    )
+    return coordinates, np.broadcast_to(np.sqrt(mass / stiffness), (plan.cells + 1,) * 2)
+
+
+def _attributes_in_si(name: str) -> dict[str, Any]:
+    if name in BASE:
+        return {"long_name": BASE[name][0], "units": BASE[name][1]}
+    field = (FIELDS | UNITS)[name]  # type: ignore[operator]
+    attributes = {"long_name": field.description, "symbol": field.symbol}
+    is_angle = field.quantity is ANGLE  # CF's word differs from the SI symbol
+    return attributes | {"units": "radian" if is_angle else field.quantity.unit}

@@ -7,15 +7,19 @@ therefore aligns within the horizon from all starts of an ensemble. lattice.py c
 compute, starts.py the starts to try.
 """
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from model.physics.parameters import Parameters
+from model.physics.parameters import Batch, Parameters, check_name
+from model.runs.settings import Settings
 from model.study.config.base import Axis, Plan, Span, check_plane
 from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Ensemble
 from model.study.config.settings import RunSettings
+from model.study.devices.batches import devices_of
+from model.study.devices.stated import QUANTITIES, StatedDevice
 from model.study.maps.lattice import Floats, Ints, Lattice
 from model.study.maps.starts import starts_of
 
@@ -28,6 +32,28 @@ LINES = 8  # squares along a side of a map; more nodes are computed on their bor
 PATCH = 4  # side of the cells by which patches are found
 
 
+def _quantity_name(name: str) -> str:
+    check_name(name, QUANTITIES, "quantity of a device")
+    return name
+
+
+QuantityName = Annotated[str, AfterValidator(_quantity_name)]
+
+
+class QuantitySpan(Span):
+    """A range of one quantity of a device, in SI units."""
+
+    parameter: QuantityName
+    """Name of the quantity."""
+
+
+class QuantityAxis(Axis):
+    """Equidistant values of one quantity of a device, in SI units."""
+
+    parameter: QuantityName
+    """Name of the quantity."""
+
+
 class MapPlan(Plan):
     """A map as data; the hash of its JSON is its identity.
 
@@ -37,6 +63,8 @@ class MapPlan(Plan):
         settings: settings of the runs.
         x, y: the axes, each with cells + 1 values; cells is a power of two.
         ensemble: the starts of a reliable device, None for no ensemble.
+        device: the device as its file states it, None for a dimensionless one. The axes are then
+            any of its quantities, in SI units.
 
     Raises:
         ValueError: x and y form no lattice, are the same parameter, or break a parameter's rule.
@@ -48,6 +76,7 @@ class MapPlan(Plan):
     x: Axis
     y: Axis
     ensemble: Ensemble | None
+    device: StatedDevice | None = Field(default=None, exclude_if=lambda device: device is None)
 
     @model_validator(mode="after")
     def _is_a_map(self) -> "MapPlan":
@@ -55,7 +84,8 @@ class MapPlan(Plan):
             raise ValueError(f"{self.x.count} and {self.y.count} nodes: must be as many")
         if self.cells & (self.cells - 1):
             raise ValueError(f"resolution = {self.cells}: must be a power of two")
-        check_plane(self.baseline, self.x, self.y)
+        baseline, device = self.baseline, self.device
+        check_plane(device.at if device else lambda v: baseline.replace(**v), self.x, self.y)
         return self
 
     @property
@@ -79,6 +109,29 @@ class MapPlan(Plan):
             self.x.parameter: np.array(self.x.values)[columns],
             self.y.parameter: np.array(self.y.values)[rows],
         }
+
+    def groups(
+        self, rows: Ints, columns: Ints, **starts: Floats
+    ) -> Iterator[tuple[Any, Batch, Settings]]:
+        """Yield places of nodes, their parameters and the settings of their runs.
+
+        There are several settings if the horizon or depth is stated in SI units and the device's
+        units vary. ``starts`` are parameters at the nodes besides.
+        """
+        values, settings = self.swept(rows, columns), self.settings.settings
+        if self.device is None:
+            yield slice(None), Batch.of(self.baseline, **values, **starts), settings
+            return
+        nodes, which = np.unique(np.stack([rows, columns]), axis=1, return_inverse=True)
+        which = which.reshape(-1)
+        batch, units = devices_of(self.device, self.swept(*nodes))
+        own = [self.device.run_settings(settings, each) for each in units]
+        alike = {(each.horizon, each.insertion_depth): each for each in own}
+        for key, each in alike.items():
+            mine = np.array([(one.horizon, one.insertion_depth) == key for one in own])
+            place = np.flatnonzero(mine[which])
+            chosen = {name: column[which[place]] for name, column in batch.values.items()}
+            yield place, Batch(chosen | {n: v[place] for n, v in starts.items()}), each
 
     @property
     def lattice(self) -> Lattice:
@@ -129,22 +182,29 @@ def plan_of(
     spans: tuple[Span, Span],
     resolution: int,
     ensemble: Ensemble | None,
+    device: StatedDevice | None = None,
 ) -> MapPlan:
     """Return a map over ``spans`` (x, y) with ``resolution`` finest cells along a side.
 
-    A map over the phase or the initial tilt has no ensemble, because the ensemble varies these.
+    The spans of a ``device`` are in SI units. A map over the phase or the initial tilt has no
+    ensemble, because the ensemble varies these.
 
     Raises:
         ValueError: as ``MapPlan``.
     """
+    type_of_axis = Axis if device is None else QuantityAxis
     x, y = (
-        Axis(parameter=span.parameter, start=span.start, stop=span.stop, count=resolution + 1)
+        type_of_axis(
+            parameter=span.parameter, start=span.start, stop=span.stop, count=resolution + 1
+        )
         for span in spans
     )
     if {x.parameter, y.parameter} & {"phase", "initial_tilt"}:
         ensemble = None
     given = parameters.given()
-    return MapPlan(name=name, parameters=given, settings=settings, x=x, y=y, ensemble=ensemble)
+    return MapPlan(
+        name=name, parameters=given, settings=settings, x=x, y=y, ensemble=ensemble, device=device
+    )
 
 
 Mark = tuple[str, list[float], list[float]]

@@ -5,7 +5,8 @@ from all starts. At nodes where the nominal start fails, no other is tried. Else
 
 - Nodes beside a failing node try all starts, because most of the border of the reliable area is the
   border of the nominal one.
-- Some nodes inside, far apart, try a few starts.
+- Some nodes inside, far apart, try a few starts; in a map of at most ``COARSE`` intervals all
+  nodes try all starts.
 - Where a start fails, nodes near it try the same start, then the phases next to it at all tilts.
 
 This goes on until no start is left to try: the border is followed in a third, periodic dimension. A
@@ -63,25 +64,6 @@ def every_start(
     return {**shaped, "goes_in": np.isin(shaped["outcome"], SUCCESSES)}
 
 
-def are_reliable(
-    device: Parameters,
-    swept: Mapping[str, NDArray[np.float64]],
-    starts: Starts,
-    settings: Settings,
-    cores: int = 1,
-) -> NDArray[np.bool_]:
-    """Return a mask of the devices that go in from all starts, shape (devices,).
-
-    The devices are ``device`` with the values ``swept``, each of shape (devices,).
-
-    Raises:
-        ValueError: as ``Batch.of``.
-    """
-    runs = every_start(Batch.of(device, **swept), starts, settings.quickest, cores)
-    reliable: NDArray[np.bool_] = np.logical_and.reduce(runs["goes_in"], axis=1)
-    return reliable
-
-
 # --- Which starts a map tries ---------------------------------------------------------------------
 
 
@@ -111,8 +93,10 @@ def starts_to_try(
 
 
 def starts_inside(shape: tuple[int, ...], phases: int) -> Bools:
-    """Return the starts that nodes far apart try first, shape (rows, columns, starts)."""
-    apart = max((shape[0] - 1) // COARSE, 1)
+    """Return the starts that nodes inside try first, shape (rows, columns, starts)."""
+    if shape[0] - 1 <= COARSE:
+        return np.ones(shape, dtype=np.bool_)
+    apart = (shape[0] - 1) // COARSE
     inside = np.zeros(shape, dtype=np.bool_)
     inside[::apart, ::apart] = alternating(inside[::apart, ::apart].shape, phases)
     return inside

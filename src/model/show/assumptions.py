@@ -1,0 +1,142 @@
+"""What an answer assumes, as commands, files and pages print it alike."""
+
+import json
+from collections.abc import Mapping
+
+from model.events.outcomes import Outcome
+from model.physics.parameters import Batch, Parameters
+from model.physics.quantities import ANGLE, DAMPING, LENGTH, STIFFNESS, TIME
+from model.physics.units import Units
+from model.runs.settings import Settings
+from model.show.si import in_words, named_words, quantity_of, si_words
+from model.study.config import Ensemble
+from model.study.devices import StatedDevice
+
+_STARTS = {
+    "simultaneous": "press and vibration set in together, on a part that touches without load",
+    "pressed": "the part rests under the press, then the vibration sets in",
+}
+
+
+def assumptions(
+    parameters: Parameters,
+    settings: Settings,
+    stated: StatedDevice | None = None,
+    ensemble: Ensemble | None = None,
+    *,
+    tolerances_assumed: bool = False,
+) -> dict[str, str]:
+    """Return in words, by name, what the answer to a question on a device assumes.
+
+    Args:
+        parameters: dimensionless parameters of the device.
+        settings: settings of its runs.
+        stated: the device as its file states it, None for a dimensionless one.
+        ensemble: the starts that are tried, None for the device's own.
+        tolerances_assumed: the tolerances are not the file's.
+    """
+    units = None if stated is None else stated.units
+    words = {
+        "start": _STARTS[settings.start or "simultaneous"],
+        "touch-down": _touch_down(parameters, units, ensemble),
+        "goal": _goal(parameters, settings, units),
+        "base": _base(parameters, stated),
+        "horizon": _horizon(settings, units),
+        "precision": _precision(settings, counted=bool(ensemble and stated and stated.tolerances)),
+    }
+    printed = [name for name, each in vars(settings.readings).items() if each == "printed"]
+    if printed:
+        words["equations"] = f"as printed in the paper: {', '.join(printed)}"
+    if stated is not None:
+        words["tolerances"] = _tolerances(stated, assumed=tolerances_assumed)
+        words["changed"] = changes_words(stated) or "nothing: all is as in the file"
+    return words
+
+
+def lines_of(words: Mapping[str, str]) -> list[str]:
+    """Return assumptions as lines of print."""
+    width = max(map(len, words))
+    return ["assumed:", *(f"  {name:<{width}}  {text}" for name, text in words.items())]
+
+
+def as_attribute(words: Mapping[str, str]) -> str:
+    """Return assumptions as the attribute of a dataset: JSON."""
+    return json.dumps(words, ensure_ascii=False)
+
+
+def changes_words(stated: StatedDevice) -> str:
+    """Return what replaces the values of a device's file, such as "press_force=12 N"."""
+    return ", ".join(
+        f"{name}={value}" if isinstance(value, str) else named_words({name: float(str(value))})
+        for name, value in stated.changes.items()
+    )
+
+
+def _touch_down(parameters: Parameters, units: Units | None, ensemble: Ensemble | None) -> str:
+    if ensemble is None:
+        tilt = in_words(parameters.initial_tilt, ANGLE, units)
+        return f"at phase {parameters.phase:.4g} rad of the excitation, tilted by {tilt}"
+    tilts = " and ".join(
+        in_words(parameters.initial_tilt * each, ANGLE, units) for each in ensemble.tilts
+    )
+    return f"at {ensemble.phases} phases of the excitation, tilted by {tilts}"
+
+
+def _goal(parameters: Parameters, settings: Settings, units: Units | None) -> str:
+    if settings.success is not Outcome.INSERTED:
+        return "aligned: the edge is past the corner of the hole"
+    depth, why = settings.insertion_depth, ""
+    if depth is None:
+        depth = float(Batch.stack([parameters]).insertion_depths()[0])
+        why = ", half of what the press reaches or the half-width"
+    return f"inserted to a depth of {in_words(depth, LENGTH, units)}{why}"
+
+
+def _base(parameters: Parameters, stated: StatedDevice | None) -> str:
+    units = None if stated is None else stated.units
+    stiffness = in_words(parameters.contact_stiffness, STIFFNESS, units)
+    damping = in_words(parameters.contact_damping, DAMPING, units)
+    if stated is None:
+        return f"contact stiffness {stiffness}, damping {damping}"
+    if stated.materials is not None:
+        source = f"from {stated.materials} at this press force"
+    elif stated.base_is_stated:
+        source = "as stated"
+    else:
+        source = "not stated: 100 times the axial stiffness"
+    impact = "not stated: 1 in units of the model"
+    if "restitution" in stated.quantities:
+        impact = f"from a restitution of {stated.quantities['restitution']:g}"
+    elif "contact_damping" in stated.quantities:
+        impact = "as stated"
+    return f"contact stiffness {stiffness} ({source}), damping {damping} ({impact})"
+
+
+def _horizon(settings: Settings, units: Units | None) -> str:
+    in_units = f"{settings.horizon:.4g} units of 1/p"
+    if units is None:
+        return in_units
+    return f"{si_words(settings.horizon * units.time, TIME)} ({in_units})"
+
+
+def _precision(settings: Settings, *, counted: bool) -> str:
+    """Return the tolerances of runs, also of those of which many are ``counted``."""
+    from model.study.assessment.yields import STATISTICAL_TOLERANCE  # noqa: PLC0415  (scipy)
+
+    words = f"local error of a step {settings.tolerance:g}"
+    if counted and settings.tolerance < STATISTICAL_TOLERANCE:
+        words += f", {STATISTICAL_TOLERANCE:g} for devices within the tolerances"
+    return words
+
+
+def _tolerances(stated: StatedDevice, *, assumed: bool) -> str:
+    if not stated.tolerances:
+        return "none stated"
+    rows = []
+    for name, each in stated.tolerances.items():
+        sign = "±" if each.kind == "uniform" else "σ"
+        width = f"{100.0 * each.width:.4g} %"
+        if not each.relative:
+            width = si_words(each.width, quantity_of(name)).partition(" (")[0]
+        rows.append(f"{name} {sign} {width}")
+    return ("none stated, so assumed: " if assumed else "as stated: ") + ", ".join(rows)
