@@ -198,4 +198,4 @@ def test_what_is_assumed_is_said_alike():
     words = assumptions(hertz.parameters, replace(settings, scene=INSERTION), hertz)
     assert "(from steel on brass at this press force)" in words["base"]
     assert "(from a restitution of 0.5)" in words["base"]
-    assert words["goal"].startswith("inserted to a depth of 1.667 mm, half of")  # 10 N / (2·3 kN/m)
+    assert words["goal"].startswith("inserted to a depth of 1.667 mm (half of")  # 10 N / (2·3 kN/m)

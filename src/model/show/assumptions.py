@@ -88,7 +88,7 @@ def _goal(parameters: Parameters, settings: Settings, units: Units | None) -> st
     depth, why = settings.insertion_depth, ""
     if depth is None:
         depth = float(Batch.stack([parameters]).insertion_depths()[0])
-        why = ", half of what the press reaches or the half-width"
+        why = " (half of what the press reaches, at most the half-width)"
     return f"inserted to a depth of {in_words(depth, LENGTH, units)}{why}"
 
 

@@ -48,10 +48,14 @@ def design_dataset(search: Search, design: Design) -> xr.Dataset:
         attributes = {"long_name": f"setting: {name}", "units": unit_of(name)}
         variables[f"setting_{name}"] = ("candidate", values, attributes)
     front = np.isin(np.arange(design.tried.share.size), design.front).astype(np.int8)
-    variables["front"] = ("candidate", front, {"long_name": "whether the setting is on the front of time and margin", **NO_YES})
+    variables["front"] = (
+        "candidate",
+        front,
+        {"long_name": "whether the setting is on the front of time and margin", **NO_YES},
+    )
     metadata: dict[str, Any] = {
         "title": "Settings of a device: yield, margin and time",
-        "summary": f"{design.tried.share.size} settings of {search.stated.source.name} that a search has "
+        "summary": f"{len(search.known)} settings of {search.stated.source.name} that a search has "
         "tried, each judged by devices within and beyond the tolerances.",
         "identity": search.identity,
         "free": list(search.stated.free),
@@ -60,9 +64,7 @@ def design_dataset(search: Search, design: Design) -> xr.Dataset:
     return xr.Dataset(variables, attrs=metadata)
 
 
-def known_in(
-    path: Path, search: Search
-) -> tuple[dict[Setting, Row], dict[Setting, Thorough]]:
+def known_in(path: Path, search: Search) -> tuple[dict[Setting, Row], dict[Setting, Thorough]]:
     """Return ``known`` and ``checked`` from the file of an earlier part of the same search.
 
     Empty for the file of another search.

@@ -151,8 +151,8 @@ def reliable_at(
         check_name(name, QUANTITIES if stated else PARAMETER_NAMES, "quantity of a device")
     parameters = device.parameters if isinstance(device, StatedDevice) else device
     study = load_study(study_path())
-    if settings is None:
-        settings = replace(study.settings.settings, scene=INSERTION)
+    if settings is None:  # the start is that of the device
+        settings = replace(study.settings.settings, scene=INSERTION, start=None)
     starts = starts_of(parameters, study.maps.ensemble)
     values = values or {"friction": np.array([parameters.friction])}
     return are_reliable(device, values, starts, settings, cores)

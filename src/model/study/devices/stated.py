@@ -161,7 +161,9 @@ class StatedDevice:
 
 def _replaced_by(changes: Iterable[str]) -> set[str]:
     """Return the quantities from which those in ``changes`` would be computed."""
-    from_others = {n: (*SOURCES.get(n, ()), *((RATIOS[n],) if n in RATIOS else ())) for n in changes}
+    from_others = {
+        n: (*SOURCES.get(n, ()), *((RATIOS[n],) if n in RATIOS else ())) for n in changes
+    }
     return {each for others in from_others.values() for each in others} - set(changes)
 
 
