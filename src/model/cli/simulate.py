@@ -70,10 +70,10 @@ def _simulate(arguments: argparse.Namespace) -> int:
     else:
         lines = _report(run, units)
         lines.append(natural_words(parameters, units))
-        lines.append(unvibrated_words(parameters, settings, ENGINE))
+        lines += [unvibrated_words(parameters, settings, ENGINE), *lines_of(assumed)]
         if units and arguments.dimensionless:
             lines += ["", "dimensionless:", *_report(run, None)[1:], _units_line(units)]
-        print("\n".join([*lines, *lines_of(assumed)]))
+        print("\n".join(lines))
     in_units = None if arguments.dimensionless else units
     if arguments.plot is not None:
         # ValueError: the library for this format is missing.
