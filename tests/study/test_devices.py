@@ -226,9 +226,10 @@ def test_a_damping_ratio_stands_for_a_damping(tmp_path):
 
 
 def test_the_natural_frequencies_are_those_of_the_three_springs():
-    found, parameters = load_device(EXAMPLE, {})
+    peg = load_device(EXAMPLE, {})
     natural = {
-        name: value * found.of(FREQUENCY) for name, value in natural_frequencies(parameters).items()
+        name: value * peg.units.of(FREQUENCY)
+        for name, value in natural_frequencies(peg.parameters).items()
     }
     expected = {"axial": 3000 / 0.3, "lateral": 50 / 0.3, "tilt": 0.5 / 4.5e-5}
     assert natural == pytest.approx(
