@@ -117,7 +117,7 @@ slurm-test: environment
 	VIBRALIGN_STUDY=$(STUDY) $(in_env) pytest -rPs -m slurm tests/workflow/test_slurm.py
 
 docs: environment
-	rm -rf site
+	rm -rf site docs/examples
 	$(in_env) sphinx-build --fresh-env --fail-on-warning --keep-going --quiet docs site
 	$(in_env) python docs/extensions/links.py site
 	@echo "open site/index.html"
@@ -208,7 +208,7 @@ pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproj
 clean:
 	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m model.tracking.slurm
 	find results -mindepth 1 ! -name README.md -delete
-	rm -rf results-* .snakemake build dist site
+	rm -rf results-* .snakemake build dist site docs/examples
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean

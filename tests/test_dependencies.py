@@ -29,6 +29,7 @@ EXTRAS = {f"src/model/{name}": extras for name, extras in EXTRAS.items()} | {
     "verification": STUDY,
     "benchmarks": [*STUDY, "bench"],
     "docs": ["plot", "docs"],
+    "examples": STUDY,
     "tests": [*STUDY, "dev"],
 }
 

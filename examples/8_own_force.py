@@ -1,0 +1,40 @@
+"""
+A force of one's own
+====================
+
+A cable pulls at the peg: the edits of the how-to give this force to a copy of the package.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+import model
+
+ABOVE, TERM = "    press_force: float", "lateral_suspension(q, p),"
+NEW = '    side_pull: float = entry("f_x", "pull of a cable", FORCE, default=0.0)\n'
+EDITS = {"parameters": (ABOVE, NEW + ABOVE), "forces": (TERM, f"{TERM[:-1]} + p.side_pull,")}
+RUN = """import json, model, pathlib, sys
+for pull in sys.argv[1:]:
+    device = model.read_device(pathlib.Path("peg.yaml"), {"side_pull": pull}).device
+    run = model.simulate(device.parameters, horizon=11.0, tolerance=1e-6)
+    print(json.dumps([run.time.tolist(), run.state[:, 0].tolist()]))"""
+PULLS = ("-0.5 N", "0 N", "0.5 N")
+with tempfile.TemporaryDirectory() as folder:
+    shutil.copytree(Path(model.__file__).parent, Path(folder) / "model")
+    for name, edit in EDITS.items():
+        file = Path(folder) / f"model/physics/{name}.py"
+        file.write_text(file.read_text("utf-8").replace(*edit), "utf-8")
+    own = {**os.environ, "PYTHONPATH": folder, "NUMBA_DISABLE_JIT": "1"}  # not worth compiling
+    printed = subprocess.check_output([sys.executable, "-c", RUN, *PULLS], env=own)
+for pull, path in zip(PULLS, printed.splitlines(), strict=True):
+    plt.plot(*json.loads(path), label=f"pulled by {pull}")
+plt.gca().set(xlabel="time, dimensionless", ylabel="distance of the axes, dimensionless")
+plt.legend()
+plt.show()

@@ -1,0 +1,172 @@
+"""The examples run, are short, make one picture each, and what they find is right."""
+
+import io
+import json
+import runpy
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from model import Batch, Outcome, Settings, read_device, simulate
+from model.events.outcomes import Unvibrated
+from model.runs.unvibrated import unvibrated
+from model.study.io import write_dataset
+from model.study.sweep import dataset_of, sweep_of
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCRIPTS = sorted([*EXAMPLES.glob("*.py"), *EXAMPLES.glob("*.ipynb")])
+Names = dict[str, Any]
+
+
+def cells_of(notebook: Path, kind: str) -> list[str]:
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == kind]
+
+
+@pytest.fixture
+def example(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Names]]:
+    """Names of an example after its run, in its folder; the picture is in `plt`."""
+    mpl.use("agg")
+    monkeypatch.chdir(EXAMPLES)
+
+    def names_of(name: str, *arguments: str) -> Names:
+        monkeypatch.setattr(sys, "argv", [name, *arguments])
+        path = EXAMPLES / name
+        names: Names = {"__name__": "example"}
+        if path.suffix == ".py":
+            names = runpy.run_path(str(path))
+        else:
+            for source in cells_of(path, "code"):
+                exec(compile(source, name, "exec"), names)  # noqa: S102 - our own notebook
+        assert len(plt.get_fignums()) == 1
+        plt.savefig(io.BytesIO())
+        return names
+
+    yield names_of
+    plt.close("all")
+
+
+def test_eight_short_scripts_begin_with_a_title_and_a_sentence():
+    assert [path.name[0] for path in SCRIPTS] == [*"12345678"]
+    for path in SCRIPTS:
+        if path.suffix == ".ipynb":
+            cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+            assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)
+            lines = "\n".join(cells_of(path, "code")).splitlines()
+            title, _, text = cells_of(path, "markdown")[0].partition("\n\n")
+            assert title.startswith("# ")
+        else:
+            lines = path.read_text(encoding="utf-8").splitlines()
+            text = "\n".join(lines).split('"""')[1].partition("==\n\n")[2]
+        assert text.strip().endswith(".")
+        assert len(lines) <= 40, path.name
+
+
+def test_one_run_with_its_forces(example):
+    names = example("1_one_run.py")
+    found = names["run"]
+    assert found.outcome is Outcome.INSERTED
+    finer = simulate(found.parameters, scene=names["INSERTION"], tolerance=1e-13)
+    assert abs(found.tau_align - finer.tau_align) <= found.tau_error + finer.tau_error
+    assert abs(found.tau_inserted - finer.tau_inserted) <= (
+        found.insertion_error + finer.insertion_error
+    )
+    for force in names["forces"].values():
+        assert (force >= 0.0).all()  # a contact never pulls
+    largest = names["forces"]["under the part"].max() / names["units"].force
+    assert largest == pytest.approx(found.contact_force_max, rel=0.01)  # rows are steps
+
+
+def test_every_error_bar_of_the_sweep_holds(example):
+    names = example("2_sweep.py")
+    coarse, fine = names["coarse"], names["fine"]
+    assert (coarse.outcome == Outcome.ALIGNED).all()
+    assert (np.abs(coarse.tau_align - fine.tau_align) <= coarse.tau_error + fine.tau_error).all()
+    assert (names["true"] > 0.0).all()  # bars of a finer run would hold without being needed
+
+
+def test_the_map_is_reliable_only_where_it_aligns(example):
+    names = example("3_map.ipynb")
+    duration, reliable = names["duration"], names["reliable"]
+    aligns = np.isfinite(duration)
+    assert 0 < reliable.sum() < aligns.sum() < aligns.size
+    assert aligns[reliable].all()
+    row, column = 12, 9
+    stated = names["stated"].changed(
+        frequency=names["frequency"][row], tilt_stiffness=names["tilt_stiffness"][column]
+    )
+    one = simulate(stated.device.parameters)
+    assert 1e3 * one.tau_align * stated.device.units.time == pytest.approx(duration[row, column])
+
+
+def test_without_vibration_the_peg_rests_on_the_edge(example):
+    vibrated, pressed = example("4_without_vibration.py")["runs"].values()
+    assert vibrated.outcome is Outcome.ALIGNED
+    assert pressed.outcome is Outcome.SETTLED
+    control = unvibrated(Batch.stack([vibrated.parameters]), Settings(), engine="batch")
+    assert control.outcome[0] == Unvibrated.RESTS
+    assert pressed.state[-1][2] == pytest.approx(control.tilt[0], rel=1e-6)  # by another engine
+
+
+def test_the_yield_lies_in_its_interval_and_failures_among_the_drawn(example):
+    names = example("5_tolerances.py")
+    found, drawn, stated = names["found"], names["drawn"], names["stated"]
+    assert 0.0 < found.low < found.share < found.high < 1.0
+    assert found.share == drawn.goes_in.mean()
+    friction, stated_friction = drawn.values["friction"], stated.quantities["friction"]
+    within = stated.tolerances["friction"].around(stated_friction)
+    assert np.abs(friction - stated_friction).max() <= within
+    assert friction[~drawn.goes_in].mean() > friction[drawn.goes_in].mean()
+    assert found.sobol_indices[0].quantity == "friction"
+    failing = int(np.argmin(drawn.goes_in))
+    device = stated.at({name: values[failing] for name, values in drawn.values.items()})
+    start = names["starts"][drawn.failing[failing]]
+    assert simulate(device.parameters.replace(**start)).outcome is not Outcome.ALIGNED
+
+
+def test_the_data_sheet_in_si_is_the_dimensionless_device(example):
+    names = example("6_data_sheet.py")
+    stated = names["stated"]
+    units, parameters = stated.device
+    back = units.in_si(parameters).given()
+    for name, value in stated.resolved({}).items():
+        if name in back:
+            assert back[name] == pytest.approx(value), name
+    aligns = names["runs"].outcome == Outcome.ALIGNED
+    assert 0 < names["reliable"].sum() < aligns.sum() < aligns.size
+    assert aligns[names["reliable"]].all()
+
+
+def test_a_redrawn_figure_has_the_points_of_its_dataset(example, small_study, tmp_path):
+    sweep = sweep_of(small_study(4, 3), "fig06")
+    columns = {name: np.zeros(8) for name in sweep.variables}
+    columns["tau_align"] = np.array([8.0, 4.0, 3.0, 2.5, np.nan, 6.0, 5.0, 4.5])
+    dataset = dataset_of(sweep, "Duration over press force", columns)
+    write_dataset(dataset, tmp_path / "fig06.nc")
+    example("7_redraw.py", str(tmp_path / "fig06.nc"))
+    (axes,) = plt.gcf().axes
+    assert len(axes.lines) == 2
+    for line, durations in zip(axes.lines, dataset["tau_align"].values, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), dataset[sweep.dimensions[1].parameter])
+        np.testing.assert_array_equal(line.get_ydata(), durations)
+    assert dataset["tau_align"].attrs["symbol"] in axes.get_ylabel()
+
+
+def test_a_pull_moves_the_peg_as_a_lateral_spring_does_whose_rest_is_elsewhere(example):
+    example("8_own_force.py")
+    units, p = read_device(EXAMPLES / "peg.yaml").device
+    (axes,) = plt.gcf().axes
+    assert len(axes.lines) == 3
+    for line in axes.lines:
+        force = float(line.get_label().split()[-2]) / units.force
+        moved = p.replace(rest_x=p.misalignment + force / p.lateral_stiffness)
+        expected = simulate(moved, horizon=11.0, tolerance=1e-6)
+        # Two ways of the same sum: rounding alone is between them.
+        assert line.get_xdata()[-1] == pytest.approx(expected.time[-1], rel=1e-6)
+        assert line.get_ydata()[-1] == pytest.approx(expected.state[-1][0], rel=1e-5)
