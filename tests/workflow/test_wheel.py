@@ -1,34 +1,75 @@
-"""The wheel: it builds, holds the study's configuration, and imports away from the sources."""
+"""The distributions: built twice alike, shown on an index, and run away from the sources."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 import zipfile
+from email import message_from_bytes
 from pathlib import Path
+
+import pytest
 
 from model.study.config import study_files, study_path
 
 PROJECT = Path(__file__).resolve().parents[2]
-NEEDED = ("pyproject.toml", "README.md", "LICENSE", "config", "src")
 
 
-def test_a_wheel_runs_without_the_checkout(tmp_path: Path) -> None:
-    source = tmp_path / "source"
-    for name in NEEDED:
-        path = PROJECT / name
-        copy = shutil.copytree if path.is_dir() else shutil.copy
-        source.mkdir(exist_ok=True)
-        copy(path, source / name)
-    build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet"]
-    subprocess.run([*build, "--wheel-dir", str(tmp_path), str(source)], check=True)
-    wheel = next(tmp_path.glob("*.whl"))
-    with zipfile.ZipFile(wheel) as archive:
+def copy_of_checkout(folder: Path, umask: int) -> Path:
+    """The files that git tracks, of today's date and with permissions by ``umask``."""
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=PROJECT, capture_output=True, check=True)
+    before = os.umask(umask)
+    for name in listed.stdout.decode().rstrip("\0").split("\0"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes((PROJECT / name).read_bytes())
+    os.umask(before)
+    return folder
+
+
+def built(source: Path, into: Path, *options: str) -> dict[str, Path]:
+    """Wheel and source distribution by suffix, built without a network."""
+    command = [sys.executable, "-m", "hatchling", "build", "--directory", str(into), *options]
+    subprocess.run(command, cwd=source, check=True, capture_output=True)
+    return {path.suffix: path for path in into.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def distributions(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("distributions")
+    return built(copy_of_checkout(folder / "source", 0o022), folder / "dist")
+
+
+def test_two_builds_have_the_same_bytes(distributions: dict[str, Path], tmp_path: Path) -> None:
+    again = built(copy_of_checkout(tmp_path / "another", 0o077), tmp_path / "dist")
+    assert set(again) == set(distributions) == {".whl", ".gz"}
+    for suffix, path in distributions.items():
+        assert again[suffix].name == path.name
+        assert again[suffix].read_bytes() == path.read_bytes(), suffix
+    shutil.unpack_archive(distributions[".gz"], tmp_path, filter="data")
+    (source,) = tmp_path.glob("vibralign-*")
+    wheel = built(source, tmp_path / "from-sdist", "--target", "wheel")[".whl"]
+    assert wheel.read_bytes() == distributions[".whl"].read_bytes()
+
+
+def test_an_index_can_show_the_readme(distributions: dict[str, Path]) -> None:
+    with zipfile.ZipFile(distributions[".whl"]) as archive:
+        (name,) = (each for each in archive.namelist() if each.endswith(".dist-info/METADATA"))
+        metadata = message_from_bytes(archive.read(name))
+    assert metadata["Description-Content-Type"] == "text/markdown"
+    text = metadata.get_payload()
+    assert text.startswith("# vibralign")
+    assert "](docs/" in (PROJECT / "README.md").read_text(encoding="utf-8")
+    targets = re.findall(r"\]\(([^)]*)\)", text)
+    assert all(target.startswith("https://") for target in targets), targets
+
+
+def test_a_wheel_runs_without_the_checkout(distributions: dict[str, Path], tmp_path: Path) -> None:
+    with zipfile.ZipFile(distributions[".whl"]) as archive:
         for file in study_files(study_path()):
             assert f"model/study/config/{file.name}" in archive.namelist()
         assert "model/study/devices/new.yaml" in archive.namelist()
         archive.extractall(tmp_path / "installed")
-    shutil.rmtree(source)
     code = (
         "import model; from model.study.config import baseline; "
         "print(model.__file__, baseline().clearance)"
