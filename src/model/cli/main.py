@@ -61,6 +61,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ValueError as refusal:
         print(f"vibralign: error: {refusal}", file=sys.stderr)
         return REFUSED
+    except ModuleNotFoundError as missing:
+        if missing.name is None or missing.name.startswith("model"):
+            raise
+        remedy = "pip install 'vibralign[study]'"
+        print(f"vibralign: error: needs {missing.name}, which is not installed: {remedy}",
+              file=sys.stderr)  # fmt: skip
+        return REFUSED
     except KeyboardInterrupt:
         print("vibralign: interrupted", file=sys.stderr)
         return INTERRUPTED
