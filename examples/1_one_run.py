@@ -5,14 +5,12 @@ One run with its forces
 A peg is pressed beside its hole and vibrated: its path, and the forces on it, until it is inserted.
 """
 
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import INSERTION, read_device, simulate
+from model import INSERTION, load_device, simulate
 
-device = read_device(Path("peg.yaml")).device
+device = load_device("peg.yaml")
 units = device.units
 run = simulate(device.parameters, scene=INSERTION)
 print(f"{run.message}; aligned after {1e3 * run.tau_align * units.time:.1f} ms")

@@ -6,16 +6,14 @@ The alignment time over the press force, from runs that are coarse on purpose: e
 an estimate of its error, and the true error is smaller.
 """
 
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import Batch, align, read_device
+from model import Batch, align, load_device
 
 ENLARGED = 10_000  # the bars, to be seen at all
 
-device = read_device(Path("peg.yaml")).device
+device = load_device("peg.yaml")
 press_force = np.linspace(0.8, 2.0, 61) * device.parameters.press_force
 batch = Batch.of(device.parameters, press_force=press_force)
 coarse = align(batch, tolerance=1e-5)

@@ -6,14 +6,12 @@ The same peg, pressed the same way: vibrated it creeps into its hole, not vibrat
 on the edge.
 """
 
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import read_device, simulate
+from model import load_device, simulate
 
-device = read_device(Path("peg.yaml")).device
+device = load_device("peg.yaml")
 runs = {
     "vibrated": simulate(device.parameters),
     "only pressed": simulate(device.parameters.replace(frequency=0.0)),

@@ -6,15 +6,13 @@ A device with the tolerances of its sheet: the share of devices that align whate
 vibrator at touch-down, and the quantities that are to blame for the others.
 """
 
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import Settings, read_device
+from model import Settings, load_device
 from model.study.assessment.yields import yield_of
 
-stated = read_device(Path("peg.yaml"))
+stated = load_device("peg.yaml")
 phases = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
 starts = [{"phase": phase, "initial_tilt": 0.001} for phase in phases]
 found, drawn = yield_of(stated, starts, Settings(tolerance=1e-6), devices=512)

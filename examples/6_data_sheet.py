@@ -6,21 +6,19 @@ Peg, holder and vibrator stated with their units: with which tilt stiffness the 
 fast, and with which of them it does so from every phase and tilt at touch-down.
 """
 
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import align, read_device, reliable_at
+from model import align, load_device, reliable_at
 
-stated = read_device(Path("peg.yaml"))
+stated = load_device("peg.yaml")
 print(*stated.doubts or ["nothing in the sheet looks doubtful"], sep="\n")
-print(f"contact stiffness from the materials: {stated.resolved({})['contact_stiffness']:.3g} N/m")
+print(f"contact stiffness from the materials: {stated.values['contact_stiffness']:.3g} N/m")
 
 stiffness = np.linspace(0.05, 1.0, 96)  # N m/rad
 runs = align([stated.at({"tilt_stiffness": value}).parameters for value in stiffness])
-milliseconds = 1e3 * runs.tau_align * stated.device.units.time
-reliable = reliable_at(stated.device, tilt_stiffness=stiffness)
+milliseconds = 1e3 * runs.tau_align * stated.units.time
+reliable = reliable_at(stated, tilt_stiffness=stiffness)
 
 figure, axes = plt.subplots(layout="constrained")
 axes.plot(stiffness, milliseconds, "o", markerfacecolor="none", label="from the start of the sheet")

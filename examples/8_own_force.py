@@ -20,9 +20,9 @@ import model
 ABOVE, TERM = "    press_force: float", "lateral_suspension(q, p),"
 NEW = '    side_pull: float = entry("f_x", "pull of a cable", FORCE, default=0.0)\n'
 EDITS = {"parameters": (ABOVE, NEW + ABOVE), "forces": (TERM, f"{TERM[:-1]} + p.side_pull,")}
-RUN = """import json, model, pathlib, sys
+RUN = """import json, model, sys
 for pull in sys.argv[1:]:
-    device = model.read_device(pathlib.Path("peg.yaml"), {"side_pull": pull}).device
+    device = model.load_device("peg.yaml", {"side_pull": pull})
     run = model.simulate(device.parameters, horizon=11.0, tolerance=1e-6)
     print(json.dumps([run.time.tolist(), run.state[:, 0].tolist()]))"""
 PULLS = ("-0.5 N", "0 N", "0.5 N")

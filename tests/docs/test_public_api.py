@@ -42,7 +42,9 @@ FROZEN = {
     "model.study.config.baseline": "",
     "model.load_device": "path changes",
     "model.read_device": "path changes",
-    "model.StatedDevice": "source quantities tolerances materials free limits changes start",
+    "model.StatedDevice": """
+        source quantities tolerances materials free limits changes start horizon insertion_depth
+    """,
     "model.reliable_at": "device settings cores quantities",
     "model.study.assessment.yields.yield_of": "stated starts settings cores devices seed indices",
     "model.study.assessment.yields.Yield": """

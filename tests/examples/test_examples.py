@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Settings, read_device, simulate
+from model import Batch, Outcome, Settings, load_device, simulate
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import unvibrated
 from model.study.io import write_dataset
@@ -101,8 +101,8 @@ def test_the_map_is_reliable_only_where_it_aligns(example):
     stated = names["stated"].changed(
         frequency=names["frequency"][row], tilt_stiffness=names["tilt_stiffness"][column]
     )
-    one = simulate(stated.device.parameters)
-    assert 1e3 * one.tau_align * stated.device.units.time == pytest.approx(duration[row, column])
+    one = simulate(stated.parameters)
+    assert 1e3 * one.tau_align * stated.units.time == pytest.approx(duration[row, column])
 
 
 def test_without_vibration_the_peg_rests_on_the_edge(example):
@@ -133,9 +133,9 @@ def test_the_yield_lies_in_its_interval_and_failures_among_the_drawn(example):
 def test_the_data_sheet_in_si_is_the_dimensionless_device(example):
     names = example("6_data_sheet.py")
     stated = names["stated"]
-    units, parameters = stated.device
+    units, parameters = stated.units, stated.parameters
     back = units.in_si(parameters).given()
-    for name, value in stated.resolved({}).items():
+    for name, value in stated.values.items():
         if name in back:
             assert back[name] == pytest.approx(value), name
     aligns = names["runs"].outcome == Outcome.ALIGNED
@@ -160,7 +160,8 @@ def test_a_redrawn_figure_has_the_points_of_its_dataset(example, small_study, tm
 
 def test_a_pull_moves_the_peg_as_a_lateral_spring_does_whose_rest_is_elsewhere(example):
     example("8_own_force.py")
-    units, p = read_device(EXAMPLES / "peg.yaml").device
+    device = load_device(EXAMPLES / "peg.yaml")
+    units, p = device.units, device.parameters
     (axes,) = plt.gcf().axes
     assert len(axes.lines) == 3
     for line in axes.lines:
