@@ -49,6 +49,7 @@ include: "workflow/rules/methods.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/accuracy.smk"
+include: "workflow/rules/identification.smk"
 include: "workflow/rules/recording.smk"
 
 

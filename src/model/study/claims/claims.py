@@ -83,6 +83,7 @@ class Claim:
             by the part's name, "" for the whole; None if nothing can be measured. NaN where the
             data lack what the paper describes, such as the duration of a part that never aligns;
             this counts against the claim.
+        compares: True if the check compares its figures: it needs the datasets of all.
     """
 
     id: str
@@ -93,6 +94,7 @@ class Claim:
     measure: str
     limit: Limit
     check: Check | None
+    compares: bool = False
 
 
 # --- The check ----------------------------------------------------------------------------------
@@ -231,6 +233,7 @@ def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Cla
             figures=figures,
             measure=stated.pop("measure"),
             limit=limit,
+            compares=arguments["number"] in OF_CLAIM,
             check=_check_of(arguments.pop("number"), figures, arguments),
         )
     if stated:

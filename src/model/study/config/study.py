@@ -14,6 +14,7 @@ from model.study.config.figures import (
     Maps,
     Plane,
 )
+from model.study.config.identification import Identification
 from model.study.config.jamming import Jamming
 from model.study.config.methods import HardCases, Precision
 from model.study.config.settings import RunSettings
@@ -42,6 +43,8 @@ class Study(Strict):
     """Comparison of the methods on cases that are hard to integrate."""
     claims_runs: dict[str, ClaimRun]
     """Curves that only the claims need, by name."""
+    identification: Identification
+    """The search for the parameters that the paper leaves unstated."""
     jamming: Jamming
     """Jamming in the slot over friction, clearance and tilt at entry."""
 

@@ -1,0 +1,278 @@
+"""Figures of a structure at several operating points, how short they fall, and the best choice.
+
+A claim falls short by 0 where it is shown with a margin to spare, by 1 and more where it is not.
+Given the structure, figures meet in sums and maxima only: a claim on every figure falls short as in
+the worst one. So each is computed and judged alone, and to choose an operating point for each costs
+no further run.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from model.events.outcomes import Outcome
+from model.physics.parameters import FIELDS, Batch
+from model.runs.align import run_once
+from model.runs.unvibrated import unvibrated
+from model.study.claims.claims import CLAIMS
+from model.study.claims.data import Data
+from model.study.claims.ledger import judge_claim
+from model.study.claims.regime import regime_of
+from model.study.config.identification import Aims, Grid
+from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
+from model.study.sweep import Columns, Sweep, dataset_of, merge, run
+
+SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on another grid
+TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope
+EXCESS = 4.0  # claims that an aim missed by its whole size counts as
+_MOST_EXCESS = 2.0
+_PREFERENCE = 0.5  # claims that a friction of twice the preferred one counts as
+_SHARED = 0.4  # weight of a claim on several figures, while each is judged alone
+
+
+class Numbers(NamedTuple):
+    """Numbers of a figure that the aims are stated in; see ``Aims`` and ``Regime``."""
+
+    aligned: float
+    aligned_mean: float
+    not_resting: float
+    tilt: float
+    corners: float
+    friction: float
+
+
+_NOTHING = Numbers(0.0, 0.0, 1.0, math.pi / 2.0, 0.0, 0.0)  # of a figure that never aligns
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A figure of one structure at t operating points.
+
+    Attributes:
+        points: coordinates of the operating points, shape (t, unknowns of the figure).
+        margins: of each claim, NaN where this figure does not bear on it, shape (t, claims).
+        numbers: fields of ``Numbers``, shape (t, 6).
+        datasets: datasets of each operating point, by name.
+    """
+
+    points: Array
+    margins: Array
+    numbers: Array
+    datasets: list[dict[str, xr.Dataset]]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """An operating point for each figure of a structure.
+
+    Attributes:
+        point: coordinates of all unknowns, shape (n,).
+        shortfall: in claims; the search makes it least.
+        picked: number of the operating point of each figure.
+    """
+
+    point: Array
+    shortfall: float
+    picked: Mapping[str, int]
+
+
+# --- Figures --------------------------------------------------------------------------------------
+
+
+def tried(space: Space, structure: Array, figure: str, points: Array, grid: Grid) -> Tried:
+    """Compute and judge a figure of a structure at operating points, shape (t, unknowns)."""
+    names = space.of_figure(figure, grid)
+    whole = np.full((len(points), len(space.names)), 0.5)
+    whole[:, space.places["structure"]] = structure
+    whole[:, space.places[figure]] = points
+    values = [space.values(point) for point in whole]
+    sweeps = [space.sweep(each, name, grid) for each in values for name in names]
+    computed = iter(datasets_of(sweeps, space.figures))
+    datasets = [{name: next(computed) for name in names} for _ in points]
+    margins = np.array([_margins(space, each) for each in datasets])
+    numbers = [
+        numbers_of(figure, each, given) for each, given in zip(datasets, values, strict=True)
+    ]
+    return Tried(points, margins, np.array(numbers), datasets)
+
+
+def datasets_of(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[xr.Dataset]:
+    """Return the datasets of sweeps; all grids are run as one batch, without estimates of errors.
+
+    Runs of the claims have no unvibrated controls, which none of their claims reads.
+    """
+    gridded = [each for each in sweeps if each.dimensions and each.figure not in TRACKED]
+    batches = [each.batch(np.arange(math.prod(each.shape))) for each in gridded]
+    columns = iter(_columns(gridded, batches, figures)) if gridded else iter(())
+    return [
+        dataset_of(each, "", next(columns))
+        if each.dimensions and each.figure not in TRACKED
+        else merge(each, "", [run(each)])
+        for each in sweeps
+    ]
+
+
+def _columns(
+    sweeps: Sequence[Sweep], batches: list[Batch], figures: Sequence[str]
+) -> list[Columns]:
+    ends = np.cumsum([len(batch) for batch in batches])
+    together, settings = _joined(batches), sweeps[0].settings.settings
+    # In a drawn order the long runs do not come together, and few lanes idle at the end.
+    order = np.random.default_rng(0).permutation(len(together))
+    found = run_once(_rows(together, order), settings)
+    back = np.argsort(order)
+    columns = {name: found[name][back] for name in found}
+    size = len(together)
+    columns["sensitive"] = np.zeros(size)
+    of_figures = np.repeat([each.figure in figures for each in sweeps], np.diff(ends, prepend=0))
+    needed = np.flatnonzero(of_figures & (columns["outcome"] == Outcome.ALIGNED))
+    columns |= {"unvibrated": np.zeros(size), "unvibrated_tilt": np.full(size, math.nan)}
+    if needed.size:
+        still = replace(settings, horizon=REST_HORIZON, tolerance=REST_TOLERANCE)
+        rest = unvibrated(_rows(together, needed), still)
+        columns["unvibrated"][needed] = rest.outcome
+        columns["unvibrated_tilt"][needed] = rest.tilt
+    parts = {name: np.split(column, ends[:-1]) for name, column in columns.items()}
+    return [
+        {name: parts[name][row] for name in sweep.variables} for row, sweep in enumerate(sweeps)
+    ]
+
+
+def _joined(batches: Sequence[Batch]) -> Batch:
+    return Batch({name: np.concatenate([each.values[name] for each in batches]) for name in FIELDS})
+
+
+def _rows(batch: Batch, rows: NDArray[np.int64]) -> Batch:
+    return Batch({name: column[rows] for name, column in batch.values.items()})
+
+
+# --- Judgement of a figure alone ------------------------------------------------------------------
+
+
+def _margins(space: Space, datasets: Mapping[str, xr.Dataset]) -> Array:
+    """Return the margin of each claim by the datasets of one figure; NaN where they say nothing."""
+    data, margins = Data(datasets), np.full(len(CLAIMS), math.nan)
+    for row, claim in enumerate(CLAIMS):
+        here = tuple(name for name in claim.figures if name in datasets)
+        if here and claim.id not in space.problem.set_aside:
+            asked = claim if claim.compares else replace(claim, figures=here)
+            margins[row] = judge_claim(asked, data).margin
+    return margins
+
+
+def numbers_of(
+    figure: str, datasets: Mapping[str, xr.Dataset], values: Mapping[str, float]
+) -> Numbers:
+    """Return the numbers of a figure; those of one that never aligns are the worst."""
+    data = Data(datasets)
+    regime = regime_of(data, figure)
+    found = Numbers(
+        aligned=regime.aligned,
+        aligned_mean=data.points(figure).share({"aligned": 1}),
+        not_resting=regime.not_resting,
+        tilt=regime.tilt,
+        corners=regime.corners,
+        friction=values.get(f"{figure}.friction", 0.0),
+    )
+    return Numbers(*np.where(np.isnan(found), _NOTHING, found).tolist())
+
+
+# --- Shortfalls and choice ------------------------------------------------------------------------
+
+
+def short_of_claims(margins: Array) -> Array:
+    """Return by how much claims fall short, by their margins, of any shape; 0 for NaN."""
+    short = np.clip(1.0 - margins / SAFE, 0.0, 1.0) + TOWARDS * np.maximum(-margins, 0.0)
+    return np.nan_to_num(short, nan=0.0)
+
+
+def short_of_aims(aims: Aims, figure: str, numbers: Array) -> Array:
+    """Return by how much a figure misses its aims, in claims, shape (..., 6) to (...).
+
+    The aim for the mean share not resting is left to ``shortfall``.
+    """
+    each = Numbers(*np.moveaxis(numbers, -1, 0))
+    least = aims.aligned_mean.get(figure, aims.aligned)
+    ratios = [
+        each.not_resting / aims.not_resting_most,
+        each.tilt / aims.tilt,
+        (1.0 - np.asarray(each.corners)) / (1.0 - aims.corners),
+        aims.aligned / np.maximum(each.aligned, 0.01),
+        least / np.maximum(each.aligned_mean, 0.01),
+        np.asarray(each.aligned_mean) / aims.aligned_most.get(figure, 1.0),
+    ]
+    excess = sum(np.clip(np.asarray(ratio) - 1.0, 0.0, _MOST_EXCESS) for ratio in ratios)
+    preferred = np.maximum(np.asarray(each.friction) / aims.friction - 1.0, 0.0)
+    return np.asarray(EXCESS * excess + _PREFERENCE * preferred)
+
+
+def shortfall(aims: Aims, margins: Array, numbers: Array, missed: float) -> float:
+    """Return the shortfall of a set, in claims.
+
+    Args:
+        aims: what it should reach besides the claims.
+        margins: of each figure and claim, shape (figures, claims).
+        numbers: of each figure, shape (figures, 6).
+        missed: sum of ``short_of_aims`` over the figures.
+    """
+    mean = float(numbers[:, Numbers._fields.index("not_resting")].mean())
+    excess = min(max(mean / aims.not_resting - 1.0, 0.0), _MOST_EXCESS)
+    return float(short_of_claims(margins).max(axis=0).sum() + missed + EXCESS * excess)
+
+
+def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choice:
+    """Return the operating points of least shortfall: from several starts, one figure at a time."""
+    aims, names = space.problem.aims, list(figures)
+    missed = {name: short_of_aims(aims, name, figures[name].numbers) for name in names}
+
+    def cost(picked: Sequence[int]) -> float:
+        pairs = list(zip(names, picked, strict=True))
+        margins = np.array([figures[name].margins[row] for name, row in pairs])
+        numbers = np.array([figures[name].numbers[row] for name, row in pairs])
+        return shortfall(aims, margins, numbers, sum(missed[name][row] for name, row in pairs))
+
+    best, least = None, math.inf
+    for weight in (0.0, 2.0, 6.0, 15.0):
+        alone = [costs_alone(space, name, figures[name], weight) for name in names]
+        picked, value = [int(np.argmin(each)) for each in alone], math.inf
+        while (now := cost(picked)) < value - 1e-9:
+            value = now
+            for place, name in enumerate(names):
+                options = [
+                    [*picked[:place], row, *picked[place + 1 :]]
+                    for row in range(len(figures[name].points))
+                ]
+                picked = min(options, key=cost)
+        if value < least:
+            best, least = picked, value
+    assert best is not None  # noqa: S101  (a shortfall is finite)
+    point = np.full(len(space.names), 0.5)
+    point[space.places["structure"]] = structure
+    for name, row in zip(names, best, strict=True):
+        point[space.places[name]] = figures[name].points[row]
+    return Choice(point, least, dict(zip(names, best, strict=True)))
+
+
+def costs_alone(
+    space: Space, figure: str, made: Tried, weight: float = 0.0, shared: float = _SHARED
+) -> Array:
+    """Return the cost of each operating point of a figure judged alone, shape (t,), in claims.
+
+    Args:
+        space: of the search.
+        figure: its name.
+        made: the figure at t operating points.
+        weight: of its share not resting.
+        shared: weight of a claim on several figures.
+    """
+    short = short_of_claims(made.margins)
+    several = np.array([len(claim.figures) > 1 and not claim.compares for claim in CLAIMS])
+    own = (short * np.where(several, shared, 1.0)).sum(axis=-1)
+    resting = made.numbers[:, Numbers._fields.index("not_resting")]
+    missed = short_of_aims(space.problem.aims, figure, made.numbers)
+    return np.asarray(own + missed + weight * resting)

@@ -1,0 +1,222 @@
+"""The search: structures drawn from the priors, moved by an evolution strategy, and judged at last.
+
+Each part is a function of the parts before it and its own seed, so that a search can be interrupted
+and goes on. Within a structure the figures' operating points are chosen from those of near
+structures, changes of them, and new draws.
+"""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from cmaes import CMA
+from numpy.random import Generator
+from scipy.stats import qmc
+
+from model.study.config.identification import Pool, Round, Stage
+from model.study.identification.candidates import Choice, Tried, chosen, costs_alone, tried
+from model.study.identification.space import Array, Space
+
+_STEPS = (0.01, 0.05, 0.2)  # by which operating points are changed, in widths of their priors
+_NEW = 0.25  # share of operating points that are drawn from the priors
+_APART = 0.15  # distance of structures that searches begin from, in widths of the priors
+_DIFFERENT = 0.02  # distance from which two structures count as different
+_FINAL = 1_000_000  # number of the last judgement, in seeds, beside those of the rounds
+_GIVE_UP = 1.3  # times the least shortfall above which a structure is not judged to its end
+# Figures in the order in which they rule out most structures for the least time.
+_ORDER = ("fig05", "fig10", "fig11", "fig09", "fig07", "fig08", "fig14", "fig13", "fig06", "fig12")
+
+
+@dataclass(frozen=True)
+class Found:
+    """Sets with their shortfalls.
+
+    Attributes:
+        points: coordinates of all unknowns, shape (m, n).
+        shortfalls: in claims, shape (m,).
+    """
+
+    points: Array
+    shortfalls: Array
+
+    @classmethod
+    def of(cls, choices: Iterable[Choice]) -> "Found":
+        """Return the sets of choices, the best first."""
+        ordered = sorted(choices, key=lambda choice: choice.shortfall)
+        return cls(
+            np.array([each.point for each in ordered]),
+            np.array([each.shortfall for each in ordered]),
+        )
+
+    def best(self, count: int, apart: float, places: slice) -> Array:
+        """Return the best sets whose structures differ by ``apart``, shape (<= count, n)."""
+        kept: list[Array] = []
+        for row in np.argsort(self.shortfalls, kind="stable"):
+            point = self.points[row]
+            if all(_distance(point, each, places) >= apart for each in kept):
+                kept.append(point)
+            if len(kept) == count:
+                break
+        return np.array(kept)
+
+
+def together(parts: Sequence[Found]) -> Found:
+    """Return the sets of all parts."""
+    points, shortfalls = zip(*((each.points, each.shortfalls) for each in parts), strict=True)
+    return Found(np.concatenate(points), np.concatenate(shortfalls))
+
+
+def _distance(point: Array, other: Array, places: slice) -> float:
+    return float(np.abs(point[places] - other[places]).max())
+
+
+def pool(space: Space, spec: Pool, part: int) -> Found:
+    """Return structures drawn from the priors by a Latin hypercube, with their best figures."""
+    random = _random(space, 0, part)
+    structures = qmc.LatinHypercube(space.places["structure"].stop, rng=random).random(
+        spec.structures
+    )
+    choices: list[Choice] = []
+    for structure in structures:
+        parents = np.empty((0, len(space.names)))
+        made = judged(space, structure, parents, spec.stages, random, _worst(choices, 20))
+        choices += [made[0]] if made else []
+    return Found.of(choices)
+
+
+def evolve(space: Space, spec: Round, number: int, start: int, before: Found) -> Found:
+    """Return the sets of a round of the search that began from a structure of the pool.
+
+    Args:
+        space: of the search.
+        spec: effort of the round.
+        number: number of the round, from 0.
+        start: number of the structure of the pool, from 0.
+        before: of the pool for the first round, else of the round before.
+    """
+    random = _random(space, 1 + number, start)
+    where = space.places["structure"]
+    first = before.best(start + 1 if number == 0 else 1, _APART, where)[-1]
+    strategy = CMA(
+        mean=first[where],
+        sigma=spec.step,
+        bounds=np.array([[0.0, 1.0]] * where.stop),
+        population_size=spec.population,
+        seed=int(random.integers(2**31)),
+    )
+    near = before.best(30, _DIFFERENT, where)
+    made = judged(space, first[where], _nearest(first, near, where), spec.stages, random)
+    choices = [made[0]] if made else []
+    for _ in range(spec.generations):
+        told = []
+        for _ in range(spec.population):
+            structure = strategy.ask()
+            known = np.concatenate([np.array([each.point for each in choices]), near])
+            parents = _nearest(np.concatenate([structure, first[where.stop :]]), known, where)
+            worst = _worst(choices, 4)
+            made = judged(space, structure, parents, spec.stages, random, worst)
+            told.append((structure, made[0].shortfall if made else _GIVE_UP * worst))
+            choices += [made[0]] if made else []
+        strategy.tell(told)
+        choices = sorted(choices, key=lambda choice: choice.shortfall)
+    return Found.of(choices)
+
+
+def _nearest(point: Array, known: Array, where: slice) -> Array:
+    """Return ``known`` sets, those with the nearest structures first."""
+    return known[np.argsort(np.abs(known[:, where] - point[where]).max(axis=-1), kind="stable")]
+
+
+def _worst(choices: Sequence[Choice], best: int) -> float:
+    """Return the shortfall of the last of the ``best`` choices; infinite with fewer."""
+    ordered = sorted(choice.shortfall for choice in choices)
+    return ordered[best - 1] if len(ordered) >= best else math.inf
+
+
+def _random(space: Space, number: int, part: int) -> Generator:
+    return np.random.default_rng([space.problem.seed, number, part])
+
+
+def judged(
+    space: Space,
+    structure: Array,
+    parents: Array,
+    stages: Sequence[Stage],
+    random: Generator,
+    limit: float = math.inf,
+) -> tuple[Choice, Mapping[str, Tried]] | None:
+    """Return the choice of a structure's operating points on the last grid, and its figures.
+
+    The first stage tries operating points of ``parents`` (the first counts most), changes of them
+    and new draws; each later one the best of the stage before, on its own grid.
+
+    Args:
+        space: of the search.
+        structure: coordinates, shape (7,).
+        parents: sets whose operating points are tried, shape (k, n).
+        stages: grids and numbers of operating points.
+        random: for changes and draws.
+        limit: a structure that must fall shorter, by a margin, is given up; None is returned.
+    """
+    points = {
+        name: _drawn(parents[:, space.places[name]], stages[0].points, random)
+        for name in space.figures
+    }
+    for stage in stages:
+        grid, figures, certain = space.grid(stage.grid), dict[str, Tried](), 0.0
+        for name in _ORDER:
+            figures[name] = tried(space, structure, name, points[name][: stage.points], grid)
+            certain += float(costs_alone(space, name, figures[name], shared=0.0).min())
+            if certain > _GIVE_UP * limit:
+                return None
+        choice = chosen(space, structure, figures)
+        points = {name: _best_first(space, figures, choice, name) for name in space.figures}
+    return choice, figures
+
+
+def _drawn(parents: Array, count: int, random: Generator) -> Array:
+    """Return operating points of a figure, shape (count, unknowns), from those of ``parents``."""
+    size = parents.shape[1]
+    if not len(parents):
+        return qmc.LatinHypercube(size, rng=random).random(count)
+    near = parents[: max(1, count // 4)]
+    new = random.random((math.ceil(_NEW * count), size))
+    changed = count - len(near) - len(new)
+    of = parents[np.minimum(random.geometric(0.4, size=max(changed, 0)) - 1, len(parents) - 1)]
+    step = random.choice(_STEPS, size=(len(of), 1))
+    return np.concatenate([near, new, np.clip(of + step * random.normal(size=of.shape), 0.0, 1.0)])[
+        :count
+    ]
+
+
+def _best_first(space: Space, figures: Mapping[str, Tried], choice: Choice, name: str) -> Array:
+    """Return the operating points of a figure: the chosen one, then the best by several weights."""
+    made = figures[name]
+    ranks = [np.argsort(costs_alone(space, name, made, weight)) for weight in (2.0, 8.0, 20.0)]
+    order = [choice.picked[name], *np.array(ranks).T.ravel().tolist()]
+    return made.points[list(dict.fromkeys(order))]
+
+
+def final(
+    space: Space, stages: Sequence[Stage], number: int, found: Found
+) -> tuple[Choice, Mapping[str, xr.Dataset]]:
+    """Return the set with the ``number``-th best structure, and its datasets on the study's grids.
+
+    Its operating points are chosen anew on these grids.
+
+    Raises:
+        LookupError: there are fewer structures that differ.
+    """
+    where = space.places["structure"]
+    best = found.best(number + 1, _DIFFERENT, where)
+    if len(best) <= number:
+        raise LookupError(f"only {len(best)} structures differ: lower final.sets, or search longer")
+    point, random = best[number], _random(space, _FINAL, number)
+    parents = _nearest(point, found.points, where)[:60]
+    made = judged(space, point[where], parents, stages, random)
+    assert made is not None  # noqa: S101  (without a limit none is given up)
+    choice, figures = made
+    picked = [figures[name].datasets[row] for name, row in choice.picked.items()]
+    return choice, {name: dataset for each in picked for name, dataset in each.items()}

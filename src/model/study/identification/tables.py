@@ -1,0 +1,130 @@
+"""Files of the search: the sets of a part, a set judged on the study's grids, and a summary."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import yaml
+
+from model.study.claims.data import Data
+from model.study.claims.ledger import VERDICTS, judge
+from model.study.claims.regime import regime_of
+from model.study.csv_tables import csv_text, read_rows
+from model.study.identification.candidates import Choice, numbers_of
+from model.study.identification.search import Found
+from model.study.identification.space import Array, Space, structure_of
+
+_SHORTFALL = "shortfall"
+
+
+def found_text(space: Space, found: Found) -> str:
+    """Return sets as a table: the shortfall, and the value of every unknown."""
+    rows = [
+        {_SHORTFALL: f"{short:.6g}"} | _written(space, point)
+        for short, point in zip(found.shortfalls, found.points, strict=True)
+    ]
+    return csv_text((_SHORTFALL, *space.names), rows)
+
+
+def _written(space: Space, point: Array) -> dict[str, str]:
+    return {name: f"{value:.9g}" for name, value in space.values(point).items()}
+
+
+def read_found(space: Space, paths: Sequence[Path]) -> Found:
+    """Return the sets of tables.
+
+    Raises:
+        TableError: a file that is missing, or not such a table.
+    """
+
+    def read(row: dict[str, str]) -> tuple[float, Array]:
+        values = {name: float(text) for name, text in row.items()}
+        return values[_SHORTFALL], space.point(values)
+
+    rows = [row for path in paths for row in read_rows(path, "sets", read)]
+    return Found(np.array([point for _, point in rows]), np.array([short for short, _ in rows]))
+
+
+def judged_text(space: Space, choice: Choice, datasets: Mapping[str, xr.Dataset]) -> str:
+    """Return a set with its claims and the regime of its figures, as JSON."""
+    values, data = space.values(choice.point), Data(datasets)
+    figures = {
+        name: regime_of(data, name)._asdict() | numbers_of(name, datasets, values)._asdict()
+        for name in space.figures
+    }
+    return json.dumps(
+        {
+            "shortfall": choice.shortfall,
+            "values": values,
+            "claims": {claim.id: found.verdict for claim, found in judge(datasets)},
+            "figures": figures,
+        },
+        indent=1,
+    )
+
+
+def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
+    """Return the tables of all judged sets, and the best one as it stands in the configuration."""
+    sets = sorted(
+        (json.loads(path.read_text()) for path in paths), key=lambda each: each[_SHORTFALL]
+    )
+    return {
+        "sets": csv_text(_columns(sets[0]), [_row(each) for each in sets]),
+        "claims": _claims_text(sets),
+        "device": _configuration(space, sets[0]["values"]),
+    }
+
+
+def _columns(judged: Mapping[str, Any]) -> list[str]:
+    return [*_row(judged)]
+
+
+def _row(judged: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a judged set as a row: numbers over all figures, of some by figure, and its values."""
+    verdicts, figures = [*judged["claims"].values()], judged["figures"]
+    resting = [each["not_resting"] for each in figures.values()]
+    row = {
+        _SHORTFALL: judged[_SHORTFALL],
+        **{name.replace(" ", "_"): verdicts.count(name) for name in VERDICTS},
+        "not_resting": float(np.mean(resting)),
+        "not_resting_most": max(resting),
+        "tilt": max(each["tilt"] for each in figures.values()),
+        "corners": min(each["corners"] for each in figures.values()),
+        "aligned": min(each["aligned"] for each in figures.values()),
+        **{f"{name}.aligned_mean": each["aligned_mean"] for name, each in figures.items()},
+        **judged["values"],
+    }
+    return {name: f"{value:.6g}" for name, value in row.items()}
+
+
+def _claims_text(sets: Sequence[Mapping[str, Any]]) -> str:
+    """Return by claim the share of the sets that show it, and the verdict of the best set."""
+    rows = [
+        {
+            "claim": name,
+            "shown": f"{np.mean([each['claims'][name] == 'reproduced' for each in sets]):.3f}",
+            "best": sets[0]["claims"][name],
+        }
+        for name in sets[0]["claims"]
+    ]
+    return csv_text(("claim", "shown", "best"), rows)
+
+
+def _configuration(space: Space, values: Mapping[str, float]) -> str:
+    """Return the device and the operating points of a set as they stand in the configuration."""
+
+    def rounded(stated: Mapping[str, float]) -> dict[str, float]:
+        return {name: float(f"{value:.4g}") for name, value in stated.items()}
+
+    figures = {
+        figure: rounded(
+            space.problem.stated.get(figure, {})
+            | {name: values[f"{figure}.{name}"] for name in priors}
+        )
+        for figure, priors in space.problem.operating_points.items()
+    }
+    stated = {"structure": rounded(structure_of(values)), "held": figures}
+    return yaml.safe_dump(stated, sort_keys=False, default_flow_style=None, width=100)

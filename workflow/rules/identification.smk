@@ -1,0 +1,116 @@
+"""The search for the parameters that the paper leaves unstated: `make identification`.
+
+A further entry in `rounds` goes on where the search has ended. The parts are kept: they take hours.
+"""
+
+from model.study.identification.space import space_of
+
+search = study.identification
+space = stated(space_of(study))
+
+
+localrules:
+    search_summary,
+
+
+def sets_before(wildcards):
+    """Return the sets from which a round begins: those of the pool, or of the round before."""
+    last = int(wildcards.round) - 1
+    if last < 0:
+        return expand("<results>/identification/pool/{part}.csv", part=range(search.pool.parts))
+    return f"<results>/identification/{wildcards.start}/{last}.csv"
+
+
+rule search_pool:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        sets="<results>/identification/pool/{part}.csv",
+        record="<results>/identification/pool/{part}.run.json",
+    log:
+        "<results>/logs/search_pool/{part}.log",
+    params:
+        *code("search_pool"),
+        space=space,
+        pool=stated(search.pool),
+    message:
+        "search: drawing part {wildcards.part} of the pool"
+    script:
+        "../scripts/search_pool.py"
+
+
+rule search_round:
+    input:
+        sets=sets_before,
+    output:
+        sets="<results>/identification/{start}/{round}.csv",
+        record="<results>/identification/{start}/{round}.run.json",
+    log:
+        "<results>/logs/search_round/{start}/{round}.log",
+    wildcard_constraints:
+        start=r"\d+",
+        round=r"\d+",
+    params:
+        *code("search_round"),
+        space=space,
+        round=lambda wildcards: stated(search.rounds[int(wildcards.round)]),
+    message:
+        "search from start {wildcards.start}: round {wildcards.round}"
+    script:
+        "../scripts/search_round.py"
+
+
+rule search_final:
+    input:
+        sets=expand(
+            "<results>/identification/{start}/{round}.csv",
+            start=range(search.starts),
+            round=range(len(search.rounds)),
+        ),
+    output:
+        judged="<results>/identification/final/{number}.json",
+        record="<results>/identification/final/{number}.run.json",
+    log:
+        "<results>/logs/search_final/{number}.log",
+    params:
+        *code("search_final"),
+        space=space,
+        stages=[stated(stage) for stage in search.final.stages],
+    message:
+        "search: judging set {wildcards.number} on the study's own grids"
+    script:
+        "../scripts/search_final.py"
+
+
+rule search_summary:
+    input:
+        expand(
+            "<results>/identification/final/{number}.json", number=range(search.final.sets)
+        ),
+    output:
+        sets="<results>/identification/sets.csv",
+        claims="<results>/identification/claims.csv",
+        device="<results>/identification/device.yaml",
+        record="<results>/identification/summary.run.json",
+    log:
+        "<results>/logs/search_summary.log",
+    params:
+        *code("search_summary"),
+        space=space,
+    message:
+        "search: the sets that were found, and the device"
+    script:
+        "../scripts/search_summary.py"
+
+
+rule identification:
+    input:
+        rules.search_summary.output.device,
+    log:
+        "<results>/identification/printed.log",
+    params:
+        must_end="",
+    message:
+        "the device that was found"
+    script:
+        "../scripts/print_result.py"

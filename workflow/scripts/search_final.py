@@ -1,0 +1,17 @@
+"""Judge a set of the search on the study's own grids."""
+
+from pathlib import Path
+
+from model.study.config.identification import Stage
+from model.study.files import write_text
+from model.study.identification.search import final
+from model.study.identification.space import Space
+from model.study.identification.tables import judged_text, read_found
+from model.tracking.job import recorded, snakemake
+
+with recorded(snakemake, part=True):
+    space = Space.model_validate(snakemake.params.space)
+    found = read_found(space, [Path(file) for file in snakemake.input.sets])
+    stages = [Stage.model_validate(stage) for stage in snakemake.params.stages]
+    choice, datasets = final(space, stages, int(snakemake.wildcards.number), found)
+    write_text(judged_text(space, choice, datasets), Path(snakemake.output.judged))

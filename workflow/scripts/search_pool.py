@@ -1,0 +1,16 @@
+"""Draw structures from the priors and choose the operating points of their figures."""
+
+from pathlib import Path
+
+from model.study.config.identification import Pool
+from model.study.files import write_text
+from model.study.identification.search import pool
+from model.study.identification.space import Space
+from model.study.identification.tables import found_text
+from model.tracking.job import recorded, snakemake
+
+with recorded(snakemake, part=True):
+    space = Space.model_validate(snakemake.params.space)
+    spec = Pool.model_validate(snakemake.params.pool)
+    found = pool(space, spec, int(snakemake.wildcards.part))
+    write_text(found_text(space, found), Path(snakemake.output.sets))

@@ -1,0 +1,14 @@
+"""Order the sets that were judged, and state the best one as the configuration does."""
+
+from pathlib import Path
+
+from model.study.files import write_text
+from model.study.identification.space import Space
+from model.study.identification.tables import summary_texts
+from model.tracking.job import recorded, snakemake
+
+with recorded(snakemake):
+    space = Space.model_validate(snakemake.params.space)
+    texts = summary_texts(space, [Path(file) for file in snakemake.input])
+    for name, text in texts.items():
+        write_text(text, Path(snakemake.output[name]))
