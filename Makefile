@@ -4,6 +4,7 @@
 # make test       the environment, every check and every test
 # make maps       the stability maps that the paper does not have, into results/figures/maps
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
+# make identification  the search for the device, from nothing: hours; a restart goes on
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to
 #                 which finished parts count; SCENE=insertion for devices that fall in
 # make yields     yields of two devices against a million devices each; DEVICES=100000 for fewer
@@ -41,7 +42,7 @@ cores_of_study := -c$(CORES)
 endif
 unexport PYTHONHOME PYTHONPATH
 
-.PHONY: all smoke maps accuracy fuzz
+.PHONY: all smoke maps accuracy identification fuzz
 .PHONY: test lint types layers workflow unit environment environment-bench python lock
 .PHONY: yields truth bench nightly script-types browser-test slurm-test docs
 .PHONY: clean distclean
@@ -66,6 +67,9 @@ maps: environment
 
 accuracy: environment
 	$(call run_study,accuracy)
+
+identification: environment
+	$(call run_study,identification)
 
 DEVICES ?= 1000000
 yields: environment

@@ -98,7 +98,7 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
     """
     random = _random(space, 1 + number, start)
     where = space.places["structure"]
-    first = before.best(start + 1 if number == 0 else 1, _APART, where)[-1]
+    first = _start(before, start, where) if number == 0 else before.best(1, 0.0, where)[0]
     strategy = CMA(
         mean=first[where],
         sigma=spec.step,
@@ -122,6 +122,20 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
         strategy.tell(told)
         choices = sorted(choices, key=lambda choice: choice.shortfall)
     return Found.of(choices)
+
+
+def _start(found: Found, start: int, where: slice) -> Array:
+    """Return the set from which a search begins: a good one of a third of the half-widths.
+
+    Slender and plump parts rest, tilt and lift off differently, and the pool has few good plump
+    ones. Every third search begins in the same third, from the next best structure there.
+    """
+    thirds = np.minimum((3.0 * found.points[:, 0]).astype(np.int64), 2)
+    own = thirds == start % 3
+    if not own.any():
+        own[:] = True
+    part = Found(found.points[own], found.shortfalls[own])
+    return part.best(start // 3 + 1, _APART, where)[-1]
 
 
 def _nearest(point: Array, known: Array, where: slice) -> Array:

@@ -1,0 +1,181 @@
+"""The search for the unstated parameters: its unknowns, its judgement and its parts."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from model.study.claims import CLAIMS, judge
+from model.study.config import Study, check_study, read_study, study_path
+from model.study.config.identification import Pool, Round, Stage
+from model.study.identification import candidates, search
+from model.study.identification.candidates import Numbers, Tried, short_of_aims, short_of_claims
+from model.study.identification.space import Space, bare_inertia, space_of, structure_of
+from model.study.identification.tables import found_text, judged_text, read_found, summary_texts
+from model.study.sweep import sweep_of
+
+COARSE = Stage(grid="tiny", points=2)
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    """The study with a tiny grid of the search."""
+    stated = read_study(study_path())
+    counts = {
+        **dict.fromkeys(("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12"), 4),
+        "fig05": 1,
+        "fig13": 4,
+        "fig14": 4,
+        "rubbing": 3,
+        "by_frequency": 3,
+    }
+    stated["identification"]["grids"]["tiny"] = {
+        "counts": counts,
+        "horizon": 30.0,
+        "tolerance": 1e-6,
+    }
+    return check_study(stated)
+
+
+@pytest.fixture(scope="module")
+def space(study: Study) -> Space:
+    """Its space."""
+    return space_of(study)
+
+
+def test_a_point_has_the_values_that_make_it(space: Space) -> None:
+    point = np.random.default_rng(1).random(len(space.names))
+    values = space.values(point)
+    assert space.point(values) == pytest.approx(point, abs=1e-12)
+    for prior, name in zip(space.problem.structure.values(), space.names, strict=False):
+        assert prior.low <= values[name] <= prior.high
+
+
+def test_damping_ratios_and_the_inertia_follow_their_definitions() -> None:
+    values = {
+        "half_width": 1.2, "half_height": 3.0, "inertia_ratio": 2.0, "lateral_stiffness": 0.25,
+        "lateral_damping_ratio": 0.1, "axial_damping_ratio": 0.2, "tilt_damping_ratio": 0.3,
+    }  # fmt: skip
+    found = structure_of(values)
+    assert found["inertia"] == pytest.approx(2.0 * (1.44 + 9.0) / 3.0)
+    assert found["lateral_damping"] == pytest.approx(2.0 * 0.1 * 0.5)
+    assert found["axial_damping"] == pytest.approx(0.4)
+    assert found["tilt_damping"] == pytest.approx(0.6 * np.sqrt(10.0 * found["inertia"]))
+
+
+def test_another_device_is_the_same_search(study: Study, space: Space) -> None:
+    other = study.model_copy(update={"structure": {**study.structure, "half_width": 0.7}})
+    assert space_of(other).identity == space.identity
+
+
+def test_sweeps_are_those_of_a_study_with_this_device(study: Study, space: Space) -> None:
+    """A figure that the search computes is the one that the study would compute."""
+    values = space.values(np.full(len(space.names), 0.4))
+    held = {name: {} for name in space.figures}
+    for unknown, value in values.items():
+        figure, dot, name = unknown.partition(".")
+        if dot:
+            held[figure][name] = value
+    bare = bare_inertia(values)
+    figures = {
+        name: spec.model_copy(update={"held": {**spec.held, **held[name]}} if name in held else {})
+        for name, spec in study.figures.items()
+    }
+    fig10 = figures["fig10"]
+    axis = fig10.swept.model_copy(update={"start": bare, "stop": 4.0 * bare})  # type: ignore[union-attr]
+    figures["fig10"] = fig10.model_copy(update={"swept": axis})
+    structure = {**study.structure, **structure_of(values)}
+    theirs = study.model_copy(update={"structure": structure, "figures": figures})
+    grid = space.grid("own")
+    for name in ("fig05", "fig06", "fig10", "rubbing", "centred"):
+        mine, wanted = space.sweep(values, name, grid), sweep_of(theirs, name)
+        assert mine.kind == wanted.kind
+        assert [each.values for each in mine.dimensions] == [
+            each.values for each in wanted.dimensions
+        ]
+        swept = {each.parameter for each in mine.dimensions}
+        for parameter, value in wanted.parameters.items():
+            if parameter not in swept:
+                assert mine.parameters[parameter] == value, (name, parameter)
+
+
+def test_a_claim_falls_short_by_less_the_nearer_it_is() -> None:
+    margins = np.array([0.5, candidates.SAFE, 0.0, -0.1, -0.5, np.nan])
+    short = short_of_claims(margins)
+    assert short[:3].tolist() == [0.0, 0.0, 1.0]
+    assert 1.0 < short[3] < short[4]
+    assert short[5] == 0.0
+
+
+def test_an_aim_that_is_met_costs_nothing(space: Space) -> None:
+    aims = space.problem.aims
+    good = Numbers(1.0, 0.8, 0.0, 0.1, 1.0, 0.1)
+    assert short_of_aims(aims, "fig06", np.array(good)) == 0.0
+    for field, value in {"aligned": 0.05, "tilt": 0.3, "corners": 0.9, "friction": 0.5}.items():
+        worse = good._replace(**{field: value})
+        assert short_of_aims(aims, "fig06", np.array(worse)) > 0.0, field
+    full = good._replace(aligned_mean=1.0)
+    assert short_of_aims(aims, "fig13", np.array(full)) > 0.0
+
+
+def test_the_choice_is_near_the_best_of_all_combinations(space: Space) -> None:
+    random = np.random.default_rng(3)
+    names = space.figures[:4]
+    made = {
+        name: Tried(
+            points=random.random((4, len(space.problem.operating_points[name]))),
+            margins=random.uniform(-0.2, 0.2, (4, len(CLAIMS))),
+            numbers=np.column_stack([random.random((4, 5)), np.zeros(4)]),
+            datasets=[],
+        )
+        for name in names
+    }
+    found = candidates.chosen(space, np.full(7, 0.5), made)
+    aims = space.problem.aims
+    missed = {name: short_of_aims(aims, name, made[name].numbers) for name in names}
+
+    def cost(rows: tuple[int, ...]) -> float:
+        pairs = list(zip(names, rows, strict=True))
+        return candidates.shortfall(
+            aims,
+            np.array([made[name].margins[row] for name, row in pairs]),
+            np.array([made[name].numbers[row] for name, row in pairs]),
+            sum(missed[name][row] for name, row in pairs),
+        )
+
+    every = sorted(cost(rows) for rows in itertools.product(range(4), repeat=4))
+    assert found.shortfall == pytest.approx(cost(tuple(found.picked.values())))
+    assert found.shortfall <= every[2]
+
+
+def test_a_part_is_the_same_whenever_it_is_computed(space: Space, tmp_path) -> None:
+    spec = Pool(structures=3, parts=1, stages=[COARSE])
+    first, second = search.pool(space, spec, 0), search.pool(space, spec, 0)
+    assert np.array_equal(first.points, second.points)
+    assert not np.array_equal(first.points[0], search.pool(space, spec, 1).points[0])
+    assert np.all(np.diff(first.shortfalls) >= 0.0)
+
+    path = tmp_path / "sets.csv"
+    path.write_text(found_text(space, first))
+    read = read_found(space, [path])
+    assert read.points == pytest.approx(first.points, abs=1e-8)
+
+    turn = Round(step=0.1, generations=1, population=4, stages=[COARSE])
+    moved = search.evolve(space, turn, 0, 0, read)
+    assert np.array_equal(moved.points, search.evolve(space, turn, 0, 0, read).points)
+
+
+def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(space: Space, tmp_path) -> None:
+    found = search.pool(space, Pool(structures=2, parts=1, stages=[COARSE]), 0)
+    choice, datasets = search.final(space, [COARSE], 0, found)
+    paths = []
+    for number in range(2):
+        paths.append(tmp_path / f"{number}.json")
+        paths[-1].write_text(judged_text(space, choice, datasets))
+    texts = summary_texts(space, paths)
+    verdicts = [judgement.verdict for _, judgement in judge(datasets)]
+    row = dict(zip(*(line.split(",") for line in texts["sets"].splitlines()[:2]), strict=True))
+    assert int(row["reproduced"]) == verdicts.count("reproduced")
+    assert "half_width" in texts["device"]
+    with pytest.raises(LookupError, match=r"final\.sets"):
+        search.final(space, [COARSE], 99, found)
