@@ -293,7 +293,7 @@ def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, lin
     part = rendered[rendered.index('id="claims"') : rendered.index('id="jamming"')]
     text = plain(part)
     assert tally([line.verdict for line in lines]).capitalize() in text
-    rows = dict(re.findall(r'id="claim-(\w+)">(.*?)</li>', part, re.DOTALL))
+    rows = dict(re.findall(r'id="claim-(\w+)">(.*?)</tr>', part, re.DOTALL))
     assert list(rows) == [line.claim for line in lines]
     for line in lines:
         row = rows[line.claim]
