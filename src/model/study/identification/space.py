@@ -7,7 +7,7 @@ damping ratios and the inertia as a multiple of the bare part's, as the priors a
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ DEVICE = (  # the parameters that ``structure_of`` returns
 )  # fmt: skip
 TYPICAL_TILT_STIFFNESS = 10.0  # at which the tilt's damping ratio is taken; the paper varies k_φ
 MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
+ON_FACE = 0.95  # of the misalignment at which the edge A1 leaves the bottom face
 TRACKED = ("centred", "pressed", "misaligned", "displaced")  # whose claims read trajectories
 REST_HORIZON, REST_TOLERANCE = 300.0, 1e-8  # what is not vibrated must be seen to come to rest
 _JUDGED = (
@@ -127,8 +128,7 @@ class Space(Plan):
         if name in TRACKED or not self.dimensions[name]:
             limits = {"horizon": REST_HORIZON, "tolerance": REST_TOLERANCE}
         dimensions = [
-            _on_grid(each, grid.counts[name], bare_inertia(values))
-            for each in self.dimensions[name]
+            _on_grid(each, grid.counts[name], parameters) for each in self.dimensions[name]
         ]
         axes = sum(isinstance(each, Axis) for each in dimensions)
         return Sweep.model_construct(
@@ -141,13 +141,21 @@ class Space(Plan):
         )
 
 
-def _on_grid(dimension: Axis | Family, count: int, inertia: float) -> Axis | Family:
-    """Return a dimension with ``count`` values; Fig. 10's begins at the bare part's inertia."""
+def _on_grid(dimension: Axis | Family, count: int, parameters: Mapping[str, Any]) -> Axis | Family:
+    """Return a dimension with ``count`` values.
+
+    Fig. 10's axis begins at the inertia of the bare part. An axis of the misalignment ends where
+    the edge A1 would leave the bottom face, at a (2 + δ).
+    """
     if isinstance(dimension, Family):
         return dimension
     ends = {}
     if dimension.parameter == "inertia":
-        ends = {"start": inertia, "stop": MOST_INERTIA * inertia}
+        bare = bare_inertia(parameters)
+        ends = {"start": bare, "stop": MOST_INERTIA * bare}
+    if dimension.parameter == "misalignment":
+        reach = parameters["half_width"] * (2.0 + parameters["clearance"])
+        ends = {"stop": min(dimension.stop, ON_FACE * reach)}
     return dimension.model_copy(update={"count": count, **ends})
 
 
@@ -196,6 +204,6 @@ def structure_of(values: Mapping[str, float]) -> dict[str, float]:
     }
 
 
-def bare_inertia(values: Mapping[str, float]) -> float:
+def bare_inertia(values: Mapping[str, Any]) -> float:
     """Return the moment of inertia of the homogeneous rectangle of mass 1."""
-    return (values["half_width"] ** 2 + values["half_height"] ** 2) / 3.0
+    return float((values["half_width"] ** 2 + values["half_height"] ** 2) / 3.0)
