@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from model.study.claims import CLAIMS, judge
+from model.study.claims.ledger import Judgement
 from model.study.config import Study, check_study, read_study, study_path
 from model.study.config.identification import Pool, Round, Stage
 from model.study.identification import candidates, search
-from model.study.identification.candidates import Numbers, Tried, short_of_aims, short_of_claims
+from model.study.identification.candidates import Numbers, Tried, short_of, short_of_aims
 from model.study.identification.space import Space, bare_inertia, space_of, structure_of
 from model.study.identification.tables import found_text, judged_text, read_found, summary_texts
 from model.study.sweep import sweep_of
@@ -100,11 +101,14 @@ def test_sweeps_are_those_of_a_study_with_this_device(study: Study, space: Space
 
 
 def test_a_claim_falls_short_by_less_the_nearer_it_is() -> None:
-    margins = np.array([0.5, candidates.SAFE, 0.0, -0.1, -0.5, np.nan])
-    short = short_of_claims(margins)
-    assert short[:3].tolist() == [0.0, 0.0, 1.0]
-    assert 1.0 < short[3] < short[4]
-    assert short[5] == 0.0
+    def short(margin: float, verdict: str = "mixed", is_whole: bool = True) -> float:
+        return short_of(Judgement(0.0, margin, verdict, ""), is_whole)  # type: ignore[arg-type]
+
+    assert short(0.5) == short(candidates.SAFE) == 0.0
+    assert short(0.0) == 1.0
+    assert 1.0 < short(-0.1) < short(-0.5) < short(-0.5, "contradicted")
+    assert short(-0.5, "contradicted", is_whole=False) == short(-0.5)
+    assert short(np.nan) == 0.0
 
 
 def test_an_aim_that_is_met_costs_nothing(space: Space) -> None:
@@ -124,7 +128,7 @@ def test_the_choice_is_near_the_best_of_all_combinations(space: Space) -> None:
     made = {
         name: Tried(
             points=random.random((4, len(space.problem.operating_points[name]))),
-            margins=random.uniform(-0.2, 0.2, (4, len(CLAIMS))),
+            shorts=random.random((4, len(CLAIMS))),
             numbers=np.column_stack([random.random((4, 5)), np.zeros(4)]),
             datasets=[],
         )
@@ -138,7 +142,7 @@ def test_the_choice_is_near_the_best_of_all_combinations(space: Space) -> None:
         pairs = list(zip(names, rows, strict=True))
         return candidates.shortfall(
             aims,
-            np.array([made[name].margins[row] for name, row in pairs]),
+            np.array([made[name].shorts[row] for name, row in pairs]),
             np.array([made[name].numbers[row] for name, row in pairs]),
             sum(missed[name][row] for name, row in pairs),
         )

@@ -21,7 +21,7 @@ from model.runs.align import run_once
 from model.runs.unvibrated import unvibrated
 from model.study.claims.claims import CLAIMS
 from model.study.claims.data import Data
-from model.study.claims.ledger import judge_claim
+from model.study.claims.ledger import Judgement, judge_claim
 from model.study.claims.regime import regime_of
 from model.study.config.identification import Aims, Grid
 from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
@@ -29,10 +29,12 @@ from model.study.sweep import Columns, Sweep, dataset_of, merge, run
 
 SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on another grid
 TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope
+AGAINST = 0.5  # of a claim, if it is contradicted rather than shown in part
 EXCESS = 4.0  # claims that an aim missed by its whole size counts as
 _MOST_EXCESS = 2.0
 _PREFERENCE = 0.5  # claims that a friction of twice the preferred one counts as
-_SHARED = 0.4  # weight of a claim on several figures, while each is judged alone
+_SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is judged alone
+SHARED = np.array([len(claim.figures) > 1 and not claim.compares for claim in CLAIMS])
 
 
 class Numbers(NamedTuple):
@@ -55,13 +57,14 @@ class Tried:
 
     Attributes:
         points: coordinates of the operating points, shape (t, unknowns of the figure).
-        margins: of each claim, NaN where this figure does not bear on it, shape (t, claims).
+        shorts: by how much each claim falls short, 0 where this figure does not bear on it, shape
+            (t, claims).
         numbers: fields of ``Numbers``, shape (t, 6).
         datasets: datasets of each operating point, by name.
     """
 
     points: Array
-    margins: Array
+    shorts: Array
     numbers: Array
     datasets: list[dict[str, xr.Dataset]]
 
@@ -94,11 +97,11 @@ def tried(space: Space, structure: Array, figure: str, points: Array, grid: Grid
     sweeps = [space.sweep(each, name, grid) for each in values for name in names]
     computed = iter(datasets_of(sweeps, space.figures))
     datasets = [{name: next(computed) for name in names} for _ in points]
-    margins = np.array([_margins(space, each) for each in datasets])
+    shorts = np.array([_shorts(space, each) for each in datasets])
     numbers = [
         numbers_of(figure, each, given) for each, given in zip(datasets, values, strict=True)
     ]
-    return Tried(points, margins, np.array(numbers), datasets)
+    return Tried(points, shorts, np.array(numbers), datasets)
 
 
 def datasets_of(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[xr.Dataset]:
@@ -154,15 +157,27 @@ def _rows(batch: Batch, rows: NDArray[np.int64]) -> Batch:
 # --- Judgement of a figure alone ------------------------------------------------------------------
 
 
-def _margins(space: Space, datasets: Mapping[str, xr.Dataset]) -> Array:
-    """Return the margin of each claim by the datasets of one figure; NaN where they say nothing."""
-    data, margins = Data(datasets), np.full(len(CLAIMS), math.nan)
+def _shorts(space: Space, datasets: Mapping[str, xr.Dataset]) -> Array:
+    """Return by how much each claim falls short in the datasets of one figure, shape (claims,)."""
+    data, shorts = Data(datasets), np.zeros(len(CLAIMS))
     for row, claim in enumerate(CLAIMS):
         here = tuple(name for name in claim.figures if name in datasets)
         if here and claim.id not in space.problem.set_aside:
             asked = claim if claim.compares else replace(claim, figures=here)
-            margins[row] = judge_claim(asked, data).margin
-    return margins
+            shorts[row] = short_of(judge_claim(asked, data), is_whole=not SHARED[row])
+    return shorts
+
+
+def short_of(judgement: Judgement, is_whole: bool) -> float:
+    """Return by how much a claim falls short; 0 where the data say nothing.
+
+    ``is_whole`` tells that no other figure bears on the claim, so that the verdict is final.
+    """
+    margin = judgement.margin
+    if math.isnan(margin):
+        return 0.0
+    short = min(max(1.0 - margin / SAFE, 0.0), 1.0) + TOWARDS * max(-margin, 0.0)
+    return short + AGAINST * (is_whole and judgement.verdict == "contradicted")
 
 
 def numbers_of(
@@ -185,12 +200,6 @@ def numbers_of(
 # --- Shortfalls and choice ------------------------------------------------------------------------
 
 
-def short_of_claims(margins: Array) -> Array:
-    """Return by how much claims fall short, by their margins, of any shape; 0 for NaN."""
-    short = np.clip(1.0 - margins / SAFE, 0.0, 1.0) + TOWARDS * np.maximum(-margins, 0.0)
-    return np.nan_to_num(short, nan=0.0)
-
-
 def short_of_aims(aims: Aims, figure: str, numbers: Array) -> Array:
     """Return by how much a figure misses its aims, in claims, shape (..., 6) to (...).
 
@@ -211,18 +220,18 @@ def short_of_aims(aims: Aims, figure: str, numbers: Array) -> Array:
     return np.asarray(EXCESS * excess + _PREFERENCE * preferred)
 
 
-def shortfall(aims: Aims, margins: Array, numbers: Array, missed: float) -> float:
+def shortfall(aims: Aims, shorts: Array, numbers: Array, missed: float) -> float:
     """Return the shortfall of a set, in claims.
 
     Args:
         aims: what it should reach besides the claims.
-        margins: of each figure and claim, shape (figures, claims).
+        shorts: by how much claims fall short in each figure, shape (figures, claims).
         numbers: of each figure, shape (figures, 6).
         missed: sum of ``short_of_aims`` over the figures.
     """
     mean = float(numbers[:, Numbers._fields.index("not_resting")].mean())
     excess = min(max(mean / aims.not_resting - 1.0, 0.0), _MOST_EXCESS)
-    return float(short_of_claims(margins).max(axis=0).sum() + missed + EXCESS * excess)
+    return float(shorts.max(axis=0).sum() + missed + EXCESS * excess)
 
 
 def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choice:
@@ -232,9 +241,9 @@ def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choi
 
     def cost(picked: Sequence[int]) -> float:
         pairs = list(zip(names, picked, strict=True))
-        margins = np.array([figures[name].margins[row] for name, row in pairs])
+        shorts = np.array([figures[name].shorts[row] for name, row in pairs])
         numbers = np.array([figures[name].numbers[row] for name, row in pairs])
-        return shortfall(aims, margins, numbers, sum(missed[name][row] for name, row in pairs))
+        return shortfall(aims, shorts, numbers, sum(missed[name][row] for name, row in pairs))
 
     best, least = None, math.inf
     for weight in (0.0, 2.0, 6.0, 15.0):
@@ -259,7 +268,11 @@ def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choi
 
 
 def costs_alone(
-    space: Space, figure: str, made: Tried, weight: float = 0.0, shared: float = _SHARED
+    space: Space,
+    figure: str,
+    made: Tried,
+    weight: float = 0.0,
+    shared: float = _SHARED_WEIGHT,
 ) -> Array:
     """Return the cost of each operating point of a figure judged alone, shape (t,), in claims.
 
@@ -270,9 +283,7 @@ def costs_alone(
         weight: of its share not resting.
         shared: weight of a claim on several figures.
     """
-    short = short_of_claims(made.margins)
-    several = np.array([len(claim.figures) > 1 and not claim.compares for claim in CLAIMS])
-    own = (short * np.where(several, shared, 1.0)).sum(axis=-1)
+    own = (made.shorts * np.where(SHARED, shared, 1.0)).sum(axis=-1)
     resting = made.numbers[:, Numbers._fields.index("not_resting")]
     missed = short_of_aims(space.problem.aims, figure, made.numbers)
     return np.asarray(own + missed + weight * resting)
