@@ -1,9 +1,9 @@
 """Figures of a structure at several operating points, how short they fall, and the best choice.
 
 A claim falls short by 0 where it is shown with a margin to spare, by 1 and more where it is not.
-Given the structure, figures meet in sums and maxima only: a claim on every figure falls short as in
-the worst one. So each is computed and judged alone, and to choose an operating point for each costs
-no further run.
+Given the structure, figures meet in sums and maxima only: a claim on several figures falls short by
+the mean of what it does in the worst one and in all. So each figure is computed and judged alone,
+and to choose an operating point for each costs no further run.
 """
 
 import math
@@ -34,6 +34,7 @@ EXCESS = 4.0  # claims that an aim missed by its whole size counts as
 _MOST_EXCESS = 2.0
 _PREFERENCE = 0.5  # claims that a friction of twice the preferred one counts as
 _SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is judged alone
+BEARING = np.array([max(len(claim.figures), 1) for claim in CLAIMS])
 SHARED = np.array([len(claim.figures) > 1 and not claim.compares for claim in CLAIMS])
 
 
@@ -231,7 +232,9 @@ def shortfall(aims: Aims, shorts: Array, numbers: Array, missed: float) -> float
     """
     mean = float(numbers[:, Numbers._fields.index("not_resting")].mean())
     excess = min(max(mean / aims.not_resting - 1.0, 0.0), _MOST_EXCESS)
-    return float(shorts.max(axis=0).sum() + missed + EXCESS * excess)
+    worst = shorts.max(axis=0)
+    claims = np.where(SHARED, 0.5 * (worst + shorts.sum(axis=0) / BEARING), worst)
+    return float(claims.sum() + missed + EXCESS * excess)
 
 
 def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choice:
