@@ -102,7 +102,7 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
     strategy = CMA(
         mean=first[where],
         sigma=spec.step,
-        bounds=np.array([[0.0, 1.0]] * where.stop),
+        bounds=_bounds(start, where.stop),
         population_size=spec.population,
         seed=int(random.integers(2**31)),
     )
@@ -124,18 +124,25 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
     return Found.of(choices)
 
 
-def _start(found: Found, start: int, where: slice) -> Array:
-    """Return the set from which a search begins: a good one of a third of the half-widths.
+def _bounds(start: int, unknowns: int) -> Array:
+    """Return the bounds of a search, shape (unknowns, 2): it keeps to a third of the half-widths.
 
-    Slender and plump parts rest, tilt and lift off differently, and the pool has few good plump
-    ones. Every third search begins in the same third, from the next best structure there.
+    Slender and plump parts rest, tilt and lift off differently, and all searches would end among
+    those that meet the aims most easily. Every third search keeps to the same third.
     """
-    thirds = np.minimum((3.0 * found.points[:, 0]).astype(np.int64), 2)
-    own = thirds == start % 3
-    if not own.any():
-        own[:] = True
-    part = Found(found.points[own], found.shortfalls[own])
-    return part.best(start // 3 + 1, _APART, where)[-1]
+    bounds = np.array([[0.0, 1.0]] * unknowns)
+    bounds[0] = (start % 3) / 3.0, (start % 3 + 1) / 3.0
+    return bounds
+
+
+def _start(found: Found, start: int, where: slice) -> Array:
+    """Return the set from which a search begins: a good one within its bounds, if there is one."""
+    low, high = _bounds(start, where.stop)[0]
+    inside = (low <= found.points[:, 0]) & (found.points[:, 0] <= high)
+    part = Found(found.points[inside], found.shortfalls[inside]) if inside.any() else found
+    first = part.best(start // 3 + 1, _APART, where)[-1].copy()
+    first[0] = np.clip(first[0], low, high)
+    return first
 
 
 def _nearest(point: Array, known: Array, where: slice) -> Array:
