@@ -41,7 +41,7 @@ rule search_pool:
 
 rule search_round:
     input:
-        sets=sets_before,
+        sets_before,
     output:
         sets="<results>/identification/{start}/{round}.csv",
         record="<results>/identification/{start}/{round}.run.json",
@@ -62,7 +62,7 @@ rule search_round:
 
 rule search_final:
     input:
-        sets=expand(
+        expand(
             "<results>/identification/{start}/{round}.csv",
             start=range(search.starts),
             round=range(len(search.rounds)),

@@ -11,7 +11,7 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
     space = Space.model_validate(snakemake.params.space)
-    found = read_found(space, [Path(file) for file in snakemake.input.sets])
+    found = read_found(space, [Path(file) for file in snakemake.input])
     stages = [Stage.model_validate(stage) for stage in snakemake.params.stages]
     choice, datasets = final(space, stages, int(snakemake.wildcards.number), found)
     write_text(judged_text(space, choice, datasets), Path(snakemake.output.judged))

@@ -11,7 +11,7 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
     space = Space.model_validate(snakemake.params.space)
-    before = read_found(space, [Path(file) for file in snakemake.input.sets])
+    before = read_found(space, [Path(file) for file in snakemake.input])
     number, start = int(snakemake.wildcards.round), int(snakemake.wildcards.start)
     spec = Round.model_validate(snakemake.params.round)
     found = evolve(space, spec, number, start, before)
