@@ -73,13 +73,15 @@ def _distance(point: Array, other: Array, places: slice) -> float:
 
 
 def pool(space: Space, spec: Pool, part: int) -> Found:
-    """Return structures drawn from the priors by a Latin hypercube, with their best figures."""
-    random = _random(space, 0, part)
-    structures = qmc.LatinHypercube(space.places["structure"].stop, rng=random).random(
-        spec.structures
-    )
+    """Return structures drawn from the priors by a Latin hypercube, with their best figures.
+
+    The structures of a part are of one third of the half-widths; see ``_bounds``.
+    """
+    random, unknowns = _random(space, 0, part), space.places["structure"].stop
+    low, high = _bounds(part, unknowns).T
+    drawn = qmc.LatinHypercube(unknowns, rng=random).random(spec.structures)
     choices: list[Choice] = []
-    for structure in structures:
+    for structure in low + (high - low) * drawn:
         parents = np.empty((0, len(space.names)))
         made = judged(space, structure, parents, spec.stages, random, _worst(choices, 20))
         choices += [made[0]] if made else []
@@ -124,14 +126,14 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
     return Found.of(choices)
 
 
-def _bounds(start: int, unknowns: int) -> Array:
-    """Return the bounds of a search, shape (unknowns, 2): it keeps to a third of the half-widths.
+def _bounds(number: int, unknowns: int) -> Array:
+    """Return the bounds of a part of the pool or a search, shape (unknowns, 2).
 
-    Slender and plump parts rest, tilt and lift off differently, and all searches would end among
-    those that meet the aims most easily. Every third search keeps to the same third.
+    Each keeps to a third of the half-widths, every third one to the same: slender and plump parts
+    rest, tilt and lift off differently, and all would end among those that meet the aims easily.
     """
     bounds = np.array([[0.0, 1.0]] * unknowns)
-    bounds[0] = (start % 3) / 3.0, (start % 3 + 1) / 3.0
+    bounds[0] = (number % 3) / 3.0, (number % 3 + 1) / 3.0
     return bounds
 
 
