@@ -94,15 +94,16 @@ rule fuzz_summary:
 
 # These print a result even if nothing was computed. They are no runs: their log is not below logs/.
 for name, text, must_end in (
-    ("accuracy", "summary", ""),
-    ("fuzz", f"fuzz_{campaign.scene}", HOLDS),
+    ("accuracy", "accuracy/summary.txt", ""),
+    ("fuzz", f"accuracy/fuzz_{campaign.scene}.txt", HOLDS),
+    ("identification", "identification/device.yaml", ""),
 ):
 
     rule:
         name:
             name
         input:
-            f"<results>/accuracy/{text}.txt",
+            f"<results>/{text}",
         log:
             "<results>/accuracy/printed.log",
         localrule: True

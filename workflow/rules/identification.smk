@@ -13,14 +13,6 @@ localrules:
     search_summary,
 
 
-def sets_before(wildcards):
-    """Return the sets from which a round begins: those of the pool, or of the round before."""
-    last = int(wildcards.round) - 1
-    if last < 0:
-        return expand("<results>/identification/pool/{part}.csv", part=range(search.pool.parts))
-    return f"<results>/identification/{wildcards.start}/{last}.csv"
-
-
 rule search_pool:
     input:
         "<results>/data/kernels.json",
@@ -84,9 +76,7 @@ rule search_final:
 
 rule search_summary:
     input:
-        expand(
-            "<results>/identification/final/{number}.json", number=range(search.final.sets)
-        ),
+        expand("<results>/identification/final/{number}.json", number=range(search.final.sets)),
     output:
         sets="<results>/identification/sets.csv",
         claims="<results>/identification/claims.csv",
@@ -101,16 +91,3 @@ rule search_summary:
         "search: the sets that were found, and the device"
     script:
         "../scripts/search_summary.py"
-
-
-rule identification:
-    input:
-        rules.search_summary.output.device,
-    log:
-        "<results>/identification/printed.log",
-    params:
-        must_end="",
-    message:
-        "the device that was found"
-    script:
-        "../scripts/print_result.py"
