@@ -8,7 +8,7 @@ import pytest
 from model.study.claims import CLAIMS, judge
 from model.study.claims.ledger import Judgement
 from model.study.config import Study, check_study, read_study, study_path
-from model.study.config.identification import Pool, Round, Stage
+from model.study.config.identification import Round, Stage
 from model.study.identification import candidates, search
 from model.study.identification.candidates import Numbers, Tried, short_of, short_of_aims
 from model.study.identification.space import Space, bare_inertia, space_of, structure_of
@@ -153,10 +153,9 @@ def test_the_choice_is_near_the_best_of_all_combinations(space: Space) -> None:
 
 
 def test_a_part_is_the_same_whenever_it_is_computed(space: Space, tmp_path) -> None:
-    spec = Pool(structures=3, parts=1, stages=[COARSE])
-    first, second = search.pool(space, spec, 0), search.pool(space, spec, 0)
+    first, second = (search.pool(space, 3, [COARSE], 0) for _ in range(2))
     assert np.array_equal(first.points, second.points)
-    assert not np.array_equal(first.points[0], search.pool(space, spec, 1).points[0])
+    assert not np.array_equal(first.points[0], search.pool(space, 3, [COARSE], 1).points[0])
     assert np.all(np.diff(first.shortfalls) >= 0.0)
 
     path = tmp_path / "sets.csv"
@@ -170,7 +169,7 @@ def test_a_part_is_the_same_whenever_it_is_computed(space: Space, tmp_path) -> N
 
 
 def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(space: Space, tmp_path) -> None:
-    found = search.pool(space, Pool(structures=2, parts=1, stages=[COARSE]), 0)
+    found = search.pool(space, 2, [COARSE], 0)
     choice, datasets = search.final(space, [COARSE], 0, found)
     paths = []
     for number in range(2):

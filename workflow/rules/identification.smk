@@ -24,7 +24,8 @@ rule search_pool:
     params:
         *code("search_pool"),
         space=space,
-        pool=stated(search.pool),
+        structures=search.pool.structures,
+        stages=[stated(stage) for stage in search.pool.stages],
     message:
         "search: drawing part {wildcards.part} of the pool"
     script:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.study.config.identification import Pool
+from model.study.config.identification import Stage
 from model.study.files import write_text
 from model.study.identification.search import pool
 from model.study.identification.space import Space
@@ -11,6 +11,6 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
     space = Space.model_validate(snakemake.params.space)
-    spec = Pool.model_validate(snakemake.params.pool)
-    found = pool(space, spec, int(snakemake.wildcards.part))
+    stages = [Stage.model_validate(stage) for stage in snakemake.params.stages]
+    found = pool(space, snakemake.params.structures, stages, int(snakemake.wildcards.part))
     write_text(found_text(space, found), Path(snakemake.output.sets))

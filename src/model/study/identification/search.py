@@ -15,7 +15,7 @@ from cmaes import CMA
 from numpy.random import Generator
 from scipy.stats import qmc
 
-from model.study.config.identification import Pool, Round, Stage
+from model.study.config.identification import Round, Stage
 from model.study.identification.candidates import Choice, Tried, chosen, costs_alone, tried
 from model.study.identification.space import Array, Space
 
@@ -72,18 +72,18 @@ def _distance(point: Array, other: Array, places: slice) -> float:
     return float(np.abs(point[places] - other[places]).max())
 
 
-def pool(space: Space, spec: Pool, part: int) -> Found:
+def pool(space: Space, structures: int, stages: Sequence[Stage], part: int) -> Found:
     """Return structures drawn from the priors by a Latin hypercube, with their best figures.
 
     The structures of a part are of one third of the half-widths; see ``_bounds``.
     """
     random, unknowns = _random(space, 0, part), space.places["structure"].stop
     low, high = _bounds(part, unknowns).T
-    drawn = qmc.LatinHypercube(unknowns, rng=random).random(spec.structures)
+    drawn = qmc.LatinHypercube(unknowns, rng=random).random(structures)
     choices: list[Choice] = []
     for structure in low + (high - low) * drawn:
         parents = np.empty((0, len(space.names)))
-        made = judged(space, structure, parents, spec.stages, random, _worst(choices, 20))
+        made = judged(space, structure, parents, stages, random, _worst(choices, 20))
         choices += [made[0]] if made else []
     return Found.of(choices)
 
