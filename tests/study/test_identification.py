@@ -1,6 +1,7 @@
 """The search for the unstated parameters: its unknowns, its judgement and its parts."""
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -72,7 +73,7 @@ def test_another_device_is_the_same_search(study: Study, space: Space) -> None:
 def test_sweeps_are_those_of_a_study_with_this_device(study: Study, space: Space) -> None:
     """A figure that the search computes is the one that the study would compute."""
     values = space.values(np.full(len(space.names), 0.4))
-    held = {name: {} for name in space.figures}
+    held: dict[str, dict[str, float]] = {name: {} for name in space.figures}
     for unknown, value in values.items():
         figure, dot, name = unknown.partition(".")
         if dot:
@@ -95,9 +96,9 @@ def test_sweeps_are_those_of_a_study_with_this_device(study: Study, space: Space
             each.values for each in wanted.dimensions
         ]
         swept = {each.parameter for each in mine.dimensions}
-        for parameter, value in wanted.parameters.items():
+        for parameter, own in wanted.parameters.items():
             if parameter not in swept:
-                assert mine.parameters[parameter] == value, (name, parameter)
+                assert mine.parameters[parameter] == own, (name, parameter)
 
 
 def test_a_claim_falls_short_by_less_the_nearer_it_is() -> None:
@@ -152,7 +153,7 @@ def test_the_choice_is_near_the_best_of_all_combinations(space: Space) -> None:
     assert found.shortfall <= every[2]
 
 
-def test_a_part_is_the_same_whenever_it_is_computed(space: Space, tmp_path) -> None:
+def test_a_part_is_the_same_whenever_it_is_computed(space: Space, tmp_path: Path) -> None:
     first, second = (search.pool(space, 3, [COARSE], 0) for _ in range(2))
     assert np.array_equal(first.points, second.points)
     assert not np.array_equal(first.points[0], search.pool(space, 3, [COARSE], 1).points[0])
@@ -168,7 +169,9 @@ def test_a_part_is_the_same_whenever_it_is_computed(space: Space, tmp_path) -> N
     assert np.array_equal(moved.points, search.evolve(space, turn, 0, 0, read).points)
 
 
-def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(space: Space, tmp_path) -> None:
+def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(
+    space: Space, tmp_path: Path
+) -> None:
     found = search.pool(space, 2, [COARSE], 0)
     choice, datasets = search.final(space, [COARSE], 0, found)
     paths = []
