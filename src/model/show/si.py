@@ -51,10 +51,12 @@ def range_words(low: float, high: float, quantity: Quantity, units: Units | None
     return si_list([value * units.of(quantity) for value in (low, high)], quantity, " to ")
 
 
-def si_list(values: Sequence[float], quantity: Quantity, between: str = ", ") -> str:
-    """Return values in SI units with four digits, in the unit of the largest."""
+def si_list(
+    values: Sequence[float], quantity: Quantity, between: str = ", ", digits: int = DIGITS
+) -> str:
+    """Return values in SI units, in the unit of the largest."""
     unit, one = display(max(values, key=abs), quantity)
-    return f"{between.join(f'{value / one:.{DIGITS}g}' for value in values)} {unit}".rstrip()
+    return f"{between.join(f'{value / one:.{digits}g}' for value in values)} {unit}".rstrip()
 
 
 def si_words(value: float, quantity: Quantity) -> str:
