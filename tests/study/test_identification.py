@@ -55,10 +55,11 @@ def test_a_point_has_the_values_that_make_it(space: Space) -> None:
 
 def test_damping_ratios_and_the_inertia_follow_their_definitions() -> None:
     values = {
-        "half_width": 1.2, "half_height": 3.0, "inertia_ratio": 2.0, "lateral_stiffness": 0.25,
+        "half_width": 1.2, "slenderness": 2.5, "inertia_ratio": 2.0, "lateral_stiffness": 0.25,
         "lateral_damping_ratio": 0.1, "axial_damping_ratio": 0.2, "tilt_damping_ratio": 0.3,
     }  # fmt: skip
     found = structure_of(values)
+    assert found["half_height"] == pytest.approx(3.0)
     assert found["inertia"] == pytest.approx(2.0 * (1.44 + 9.0) / 3.0)
     assert found["lateral_damping"] == pytest.approx(2.0 * 0.1 * 0.5)
     assert found["axial_damping"] == pytest.approx(0.4)
@@ -78,7 +79,7 @@ def test_sweeps_are_those_of_a_study_with_this_device(study: Study, space: Space
         figure, dot, name = unknown.partition(".")
         if dot:
             held[figure][name] = value
-    bare = bare_inertia(values)
+    bare = bare_inertia(structure_of(values))
     figures = {
         name: spec.model_copy(update={"held": {**spec.held, **held[name]}} if name in held else {})
         for name, spec in study.figures.items()

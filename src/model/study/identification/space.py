@@ -190,12 +190,15 @@ def structure_of(values: Mapping[str, float]) -> dict[str, float]:
     A damping is 2 ζ √(k m), with the mass 1 of the body or its inertia and the stiffness of the
     same direction; the inertia is the ratio times that of the homogeneous rectangle, (a² + b²)/3.
     """
-    inertia = values["inertia_ratio"] * bare_inertia(values)
+    sizes = {
+        "half_width": values["half_width"],
+        "half_height": values["slenderness"] * values["half_width"],
+    }
+    inertia = values["inertia_ratio"] * bare_inertia(sizes)
     lateral = 2.0 * math.sqrt(values["lateral_stiffness"])
     tilt = 2.0 * math.sqrt(TYPICAL_TILT_STIFFNESS * inertia)
     return {
-        "half_width": values["half_width"],
-        "half_height": values["half_height"],
+        **sizes,
         "inertia": inertia,
         "lateral_stiffness": values["lateral_stiffness"],
         "lateral_damping": values["lateral_damping_ratio"] * lateral,
