@@ -245,8 +245,9 @@ def test_smoke_changes_only_sizes() -> None:
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     assert set(smoke) == {
         "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
-        "hard_cases", "jamming",
+        "hard_cases", "identification", "jamming",
     }  # fmt: skip
+    assert set(smoke["identification"]) == {"pool", "starts", "rounds", "final"}
     assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble"}
     assert all(
         run == {"swept": {"count": run["swept"]["count"]}} for run in smoke["claims_runs"].values()

@@ -19,11 +19,11 @@ from model import Parameters, Settings
 from model.study.config import Axis, Ensemble, RunSettings, Span, Study
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset
-from model.study.devices import load_device, read_device
+from model.study.devices import read_device
 from model.study.io import write_dataset
 from model.study.maps.compute import compute_part
-from model.study.maps.dataset import in_si, map_dataset, part_dataset
-from model.study.maps.plan import MapPlan, plan_of
+from model.study.maps.dataset import map_dataset, part_dataset
+from model.study.maps.plan import MapPlan, QuantitySpan, plan_of
 from model.study.sweep import Sweep, merge, run, sweep_of
 from model.study.version import version
 
@@ -47,6 +47,14 @@ def plan(device: Parameters, other: str, low: float, high: float) -> MapPlan:
     y = Span(parameter=other, start=low, stop=high)
     starts = Ensemble(phases=2, tilts=[1.0], every=1)
     return plan_of("trial", device, settings, (x, y), 2, starts)
+
+
+def plan_in_si() -> MapPlan:
+    peg = read_device(PEG)
+    settings = RunSettings(readings="consistent", horizon=20.0, tolerance=1e-6)
+    x = QuantitySpan(parameter="tilt_stiffness", start=0.3, stop=1.0)
+    y = QuantitySpan(parameter="initial_tilt", start=0.001, stop=0.003)
+    return plan_of("map", peg.parameters, settings, (x, y), 2, None, peg)
 
 
 def few(study: Study, name: str) -> Sweep:
@@ -95,16 +103,13 @@ def written(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> dict[str, Path]:
     """A file of every kind: the figures' are like the two sweeps, a map like that in SI units."""
-    study, units = small_study(4, 3), load_device(PEG, {}).units
-    forces, tilts = (
-        plan(device, "press_force", 1.0, 9.0),
-        plan(device, "initial_tilt", 0.001, 0.003),
-    )
+    study, in_si = small_study(4, 3), plan_in_si()
+    forces = plan(device, "press_force", 1.0, 9.0)
     datasets = {
         **{name: swept(study, name) for name in ("fig05", "centred", "jamming")},
         "chunk": run(few(study, "fig06"), 0, 2),
         "part": part_dataset(forces, 0, 1, compute_part(forces)),
-        "map_in_si": in_si(map_dataset(tilts, compute_part(tilts), "A map"), units),
+        "map_in_si": map_dataset(in_si, compute_part(in_si), "A map"),
         "fixed_steps": fixed_steps(study),
         "precision": precision(study),
         "design": design(),

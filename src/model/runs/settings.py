@@ -3,7 +3,7 @@
 import math
 import numbers
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Protocol, get_args
+from typing import Any, Protocol, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,6 +130,7 @@ class Settings:
         )
 
 
+@runtime_checkable
 class Stated(Protocol):
     """Device as ``load_device`` returns it: dimensionless parameters, and the start of its runs."""
 

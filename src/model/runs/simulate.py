@@ -90,7 +90,7 @@ def simulate(
         ValueError: a setting out of range.
     """
     settings = settings_with(settings, changes)
-    if not isinstance(parameters, Parameters):
+    if isinstance(parameters, Stated):
         settings = replace(settings, start=settings.start or parameters.start)
         parameters = parameters.parameters
     rows = settings.rows(Batch.stack([parameters]))

@@ -119,6 +119,8 @@ class MapPlan(Plan):
         units vary. ``starts`` are parameters at the nodes besides.
         """
         values, settings = self.swept(rows, columns), self.settings.settings
+        if rows.size == 0:
+            return
         if self.device is None:
             yield slice(None), Batch.of(self.baseline, **values, **starts), settings
             return
