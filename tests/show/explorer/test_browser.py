@@ -302,7 +302,7 @@ def test_a_device_and_its_command_agree(
             assert record["tau_align"] == expected
     # The unvibrated run ends in the words of the command.
     assert cli.main(command[1:]) == cli.DONE
-    words = capsys.readouterr().out.partition("without vibration: ")[2].strip()
+    words = capsys.readouterr().out.partition("without vibration: ")[2].partition("\n")[0].strip()
     said = started.text("words") + started.text("beside")
     assert f"ithout vibration it {words}" in said
     assert started.errors == []
