@@ -72,6 +72,17 @@ def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
     assert "what to relax          contact_force from 8 N to " in said
 
 
+def test_tolerances_that_are_too_wide_are_named(capsys, peg):
+    device = peg("time: 0.5 s", friction="0.6 ± 0.59")
+    assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
+    said = capsys.readouterr().out
+    assert said.startswith(
+        "no setting of those tried goes in with all devices within the tolerances"
+    )
+    assert "the tolerances" in next(x for x in said.splitlines() if x.startswith("what binds"))
+    assert "what to relax          no limit: " in said
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -182,7 +182,11 @@ def _report(
     tried, best = design.tried, design.best
     word = "recommended" if design.feasible else "nearest to it"
     margin = tried.margin[best]
-    lines = [] if design.feasible else ["no setting of those tried keeps the limits"]
+    all_go_in = tried.share[best] >= 1.0
+    lines = []
+    if not design.feasible:
+        rule = "keeps the limits" if all_go_in else "goes in with all devices within the tolerances"
+        lines = [f"no setting of those tried {rule}"]
     lines += [_line(word, named_words(design.setting)), _line("verdict", verdict)]
     words = f"{margin:.3g} tolerances away" if margin < 3.0 else "none within three tolerances"
     words += f", on {POINTS} lines from every start" if design.feasible else ""
@@ -197,8 +201,12 @@ def _report(
         words = f"needed by {100.0 * share:.3g} % of the devices within the tolerances"
         lines.append(_line("vibration", f"{words} (limit: {asked})"))
     binding = design.binding(search.stated.free)
+    if not all_go_in:
+        binding.append("the tolerances")
     lines.append(_line("what binds", ", ".join(binding) or "nothing: it lies inside"))
     words = f"{tried.share.size} settings, quickly; {design.judged} as assess judges them"
+    if design.thorough is not None:
+        words += f", this one by {design.thorough.devices} devices"
     held = int(design.feasible)
     words += f", of which {design.judged - held} did not hold" if design.judged > held else ""
     lines.append(_line("tried", words))
@@ -224,7 +232,10 @@ def _relaxed(design: "Design") -> list[str]:
     """Return a line for each limit that would suffice if it were relaxed."""
     relaxed = design.to_relax()
     if not relaxed:
+        share = design.tried.share[design.best]
         words = "no limit alone: relax two, widen the free ranges or tighten the tolerances"
+        if share < 1.0:
+            words = "no limit: widen the free ranges, or tighten the tolerances (see assess)"
         return [_line("what to relax", words)]
     lines = []
     for name, value in relaxed.items():

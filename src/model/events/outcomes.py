@@ -101,7 +101,7 @@ REASON_TEXT: dict[Reason, str] = {
 UNVIBRATED_TEXT: dict[Unvibrated, str] = {
     Unvibrated.ALIGNS: "aligns all the same",
     Unvibrated.RESTS: "rests on the edge",
-    Unvibrated.LEAVES: "does not come to rest on the edge",
+    Unvibrated.LEAVES: "does not come to rest on the edge within the horizon",
 }
 
 _REMEDY_OF_OUTCOME: dict[Outcome, str] = {
