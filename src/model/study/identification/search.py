@@ -62,12 +62,6 @@ class Found:
         return np.array(kept)
 
 
-def together(parts: Sequence[Found]) -> Found:
-    """Return the sets of all parts."""
-    points, shortfalls = zip(*((each.points, each.shortfalls) for each in parts), strict=True)
-    return Found(np.concatenate(points), np.concatenate(shortfalls))
-
-
 def _distance(point: Array, other: Array, places: slice) -> float:
     return float(np.abs(point[places] - other[places]).max())
 
