@@ -2,25 +2,16 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field
 
-from model.study.config.base import Strict, check_rising, parameter_names
+from model.study.config.base import LogRange, Strict, parameter_names
 
 
-class Range(Strict):
+class Range(LogRange):
     """Distribution of one parameter: log-uniform from low to high, or 0 in a share of the sets."""
 
-    low: float = Field(gt=0.0)
-    """Smallest value drawn, > 0."""
-    high: float
-    """Largest value drawn, above ``low``."""
     zero: float = Field(default=0.0, ge=0.0, lt=1.0)
     """Share of the sets in which the parameter is 0."""
-
-    @model_validator(mode="after")
-    def _is_a_range(self) -> "Range":
-        check_rising(("low", self.low), ("high", self.high))
-        return self
 
     def holds(self, value: float) -> bool:
         """Return whether ``value`` is within the range, or is 0 and 0 can be drawn."""

@@ -102,6 +102,20 @@ class Span(Strict):
         return self
 
 
+class LogRange(Strict):
+    """A range of values > 0, uniform on a log axis."""
+
+    low: float = Field(gt=0.0)
+    """Smallest value, > 0."""
+    high: float
+    """Largest value, above ``low``."""
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> "LogRange":
+        check_rising(("low", self.low), ("high", self.high))
+        return self
+
+
 class Axis(Span):
     """Equidistant values of one parameter, both ends included."""
 

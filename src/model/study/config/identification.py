@@ -1,22 +1,8 @@
 """The search for the parameters that the paper leaves unstated: priors, grids, aims and effort."""
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from model.study.config.base import Strict, Text, Tolerance, check_rising
-
-
-class Prior(Strict):
-    """Log-uniform range of an unknown."""
-
-    low: float = Field(gt=0.0)
-    """Smallest value, > 0."""
-    high: float
-    """Largest value, above ``low``."""
-
-    @model_validator(mode="after")
-    def _is_a_range(self) -> "Prior":
-        check_rising(("low", self.low), ("high", self.high))
-        return self
+from model.study.config.base import LogRange, Strict, Text, Tolerance
 
 
 class Grid(Strict):
@@ -39,18 +25,23 @@ class Stage(Strict):
     """Number of operating points of each figure."""
 
 
-class Pool(Strict):
+class Judged(Strict):
+    """Structures that are judged in stages."""
+
+    stages: list[Stage] = Field(min_length=1)
+    """How a structure is judged, on one grid after the other."""
+
+
+class Pool(Judged):
     """Structures drawn from the priors, of which the best start the search."""
 
     structures: int = Field(ge=1)
     """Number of structures in a part."""
     parts: int = Field(ge=1)
     """Number of parts, each one job."""
-    stages: list[Stage] = Field(min_length=1)
-    """How a structure is judged."""
 
 
-class Round(Strict):
+class Round(Judged):
     """A part of the search around the best structure so far."""
 
     step: float = Field(gt=0.0)
@@ -59,17 +50,13 @@ class Round(Strict):
     """Number of generations."""
     population: int = Field(ge=4)
     """Structures in a generation."""
-    stages: list[Stage] = Field(min_length=1)
-    """How a structure is judged."""
 
 
-class Final(Strict):
-    """Judgement of the best structures on the study's own grids."""
+class Final(Judged):
+    """Judgement of the best structures; the last grid is the study's own."""
 
     sets: int = Field(ge=1)
     """Number of structures."""
-    stages: list[Stage] = Field(min_length=1)
-    """How a structure is judged; the last grid is the study's own."""
 
 
 class Aims(Strict):
@@ -98,10 +85,10 @@ class Problem(Strict):
 
     seed: int = Field(ge=0)
     """Seed of the random draws."""
-    structure: dict[str, Prior]
-    """Unknowns that all figures share."""
-    operating_points: dict[str, dict[str, Prior]]
-    """Unknowns of each figure."""
+    structure: dict[str, LogRange]
+    """Priors of the unknowns that all figures share, log-uniform."""
+    operating_points: dict[str, dict[str, LogRange]]
+    """Priors of the unknowns of each figure."""
     stated: dict[str, dict[str, float]]
     """Parameters that the paper states of a figure."""
     aims: Aims

@@ -72,14 +72,10 @@ def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
         (json.loads(path.read_text()) for path in paths), key=lambda each: each[_SHORTFALL]
     )
     return {
-        "sets": csv_text(_columns(sets[0]), [_row(each) for each in sets]),
+        "sets": csv_text([*_row(sets[0])], map(_row, sets)),
         "claims": _claims_text(sets),
         "device": _configuration(space, sets[0]["values"]),
     }
-
-
-def _columns(judged: Mapping[str, Any]) -> list[str]:
-    return [*_row(judged)]
 
 
 def _row(judged: Mapping[str, Any]) -> dict[str, Any]:
