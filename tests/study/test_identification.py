@@ -114,14 +114,25 @@ def test_a_claim_falls_short_by_less_the_nearer_it_is() -> None:
 
 
 def test_an_aim_that_is_met_costs_nothing(space: Space) -> None:
-    aims = space.problem.aims
+    problem = space.problem
     good = Numbers(1.0, 0.8, 0.0, 0.1, 1.0, 0.1)
-    assert short_of_aims(aims, "fig06", np.array(good)) == 0.0
+    assert short_of_aims(problem, "fig06", np.array(good)) == 0.0
     for field, value in {"aligned": 0.05, "tilt": 0.3, "corners": 0.9, "friction": 0.5}.items():
         worse = good._replace(**{field: value})
-        assert short_of_aims(aims, "fig06", np.array(worse)) > 0.0, field
+        assert short_of_aims(problem, "fig06", np.array(worse)) > 0.0, field
     full = good._replace(aligned_mean=1.0)
-    assert short_of_aims(aims, "fig13", np.array(full)) > 0.0
+    assert short_of_aims(problem, "fig13", np.array(full)) > 0.0
+
+
+def test_missing_a_limit_costs_more_than_missing_an_aim(space: Space) -> None:
+    aim, limit = space.problem.aims.tilt, space.problem.limits.tilt
+    tilts = np.array([aim, limit, limit + 0.01])
+    numbers = np.array([Numbers(1.0, 0.8, 0.0, tilt, 1.0, 0.1) for tilt in tilts])
+    missed = short_of_aims(space.problem, "fig06", numbers)
+    assert missed[0] == 0.0
+    assert missed[1] == pytest.approx(candidates.AIM * (limit / aim - 1.0))
+    further = candidates.AIM * 0.01 / aim + candidates.LIMIT * 0.01 / limit
+    assert missed[2] - missed[1] == pytest.approx(further)
 
 
 def test_the_choice_is_near_the_best_of_all_combinations(space: Space) -> None:
@@ -137,13 +148,13 @@ def test_the_choice_is_near_the_best_of_all_combinations(space: Space) -> None:
         for name in names
     }
     found = candidates.chosen(space, np.full(7, 0.5), made)
-    aims = space.problem.aims
-    missed = {name: short_of_aims(aims, name, made[name].numbers) for name in names}
+    problem = space.problem
+    missed = {name: short_of_aims(problem, name, made[name].numbers) for name in names}
 
     def cost(rows: tuple[int, ...]) -> float:
         pairs = list(zip(names, rows, strict=True))
         return candidates.shortfall(
-            aims,
+            problem,
             np.array([made[name].shorts[row] for name, row in pairs]),
             np.array([made[name].numbers[row] for name, row in pairs]),
             sum(missed[name][row] for name, row in pairs),

@@ -93,6 +93,8 @@ class Problem(Strict):
     """Parameters that the paper states of a figure."""
     aims: Aims
     """What a set should reach besides the claims."""
+    limits: Aims
+    """What it must reach: the same numbers, less strict; missing them costs more."""
     set_aside: dict[str, Text]
     """Claims that the search does not pursue, with the reason."""
     grids: dict[str, Grid]

@@ -23,14 +23,14 @@ from model.study.claims.claims import CLAIMS
 from model.study.claims.data import Data
 from model.study.claims.ledger import Judgement, judge_claim
 from model.study.claims.regime import regime_of
-from model.study.config.identification import Aims, Grid
+from model.study.config.identification import Aims, Grid, Problem
 from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
 from model.study.sweep import Columns, Sweep, dataset_of, merge, run
 
 SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on another grid
 TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope
 AGAINST = 0.5  # of a claim, if it is contradicted rather than shown in part
-EXCESS = 4.0  # claims that an aim missed by its whole size counts as
+AIM, LIMIT = 4.0, 20.0  # claims that an aim and a limit missed by its whole size count as
 _MOST_EXCESS = 2.0
 _PREFERENCE = 0.5  # claims that a friction of twice the preferred one counts as
 _SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is judged alone
@@ -201,11 +201,19 @@ def numbers_of(
 # --- Shortfalls and choice ------------------------------------------------------------------------
 
 
-def short_of_aims(aims: Aims, figure: str, numbers: Array) -> Array:
-    """Return by how much a figure misses its aims, in claims, shape (..., 6) to (...).
+def short_of_aims(problem: Problem, figure: str, numbers: Array) -> Array:
+    """Return by how much a figure misses its aims and limits, in claims, shape (..., 6) to (...).
 
-    The aim for the mean share not resting is left to ``shortfall``.
+    Those for the mean share not resting are left to ``shortfall``.
     """
+    friction = numbers[..., Numbers._fields.index("friction")]
+    preferred = np.maximum(friction / problem.aims.friction - 1.0, 0.0)
+    missed = AIM * _excess(problem.aims, figure, numbers)
+    missed += LIMIT * _excess(problem.limits, figure, numbers)
+    return np.asarray(missed + _PREFERENCE * preferred)
+
+
+def _excess(aims: Aims, figure: str, numbers: Array) -> Array:
     each = Numbers(*np.moveaxis(numbers, -1, 0))
     least = aims.aligned_mean.get(figure, aims.aligned)
     ratios = [
@@ -216,37 +224,37 @@ def short_of_aims(aims: Aims, figure: str, numbers: Array) -> Array:
         least / np.maximum(each.aligned_mean, 0.01),
         np.asarray(each.aligned_mean) / aims.aligned_most.get(figure, 1.0),
     ]
-    excess = sum(np.clip(np.asarray(ratio) - 1.0, 0.0, _MOST_EXCESS) for ratio in ratios)
-    preferred = np.maximum(np.asarray(each.friction) / aims.friction - 1.0, 0.0)
-    return np.asarray(EXCESS * excess + _PREFERENCE * preferred)
+    excesses = np.clip(np.stack(np.broadcast_arrays(*ratios)) - 1.0, 0.0, _MOST_EXCESS)
+    return np.asarray(excesses.sum(axis=0))
 
 
-def shortfall(aims: Aims, shorts: Array, numbers: Array, missed: float) -> float:
+def shortfall(problem: Problem, shorts: Array, numbers: Array, missed: float) -> float:
     """Return the shortfall of a set, in claims.
 
     Args:
-        aims: what it should reach besides the claims.
+        problem: what it should reach besides the claims.
         shorts: by how much claims fall short in each figure, shape (figures, claims).
         numbers: of each figure, shape (figures, 6).
         missed: sum of ``short_of_aims`` over the figures.
     """
     mean = float(numbers[:, Numbers._fields.index("not_resting")].mean())
-    excess = min(max(mean / aims.not_resting - 1.0, 0.0), _MOST_EXCESS)
+    for aims, weight in ((problem.aims, AIM), (problem.limits, LIMIT)):
+        missed += weight * min(max(mean / aims.not_resting - 1.0, 0.0), _MOST_EXCESS)
     worst = shorts.max(axis=0)
     claims = np.where(SHARED, 0.5 * (worst + shorts.sum(axis=0) / BEARING), worst)
-    return float(claims.sum() + missed + EXCESS * excess)
+    return float(claims.sum() + missed)
 
 
 def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choice:
     """Return the operating points of least shortfall: from several starts, one figure at a time."""
-    aims, names = space.problem.aims, list(figures)
-    missed = {name: short_of_aims(aims, name, figures[name].numbers) for name in names}
+    problem, names = space.problem, list(figures)
+    missed = {name: short_of_aims(problem, name, figures[name].numbers) for name in names}
 
     def cost(picked: Sequence[int]) -> float:
         pairs = list(zip(names, picked, strict=True))
         shorts = np.array([figures[name].shorts[row] for name, row in pairs])
         numbers = np.array([figures[name].numbers[row] for name, row in pairs])
-        return shortfall(aims, shorts, numbers, sum(missed[name][row] for name, row in pairs))
+        return shortfall(problem, shorts, numbers, sum(missed[name][row] for name, row in pairs))
 
     best, least = None, math.inf
     for weight in (0.0, 2.0, 6.0, 15.0):
@@ -288,5 +296,5 @@ def costs_alone(
     """
     own = (made.shorts * np.where(SHARED, shared, 1.0)).sum(axis=-1)
     resting = made.numbers[:, Numbers._fields.index("not_resting")]
-    missed = short_of_aims(space.problem.aims, figure, made.numbers)
+    missed = short_of_aims(space.problem, figure, made.numbers)
     return np.asarray(own + missed + weight * resting)
