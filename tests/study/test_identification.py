@@ -1,6 +1,9 @@
 """The search for the unstated parameters: its unknowns, its judgement and its parts."""
 
 import itertools
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +72,24 @@ def test_damping_ratios_and_the_inertia_follow_their_definitions() -> None:
 def test_another_device_is_the_same_search(study: Study, space: Space) -> None:
     other = study.model_copy(update={"structure": {**study.structure, "half_width": 0.7}})
     assert space_of(other).identity == space.identity
+
+
+def test_the_search_is_stated_in_the_same_order_in_every_process() -> None:
+    """Snakemake runs a part again, hours of it, if the text of its parameters differs."""
+    code = (
+        "from model.study.config import load_study, study_path\n"
+        "from model.study.identification.space import space_of\n"
+        "print(space_of(load_study(study_path())).model_dump())"
+    )
+
+    def told(seed: str) -> str:
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        command = [sys.executable, "-c", code]
+        return subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=True
+        ).stdout
+
+    assert told("1") == told("2")
 
 
 def test_sweeps_are_those_of_a_study_with_this_device(study: Study, space: Space) -> None:

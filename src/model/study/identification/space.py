@@ -172,8 +172,9 @@ def space_of(study: "Study") -> Space:
         elif figure.kind == "map":
             dimensions[name] = [figure.y, figure.x]
     dimensions |= {name: [run.family, run.swept] for name, run in study.claims_runs.items()}
-    unknown = {name for point in spec.operating_points.values() for name in point}
-    fixed = {name: value for name, value in stated.items() if name not in unknown | {*DEVICE}}
+    # In a fixed order: Snakemake compares the texts of parameters, and a set's order changes.
+    unknown = sorted({name for point in spec.operating_points.values() for name in point})
+    fixed = {name: value for name, value in stated.items() if name not in {*unknown, *DEVICE}}
     return Space(
         problem=Problem(**{name: getattr(spec, name) for name in Problem.model_fields}),
         # A figure sets every unknown, or sweeps it: then no run uses the 1 that stands for it here.
