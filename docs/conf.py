@@ -18,6 +18,7 @@ extensions = [
     "gallery",
     "sphinx_gallery.gen_gallery",
     "mathml",
+    "drawing",
     "held_by",
     "generated",
 ]

@@ -18,18 +18,12 @@ from PIL import Image
 from model import INSERTION, Parameters, Settings, load_device, simulate
 from model.show import style
 
-FRAMES, HELD, PAUSE = (
-    100,
-    20,
-    60,
-)  # of the frames, HELD show the end; milliseconds from one to the next
+# Of the frames HELD show the end; PAUSE milliseconds from one to the next.
+FRAMES, HELD, PAUSE = 100, 20, 60
 COLOURS = 24
 SHOWN = 0.14  # seconds
-WIDTH, BELOW, HOLDER = (
-    11.0,
-    6.0,
-    48.0,
-)  # mm: half the picture's width, its depth, height of the holder
+# In mm: half the picture's width, its depth, the height of the holder.
+WIDTH, BELOW, HOLDER = 11.0, 6.0, 48.0
 
 
 def corners(device: Parameters, x: float, y: float, tilt: float) -> np.ndarray:

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from model.show.schematics import DRAWINGS
+
 REPOSITORY = Path(__file__).parents[2]
 DOCS = REPOSITORY / "docs"
 HELD_BY = re.compile(r"^```\{held-by\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -26,7 +28,7 @@ def text_of(pages: Path) -> dict[str, str]:
 
 
 def test_every_function_that_the_theory_names_exists():
-    for page, text in text_of(DOCS / "theory").items():
+    for page, text in {**text_of(DOCS), **text_of(DOCS / "theory")}.items():
         for name in "".join(HELD_BY.findall(text)).split():
             module, _, function = name.rpartition(".")
             path = REPOSITORY / "src" / "model" / f"{module.replace('.', '/')}.py"
@@ -44,6 +46,13 @@ def test_every_equation_of_the_theory_is_followed_by_its_function():
             ends = [following.find(mark) for mark in ("```{held-by}", "\n## ")]
             held, section = (end if end >= 0 else len(following) for end in ends)
             assert held < section, f"{page}: {label}"
+
+
+def test_a_drawing_stands_beside_the_equations():
+    for page in ("frame.md", "motion.md", "contacts.md"):
+        drawn = re.findall(r"^```\{drawing\} (\w+)$", text_of(DOCS / "theory")[page], re.MULTILINE)
+        assert drawn, page
+        assert set(drawn) <= set(DRAWINGS)
 
 
 def test_every_part_of_the_physics_has_its_equation():

@@ -7,7 +7,7 @@ import pytest
 from model import Variants
 from model.physics.variants import VARIANT_NAMES
 
-# R1 to R9 of docs/theory/variants.md, without R7, which has no switch.
+# R1 to R9 of docs/paper.md, without R7, which has no switch.
 TABLE = {
     "normal_sign", "friction_law", "contact_damping_law", "side_gap", "side_force", "preload",
     "alignment_criterion", "moment_arms",

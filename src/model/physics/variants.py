@@ -1,6 +1,6 @@
 """Variants of the paper's equations: one switch for every misprint or open question.
 
-R1 to R9 number them in docs/theory/variants.md. R7, that F1 must be an amplitude, has no switch:
+R1 to R9 number them in docs/paper.md. R7, that F1 must be an amplitude, has no switch:
 the equations cannot be run as printed.
 """
 

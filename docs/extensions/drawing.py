@@ -1,0 +1,38 @@
+"""Directive `drawing`: one of Figs. 1 to 4 for the tutorial's peg, drawn as the site is built."""
+
+from pathlib import Path
+
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from model import load_device
+from model.show.schematics import DRAWINGS
+from model.show.style import write
+
+_DOCS = Path(__file__).parents[1]
+
+
+class Drawing(SphinxDirective):
+    """Show the figure that the argument names, with the content as its caption."""
+
+    required_arguments = 1
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        """The drawing; an unknown name is a KeyError."""
+        target = _DOCS.parent / "build" / "drawings" / f"{self.arguments[0]}.png"
+        target.parent.mkdir(parents=True, exist_ok=True)
+        device = load_device(_DOCS / "peg.yaml")
+        write(DRAWINGS[self.arguments[0]](device.parameters), target)
+        words, _ = self.parse_inline(" ".join(self.content))
+        caption = nodes.caption("", "", *words)
+        uri = f"/../build/drawings/{target.name}"
+        image = nodes.image(uri=uri, alt=caption.astext(), width="600px")
+        return [nodes.figure("", image, caption, align="center")]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register the directive."""
+    app.add_directive("drawing", Drawing)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
