@@ -14,7 +14,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from model.cli.main import _parser
-from model.engines.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
+from model.engines.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.events.table import EVENTS
 from model.physics.parameters import FIELDS, Parameters
@@ -192,7 +192,7 @@ GENERATED: dict[str, Callable[[], str]] = {
     "profiles": _profiles,
     "reasons": _reasons,
     "units": _units,
-    "variables": lambda: _variables_of({**RESULTS, **UNVIBRATED_CONTROL}),
+    "variables": lambda: _variables_of({**RESULTS, **UNVIBRATED_CONTROL, **IN_SLOT}),
     "histories": lambda: _variables_of(TRACK_VARIABLES),
 }
 

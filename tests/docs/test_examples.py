@@ -20,6 +20,8 @@ COMMAND = re.compile(
     r"^(?: {4}|\$ )(?:\w+=\S+ )*(vibralign|make|snakemake)\b([^#\n]*)", re.MULTILINE
 )
 
+INLINE = re.compile(r"`(vibralign|make) ([^`\n]*)`")
+
 
 def name_of(path: Path) -> str:
     return str(path.relative_to(REPOSITORY))
@@ -58,18 +60,37 @@ def test_a_command_prints_what_the_page_shows(text, monkeypatch, capsys):
     command, _, shown = text.partition("\n")
     assert command.startswith("$ vibralign ")
     cli.main(shlex.split(command)[2:])
-    assert capsys.readouterr().out.rstrip("\n") == shown.rstrip("\n")
+    excerpts = map(re.escape, shown.rstrip("\n").split("\n..."))
+    assert re.fullmatch("(?:\n.*)+".join(excerpts), capsys.readouterr().out.rstrip("\n"))
+
+
+def check_make(words: list[str]) -> None:
+    makefile = (REPOSITORY / "Makefile").read_text(encoding="utf-8")
+    targets = set(re.findall(r"^([\w-]+):", makefile, re.MULTILINE))
+    variables = set(re.findall(r"^([A-Z_]+) ", makefile, re.MULTILINE))
+    for word in words:
+        name, is_variable, _ = word.partition("=")
+        assert name in (variables if is_variable else targets | set(FIGURES)), words
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_commands_exist(page):
-    makefile = (REPOSITORY / "Makefile").read_text(encoding="utf-8")
-    targets = set(re.findall(r"^([\w-]+):", makefile, re.MULTILINE))
     for program, rest in COMMAND.findall(page.read_text(encoding="utf-8")):
         words = shlex.split(rest)
         if program == "make":
-            named = {word for word in words if "=" not in word}
-            assert named <= targets | set(FIGURES), rest
+            check_make(words)
         elif program == "vibralign":
             words = [word for word in words if word != "--help"]
             cli._parser().parse_args(words)  # else SystemExit
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_commands_in_sentences_exist(page):
+    [commands] = (each for each in cli._parser()._actions if each.metavar == "command")
+    for program, rest in INLINE.findall(page.read_text(encoding="utf-8")):
+        words = shlex.split(rest)
+        if program == "make":
+            check_make(words)
+        elif not words[0].startswith("-"):
+            options = set(commands.choices[words[0]]._option_string_actions)
+            assert {word for word in words if word.startswith("--")} <= options, rest
