@@ -13,7 +13,14 @@ from model.runs.align import align
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.unvibrated import unvibrated_results
 from model.study.config import Study, load_study, study_path
-from model.study.io import VARIABLES, DatasetError, described, read_dataset, write_dataset
+from model.study.io import (
+    VARIABLES,
+    DatasetError,
+    as_characters,
+    described,
+    read_dataset,
+    write_dataset,
+)
 from model.study.sweep import Sweep, merge, run, sweep_of
 
 
@@ -117,6 +124,18 @@ def test_a_dataset_describes_itself(dataset: xr.Dataset) -> None:
     not_aligned = dataset["outcome"].values != Outcome.ALIGNED
     np.testing.assert_array_equal(np.isnan(dataset["tau_align"].values), not_aligned)
     assert 0 < not_aligned.sum() < not_aligned.size, "both kinds of points are tested"
+
+
+def test_texts_are_characters_in_a_file(dataset: xr.Dataset, tmp_path: Path) -> None:
+    """Octave's ncinfo fails on attributes of the type string."""
+    write_dataset(dataset, tmp_path / "fig06.nc")
+    texts = {**described(dataset).attrs, **dataset["tilt_stiffness"].attrs}
+    assert not all(text.isascii() for text in texts.values() if isinstance(text, str))
+    for text in as_characters(texts).values():
+        assert not isinstance(text, str) or text.isascii()
+    read = read_dataset(tmp_path / "fig06.nc")
+    assert read.attrs == described(dataset).attrs
+    assert read["tilt_stiffness"].attrs == dataset["tilt_stiffness"].attrs
 
 
 def test_the_same_content_gives_the_same_bytes(dataset: xr.Dataset, tmp_path: Path) -> None:

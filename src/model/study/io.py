@@ -192,8 +192,23 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
             encoding[str(name)] |= {"zlib": True, "complevel": 4, "shuffle": True}
         if variable.ndim == 2 and variable.size > _LARGE:
             encoding[str(name)] |= {"chunksizes": tuple(min(n, 256) for n in variable.shape)}
+    stored = described(dataset).copy()
+    stored.attrs = as_characters(stored.attrs)
+    for variable in stored.variables.values():
+        variable.attrs = as_characters(variable.attrs)
     with atomic_write(path) as part:
-        described(dataset).to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        stored.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
+
+
+def as_characters(attributes: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Return attributes with texts as the bytes of their UTF-8, which are stored as characters.
+
+    Otherwise a text beyond ASCII is stored as a string, which `ncinfo` of Octave cannot read.
+    """
+    return {
+        name: value.encode() if isinstance(value, str) and not value.isascii() else value
+        for name, value in attributes.items()
+    }
 
 
 def read_dataset(path: Path) -> xr.Dataset:
