@@ -13,6 +13,7 @@ from model.study.devices.amounts import read_amount, read_range
 from model.study.devices.holder import natural_frequencies
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+WHOLE = {"half_width": "10 mm", "half_height": "40 mm"}
 STEEL = {"materials": "steel on aluminium", "edge_radius": "0.2 mm", "restitution": 0.5}
 
 
@@ -99,6 +100,10 @@ def test_a_range_may_name_its_unit_once():
     ("text", "unit", "words"),
     [
         ("0.05 mm", "1", "must be a ratio"),
+        ("0.05 mm / 6 mm", "1", "write the ratio, 0.008333 or 0.8333 %"),
+        ("50 um/6 mm ± 10 %", "1", "write the ratio, 0.008333 or 0.8333 %"),
+        ("0.05 mm / 6", "1", "must be a ratio"),
+        ("1/0", "1", "unknown unit '/0'"),
         ("3 mm", "N", "must be in N or alike, not in mm"),
         ("3 foo", "N", "unknown unit 'foo'"),
         ("3 N**", "N", "unknown unit"),
@@ -150,10 +155,12 @@ def test_free_quantities_and_limits_are_read(tmp_path):
         ({"clearance": 0.2}, "misalignment = 0.0008 m: already inside at the start"),
         ({"misalignment": 0.0}, "already inside at the start"),
         (STEEL | {"press_force": "-6 N"}, "press_force = -6.0: must be > 0"),
+        ({"clearance": 0.83}, "not a length; write 0.0083, or '0.83 %', if it is in per cent"),
+        ({"restitution": 60}, "> 0 and <= 1; write 0.6, or '60 %', if it is in per cent"),
     ],
 )
 def test_a_device_that_makes_no_sense_is_refused(changes, words):
-    with pytest.raises(DeviceError, match=r"must be > 0|already inside") as refusal:
+    with pytest.raises(DeviceError, match=r"must be|already inside") as refusal:
         read_device(EXAMPLE, changes)
     assert words in str(refusal.value)
 
@@ -163,10 +170,15 @@ def test_a_device_that_makes_no_sense_is_refused(changes, words):
     [
         ({"half_width": 5, "misalignment": 0.8}, "half_width = 5 m is longer than"),
         ({"inertia": "4.5e-5 kg cm²"}, "radius of gyration of 0.122 mm"),
+        (WHOLE, "with half_width = 10 mm and half_height = 40 mm has 23.8 mm: half_width is half"),
+        ({"half_height": "40 mm"}, "half_height half the length"),
         ({"amplitude": "6 mm"}, "amplitude = 6 mm is larger than half_width = 5 mm"),
         ({"misalignment": "6 mm"}, "misalignment = 6 mm is larger than half_width"),
         ({"clearance": 0.7, "misalignment": "4 mm"}, "the hole is 1.7 times as wide"),
-        ({"friction": 1.5}, "friction = 1.5 is more than 1"),
+        ({"friction": 15}, "friction = 15 is more than 1; write 0.15, or '15 %', if it is in per"),
+        ({"clearance": 0.83, "misalignment": "4.5 mm"}, "; write 0.0083, or '0.83 %', if it is"),
+        ({"tilt_damping_ratio": 3}, "ratio = 3 is more than 1; write 0.03, or '3 %', if it is"),
+        ({"axial_damping_ratio": 7}, "ratio = 7 is more than 1; write 0.07, or '7 %', if it is"),
         ({"frequency": 0.05}, "have their resonance at 15.9 Hz"),
         ({"press_force": "10 kN"}, "amplitude of 3 N"),
         ({"friction": "0.2 ± 0.3"}, "friction = 0.2 ± 0.3: the tolerance reaches below 0"),
@@ -194,6 +206,20 @@ def test_no_quantity_may_be_a_thousand_times_off_unnoticed(path):
                     assert read_device(path, {**changes, name: value * factor}).doubts, name
                 except DeviceError as refusal:
                     assert name in str(refusal) or "already inside" in str(refusal)  # noqa: PT017
+
+
+def test_the_inertia_of_a_solid_part_is_not_doubted():
+    # The least inertia of a solid part, that of an ellipsoid m(a² + b²)/5, is 0.6 of a rectangle's.
+    bare = 0.3 * (0.005**2 + 0.02**2) / 5.0
+    assert read_device(EXAMPLE, {"inertia": 1.001 * bare}).doubts == []
+    assert len(read_device(EXAMPLE, {"inertia": 0.999 * bare}).doubts) == 1
+
+
+def test_a_limit_of_the_time_is_until_alignment(tmp_path):
+    path = tmp_path / "peg.yaml"
+    path.write_text(EXAMPLE.read_text(encoding="utf-8") + "limits: {time: 0}", encoding="utf-8")
+    with pytest.raises(DeviceError, match="longest time until alignment, not until insertion"):
+        read_device(path)
 
 
 def test_a_damping_ratio_stands_for_a_damping(tmp_path):

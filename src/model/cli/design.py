@@ -42,7 +42,7 @@ def add(commands: Any) -> None:
         "choose the free quantities of a device for the largest margin, then time",
         ". The device file names what is free (free: {press_force: 5 to 20 N}) and the limits "
         "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg, vibration: needed}, or not "
-        "needed). Every setting that is tried "
+        "needed; time and tilt until alignment, not until insertion). Every setting that is tried "
         "is judged quickly by devices within the tolerances, and within twice and three times "
         "them; of settings with which all go in, the one whose nearest failure is farthest, then "
         "the fastest. What is recommended is judged as `vibralign assess` judges it, and else the "

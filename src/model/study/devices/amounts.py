@@ -18,6 +18,7 @@ from model.study.devices.spelling import NUMBER, clearer, ends_of, plain, spelle
 _AMOUNT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 _SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")
 _BRACKETS = re.compile(rf"\((.+)({_SPREAD.pattern}.+)\)(.*)")  # (12 ± 3) N
+_QUOTIENT = re.compile(rf"(.*?)/\s*({NUMBER})\s*(.*?)\s*")  # 0.05 mm / 6 mm
 _UNIT = re.compile(r"(?:1\s*/\s*)?[^\W\d_][^,]*|°.*|%")  # pint reads ", 1 N" as a unit, too
 
 
@@ -117,6 +118,11 @@ def _rule(unit: str) -> str:
     return f"must be a number{units}"
 
 
+def _meaning(name: str) -> str:
+    of = ", of the radii of hole and part" if name == "clearance" else ""
+    return f"; it is the {FIELDS[name].description}{of}" if name in FIELDS else ""
+
+
 def _unit_of(text: str) -> str:
     match = _AMOUNT.fullmatch(text)
     return match[2] if match else ""
@@ -138,6 +144,12 @@ def _number(name: str, given: Any, text: str, unit: str) -> float:
             f"{name} = {given!r}: a tolerance is symmetric: write the middle of the limits ± half "
             "their distance"
         )
+    if unit == "1" and (two := _QUOTIENT.fullmatch(text)) and float(two[2]):
+        ratio = _number(name, given, two[1], two[3] or "1") / float(two[2])
+        raise ValueError(
+            f"{name} = {given!r}: write the ratio, {ratio:.4g} or {100.0 * ratio:.4g} %"
+            f"{_meaning(name)}"
+        )
     if own and not _UNIT.fullmatch(own):
         raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}")
     return value if own in ("", unit) else value * _factor(name, given, own, unit)
@@ -157,8 +169,8 @@ def _factor(name: str, given: Any, own: str, unit: str) -> float:
         )
     except pint.DimensionalityError:
         hint = "a ratio, without a unit or in %" if unit == "1" else f"in {unit} or alike"
-        meaning = f"; it is the {FIELDS[name].description}" if name in FIELDS else ""
-        raise ValueError(f"{name} = {given!r}: must be {hint}, not in {own}{meaning}") from None
+        words = f"must be {hint}, not in {own}{_meaning(name)}"
+        raise ValueError(f"{name} = {given!r}: {words}") from None
     except Exception:  # noqa: BLE001  (on a malformed unit pint raises errors of many kinds)
         raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}") from None
 

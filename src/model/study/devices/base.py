@@ -22,6 +22,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from model.study.devices.holder import RATIOS
+from model.study.devices.spelling import in_per_cent
 
 
 class Material(NamedTuple):
@@ -156,6 +157,7 @@ def _check_base(
         limit = 1.0 if name == "restitution" else math.inf
         if not 0.0 < value <= limit or math.isinf(value):
             most = " and <= 1" if name == "restitution" else ""
+            most += in_per_cent(value) if limit < value <= 100.0 else ""
             raise ValueError(f"{name} = {value!r}: must be a finite number > 0{most}")
     sizes = set(given) - {"restitution"}
     if pair is None and sizes:

@@ -12,9 +12,12 @@ from model.physics.quantities import LENGTH
 from model.physics.units import Device
 from model.study.devices.base import mass_at_edge
 from model.study.devices.holder import DIRECTIONS, critical_damping, natural_frequencies
+from model.study.devices.spelling import in_per_cent
 
 _LONGEST = 1.0  # m
-_GYRATION = 4.0  # factor between the radius of gyration and that of a rectangle of the same size
+# Moment of inertia over that of a rectangle of the same mass, m(a² + b²)/3. A solid cylinder has at
+# least 0.75, a solid ellipsoid 0.6, and a gripper adds to it. Whole sizes for half ones give 1/4.
+_INERTIA = 0.6, 16.0
 _WIDEST, _NARROWEST = 0.5, 1e-4  # clearance
 _SLIPPERIEST, _ROUGHEST = 0.005, 1.0  # friction
 _STEEPEST = 0.5  # tilt at the start, rad
@@ -22,6 +25,7 @@ _SHARPEST = 1e-6  # rounding of an edge, m
 _DEADEST = 0.01  # restitution
 _STIFFEST = 3e10  # contact stiffness over half_width, Pa; edges of steel on steel have some 1e9
 _DAMPING = 2e-3, 5.0  # damping ratio
+_MOST_DAMPED = 1.0  # a ratio as it is measured, by the ringing of the holder
 _EXCITATION = 0.05, 100.0  # excitation frequency over axial resonance
 _PRESS = 0.01, 100.0  # press force over the excitation's amplitude
 _SLENDERNESS = 0.02, 10.0  # half_width over half_height
@@ -53,6 +57,7 @@ def check_place(quantities: Mapping[str, float]) -> None:
             f"misalignment = {quantities['misalignment']:.6g} m: already inside at the start, "
             f"misalignment <= clearance * half_width = {play:.6g} m; the clearance is the ratio "
             "(hole - peg) / peg of the radii, not a length"
+            + (in_per_cent(quantities["clearance"]) if quantities["clearance"] > _WIDEST else "")
         )
 
 
@@ -88,11 +93,14 @@ def _lengths(given: Mapping[str, float], _device: Device) -> Iterator[str]:
 def _shape(given: Mapping[str, float], _device: Device) -> Iterator[str]:
     radius = math.sqrt(given["inertia"] / given["mass"])
     size = math.hypot(given["half_width"], given["half_height"]) / math.sqrt(3.0)
-    if _outside(radius, (size / _GYRATION, size * _GYRATION)):
-        yield (
-            f"inertia and mass give a radius of gyration of {1e3 * radius:.3g} mm, a rectangle of "
-            f"this size has {1e3 * size:.3g} mm"
+    if _outside((radius / size) ** 2, _INERTIA):
+        words = (
+            f"inertia and mass give a radius of gyration of {1e3 * radius:.3g} mm, a rectangle "
+            f"with {_mm(given, 'half_width')} and {_mm(given, 'half_height')} has "
+            f"{1e3 * size:.3g} mm"
         )
+        hint = ": half_width is half the width (the radius), half_height half the length"
+        yield words + hint if radius < size else words
     if _outside(given["half_width"] / given["half_height"], _SLENDERNESS):
         yield f"{_mm(given, 'half_width')}, while {_mm(given, 'half_height')}"
     for name, words in (("amplitude", ""), ("misalignment", ": its axis is beside the hole")):
@@ -104,12 +112,15 @@ def _fit(given: Mapping[str, float], _device: Device) -> Iterator[str]:
     clearance, friction = given["clearance"], given["friction"]
     if clearance > _WIDEST:
         wide = 1.0 + clearance
-        yield f"clearance = {clearance:.3g}: the hole is {wide:.3g} times as wide as the part"
+        yield (
+            f"clearance = {clearance:.3g}: the hole is {wide:.3g} times as wide as the part"
+            f"{in_per_cent(clearance)}"
+        )
     if clearance < _NARROWEST:
         play = 1e6 * clearance * given["half_width"]
         yield f"clearance = {clearance:.3g} leaves {play:.2g} µm on each side"
     if friction > _ROUGHEST:
-        yield f"friction = {friction:.3g} is more than 1"
+        yield f"friction = {friction:.3g} is more than 1{in_per_cent(friction)}"
     if 0.0 < friction < _SLIPPERIEST:
         yield f"friction = {friction:.3g} is less than dry or greased surfaces have"
 
@@ -153,8 +164,11 @@ def _stiffnesses(given: Mapping[str, float], device: Device) -> Iterator[str]:
 def _dampings(given: Mapping[str, float], _device: Device) -> Iterator[str]:
     for direction in DIRECTIONS:
         name, critical = f"{direction}_damping", critical_damping(direction, given)
-        if given[name] and critical and _outside(given[name] / critical, _DAMPING):
-            ratio, instead = given[name] / critical, f"{name}_ratio"
+        instead = f"{name}_ratio"
+        if given.get(instead, 0.0) > _MOST_DAMPED:
+            yield f"{instead} = {given[instead]:.4g} is more than 1{in_per_cent(given[instead])}"
+        elif given[name] and critical and _outside(given[name] / critical, _DAMPING):
+            ratio = given[name] / critical
             unit = FIELDS[name].quantity.unit
             words = f"{name} = {given[name]:.4g} {unit} is a damping ratio of {ratio:.2g}"
             hint = f"; if {given[name]:.4g} is the ratio, write {instead}"

@@ -34,6 +34,11 @@ def clearer(text: str) -> str | None:
     return None
 
 
+def in_per_cent(value: float) -> str:
+    """Return what to write for a ratio that is too large, if it is in per cent."""
+    return f"; write {value / 100.0:.4g}, or '{value:.4g} %', if it is in per cent"
+
+
 def ends_of(text: str) -> list[str]:
     """Return the two ends of a range such as "2 to 30 N" or "20–150 Hz"; empty for none."""
     for separator in _RANGES:

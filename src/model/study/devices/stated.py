@@ -22,7 +22,7 @@ from model.study.files import read_text
 # Upper limits that a design may have to keep: meaning and SI unit.
 LIMITS: Mapping[str, tuple[str, str]] = {
     "contact_force": ("largest contact force", "N"),
-    "time": ("longest alignment time", "s"),
+    "time": ("longest time until alignment, not until insertion", "s"),
     "tilt": ("largest tilt until alignment", "rad"),
 }
 # Limit "vibration" of a design: the share of devices that must not align without vibration.
@@ -292,7 +292,8 @@ def _limits(given: object) -> dict[str, float]:
             continue
         limits[name] = read_amount(name, value, LIMITS[name][1]).value
         if not 0.0 < limits[name] < math.inf:
-            raise ValueError(f"limits: {name} = {value!r}: must be a finite number > 0")
+            rule = f"must be a finite number > 0, the {LIMITS[name][0]}"
+            raise ValueError(f"limits: {name} = {value!r}: {rule}")
     return limits
 
 
