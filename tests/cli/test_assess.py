@@ -36,6 +36,7 @@ def test_a_device_in_si_units_is_assessed_in_si_units(capsys):
     assert lines[2].split() == ["starts", "goes", "in", "from", "32", "of", "32", "starts"]
     assert re.fullmatch(r"alignment time  [\d.]+ to [\d.]+ ms, by the start", lines[3])
     assert re.match(r"lift-offs       0 to 1; touches down at up to [\d.]+ mm/s", lines[4])
+    assert re.fullmatch(r"at most +contact force [\d.]+ N, tilt .*, over all starts", lines[5])
     force = next(line for line in lines if line.startswith("  press_force"))
     assert force.endswith("its value 10 N")
 
@@ -88,14 +89,16 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     device = str(Path(PEG).parent / "devices" / "peg.yaml")
     assert assess("--device", device, *IN_SECONDS, "--set", "tilt_stiffness=30") == cli.DONE
     lines = capsys.readouterr().out.splitlines()
-    words = "not reliable at the stated values; yield 0 % (0 % to 1.478 %) under the tolerances"
+    share = "yield 0 % (0 % to 1.478 %, 95 % confidence)"
+    words = f"not reliable at the stated values; {share} under the tolerances"
     assert lines[1] == f"verdict         {words}"
     assert lines[2] == "starts          goes in from 0 of 32 starts"
     end = lines.index("assumed:")
     assert lines[end + 7].startswith("  tolerances  as stated: ")
     lines = lines[:end]
     shown = lines[next(i for i, line in enumerate(lines) if line.startswith("yield")) :]
-    assert shown[0].startswith("yield           0 % (0 % to 1.478 %): 0 of 256 devices")
+    share = share.replace("yield", "yield          ")
+    assert shown[0].startswith(f"{share}: 0 of 256 devices")
     assert [line.split("  ")[0] for line in shown[1:]] == ["contact force", "fails nearest"]
     assert shown[-1].endswith("the device itself is not reliable")
 
@@ -158,7 +161,8 @@ def test_a_yield_is_required_with_confidence(capsys, tmp_path):
     given = ["--device", str(path), *IN_SECONDS, "--devices", "8"]
     assert assess(*given, "--require", "0.5") == cli.DONE
     said = capsys.readouterr().out
-    assert "yield           100 % (67.56 % to 100 %): 8 of 8 devices" in said  # 8 / (8 + 1.96²)
+    words = "yield           100 % (67.56 % to 100 %, 95 % confidence): 8 of 8 devices"
+    assert words in said  # 8 / (8 + 1.96²)
     assert "required        50 %: met" in said
     assert assess(*given, "--require", "0.9") == cli.FAILED
     assert "required        90 %: not met" in capsys.readouterr().out

@@ -1,6 +1,7 @@
 """``vibralign design``: output, files and refusals."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -32,8 +33,9 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     said = capsys.readouterr().out
     assert said.startswith("recommended            tilt_stiffness = 0.")
     assert "largest contact_force" in said
-    words = "reliable at the stated values; yield 100 % (94.34 % to 100 %) under the tolerances"
-    assert f"verdict                {words}\n" in said  # 64 / (64 + 1.96²)
+    words = "reliable at the stated values; yield 100 % (94.34 % to 100 %, 95 % confidence)"
+    assert f"verdict                {words} under the tolerances\n" in said  # 64 / (64 + 1.96²)
+    assert re.search(r"largest time +[\d.]+ m?s until alignment\n", said)
     assert (
         "  tolerances  none stated, so assumed: press_force ± 10 %, tilt_stiffness ± 10 %" in said
     )
@@ -44,6 +46,9 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
         assert dataset.attrs["free"] == "tilt_stiffness"
         assert "so assumed: press_force" in json.loads(dataset.attrs["assumptions"])["tolerances"]
         assert int(dataset["devices"][dataset.attrs["recommended"]]) == 64
+        assert dataset.attrs["yield_interval"].tolist() == pytest.approx([0.9434, 1.0], abs=1e-4)
+        assert dataset.attrs["yield_confidence"] == 0.95
+        assert dataset["time"].attrs["long_name"].endswith("of the runs that go in")
         assert set(dataset["front"].values.tolist()) <= {0, 1}
         tried = dataset.sizes["candidate"]
     assert cli.main([*given, "--json"]) == cli.DONE  # continued from its file: nothing is new
@@ -63,6 +68,7 @@ def test_assess_says_of_the_recommended_setting_what_design_says(capsys, peg):
     assessed = json.loads(capsys.readouterr().out)
     assert designed["verdict"] == assessed["verdict"]
     assert designed["yield_interval"] == [assessed["yield"]["low"], assessed["yield"]["high"]]
+    assert designed["yield_confidence"] == assessed["yield"]["confidence"] == 0.95
 
 
 def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
@@ -78,6 +84,9 @@ def test_tolerances_that_are_too_wide_are_named(capsys, peg):
     said = capsys.readouterr().out
     assert said.startswith(
         "no setting of those tried goes in with all devices within the tolerances"
+    )
+    assert re.search(
+        r"largest time .* until alignment, of the runs that go in \(limit 500 ms", said
     )
     assert "the tolerances" in next(x for x in said.splitlines() if x.startswith("what binds"))
     assert "what to relax          no limit: " in said

@@ -1,5 +1,6 @@
 """``vibralign map``: output, refusals before anything is computed, and progress bar."""
 
+import math
 import sys
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import xarray as xr
 
 from model.cli import main as cli
 from model.cli import map as map_commands
+from model.cli.progress import ProgressLine
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
@@ -32,6 +34,8 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert err == ""  # no bar where nobody looks
     lines, _, assumed = out.partition("assumed:\n")
+    # Half of the press force, at most the half-width, from 1 to 5.
+    assert "inserted to a depth of 0.5 to " in assumed
     assert {line.split()[0] for line in assumed.splitlines()} == {
         "start", "touch-down", "goal", "base", "horizon", "precision",
     }  # fmt: skip
@@ -83,7 +87,11 @@ def test_a_map_of_a_device_is_over_any_of_its_quantities_with_units(tmp_path, ca
     arguments = ["--device", shaft, *plane, "--resolution", "2", "--horizon", "300 ms"]
     out = tmp_path / "map.nc"
     assert cli.main(["map", *arguments, "--tolerance", "1e-7", "--out", str(out)]) == cli.DONE
-    assert "\nassumed:\n" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    # The mass is the square of the time unit, √(M/K_Y) with 20 kN/m.
+    units = f"{0.3 / math.sqrt(0.5 / 2e4):.4g} to {0.3 / math.sqrt(0.7 / 2e4):.4g}"
+    assert f"  horizon     300 ms ({units} units of 1/p), at the corners of the map\n" in said
+    assert "goal        inserted to a depth of 0.3 mm (half" in said
     with xr.open_dataset(out) as stored:
         np.testing.assert_allclose(stored["misalignment"], [3e-4, 4e-4, 5e-4])
         np.testing.assert_allclose(stored["mass"], [0.5, 0.6, 0.7])
@@ -164,13 +172,13 @@ def test_a_missing_package_is_named(tmp_path, capsys, monkeypatch):
 
 def test_the_bar_shows_the_rest_of_a_wave_at_a_terminal(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    bar = map_commands._Bar()
-    bar("nominal", 0, 400)
-    bar("nominal", 200, 100)
-    bar.close()
+    with ProgressLine() as line:
+        bar = map_commands._Bar(line)
+        bar("nominal", 0, 400)
+        bar("nominal", 200, 100)
     err = capsys.readouterr().err
     first, second = (part for part in err.split("\r")[1:3])
     assert first.startswith("outcomes    [........................]")
     assert "[##################......]" in second
-    assert "200 starts computed" in second
+    assert "200 starts done" in second
     assert err.endswith("\r\033[K")

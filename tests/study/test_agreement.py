@@ -114,7 +114,9 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
         if inserted:
             seconds = float(stored["tau_align"][1, 1])
             assert seconds == pytest.approx(run.tau_align * device.units.time, rel=1e-4)
-        assert json.loads(stored.attrs["assumptions"]) == assessed["assumptions"]
+        told, varying = json.loads(stored.attrs["assumptions"]), {"goal", "base", "horizon"}
+        for name, words in assessed["assumptions"].items():
+            assert told[name] == words or (name in varying and "corners of the map" in told[name])
         at_least = reliable_at(least, replace(settings, horizon=HORIZON / least.units.time))
         assert bool(stored["reliable"][0, 0]) is bool(at_least[0])
 

@@ -18,6 +18,7 @@ from model.cli.arguments import (
     read_inputs,
 )
 from model.cli.files import check_file, check_picture
+from model.cli.progress import ProgressLine
 from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, labelled, print_json
 from model.events.outcomes import SUCCESS_TEXT
@@ -95,10 +96,13 @@ def _assess(arguments: argparse.Namespace) -> int:
     from model.study.assessment import assess  # noqa: PLC0415  (only this command)
 
     ensemble, cores = given.study.maps.ensemble, os.cpu_count() or 1
-    result = assess(device, settings, ensemble, cores, stated=stated, bases=arguments.bases)
     drawn, nearest = None, None
-    if stated is not None and stated.tolerances:
-        drawn, nearest = _drawn(result, stated, ensemble, settings, cores, devices)
+    with ProgressLine() as line:
+        line.begin("starts, bases and leeways")
+        result = assess(device, settings, ensemble, cores, stated=stated, bases=arguments.bases)
+        if stated is not None and stated.tolerances:
+            line.begin("devices within the tolerances")
+            drawn, nearest = _drawn(result, stated, ensemble, settings, cores, devices)
     met = drawn is None or required is None or drawn.low >= required
     assumed = assumptions(device, settings, stated, ensemble)
     verdict = headline(result, (drawn.going_in, drawn.devices) if drawn else None)
@@ -128,7 +132,9 @@ def _assess(arguments: argparse.Namespace) -> int:
         from model.cli.sheet import write_sheet  # noqa: PLC0415  (as above)
 
         good = result.reliable and (drawn is None or drawn.share == 1.0)
-        write_sheet(arguments.sheet, stated, (verdict, good), groups, given.study, settings)
+        with ProgressLine() as line:
+            line.begin("map of the sheet")
+            write_sheet(arguments.sheet, stated, (verdict, good), groups, given.study, settings)
     return int(not met)
 
 
@@ -142,11 +148,16 @@ def headline(result: "Assessment", drawn: tuple[int, int] | None) -> str:
         words = "depends on the base: measure it"
     if drawn is None:
         return f"{words}; no tolerances are stated"
-    from model.study.assessment.yields import interval  # noqa: PLC0415  (scipy)
+    return f"{words}; yield {_yield_words(*drawn)} under the tolerances"
 
-    shares = drawn[0] / drawn[1], *interval(*drawn)
+
+def _yield_words(going_in: int, devices: int) -> str:
+    """Return a share of drawn devices with its interval and its level of confidence."""
+    from model.study.assessment.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
+
+    shares = going_in / devices, *interval(going_in, devices)
     share, low, high = (f"{100.0 * each:.4g} %" for each in shares)
-    return f"{words}; yield {share} ({low} to {high}) under the tolerances"
+    return f"{share} ({low} to {high}, {100.0 * CONFIDENCE:.4g} % confidence)"
 
 
 def _required(
@@ -216,7 +227,7 @@ def _verdict(
     lines.append(_line("lift-offs", hops))
     force = in_words(result.contact_force_max, FORCE, units)
     tilt = in_words(result.tilt_max, ANGLE, units)
-    lines.append(_line("at most", f"contact force {force}, tilt {tilt}"))
+    lines.append(_line("at most", f"contact force {force}, tilt {tilt}, over all starts"))
     if result.bases:
         head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
         lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]
@@ -309,8 +320,7 @@ def _yield_report(
     required: float | None,
     settings: "Settings",
 ) -> list[str]:
-    percent = [f"{100.0 * each:.4g} %" for each in (drawn.share, drawn.low, drawn.high)]
-    words = f"{percent[0]} ({percent[1]} to {percent[2]}): {drawn.going_in} of {drawn.devices} "
+    words = f"{_yield_words(drawn.going_in, drawn.devices)}: {drawn.going_in} of {drawn.devices} "
     words += "devices within the tolerances go in from every start"
     lines = [_line("yield", words)]
     if required is not None:

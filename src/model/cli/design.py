@@ -19,6 +19,7 @@ from model.cli.arguments import (
 )
 from model.cli.assess import headline
 from model.cli.files import check_file, check_picture, save_picture
+from model.cli.progress import ProgressLine
 from model.cli.tables import in_columns, labelled, print_json
 from model.physics.quantities import ANGLE, FORCE, TIME
 from model.show.assumptions import as_attribute, assumptions, lines_of
@@ -76,18 +77,26 @@ def _design(arguments: argparse.Namespace) -> int:
     given = read_inputs(arguments)
     search = _search(arguments, given, seed)
     announce_compilation()
-    design = search.run(generations, population, lambda _: _keep(search, arguments.out))
-    assumed = _assumed(design, search, given)
-    _keep(search, arguments.out, design, assumed)
+    with ProgressLine() as line:
+
+        def after(generation: int) -> None:
+            _keep(search, arguments.out)
+            line.begin(f"generation {generation} done, {len(search.known):,} settings tried")
+
+        line.begin("generation 1")
+        design = search.run(generations, population, after)
+        assumed = _assumed(design, search, given)
+        _keep(search, arguments.out, design, assumed)
+        line.begin("recommended setting")
+        verdict, others = _verdict(design, search, given), []
+        if design.feasible:
+            line.begin("other frictions")
+            others = _other_frictions(search, max(generations // 2, 1), population)
     if arguments.plot is not None:
         from model.show.curves import draw_front  # noqa: PLC0415
         from model.study.design_files import design_dataset  # noqa: PLC0415
 
         save_picture(draw_front(design_dataset(search, design)), arguments.plot)
-    others = []
-    if design.feasible:
-        others = _other_frictions(search, max(generations // 2, 1), population)
-    verdict = _verdict(design, search, given)
     if arguments.json:
         print_json(_record(design, search, others) | {"verdict": verdict, "assumptions": assumed})
     else:
@@ -194,6 +203,8 @@ def _report(
     for name, quantity in _MEASURES.items():
         limit = design.limits.get(name)
         most = "" if limit is None else f" (limit {si_words(limit, quantity)})"
+        if name == "time":  # what does not go in has none
+            most = f" until alignment{'' if all_go_in else ', of the runs that go in'}{most}"
         value = si_words(float(tried.measures[name][best]), quantity)
         lines.append(_line(f"largest {name}", value + most))
     if "vibration" in design.limits:
@@ -269,12 +280,15 @@ def _other_friction(other: "OtherFriction") -> str:
 
 
 def _record(design: "Design", search: "Search", others: "list[OtherFriction]") -> dict[str, Any]:
+    from model.study.assessment.yields import CONFIDENCE  # noqa: PLC0415  (as in _search)
+
     tried, best = design.tried, design.best
     return {
         "feasible": design.feasible,
         "setting": design.setting,
         "yield": float(tried.share[best]),
         "yield_interval": design.interval,
+        "yield_confidence": CONFIDENCE,
         "devices": design.thorough and design.thorough.devices,
         "margin": float(tried.margin[best]),
         **{name: float(values[best]) for name, values in tried.measures.items()},

@@ -1,16 +1,17 @@
 """``vibralign map``: compute a stability map over any two parameters of any device."""
 
 import argparse
-import contextlib
 import importlib.util
 import math
 import os
-import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from model.cli.arguments import (
+    Inputs,
     add_command,
     add_model_options,
     announce_compilation,
@@ -18,10 +19,11 @@ from model.cli.arguments import (
     read_inputs,
 )
 from model.cli.files import check_file, check_picture, save_picture, writing
+from model.cli.progress import ProgressLine
 from model.cli.tables import labelled
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import PARAMETER_NAMES, check_name
-from model.show.assumptions import as_attribute, assumptions, lines_of
+from model.show.assumptions import as_attribute, assumptions, at_corners, lines_of
 from model.study.config import RunSettings, Span, check_plane
 from model.study.devices.amounts import read_amount
 from model.study.devices.stated import QUANTITIES, StatedDevice, unit_of
@@ -29,6 +31,7 @@ from model.study.devices.stated import QUANTITIES, StatedDevice, unit_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from model.study.config import Ensemble
     from model.study.maps.plan import MapPlan
 
 _NEEDED = ("netCDF4", "scipy", "xarray")
@@ -83,8 +86,8 @@ def _map(arguments: argparse.Namespace) -> int:
 
     title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
     cores = os.cpu_count() or 1
-    with contextlib.closing(_Bar()) as bar:
-        dataset = map_dataset(plan, MapNodes(plan), title, cores=cores, progress=bar)
+    with ProgressLine() as line:
+        dataset = map_dataset(plan, MapNodes(plan), title, cores=cores, progress=_Bar(line))
     dataset = dataset.assign_attrs(assumptions=as_attribute(assumed))
     with writing():
         write_dataset(dataset, arguments.out)
@@ -109,7 +112,20 @@ def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", dict[str, str]]:
     starts = starts.model_copy(update={"every": every})
     settings = RunSettings.of(given.settings)
     plan = plan_of("map", parameters, settings, (x, y), resolution, starts, stated)
-    return plan, assumptions(parameters, given.settings, stated, starts)
+    corners = product(
+        *([(span.parameter, end) for end in (span.start, span.stop)] for span in (x, y))
+    )
+    assumed = [_assumed(given, starts, dict(each)) for each in corners]
+    return plan, at_corners(assumed)
+
+
+def _assumed(given: Inputs, starts: "Ensemble", values: Mapping[str, float]) -> dict[str, str]:
+    """Return what the answer at one place of the map assumes."""
+    if given.stated is None:
+        return assumptions(given.parameters.replace(**values), given.settings, None, starts)
+    here = replace(given.stated.changed(**values), changes=given.stated.changes)
+    settings = here.run_settings(given.settings, here.units)
+    return assumptions(here.parameters, settings, here, starts)
 
 
 def _resolution(text: str) -> int:
@@ -140,31 +156,22 @@ def _span(option: str, given: Sequence[str], stated: StatedDevice | None) -> Spa
 
 
 class _Bar:
-    """Progress bar on one line of a terminal; silent elsewhere."""
+    """Progress of a map as a bar."""
 
     _WIDTH = 24
     _STEPS = {"nominal": "outcomes", "unvibrated": "unvibrated", "ensemble": "reliability"}  # noqa: RUF012 - never changed
 
-    def __init__(self) -> None:
-        self._shown = sys.stderr.isatty()
-        self._step, self._largest = "", 0
+    def __init__(self, line: ProgressLine) -> None:
+        self._line, self._step, self._largest = line, "", 0
 
     def __call__(self, step: str, done: int, left: int) -> None:
         """Show that ``left`` nodes of the present wave are not computed yet."""
-        if not self._shown:
-            return
         if step != self._step or left > self._largest:
             self._step, self._largest = step, left
         filled = self._WIDTH - round(self._WIDTH * left / self._largest)
         bar = "#" * filled + "." * (self._WIDTH - filled)
-        counts = f"{left:>6,} nodes left of this wave, {done:,} starts computed"
-        line = f"\r{self._STEPS[step]:<12}[{bar}] {counts}"
-        print(line, end="\033[K", file=sys.stderr, flush=True)
-
-    def close(self) -> None:
-        """Clear the line."""
-        if self._shown:
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
+        counts = f"{left:,} nodes left, {done:,} starts done"
+        self._line.begin(f"{self._STEPS[step]:<12}[{bar}] {counts}")
 
 
 def _report(dataset: "xr.Dataset") -> list[str]:

@@ -131,7 +131,9 @@ def _report(run: Trajectory, units: Units | None) -> list[str]:
         if text and not (units and name == "tau_error"):
             if units and result.quantity is not PLAIN:
                 text = in_words(getattr(run, name), result.quantity, units)
-            rows.append((result.meaning if units else name, text))
+            meaning = result.meaning
+            meaning += ", from this start" if meaning.startswith("largest") else ""
+            rows.append((meaning if units else name, text))
     end = in_words(float(run.time[-1]), TIME, units) if units else f"τ = {run.time[-1]:.9g}"
     rows.append(("final state", f"at {end}"))
     for name, number in _final_state(run).items():

@@ -1,7 +1,8 @@
 """The engines as functions of many rows of constants, on several cores."""
 
+import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Literal, get_args
 
 import numpy as np
@@ -21,6 +22,9 @@ Array = NDArray[np.float64]
 Engine = Literal["batch", "scalar"]
 Run = Callable[[Array, Array], Array]
 """(rows, tolerances) -> results; shapes (n, constants), (n,) and (n, fields of RunResult)."""
+
+PROGRESS = logging.getLogger(__name__)  # at level INFO, told how many runs of a long batch are done
+_PAUSE = 0.5  # s, between two messages
 
 NO_TRACK = np.empty((0, TRACK_COLUMNS))
 
@@ -93,11 +97,14 @@ def _on_cores(fill: Callable[[Array, Array, Queue, Array], None], cores: int) ->
         results = np.empty((len(rows), len(RunResult._fields)))
         threads = max(1, min(cores, len(rows)))
         queue = new_queue(len(rows), threads)
-        if threads == 1:
+        told = PROGRESS.isEnabledFor(logging.INFO)
+        if threads == 1 and not told:
             fill(rows, tolerances, queue, results)
             return results
         with ThreadPoolExecutor(threads) as pool:
             shares = [pool.submit(fill, rows, tolerances, queue, results) for _ in range(threads)]
+            while wait(shares, _PAUSE if told else None).not_done:
+                PROGRESS.info("%s of %s runs", f"{min(queue[0], len(rows)):,}", f"{len(rows):,}")
         for share in shares:
             share.result()
         return results

@@ -1,7 +1,8 @@
 """What an answer assumes, as commands, files and pages print it alike."""
 
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
@@ -12,6 +13,7 @@ from model.show.si import in_words, named_words, quantity_of, si_words
 from model.study.config import Ensemble
 from model.study.devices import StatedDevice
 
+_AMOUNTS = re.compile(r"(-?\d[\d.]*(?:e[-+]?\d+)?(?: (?:[kMG]?N(?: s)?/m|m?m|m?s|rad)\b)?)")
 _STARTS = {
     "simultaneous": "press and vibration set in together, on a part that touches without load",
     "pressed": "the part rests under the press, then the vibration sets in",
@@ -53,6 +55,21 @@ def assumptions(
     return words
 
 
+def at_corners(corners: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    """Return what a map assumes, by the assumptions at its corners: all numbers where they vary."""
+    words = dict(corners[0])
+    for name in words:
+        texts = dict.fromkeys(each[name] for each in corners)
+        parts = [_AMOUNTS.split(text) for text in texts]
+        if len(texts) > 1 and len({len(each) for each in parts}) == 1:
+            rows = [list(dict.fromkeys(each)) for each in zip(*parts, strict=True)]
+            row = "".join((" to " if len(each) == 2 else ", ").join(each) for each in rows)
+            words[name] = f"{row}, at the corners of the map"
+        elif len(texts) > 1:
+            words[name] = f"varies over the map: {'; '.join(texts)}"
+    return words
+
+
 def lines_of(words: Mapping[str, str]) -> list[str]:
     """Return assumptions as lines of print."""
     width = max(map(len, words))
@@ -75,7 +92,8 @@ def changes_words(stated: StatedDevice) -> str:
 def _touch_down(parameters: Parameters, units: Units | None, ensemble: Ensemble | None) -> str:
     if ensemble is None:
         tilt = in_words(parameters.initial_tilt, ANGLE, units)
-        return f"at phase {parameters.phase:.4g} rad of the excitation, tilted by {tilt}"
+        words = f"one start, at phase {parameters.phase:.4g} rad of the excitation"
+        return f"{words}, tilted by {tilt}; vibralign assess takes all phases"
     tilts = " and ".join(
         in_words(parameters.initial_tilt * each, ANGLE, units) for each in ensemble.tilts
     )

@@ -48,9 +48,9 @@ class Tried:
         settings: values of the free quantities, each of shape (n,).
         share: share of the devices within the tolerances that go in from every start, shape (n,).
         margin: distance of the nearest failing device, in tolerances, shape (n,).
-        measures: by the names of ``MEASURES``, shape (n,): longest time, largest contact force and
-            largest tilt within the tolerances, and the share of devices that do not align without
-            vibration (NaN if no limit asks for it).
+        measures: by the names of ``MEASURES``, shape (n,): longest time until alignment (of the
+            runs that go in), largest contact force and largest tilt within the tolerances, and the
+            share of devices that do not align without vibration (NaN if no limit asks for it).
     """
 
     settings: Mapping[str, Floats]

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from model.study.assessment.yields import CONFIDENCE
 from model.study.design import Design, Search, Setting
 from model.study.design_judges import MEASURES, Row, Thorough
 from model.study.devices.stated import unit_of
@@ -14,7 +15,7 @@ from model.study.io import NO_YES
 _NAMES = {
     "share": ("share of the devices within the tolerances that go in from every start", "1"),
     "margin": ("distance of the nearest failing device, in tolerances", "1"),
-    "time": ("longest alignment time within the tolerances", "s"),
+    "time": ("longest time until alignment within the tolerances, of the runs that go in", "s"),
     "contact_force": ("largest contact force within the tolerances", "N"),
     "tilt": ("largest tilt within the tolerances", "radian"),
     "vibration": ("share of the devices within the tolerances that need the vibration", "1"),
@@ -60,6 +61,8 @@ def design_dataset(search: Search, design: Design) -> xr.Dataset:
         "identity": search.identity,
         "free": list(search.stated.free),
         "recommended": design.best,
+        "yield_interval": design.interval,
+        "yield_confidence": CONFIDENCE,
     }
     return xr.Dataset(variables, attrs=metadata)
 

@@ -49,12 +49,13 @@ class Yield:
     Attributes:
         devices: number of devices drawn.
         going_in: number of devices that go in from every start.
-        low, high: interval of the share, of 95 % confidence.
+        low, high: interval of the share.
         time: 5, 50 and 95 % quantiles of the alignment time over devices and starts.
         force: 5, 50 and 95 % quantiles of the largest contact force over devices.
         runs: number of runs.
         sobol_indices: of every quantity with a tolerance, the largest total index of failure first;
             empty if no device goes in.
+        confidence: level of confidence of the interval.
     """
 
     devices: int
@@ -65,6 +66,7 @@ class Yield:
     force: tuple[float, float, float]
     runs: int
     sobol_indices: tuple[SobolIndices, ...]
+    confidence: float = CONFIDENCE
 
     @property
     def share(self) -> float:
