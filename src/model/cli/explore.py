@@ -89,4 +89,5 @@ def _origin(arguments: argparse.Namespace, stated: StatedDevice | None) -> dict[
             if name not in present
         }
     sets = {name: f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()}
-    return {"options": options, "sets": sets, "held": held}
+    horizon = None if stated is None else stated.horizon
+    return {"options": options, "sets": sets, "held": held, "horizon": horizon}

@@ -20,9 +20,7 @@ from model.runs.trace import trace_run
 from model.show.explorer.content import device_model, study_model
 from model.show.explorer.page import build_page, run_page
 from model.study.config import load_study, study_path
-from model.study.devices.amounts import read_amount
-from model.study.devices.stated import unit_of
-from tests.show.explorer.browser import Page, browser, find_browser
+from tests.show.explorer.browser import Page, find_browser
 
 PATH = find_browser()
 pytestmark = [
@@ -32,7 +30,6 @@ pytestmark = [
 STUDY = load_study(study_path())
 DOCS = Path(__file__).parents[3] / "docs"
 SETTINGS = replace(STUDY.settings.settings, scene=INSERTION)
-DEVICES = ("devices/shaft", "devices/pin", "peg")
 MAPPED = "explorer.map && (explorer.map.stored || explorer.measured.map)"
 
 
@@ -42,24 +39,6 @@ def url(tmp_path_factory: pytest.TempPathFactory) -> str:
     file = tmp_path_factory.mktemp("explorer") / "explorer.html"
     file.write_text(build_page(study_model(STUDY, made.interface), made), encoding="utf-8")
     return file.as_uri()
-
-
-@pytest.fixture(scope="module")
-def device_urls(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Pages of the documentation's devices, by name."""
-    found, folder = {}, tmp_path_factory.mktemp("devices")
-    for name in DEVICES:
-        file = folder / f"{Path(name).stem}.html"
-        device = ["--device", str(DOCS / f"{name}.yaml")]
-        assert cli.main(["explore", *device, "--out", str(file)]) == 0
-        found[file.stem] = file.as_uri()
-    return found
-
-
-@pytest.fixture(scope="module")
-def started() -> Iterator[Page]:
-    with browser(str(PATH)) as page:
-        yield page
 
 
 @pytest.fixture
@@ -270,81 +249,6 @@ def test_command_and_device_file_repeat_the_run(
         assert cli.main([*arguments, "--json"]) == cli.DONE
         record = json.loads(capsys.readouterr().out)
         assert record["tau_align"] == pytest.approx(page.results["tau_align"], abs=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("name", "address"),
-    [
-        ("shaft", "t=0"),
-        ("shaft", "press_force=18"),  # its contact stiffness is of materials and press force
-        ("shaft", "press_force=18&amplitude=0.0004&misalignment=0.0005"),
-        ("pin", "vibration=off"),
-        ("peg", "mass=0.4&axial_stiffness=2500&clearance=0.05"),
-    ],
-)
-def test_a_device_and_its_command_agree(
-    started: Page, device_urls: dict[str, str], name: str, address: str,
-    tmp_path: Path, capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
-    started.open(f"{device_urls[name]}#{address}")
-    started.wait_for("window.explorer && element('beside').textContent")
-    command = shlex.split(started.evaluate("commandOf(explorer.state, MODEL)"))
-    saved = tmp_path / started.evaluate("fileOf(explorer.state, MODEL)")
-    assert saved.stem == name
-    saved.write_text(started.evaluate("deviceOf({...explorer.state, vibration: true}, MODEL)"))
-    still = ["--set", "frequency=0"] if "vibration=off" in address else []
-    for arguments in (command[1:], [*command[1:4], "--device", str(saved), *still]):
-        assert cli.main([*arguments, "--json"]) == cli.DONE
-        record = json.loads(capsys.readouterr().out)
-        assert record["outcome"] == Outcome(started.results["outcome"]).name.lower()
-        if record["tau_align"] is not None:
-            expected = pytest.approx(started.results["tau_align"], rel=1e-8)
-            assert record["tau_align"] == expected
-    # The unvibrated run ends in the words of the command.
-    assert cli.main(command[1:]) == cli.DONE
-    words = capsys.readouterr().out.partition("without vibration: ")[2].partition("\n")[0].strip()
-    said = started.text("words") + started.text("beside")
-    assert f"ithout vibration it {words}" in said
-    assert started.errors == []
-
-
-@pytest.mark.parametrize(
-    ("name", "given"),
-    [
-        ("press_force", "12 N"), ("press_force", "80mN"), ("half_width", "5 mm"),
-        ("half_width", "60 um"), ("half_width", "0.6 µm"), ("contact_stiffness", "48 MN/m"),
-        ("lateral_stiffness", "3 kN/m"), ("frequency", "3000 rpm"), ("frequency", "314 rad/s"),
-        ("inertia", "350 kg mm²"), ("inertia", "450 g cm^2"), ("initial_tilt", "3°"),
-        ("initial_tilt", "3 deg"), ("tilt_damping", "4 mN m s/rad"), ("clearance", "4 %"),
-        ("mass", "2 g"), ("amplitude", "1e-1 mm"),
-    ],
-)  # fmt: skip
-def test_units_are_read_as_in_a_device_file(
-    started: Page, device_urls: dict[str, str], name: str, given: str
-) -> None:
-    if started.evaluate("location.href").partition("#")[0] != device_urls["shaft"]:
-        started.show(device_urls["shaft"])
-    read = started.evaluate(f"readAmount(parameters[{json.dumps(name)}], {json.dumps(given)})")
-    assert read["message"] == ""
-    expected = read_amount(name, given, unit_of(name)).value
-    assert read["value"] == pytest.approx(expected, rel=1e-12)
-
-
-def test_a_device_is_refused_as_by_the_command(
-    started: Page, device_urls: dict[str, str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    started.show(device_urls["peg"])
-    wrong = {"half_width": "50 mm", "press_force": "0 N", "friction": "1 mm", "mass": "1 foo"}
-    for name, given in {**wrong, "clearance": "0,1"}.items():
-        started.evaluate(f"open(''); take({{{name}: {json.dumps(given)}}})")
-        said = started.text("fault").partition(": ")[2]
-        command = ["simulate", "--device", str(DOCS / "peg.yaml"), "--set", f"{name}={given}"]
-        assert cli.main(command) == cli.REFUSED
-        refusal = capsys.readouterr().err
-        # From the name of the quantity on: which value it is, then the rule.
-        assert said.partition(" = ")[0] in refusal
-        rule = said.partition(": ")[2]
-        assert rule[:12] in refusal, (said, refusal)
 
 
 def test_every_preset_opens_and_plays_only_where_motion_is_wanted(page: Page, url: str) -> None:

@@ -144,11 +144,13 @@ class Origin:
         sets: the --set options by name, quoted likewise.
         held: parameters that follow from other quantities of the device's file, with these
             quantities; the page keeps their values while others change.
+        horizon: latest time of the runs in s, None if it is in units of 1/p.
     """
 
     options: Sequence[str] = ()
     sets: Mapping[str, str] = field(default_factory=dict)
     held: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    horizon: float | None = None
 
 
 def device_model(

@@ -39,6 +39,12 @@ const converted = (name, values) => values[name] / scaleOf(parameters[name], val
 /** Return a set as the engines take it. @param {Record<string, number>} values @returns {number[]} */
 const setOf = (values) => MODEL.interface.parameters.map((/** @type {string} */ name) => converted(name, values));
 
+/** Return the control of a run; a horizon in seconds is the same for all units. @param {Record<string, number>} values @returns {Record<string, number>} */
+function controlOf(values) {
+  const horizon = MODEL.origin.horizon / scaleOf(MODEL.time, values);
+  return Number.isNaN(horizon) ? MODEL.control : { ...MODEL.control, horizon };
+}
+
 /** Return all values, dimensionless, as the drawing takes them. @param {Record<string, number>} values */
 function drawnDevice(values) {
   const device = Object.fromEntries(MODEL.interface.parameters.map((/** @type {string} */ name) => [name, converted(name, values)]));
@@ -52,7 +58,7 @@ function rerun() {
   if (refusal) { runner?.stop("run"); writeInstead(`Not run: ${refusal}`, true); return; }
   if (!runner) { if (run) show(run); return; }
   const begun = performance.now(), values = valuesOf(state, state.vibration);
-  const done = runner.start("run", setOf(values), (found) => {
+  const done = runner.start("run", setOf(values), controlOf(values), (found) => {
     show({ ...found, device: drawnDevice(values), values });
     if (state.compared) compare(); else otherTimer = setTimeout(compare, SLOW_OTHER);
   });
@@ -74,7 +80,8 @@ function show(found) {
 
 /** Run the same set with or without vibration. */
 function compare() {
-  runner?.start("other", setOf(valuesOf(state, !state.vibration)), (found) => {
+  const values = valuesOf(state, !state.vibration);
+  runner?.start("other", setOf(values), controlOf(values), (found) => {
     other = found;
     if (state.vibration) slowTilt = slowTiltOf(found);
     writeOutcome();
@@ -182,8 +189,10 @@ function computeMap() {
   sameMap = mapKey();
   mapStarted = performance.now();
   const values = valuesOf(state, state.vibration), limit = Math.min(MAP_EVALUATIONS, MODEL.control.max_evaluations);
-  const control = { ...MODEL.control, alignment_only: 1, max_evaluations: limit };
-  mapper.compute(emptyMap(state.x, state.y, span("x"), span("y"), CELLS), (changes) => setOf({ ...values, ...changes }), control);
+  mapper.compute(emptyMap(state.x, state.y, span("x"), span("y"), CELLS), (changes) => {
+    const here = { ...values, ...changes };
+    return { set: setOf(here), control: { ...controlOf(here), alignment_only: 1, max_evaluations: limit } };
+  });
 }
 
 // ---------------------------------------------------------------- time

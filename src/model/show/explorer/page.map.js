@@ -3,6 +3,7 @@
 /**
  * @typedef {{x: string, y: string, xs: [number, number], ys: [number, number], cells: number,
  *   tau: Float64Array, outcome: Int8Array, step: Uint8Array, stored: boolean, reliable: Uint8Array | null}} MapData
+ * @typedef {{set: number[], control: Record<string, number>}} Task a run
  * @typedef {{label: string, one: number}} MapAxis its title, and the size of the unit in which it is shown
  */
 
@@ -124,15 +125,14 @@ class Mapper {
     }
   }
 
-  /** Compute a map. @param {MapData} map @param {(changes: Record<string, number>) => number[]} setOf returns the set with other values, given in the page's units, @param {Record<string, number>} control */
-  compute(map, setOf, control) {
+  /** Compute a map. @param {MapData} map @param {(changes: Record<string, number>) => Task} taskOf returns the run with other values, given in the page's units */
+  compute(map, taskOf) {
     this.giveUp();
     this.generation += 1;
     this.map = map;
-    this.control = control;
-    this.setOf = (/** @type {number} */ node) => {
+    this.taskOf = (/** @type {number} */ node) => {
       const [x, y] = valuesAt(map, node);
-      return setOf({ [map.x]: x, [map.y]: y });
+      return taskOf({ [map.x]: x, [map.y]: y });
     };
     this.step = FIRST_STEP;
     this.queue = nodesOf(map, this.step);
@@ -152,9 +152,13 @@ class Mapper {
     while (this.map && this.queue.length && this.idle.length) {
       const worker = /** @type {Worker} */ (this.idle.pop());
       const share = Math.ceil(this.queue.length / (2 * this.count));
-      const nodes = this.queue.splice(0, Math.max(16, Math.min(CHUNK, share)));
+      const nodes = this.queue.splice(0, Math.max(16, Math.min(CHUNK, share))), tasks = nodes.map(/** @type {any} */ (this.taskOf));
+      // A chunk has one control: nodes with another horizon wait.
+      const control = tasks[0].control, isNow = (/** @type {Task} */ task) => task.control.horizon === control.horizon;
+      this.queue.unshift(...nodes.filter((_, n) => !isNow(tasks[n])));
       this.pending += 1;
-      const chunk = { generation: this.generation, nodes, sets: nodes.map(/** @type {any} */ (this.setOf)), control: this.control };
+      const now = nodes.filter((_, n) => isNow(tasks[n]));
+      const chunk = { generation: this.generation, nodes: now, sets: tasks.filter(isNow).map((task) => task.set), control };
       this.busy.set(worker, performance.now());
       worker.postMessage({ chunk });
     }

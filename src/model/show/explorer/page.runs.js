@@ -24,20 +24,20 @@ class Runner {
     this.long = {};
   }
 
-  /** Return the run of a set, or null if it takes more than a few evaluations. @param {number[]} set @returns {Run | null} */
-  quick(set) {
-    const most = Math.min(QUICK, this.control.max_evaluations), control = { ...this.control, max_evaluations: most };
-    let found = this.engine([set], control, FIRST_ROWS);
+  /** Return the run of a set, or null if it takes more than a few evaluations. @param {number[]} set @param {Record<string, number>} control @returns {Run | null} */
+  quick(set, control) {
+    const most = Math.min(QUICK, control.max_evaluations), few = { ...control, max_evaluations: most };
+    let found = this.engine([set], few, FIRST_ROWS);
     const { tracked, rhs_evaluations: made } = runOf(found, this.about).results;
-    if (made >= most && most < this.control.max_evaluations) return null;
-    if (tracked > FIRST_ROWS) found = this.engine([set], control, Math.min(tracked, MOST_ROWS));
+    if (made >= most && most < control.max_evaluations) return null;
+    if (tracked > FIRST_ROWS) found = this.engine([set], few, Math.min(tracked, MOST_ROWS));
     return runOf(found, this.about);
   }
 
-  /** Run a set; a later one of the same name replaces it. @param {string} name @param {number[]} set @param {(run: Run) => void} done @returns {boolean} it is done */
-  start(name, set, done) {
+  /** Run a set; a later one of the same name replaces it. @param {string} name @param {number[]} set @param {Record<string, number>} control @param {(run: Run) => void} done @returns {boolean} it is done */
+  start(name, set, control, done) {
     this.stop(name);
-    const found = this.quick(set);
+    const found = this.quick(set, control);
     if (found) { done(found); return true; }
     const worker = new Worker(this.code);
     this.long[name] = worker;
@@ -47,7 +47,7 @@ class Runner {
       done(runOf(data, this.about));
     };
     worker.postMessage({ binary: this.binary, about: this.about, name: "run_one" });
-    worker.postMessage({ chunk: { sets: [set], control: this.control, rows: MOST_ROWS } });
+    worker.postMessage({ chunk: { sets: [set], control, rows: MOST_ROWS } });
     return false;
   }
 

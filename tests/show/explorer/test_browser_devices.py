@@ -1,0 +1,148 @@
+"""Pages of devices in a real browser: units, refusals, commands, files, horizon."""
+
+import json
+import math
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from model.cli import main as cli
+from model.events.insertion import INSERTION
+from model.events.outcomes import Outcome
+from model.runs.simulate import simulate
+from model.study.config import load_study, study_path
+from model.study.devices import load_device
+from model.study.devices.amounts import read_amount
+from model.study.devices.stated import unit_of
+from tests.show.explorer.browser import Page, find_browser
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(not find_browser(), reason="no Chromium is installed; CHROMIUM names one"),
+]
+PEG = Path(__file__).parents[3] / "docs" / "peg.yaml"
+SETTINGS = replace(load_study(study_path()).settings.settings, scene=INSERTION)
+
+
+@pytest.mark.parametrize(
+    ("name", "address"),
+    [
+        ("shaft", "t=0"),
+        ("shaft", "press_force=18"),  # its contact stiffness is of materials and press force
+        ("shaft", "press_force=18&amplitude=0.0004&misalignment=0.0005"),
+        ("pin", "vibration=off"),
+        ("peg", "mass=0.4&axial_stiffness=2500&clearance=0.05"),
+    ],
+)
+def test_a_device_and_its_command_agree(
+    started: Page, device_urls: dict[str, str], name: str, address: str,
+    tmp_path: Path, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    started.open(f"{device_urls[name]}#{address}")
+    started.wait_for("window.explorer && element('beside').textContent")
+    command = shlex.split(started.evaluate("commandOf(explorer.state, MODEL)"))
+    saved = tmp_path / started.evaluate("fileOf(explorer.state, MODEL)")
+    assert saved.stem == name
+    saved.write_text(started.evaluate("deviceOf({...explorer.state, vibration: true}, MODEL)"))
+    still = ["--set", "frequency=0"] if "vibration=off" in address else []
+    for arguments in (command[1:], [*command[1:4], "--device", str(saved), *still]):
+        assert cli.main([*arguments, "--json"]) == cli.DONE
+        record = json.loads(capsys.readouterr().out)
+        assert record["outcome"] == Outcome(started.results["outcome"]).name.lower()
+        if record["tau_align"] is not None:
+            expected = pytest.approx(started.results["tau_align"], rel=1e-8)
+            assert record["tau_align"] == expected
+    # The unvibrated run ends in the words of the command.
+    assert cli.main(command[1:]) == cli.DONE
+    words = capsys.readouterr().out.partition("without vibration: ")[2].partition("\n")[0].strip()
+    said = started.text("words") + started.text("beside")
+    assert f"ithout vibration it {words}" in said
+    assert started.errors == []
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("press_force", "12 N"), ("press_force", "80mN"), ("half_width", "5 mm"),
+        ("half_width", "60 um"), ("half_width", "0.6 µm"), ("contact_stiffness", "48 MN/m"),
+        ("lateral_stiffness", "3 kN/m"), ("frequency", "3000 rpm"), ("frequency", "314 rad/s"),
+        ("inertia", "350 kg mm²"), ("inertia", "450 g cm^2"), ("initial_tilt", "3°"),
+        ("initial_tilt", "3 deg"), ("tilt_damping", "4 mN m s/rad"), ("clearance", "4 %"),
+        ("mass", "2 g"), ("amplitude", "1e-1 mm"), ("mass", "2 Kg"), ("frequency", "60 hz"),
+        ("tilt_stiffness", "6 Nm/rad"), ("tilt_stiffness", "6 N-m"), ("axial_damping", "6 Ns/m"),
+        ("axial_stiffness", "100 lb/in"), ("inertia", "120 kgmm²"), ("inertia", "450 g cm2"),
+        ("rest_tilt", "\u22123 deg"), ("half_width", "30 mil"), ("tilt_damping", "4 mNms/rad"),
+        ("press_force", "3 lb"), ("mass", "3 lb"), ("frequency", "50 s-1"), ("mass", "15\u202f"),
+        ("inertia", "120 kg mm**2"), ("half_height", "0.4 in"),
+    ],
+)  # fmt: skip
+def test_units_are_read_as_in_a_device_file(
+    started: Page, device_urls: dict[str, str], name: str, given: str
+) -> None:
+    if started.evaluate("location.href").partition("#")[0] != device_urls["shaft"]:
+        started.show(device_urls["shaft"])
+    read = started.evaluate(f"readAmount(parameters[{json.dumps(name)}], {json.dumps(given)})")
+    assert read["message"] == ""
+    expected = read_amount(name, given, unit_of(name)).value
+    assert read["value"] == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_device_is_refused_as_by_the_command(
+    started: Page, device_urls: dict[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    started.show(device_urls["peg"])
+    wrong = {"half_width": "50 mm", "press_force": "0 N", "friction": "1 mm", "mass": "1 foo"}
+    wrong |= {"clearance": "0,1", "tilt_stiffness": "3 constructor"}
+    for name, given in wrong.items():
+        started.evaluate(f"open(''); take({{{name}: {json.dumps(given)}}})")
+        said = started.text("fault").partition(": ")[2]
+        command = ["simulate", "--device", str(PEG), "--set", f"{name}={given}"]
+        assert cli.main(command) == cli.REFUSED
+        refusal = capsys.readouterr().err
+        # From the name of the quantity on: which value it is, then the rule.
+        assert said.partition(" = ")[0] in refusal
+        rule = said.partition(": ")[2]
+        assert rule[:12] in refusal, (said, refusal)
+
+
+@pytest.mark.parametrize("given", ["15,000 mN", "1,234.5 mN", "1 500 mN", "1.234,5 N", "1'500 mN"])
+def test_grouped_digits_are_refused_as_by_the_command(
+    started: Page, device_urls: dict[str, str], given: str
+) -> None:
+    if started.evaluate("location.href").partition("#")[0] != device_urls["shaft"]:
+        started.show(device_urls["shaft"])
+    read = started.evaluate(f"readAmount(parameters.press_force, {json.dumps(given)})")
+    with pytest.raises(ValueError, match="write") as refusal:
+        read_amount("press_force", given, "N")
+    assert read["message"].partition(": ")[2] == str(refusal.value).partition(": ")[2]
+
+
+@pytest.mark.parametrize("name", ["mass", "axial_stiffness"])
+def test_a_horizon_in_seconds_holds_in_other_units_of_time(
+    started: Page, tmp_path: Path, name: str
+) -> None:
+    file, seconds = tmp_path / "peg.html", 0.09  # the peg aligns after 97 ms
+    device = ["--device", str(PEG), "--horizon", f"{seconds} s"]
+    assert cli.main(["explore", *device, "--out", str(file)]) == 0
+    value = {"mass": 0.9, "axial_stiffness": 1200.0}[name]
+    started.show(f"{file.as_uri()}#{name}={value}&x={name}&t=0")
+    end = "explorer.run.track.time.at(-1) * scaleOf(MODEL.time, explorer.state.values)"
+    assert started.evaluate(end) == pytest.approx(seconds, rel=1e-12)
+    started.wait_for("explorer.measured.map", 300)
+    nodes = started.evaluate("""(() => {
+        const { map } = explorer, row = 32 * map.cells;
+        const nodes = [...Array(map.cells).keys()].filter((node) => map.step[row + node]);
+        const aligns = (node) => map.outcome[row + node] === ALIGNED;
+        return nodes.map((node) => [...valuesAt(map, row + node), aligns(node)]);
+    })()""")
+    aligned = []
+    for x, y, _ in nodes:
+        own = {name: x, started.evaluate("explorer.state.y"): y}
+        units, parameters = load_device(PEG, own).device
+        limits = replace(SETTINGS, horizon=seconds / units.time)
+        aligned.append(not math.isnan(simulate(parameters, limits).tau_align))
+    assert [each for *_, each in nodes] == aligned
+    assert {True, False} == set(aligned)
+    assert started.errors == []
