@@ -37,7 +37,7 @@ from model.events.scenes import Scene
 from model.events.table import Event, Table
 
 TERMS = ORDER + 1  # of the series of each quantity
-_EVENTS_PER_LOOP = 8  # events in a loop over lanes: the compiler does not vectorize shorter ones
+_LEAST_EVENTS = 8  # in a loop over lanes: the compiler unrolls short ones and leaves them scalar
 _BOUND_SCALE = f"{step.CURVATURE!r} * "  # from the bound of |g''| to the curvature bound
 _CORNERS = "corner_load", "wall_load"  # the last quantities, of the insertion scene
 
@@ -122,8 +122,9 @@ def _selected(event: LaneEvent, texts: list[str], otherwise: str, write: Writer)
 
 def _in_loops(events: list[LaneEvent]) -> Iterator[tuple[str, list[LaneEvent]]]:
     """Yield events for one loop over lanes, with the condition that one of them may apply."""
-    for first in range(0, len(events), _EVENTS_PER_LOOP):
-        group = events[first : first + _EVENTS_PER_LOOP]
+    size = -(-len(events) // max(1, len(events) // _LEAST_EVENTS))
+    for first in range(0, len(events), size):
+        group = events[first : first + size]
         yield f"applicable & {sum(1 << each.number for each in group)}", group
 
 
