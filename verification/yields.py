@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from model import Settings, read_device
+from model import Settings, load_device
 from model.study.assessment.judge import run_devices
 from model.study.assessment.yields import from_unit_cube, yield_of
 
@@ -27,7 +27,7 @@ REPETITIONS, POINTS, CHUNK = 40, 1024, 2**14
 
 def brute_force(name: str, count: int, cores: int) -> float:
     """Return the share of ``count`` independent devices that go in from every start."""
-    stated = read_device(DEVICES / f"{name}.yaml", CASES[name])
+    stated = load_device(DEVICES / f"{name}.yaml", CASES[name])
     rng = np.random.default_rng(2026)
     going_in = done = 0
     while done < count:
@@ -40,7 +40,7 @@ def brute_force(name: str, count: int, cores: int) -> float:
 
 def intervals(name: str, cores: int) -> np.ndarray:
     """Return the intervals of the repetitions, shape (repetitions, 2)."""
-    stated = read_device(DEVICES / f"{name}.yaml", CASES[name])
+    stated = load_device(DEVICES / f"{name}.yaml", CASES[name])
     found = [
         yield_of(stated, STARTS, SETTINGS, cores, devices=POINTS, seed=seed, indices=False)[0]
         for seed in range(1, 1 + REPETITIONS)

@@ -15,7 +15,7 @@ from model.runs.align import Alignments, align
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.study.assessment import reliable_at
-from model.study.devices import StatedDevice, load_device, read_device
+from model.study.devices import StatedDevice, load_device
 
 Readings = Variants  # the name in the API
 
@@ -37,7 +37,6 @@ __all__ = [
     "Variants",
     "align",
     "load_device",
-    "read_device",
     "reliable_at",
     "simulate",
 ]

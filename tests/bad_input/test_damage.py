@@ -20,7 +20,7 @@ from model.study.config import ConfigError, load_study, study_path
 from model.study.csv_tables import TableError
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset, known_in
-from model.study.devices import DeviceError, read_device
+from model.study.devices import DeviceError, load_device
 from model.study.io import DatasetError, read_dataset, write_dataset
 from model.tracking import TrackingError, code
 from model.tracking.compare import changed_verdicts
@@ -147,7 +147,7 @@ def small() -> xr.Dataset:
 
 
 def search() -> Search:
-    made = Search(read_device(PEG), [], Settings(), 1, 0)
+    made = Search(load_device(PEG), [], Settings(), 1, 0)
     made.known[8.0, 0.3] = (1.0, 2.0, 0.1, 20.0, 0.1, np.nan)
     return made
 
@@ -183,7 +183,7 @@ REFUSED = {
         ConfigError, "",
     ),
     "device": Refused(
-        "peg.yaml", lambda path: path.write_bytes(PEG.read_bytes()), read_device, DeviceError, "",
+        "peg.yaml", lambda path: path.write_bytes(PEG.read_bytes()), load_device, DeviceError, "",
     ),
     "design": Refused(
         "design.nc", write_design, lambda path: known_in(path, search()), ValueError,

@@ -13,7 +13,7 @@ from model.show.assumptions import assumptions
 from model.show.si import named_words
 from model.study import assessment
 from model.study.assessment import Assessment, BaseVerdict, Leeway
-from model.study.devices import load_device, read_device
+from model.study.devices import load_device
 
 PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
@@ -186,7 +186,7 @@ def test_a_mass_has_its_unit():
 
 
 def test_what_is_assumed_is_said_alike():
-    stated = read_device(Path(PEG), {"press_force": "12 N", "friction": "0.15 ± 0.02"})
+    stated = load_device(Path(PEG), {"press_force": "12 N", "friction": "0.15 ± 0.02"})
     settings = Settings(horizon=40.0, start="pressed")
     said = assumptions(stated.parameters, settings, stated)
     assert said["start"] == "the part rests under the press, then the vibration sets in"
@@ -198,7 +198,7 @@ def test_what_is_assumed_is_said_alike():
     assumed = assumptions(stated.parameters, settings, stated, tolerances_assumed=True)
     assert assumed["tolerances"] == "none stated, so assumed: friction ± 0.02"
     base = {"materials": "steel on brass", "edge_radius": "0.2 mm", "restitution": 0.5}
-    hertz = read_device(Path(PEG), base)
+    hertz = load_device(Path(PEG), base)
     words = assumptions(hertz.parameters, replace(settings, scene=INSERTION), hertz)
     assert "(from steel on brass at this press force)" in words["base"]
     assert "(from a restitution of 0.5)" in words["base"]

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from model.cli import main as cli
-from model.study.devices import read_device
+from model.study.devices import load_device
 from model.study.devices.stated import LIMITS, QUANTITIES
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "devices"
@@ -32,16 +32,16 @@ def test_the_new_file_names_every_quantity_and_runs_once_it_is_filled_in(tmp_pat
     for name, value in FILLED.items():
         text = re.sub(rf"^{name}:", f"{name}: {value}", text, flags=re.MULTILINE)
     path.write_text(text, encoding="utf-8")
-    stated = read_device(path)
+    stated = load_device(path)
     assert stated.doubts == []
     assert stated.quantities["inertia"] == pytest.approx(1.2e-4)
     path.write_text(re.sub(r"^# (?=\w+:|  )", "", text, flags=re.MULTILINE), encoding="utf-8")
     with pytest.raises(ValueError, match="contact_stiffness and materials state the same"):
-        read_device(path)  # every example value is read
+        load_device(path)  # every example value is read
     text = re.sub(r"^# (?=(contact_\w+):)", "! ", text, flags=re.MULTILINE)
     text = re.sub(r"^# (?=\w+:|  )", "", text, flags=re.MULTILINE).replace("! ", "# ")
     path.write_text(text, encoding="utf-8")
-    assert read_device(path).limits["vibration"] == 1.0
+    assert load_device(path).limits["vibration"] == 1.0
 
 
 def test_a_device_is_copied_and_nothing_is_overwritten(tmp_path, capsys):

@@ -47,7 +47,7 @@ FROZEN = {
     "model.reliable_at": "device settings cores quantities",
     "model.study.assessment.yields.yield_of": "stated starts settings cores devices seed indices",
     "model.study.assessment.yields.Yield": """
-        devices going_in low high time force runs sobol_indices
+        devices going_in low high time force runs sobol_indices confidence
     """,
     "model.study.assessment.yields.DeviceResults": "values goes_in time times force tilt failing",
     "model.Variants": """
@@ -73,9 +73,8 @@ def public(name: str) -> Any:
 
 def test_the_page_lists_what_the_package_exports():
     listed = {name.rpartition(".")[2] for name in LISTED if name.count(".") == 1}
-    assert listed == set(model.__all__) - {"Readings", "read_device"}
+    assert listed == set(model.__all__) - {"Readings"}
     assert model.Readings is model.Variants
-    assert model.read_device is model.load_device
     data = {name for name in LISTED if isinstance(public(name), model.Scene)}
     assert set(LISTED) - data == set(FROZEN)
 

@@ -8,7 +8,7 @@ from model.engines.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
 from model.study.assessment.yields import drawn
 from model.study.config import load_study, study_path
-from model.study.devices import read_device
+from model.study.devices import load_device
 from model.study.devices.batches import batch_of
 from model.study.maps.starts import starts_of
 
@@ -101,7 +101,7 @@ def test_estimated_errors_of_single_runs_hold_on_devices():
     # many starts: 95 % of the errors below their estimates, 99.9 % below ten times.
     sets, folder = [], study_path().parents[1] / "docs" / "devices"
     for name in ("shaft", "pin", "peg"):
-        stated = read_device(folder / f"{name}.yaml")
+        stated = load_device(folder / f"{name}.yaml")
         devices = batch_of(stated, drawn(stated, 128))
         starts = starts_of(stated.device.parameters, load_study(study_path()).maps.ensemble)
         sets += [devices[i].replace(**starts[5 * i % len(starts)]) for i in range(len(devices))]

@@ -8,7 +8,7 @@ from model.runs.settings import Settings
 from model.show.explorer.content import Scales
 from model.show.explorer.page import build_page
 from model.study.config import load_study, study_path
-from model.study.devices import read_device
+from model.study.devices import load_device
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
@@ -32,10 +32,10 @@ def explorer_of(stated, folder):
 def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     study = load_study(study_path())
     stated, settings = (
-        read_device(PEG, {"press_force": "12 N"}),
+        load_device(PEG, {"press_force": "12 N"}),
         Settings(horizon=40.0, tolerance=1e-6),
     )
-    explorer_of(read_device(PEG), tmp_path)
+    explorer_of(load_device(PEG), tmp_path)
     pages = []
     for name in ("one.html", "two.html"):
         write_sheet(tmp_path / name, stated, VERDICT, GROUPS, study, settings)
@@ -49,6 +49,6 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     assert re.search(r"<td>press force</td><td>12 N</td><td>± 1.2 N</td>", page)
     assert re.search(r"<td>amplitude</td><td>1 mm</td><td>± 0.05 mm</td>", page)
     assert "@page { size: A4" in page
-    explorer_of(read_device(PEG, {"tilt_stiffness": "0.5 N m/rad"}), tmp_path)
+    explorer_of(load_device(PEG, {"tilt_stiffness": "0.5 N m/rad"}), tmp_path)
     write_sheet(tmp_path / "three.html", stated, VERDICT, GROUPS, study, settings)
     assert "peg.html" not in (tmp_path / "three.html").read_text(encoding="utf-8")

@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from model import INSERTION, Settings, Trajectory, load_device, read_device, reliable_at, simulate
+from model import INSERTION, Settings, Trajectory, load_device, reliable_at, simulate
 from model.cli import main as cli
 from model.cli import sheet
 from model.events.outcomes import Outcome
@@ -37,7 +37,7 @@ ROUGH = ["--tolerance", "1e-6", "--horizon", f"{HORIZON} s"]
 def written(folder: Path, number: int) -> Path:
     """Write a random device; every third is pressed first, and starts of bases differ."""
     rng = np.random.default_rng(4100 + number)
-    stated = read_device(DOCS / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
+    stated = load_device(DOCS / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
     quantities = dict(stated.quantities)
     for name in VARIED:
         quantities[name] = float(f"{quantities[name] * np.exp(rng.normal(0.0, 0.3)):.4g}")
@@ -106,7 +106,7 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     axes = [word for side, (name, ends) in zip("xy", spans.items(), strict=True)
             for word in (f"--{side}", name, *map(repr, ends))]  # fmt: skip
     assert cli.main(["map", *file, *ROUGH, *axes, "--resolution", "2", "--out", str(out)]) == 0
-    least = read_device(path, {name: low for name, (low, _) in spans.items()})
+    least = load_device(path, {name: low for name, (low, _) in spans.items()})
     with xr.open_dataset(out) as stored:
         assert bool(stored["reliable"][1, 1]) is reliable
         inserted = stored["outcome"].values[1, 1] == Outcome.INSERTED

@@ -13,7 +13,7 @@ from model.study.assessment.assess import impact_speed
 from model.study.assessment.judge import are_reliable, run_devices
 from model.study.assessment.leeways import FINEST, STEP, STEPS, VARIED, leeways, nearest
 from model.study.config import Ensemble
-from model.study.devices import load_device, read_device
+from model.study.devices import load_device
 from model.study.devices.batches import batch_of
 from model.study.maps.starts import every_start, starts_of
 
@@ -115,7 +115,7 @@ SI = ["mass", "axial_stiffness", "amplitude", "lateral_stiffness", "inertia", "p
 
 
 def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
-    stated = read_device(SHAFT)
+    stated = load_device(SHAFT)
     asked = []
 
     def is_reliable(values):
@@ -133,11 +133,11 @@ def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
         own = {**stated.values, **stated.quantities}
         for i, parameters in enumerate(batch_of(stated, some)):
             changes = {n: v[i] for n, v in some.items() if v[i] != own[n]}
-            assert parameters == read_device(SHAFT, changes).parameters
+            assert parameters == load_device(SHAFT, changes).parameters
 
 
 def test_twice_the_mass_is_another_dimensionless_device():
-    one, two = (read_device(PEG, {"mass": mass}).parameters for mass in (0.3, 0.6))
+    one, two = (load_device(PEG, {"mass": mass}).parameters for mass in (0.3, 0.6))
     # 1/p = √(M/K): a frequency counts √2 times as much, a damping h/√(K M) its √2th part. The
     # inertia of the device stays, and so is half as much beside M A². Stiffnesses and forces stay.
     ratios = {"frequency": 2.0**0.5, "inertia": 0.5, "press_force": 1.0, "tilt_stiffness": 1.0}
@@ -149,19 +149,19 @@ def test_twice_the_mass_is_another_dimensionless_device():
 
 def test_the_nearest_amplitude_is_found_and_holds():
     changes = {"amplitude": 0.5e-3, "contact_stiffness": 3e5}
-    stated = read_device(PEG, changes)
+    stated = load_device(PEG, changes)
     found = assess(stated.parameters, COARSE, ENSEMBLE, stated=stated)
     [near] = [each for each in found.nearest if each.parameter == "amplitude"]
     assert near.above is not None
     starts = starts_of(stated.parameters, ENSEMBLE)
     for amplitude, goes_in in ((near.above, True), (near.above / (1.0 + FINEST), False)):
-        changed = read_device(PEG, changes | {"amplitude": amplitude})
+        changed = load_device(PEG, changes | {"amplitude": amplitude})
         runs = every_start(Batch.stack([changed.parameters]), starts, COARSE)
         assert runs["goes_in"].all() == goes_in
 
 
 def test_a_horizon_in_seconds_holds_for_devices_of_any_mass():
-    stated = read_device(PEG, {"contact_stiffness": 3e5, "tilt_stiffness": 0.3})
+    stated = load_device(PEG, {"contact_stiffness": 3e5, "tilt_stiffness": 0.3})
     starts = starts_of(stated.parameters, ENSEMBLE)
     masses = np.array([0.3, 0.15, 0.6])
     times = run_devices(stated, {"mass": masses}, starts, COARSE).time
@@ -199,11 +199,11 @@ def test_the_rigid_limit_begins_where_nothing_changes_any_more():
 
 def test_an_open_base_is_tried_over_decades_and_a_stated_one_is_not():
     for changes, count in (({}, 10), ({"contact_stiffness": 3e5}, 0)):
-        stated = read_device(PEG, {"tilt_stiffness": 0.3, **changes})
+        stated = load_device(PEG, {"tilt_stiffness": 0.3, **changes})
         found = assess(stated.device.parameters, COARSE, ENSEMBLE, stated=stated)
         assert len(found.bases) == count
         assert found.reliable
-    found = read_device(PEG, {"contact_stiffness": 3e5, "contact_damping": 20.0})
+    found = load_device(PEG, {"contact_stiffness": 3e5, "contact_damping": 20.0})
     device = found.device.parameters
     bases = assess(device, COARSE, ENSEMBLE, stated=found, bases=True).bases
     assert [each.restitution for each in bases] == [None] * 5
@@ -244,7 +244,7 @@ def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
     assert other.tau_align == simulate(load_device(PEG), tolerance=1e-7).tau_align
     assert abs(other.tau_align - run.tau_align) > 1.0
     # It aligns with more friction than it goes in with: the question is that of ``assess``.
-    stated = read_device(PEG, {"contact_stiffness": 3e5})
+    stated = load_device(PEG, {"contact_stiffness": 3e5})
     asked = []
 
     def every(*arguments):

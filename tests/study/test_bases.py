@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from model import Settings, simulate
-from model.study.devices import DeviceError, read_device
+from model.study.devices import DeviceError, load_device
 from model.study.devices.base import (
     MATERIALS,
     damping_ratio_of,
@@ -69,13 +69,13 @@ def test_materials_are_named_in_either_case_and_either_english():
 
 
 def test_materials_and_a_restitution_become_contact_parameters():
-    stated = read_device(EXAMPLE, {**BASE, "restitution": 0.6})
+    stated = load_device(EXAMPLE, {**BASE, "restitution": 0.6})
     both = STEEL, MATERIALS["aluminium"]
     stiffness = hertz_stiffness(both, 0.2e-3, 10.0)
     assert stated.resolved({})["contact_stiffness"] == pytest.approx(stiffness)
     assert stated.base_is_stated
     plate = {"plate_thickness": "2 mm", "plate_radius": "20 mm"}
-    soft = read_device(EXAMPLE, {**BASE, **plate}).resolved({})["contact_stiffness"]
+    soft = load_device(EXAMPLE, {**BASE, **plate}).resolved({})["contact_stiffness"]
     series = 1.0 / (1.0 / stiffness + 1.0 / plate_stiffness(both[1], 2e-3, 20e-3))
     assert soft == pytest.approx(series)
     # the mass at the edge: an impulse J there gives C the velocity J/M and the rate J s/I
@@ -89,7 +89,7 @@ def test_materials_and_a_restitution_become_contact_parameters():
 def test_a_stiffer_base_of_the_same_restitution_hops_alike():
     hops = []
     for ratio in (1e4, 1e6):
-        stated = read_device(
+        stated = load_device(
             EXAMPLE, {"contact_stiffness": 3e3 * ratio, "restitution": 0.5, "press_force": "2 N"}
         )
         run = simulate(stated.device.parameters, Settings(tolerance=1e-8, horizon=60.0))
@@ -106,7 +106,7 @@ def test_a_stiffer_base_of_the_same_restitution_hops_alike():
 def test_a_stiff_base_returns_the_stated_share_of_the_closing_rate(restitution):
     """Closed form: e, once an impact is short against all else; without friction, as it assumes."""
     changes = {"press_force": "2 N", "friction": 0.0, "restitution": restitution}
-    stated = read_device(EXAMPLE, {**changes, "contact_stiffness": 3e3 * 1e6})
+    stated = load_device(EXAMPLE, {**changes, "contact_stiffness": 3e3 * 1e6})
     run = simulate(stated.device.parameters, Settings(tolerance=1e-9, horizon=10.0))
     x, y, tilt, x_rate, y_rate, tilt_rate = run.state.T
     edge = run.parameters.slot_half_width
@@ -134,5 +134,5 @@ def test_a_stiff_base_returns_the_stated_share_of_the_closing_rate(restitution):
 )
 def test_a_base_that_cannot_be_is_refused(changes, words):
     with pytest.raises(DeviceError) as refusal:
-        read_device(EXAMPLE, changes)
+        load_device(EXAMPLE, changes)
     assert words in str(refusal.value)

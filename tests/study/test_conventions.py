@@ -19,7 +19,7 @@ from model import Parameters, Settings
 from model.study.config import Axis, Ensemble, RunSettings, Span, Study
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset
-from model.study.devices import read_device
+from model.study.devices import load_device
 from model.study.io import write_dataset
 from model.study.maps.compute import compute_part
 from model.study.maps.dataset import map_dataset, part_dataset
@@ -50,7 +50,7 @@ def plan(device: Parameters, other: str, low: float, high: float) -> MapPlan:
 
 
 def plan_in_si() -> MapPlan:
-    peg = read_device(PEG)
+    peg = load_device(PEG)
     settings = RunSettings(readings="consistent", horizon=20.0, tolerance=1e-6)
     x = QuantitySpan(parameter="tilt_stiffness", start=0.3, stop=1.0)
     y = QuantitySpan(parameter="initial_tilt", start=0.001, stop=0.003)
@@ -91,7 +91,7 @@ def precision(study: Study) -> xr.Dataset:
 
 
 def design() -> xr.Dataset:
-    search = Search(read_device(PEG), [], Settings(), 1, 0)
+    search = Search(load_device(PEG), [], Settings(), 1, 0)
     search.known |= {(force, 0.3): (1.0, 2.0, 0.1, 20.0, 0.1, np.nan) for force in (8.0, 9.0)}
     return design_dataset(search, Design(search.tried(), 0, {}))
 

@@ -15,7 +15,7 @@ from model.study.assessment.judge import DeviceResults
 from model.study.design import Search, as_printed, at_other_friction
 from model.study.design_files import design_dataset, known_of
 from model.study.design_judges import FARTHEST
-from model.study.devices import read_device
+from model.study.devices import load_device
 from model.study.io import write_dataset
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
@@ -25,7 +25,7 @@ FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}
 
 
 def search(limits=None, **changes):
-    stated = read_device(PEG, {"contact_stiffness": 3e5, "friction": "0.15 ± 0.05", **changes})
+    stated = load_device(PEG, {"contact_stiffness": 3e5, "friction": "0.15 ± 0.05", **changes})
     return Search(replace(stated, free=FREE, limits=limits or {}), STARTS, COARSE, devices=64)
 
 
@@ -90,10 +90,10 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
     assert set(none.to_relax()) == {"vibration", "contact_force"}
     text = PEG.read_text() + "limits: {vibration: needed}\n"
     (tmp_path / "peg.yaml").write_text(text)
-    assert read_device(tmp_path / "peg.yaml").limits == {"vibration": 1.0}
+    assert load_device(tmp_path / "peg.yaml").limits == {"vibration": 1.0}
     (tmp_path / "peg.yaml").write_text(text.replace("needed", "often"))
     with pytest.raises(ValueError, match="vibration = 'often': must be needed or not needed"):
-        read_device(tmp_path / "peg.yaml")
+        load_device(tmp_path / "peg.yaml")
 
 
 def test_a_search_is_not_beaten_by_a_fine_grid(monkeypatch):
@@ -192,10 +192,10 @@ def test_a_misjudged_friction_moves_the_recommendation(monkeypatch):
 
 
 def test_a_device_without_tolerances_is_judged_with_ten_per_cent():
-    stated = replace(read_device(PEG), free=FREE)
+    stated = replace(load_device(PEG), free=FREE)
     assert set(Search(stated, STARTS, COARSE).stated.tolerances) == set(designs.ASSUMED_OF)
     with pytest.raises(ValueError, match="nothing is free"):
-        Search(read_device(PEG), STARTS, COARSE)
+        Search(load_device(PEG), STARTS, COARSE)
 
 
 def test_the_design_of_the_peg_is_not_beaten_by_a_full_grid():

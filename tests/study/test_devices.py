@@ -8,7 +8,7 @@ import pytest
 from model import align
 from model.events.outcomes import Outcome
 from model.physics.quantities import FREQUENCY
-from model.study.devices import DeviceError, Tolerance, load_device, read_device
+from model.study.devices import DeviceError, Tolerance, load_device
 from model.study.devices.amounts import read_amount, read_range
 from model.study.devices.holder import natural_frequencies
 
@@ -21,14 +21,14 @@ def test_the_example_aligns():
     runs = align([load_device(EXAMPLE, {}).parameters], tolerance=1e-7, horizon=50.0, cores=1)
     assert runs.outcome[0] == Outcome.ALIGNED
     assert runs.separations[0] == 0
-    assert read_device(EXAMPLE).doubts == []
+    assert load_device(EXAMPLE).doubts == []
 
 
 def test_a_device_may_state_the_start_of_its_runs(tmp_path):
     path = tmp_path / "peg.yaml"
     path.write_text(EXAMPLE.read_text(encoding="utf-8") + "start: pressed\n", "utf-8")
-    assert read_device(path).start == "pressed"
-    assert read_device(EXAMPLE).start is None
+    assert load_device(path).start == "pressed"
+    assert load_device(EXAMPLE).start is None
 
 
 def test_changes_are_in_the_units_of_the_file():
@@ -126,25 +126,25 @@ def test_a_changed_value_keeps_its_tolerance(tmp_path):
     path = tmp_path / "peg.yaml"
     text = EXAMPLE.read_text(encoding="utf-8")
     path.write_text(text.replace("friction: 0.15", "friction: 0.15 ± 0.05"), encoding="utf-8")
-    stated = read_device(path, {"friction": 0.2})
+    stated = load_device(path, {"friction": 0.2})
     assert stated.quantities["friction"] == 0.2
     assert stated.tolerances == {"friction": Tolerance("uniform", 0.05)}
-    assert read_device(path, {"friction": "0.2 ± 0.01"}).tolerances["friction"].width == 0.01
+    assert load_device(path, {"friction": "0.2 ± 0.01"}).tolerances["friction"].width == 0.01
     with pytest.raises(DeviceError, match="at the ends of the tolerances"):
-        read_device(path, {"misalignment": "10 mm ± 0.2 mm"})
+        load_device(path, {"misalignment": "10 mm ± 0.2 mm"})
 
 
 def test_free_quantities_and_limits_are_read(tmp_path):
     path = tmp_path / "peg.yaml"
     more = "free: {press_force: 2 to 30 N}\nlimits: {contact_force: 60 N, tilt: 10 deg}\n"
     path.write_text(EXAMPLE.read_text(encoding="utf-8") + more, encoding="utf-8")
-    stated = read_device(path)
+    stated = load_device(path)
     assert stated.free == {"press_force": (2.0, 30.0)}
     assert stated.limits == {"contact_force": 60.0, "tilt": pytest.approx(math.radians(10.0))}
     for wrong in ("free: 3", "free: {presure: 1 to 2}", "limits: {force: 3}", "limits: {time: 0}"):
         path.write_text(EXAMPLE.read_text(encoding="utf-8") + wrong, encoding="utf-8")
         with pytest.raises(DeviceError):
-            read_device(path)
+            load_device(path)
 
 
 @pytest.mark.parametrize(
@@ -161,7 +161,7 @@ def test_free_quantities_and_limits_are_read(tmp_path):
 )
 def test_a_device_that_makes_no_sense_is_refused(changes, words):
     with pytest.raises(DeviceError, match=r"must be|already inside") as refusal:
-        read_device(EXAMPLE, changes)
+        load_device(EXAMPLE, changes)
     assert words in str(refusal.value)
 
 
@@ -189,21 +189,21 @@ def test_a_device_that_makes_no_sense_is_refused(changes, words):
     ],
 )
 def test_a_doubtful_value_is_named(changes, words):
-    [doubt, *_] = read_device(EXAMPLE, changes).doubts
+    [doubt, *_] = load_device(EXAMPLE, changes).doubts
     assert words in doubt
 
 
 @pytest.mark.parametrize("path", [EXAMPLE, *EXAMPLE.parent.glob("devices/*.yaml")], ids=str)
 def test_no_quantity_may_be_a_thousand_times_off_unnoticed(path):
-    stated = read_device(path)
+    stated = load_device(path)
     own = stated.resolved({})
     measured = {name: own[name] for name in ("contact_stiffness", "contact_damping") if name in own}
-    assert stated.doubts == read_device(path, measured).doubts == []
+    assert stated.doubts == load_device(path, measured).doubts == []
     for changes in ({}, measured):
-        for name, value in read_device(path, changes).quantities.items():
+        for name, value in load_device(path, changes).quantities.items():
             for factor in (1e-3, 1e3):
                 try:
-                    assert read_device(path, {**changes, name: value * factor}).doubts, name
+                    assert load_device(path, {**changes, name: value * factor}).doubts, name
                 except DeviceError as refusal:
                     assert name in str(refusal) or "already inside" in str(refusal)  # noqa: PT017
 
@@ -211,15 +211,15 @@ def test_no_quantity_may_be_a_thousand_times_off_unnoticed(path):
 def test_the_inertia_of_a_solid_part_is_not_doubted():
     # The least inertia of a solid part, that of an ellipsoid m(a² + b²)/5, is 0.6 of a rectangle's.
     bare = 0.3 * (0.005**2 + 0.02**2) / 5.0
-    assert read_device(EXAMPLE, {"inertia": 1.001 * bare}).doubts == []
-    assert len(read_device(EXAMPLE, {"inertia": 0.999 * bare}).doubts) == 1
+    assert load_device(EXAMPLE, {"inertia": 1.001 * bare}).doubts == []
+    assert len(load_device(EXAMPLE, {"inertia": 0.999 * bare}).doubts) == 1
 
 
 def test_a_limit_of_the_time_is_until_alignment(tmp_path):
     path = tmp_path / "peg.yaml"
     path.write_text(EXAMPLE.read_text(encoding="utf-8") + "limits: {time: 0}", encoding="utf-8")
     with pytest.raises(DeviceError, match="longest time until alignment, not until insertion"):
-        read_device(path)
+        load_device(path)
 
 
 def test_a_damping_ratio_stands_for_a_damping(tmp_path):
@@ -228,7 +228,7 @@ def test_a_damping_ratio_stands_for_a_damping(tmp_path):
     for name in ("axial", "lateral", "tilt"):
         text = text.replace(f"{name}_damping:", f"{name}_damping_ratio: 0.07 ± 0.02 #")
     path.write_text(text, encoding="utf-8")
-    stated = read_device(path)
+    stated = load_device(path)
     # 2ζ√(k m): mass 0.3 kg, inertia 4.5e-5 kg m², stiffnesses 3000 and 50 N/m, 0.5 N m/rad
     dampings = 0.14 * math.sqrt(3000 * 0.3), 0.14 * math.sqrt(50 * 0.3), 0.14 * math.sqrt(2.25e-5)
     names = ("axial_damping", "lateral_damping", "tilt_damping")
@@ -241,14 +241,14 @@ def test_a_damping_ratio_stands_for_a_damping(tmp_path):
     )
     assert stated.tolerances["tilt_damping_ratio"] == Tolerance("uniform", 0.02)
     # A damping replaces the ratio of the file, and a ratio the damping.
-    assert read_device(path, {"axial_damping": 3.0}).resolved({})["axial_damping"] == 3.0
-    replaced = read_device(EXAMPLE, {"axial_damping_ratio": 0.07}).resolved({})
+    assert load_device(path, {"axial_damping": 3.0}).resolved({})["axial_damping"] == 3.0
+    replaced = load_device(EXAMPLE, {"axial_damping_ratio": 0.07}).resolved({})
     assert replaced["axial_damping"] == pytest.approx(dampings[0])
     path.write_text(f"{text}\naxial_damping: 6\n", encoding="utf-8")
     with pytest.raises(DeviceError, match="axial_damping and axial_damping_ratio state the same"):
-        read_device(path)
+        load_device(path)
     with pytest.raises(DeviceError, match=r"axial_damping_ratio = -0\.1: must be a finite number"):
-        read_device(EXAMPLE, {"axial_damping_ratio": -0.1})
+        load_device(EXAMPLE, {"axial_damping_ratio": -0.1})
 
 
 def test_the_natural_frequencies_are_those_of_the_three_springs():
@@ -267,11 +267,11 @@ def test_yaml_does_not_reckon_with_numbers(tmp_path):
     path = tmp_path / "peg.yaml"
     text = EXAMPLE.read_text(encoding="utf-8")
     path.write_text(text.replace("50 Hz", "050"), encoding="utf-8")
-    assert read_device(path).quantities["frequency"] == 50.0
+    assert load_device(path).quantities["frequency"] == 50.0
     for refused in ("0x32", "1:30", "5_0"):
         path.write_text(text.replace("50 Hz", refused), encoding="utf-8")
         with pytest.raises(DeviceError, match=f"frequency = '{refused}'"):
-            read_device(path)
+            load_device(path)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
@@ -281,9 +281,9 @@ def test_a_device_saved_in_another_encoding_is_read_or_refused_with_the_remedy(t
     path.write_bytes(text.encode(encoding))
     if encoding == "cp1252":
         with pytest.raises(DeviceError, match="line 19 is not UTF-8 text: save the file as UTF-8"):
-            read_device(path)
+            load_device(path)
     else:
-        assert read_device(path).tolerances["friction"].width == 0.05
+        assert load_device(path).tolerances["friction"].width == 0.05
 
 
 @pytest.mark.parametrize(
@@ -318,13 +318,13 @@ def test_a_missing_file_is_named(tmp_path):
 
 def test_a_stated_base_replaces_what_the_file_derives_it_from() -> None:
     shaft = Path(__file__).parents[2] / "docs/devices/shaft.yaml"
-    own = read_device(shaft).resolved({})
+    own = load_device(shaft).resolved({})
     changes = {name: own[name] for name in ("contact_stiffness", "contact_damping")}
-    stated = read_device(shaft, {**changes, "press_force": "18 N"})
+    stated = load_device(shaft, {**changes, "press_force": "18 N"})
     assert stated.materials is None
     found = stated.resolved({})
     assert {name: found[name] for name in changes} == changes
     # The other way round the file's materials give a new one.
-    assert read_device(shaft, {"press_force": 18.0}).resolved({})["contact_stiffness"] == (
+    assert load_device(shaft, {"press_force": 18.0}).resolved({})["contact_stiffness"] == (
         pytest.approx(own["contact_stiffness"] * 1.5 ** (1.0 / 3.0))
     )

@@ -7,7 +7,7 @@ import pytest
 from model import Settings
 from model.physics.parameters import Batch
 from model.study.assessment.yields import yield_of
-from model.study.devices import read_device
+from model.study.devices import load_device
 from model.study.maps.starts import every_start
 
 DEVICES = Path(__file__).resolve().parents[2] / "docs" / "devices"
@@ -21,7 +21,7 @@ QUICK = Settings(horizon=150.0, tolerance=1e-6)
     [("pin", 5.30e4, (1.0, 1.0)), ("peg", 2.33e6, (1.0, 1.0)), ("shaft", 5.77e6, (0.4, 0.95))],
 )
 def test_a_worked_device_goes_in_on_its_base(name, stiffness, shares):
-    stated = read_device(DEVICES / f"{name}.yaml")
+    stated = load_device(DEVICES / f"{name}.yaml")
     assert stated.doubts == []
     assert stated.resolved({})["contact_stiffness"] == pytest.approx(stiffness, rel=5e-3)
     assert every_start(Batch.stack([stated.device.parameters]), STARTS, QUICK)["goes_in"].all()
@@ -30,6 +30,6 @@ def test_a_worked_device_goes_in_on_its_base(name, stiffness, shares):
 
 
 def test_the_shaft_does_not_go_in_as_it_was_first_set():
-    stated = read_device(DEVICES / "shaft.yaml", {"press_force": "60 N", "frequency": "80 Hz"})
+    stated = load_device(DEVICES / "shaft.yaml", {"press_force": "60 N", "frequency": "80 Hz"})
     device = Batch.stack([stated.device.parameters])
     assert not every_start(device, STARTS[:2], QUICK)["goes_in"].any()

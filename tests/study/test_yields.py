@@ -19,7 +19,7 @@ from model.study.assessment.yields import (
     sobol_indices,
     yield_of,
 )
-from model.study.devices import Tolerance, read_device
+from model.study.devices import Tolerance, load_device
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
@@ -27,9 +27,9 @@ STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
 
 
 def peg(**tolerances):
-    quantities = read_device(PEG).quantities
+    quantities = load_device(PEG).quantities
     texts = {name: f"{quantities[name]!r} {text}" for name, text in tolerances.items()}
-    return read_device(PEG, texts)
+    return load_device(PEG, texts)
 
 
 def test_distributions_have_the_stated_width_and_keep_the_rule():
@@ -133,6 +133,6 @@ def test_the_nearest_failing_device_of_the_peg_fails_when_its_command_is_run(cap
 
 def test_a_yield_needs_tolerances_and_a_power_of_two():
     with pytest.raises(ValueError, match="no quantity has a tolerance"):
-        yield_of(read_device(PEG), STARTS, COARSE)
+        yield_of(load_device(PEG), STARTS, COARSE)
     with pytest.raises(ValueError, match="must be a power of two"):
         yield_of(peg(friction="± 0.05"), STARTS, COARSE, devices=100)

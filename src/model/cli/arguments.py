@@ -19,7 +19,7 @@ from model.physics.units import UNITS, Units
 from model.physics.variants import VARIANT_NAMES, Variants
 from model.runs.settings import SCENES, Settings
 from model.study.config import FIGURES, Study, load_study, study_path
-from model.study.devices import StatedDevice, read_device
+from model.study.devices import StatedDevice, load_device
 from model.study.devices.amounts import read_amount
 from model.study.devices.base import BASE
 from model.study.devices.holder import RATIOS
@@ -179,7 +179,7 @@ def read_inputs(arguments: argparse.Namespace) -> Inputs:
 def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     if arguments.device is None:
         return None
-    stated = read_device(arguments.device, pairs(arguments.changes, "--set"))
+    stated = load_device(arguments.device, pairs(arguments.changes, "--set"))
     for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
         if (text := getattr(arguments, name)) is not None:
             value = read_amount(name, text, quantity.unit).value

@@ -7,7 +7,7 @@ from typing import Any
 
 from model.cli.arguments import add_command
 from model.cli.files import check_file, writing
-from model.study.devices import read_device
+from model.study.devices import load_device
 from model.study.files import atomic_write
 
 
@@ -32,7 +32,7 @@ def _new(arguments: argparse.Namespace) -> int:
     if path.exists():
         raise ValueError(f"new {path}: is there already: choose another name, or delete it")
     if source is not None:
-        read_device(source)
+        load_device(source)
         content = source.read_bytes()
     else:
         content = resources.files("model.study.devices").joinpath("new.yaml").read_bytes()

@@ -14,7 +14,7 @@ from model.show.assumptions import changes_words
 from model.show.device_sheet import Sheet, render
 from model.show.explorer.content import Scales
 from model.study.config import RunSettings, Study
-from model.study.devices import StatedDevice, read_device
+from model.study.devices import StatedDevice, load_device
 from model.study.files import atomic_write
 from model.study.maps.compute import MapNodes
 from model.study.maps.dataset import map_dataset
@@ -82,7 +82,7 @@ def _explorer(path: Path, stated: StatedDevice) -> str | None:
     page = path.with_name(f"{stated.source.stem}.html")
     if page.name == path.name or not page.exists():
         return None
-    file = read_device(stated.source)
+    file = load_device(stated.source)
     own = json.dumps(Scales(file.units).values(file.parameters))
     if f'"baseline": {own}' not in page.read_text(encoding="utf-8", errors="replace"):
         return None

@@ -167,7 +167,7 @@ def _replaced_by(changes: Iterable[str]) -> set[str]:
     return {each for others in from_others.values() for each in others} - set(changes)
 
 
-def read_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
+def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
     """Return the device in a YAML file as it is stated.
 
     Args:
@@ -204,9 +204,6 @@ def read_device(path: Path | str, changes: Mapping[str, object] | None = None) -
     except ValueError as error:
         raise DeviceError(f"{path}: {error}") from None
     return stated
-
-
-load_device = read_device
 
 
 def unit_of(name: str) -> str:
