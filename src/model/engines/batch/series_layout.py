@@ -73,6 +73,9 @@ class Layout:
             if not self.is_ahead(row):
                 for each in filter(self.is_ahead, _inputs(row)):
                     self.place.setdefault(each, self._next_place())
+        for total in self.series.accelerations:
+            for each in filter(self.is_ahead, total.terms):
+                self.place.setdefault(each, self._next_place())
         if self._next_place() > ROWS + FURTHER_ROWS:
             raise AssertionError(
                 f"ROWS = {ROWS} and FURTHER_ROWS = {FURTHER_ROWS}: must be at least "
