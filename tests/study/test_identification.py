@@ -197,7 +197,7 @@ def test_a_part_is_the_same_whenever_it_is_computed(space: Space, tmp_path: Path
     read = read_found(space, [path])
     assert read.points == pytest.approx(first.points, abs=1e-8)
 
-    turn = Round(step=0.1, generations=1, population=4, stages=[COARSE])
+    turn = Round(generations=1, population=5, stages=[COARSE])
     moved = search.evolve(space, turn, 0, 0, read)
     assert np.array_equal(moved.points, search.evolve(space, turn, 0, 0, read).points)
 

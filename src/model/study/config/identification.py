@@ -44,11 +44,9 @@ class Pool(Judged):
 class Round(Judged):
     """A part of the search around the best structure so far."""
 
-    step: float = Field(gt=0.0)
-    """Standard deviation of the first generation, in widths of the priors on their log axes."""
     generations: int = Field(ge=1)
-    """Number of generations."""
-    population: int = Field(ge=4)
+    """Number of generations, that of the start included."""
+    population: int = Field(ge=5)
     """Structures in a generation."""
 
 
@@ -107,7 +105,7 @@ class Identification(Problem):
     pool: Pool
     """Structures to start from."""
     starts: int = Field(ge=1)
-    """Number of structures of the pool from which a search begins, far from each other."""
+    """Number of searches, each within a third of the half-widths."""
     rounds: list[Round]
     """Rounds of each search; a further round goes on where the last has ended."""
     final: Final

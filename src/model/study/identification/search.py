@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from cmaes import CMA
 from numpy.random import Generator
+from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from model.study.config.identification import Round, Stage
@@ -21,7 +21,6 @@ from model.study.identification.space import Array, Space
 
 _STEPS = (0.01, 0.05, 0.2)  # by which operating points are changed, in widths of their priors
 _NEW = 0.25  # share of operating points that are drawn from the priors
-_APART = 0.15  # distance of structures that searches begin from, in widths of the priors
 _DIFFERENT = 0.02  # distance from which two structures count as different
 _FINAL = 1_000_000  # number of the last judgement, in seeds, beside those of the rounds
 _GIVE_UP = 1.3  # times the least shortfall above which a structure is not judged to its end
@@ -92,31 +91,30 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
         start: number of the structure of the pool, from 0.
         before: of the pool for the first round, else of the round before.
     """
-    random = _random(space, 1 + number, start)
-    where = space.places["structure"]
-    first = _start(before, start, where) if number == 0 else before.best(1, 0.0, where)[0]
-    strategy = CMA(
-        mean=first[where],
-        sigma=spec.step,
-        bounds=_bounds(start, where.stop),
-        population_size=spec.population,
-        seed=int(random.integers(2**31)),
-    )
+    random, where = _random(space, 1 + number, start), space.places["structure"]
+    bounds = _bounds(start, where.stop)
     near = before.best(30, _DIFFERENT, where)
-    made = judged(space, first[where], _nearest(first, near, where), spec.stages, random)
-    choices = [made[0]] if made else []
-    for _ in range(spec.generations):
-        told = []
-        for _ in range(spec.population):
-            structure = strategy.ask()
-            known = np.concatenate([np.array([each.point for each in choices]), near])
-            parents = _nearest(np.concatenate([structure, first[where.stop :]]), known, where)
-            worst = _worst(choices, 4)
-            made = judged(space, structure, parents, spec.stages, random, worst)
-            told.append((structure, made[0].shortfall if made else _GIVE_UP * worst))
-            choices += [made[0]] if made else []
-        strategy.tell(told)
-        choices = sorted(choices, key=lambda choice: choice.shortfall)
+    choices: list[Choice] = []
+
+    def cost(structure: Array) -> float:
+        worst = _worst(choices, 4)
+        known = np.concatenate([*(each.point[None] for each in choices), near])
+        parents = _nearest(structure, known, where)
+        made = judged(space, structure, parents, spec.stages, random, worst)
+        if not made:
+            return _GIVE_UP * worst
+        choices.append(made[0])
+        return made[0].shortfall
+
+    differential_evolution(
+        cost,
+        bounds,
+        init=_population(before, spec.population, bounds, random),
+        maxiter=spec.generations - 1,
+        tol=0.0,
+        polish=False,
+        rng=random,
+    )
     return Found.of(choices)
 
 
@@ -131,19 +129,18 @@ def _bounds(number: int, unknowns: int) -> Array:
     return bounds
 
 
-def _start(found: Found, start: int, where: slice) -> Array:
-    """Return the set from which a search begins: a good one within its bounds, if there is one."""
-    low, high = _bounds(start, where.stop)[0]
-    inside = (low <= found.points[:, 0]) & (found.points[:, 0] <= high)
-    part = Found(found.points[inside], found.shortfalls[inside]) if inside.any() else found
-    first = part.best(start // 3 + 1, _APART, where)[-1].copy()
-    first[0] = np.clip(first[0], low, high)
-    return first
+def _population(found: Found, count: int, bounds: Array, random: Generator) -> Array:
+    """Return the best structures within bounds, and draws if there are too few, (count, 7)."""
+    low, high = bounds.T
+    structures = found.best(len(found.points), _DIFFERENT, slice(0, len(bounds)))[:, : len(bounds)]
+    inside = structures[((low <= structures) & (structures <= high)).all(axis=-1)][:count]
+    draws = qmc.LatinHypercube(len(bounds), rng=random).random(count - len(inside))
+    return np.concatenate([inside, low + (high - low) * draws])
 
 
-def _nearest(point: Array, known: Array, where: slice) -> Array:
+def _nearest(structure: Array, known: Array, where: slice) -> Array:
     """Return ``known`` sets, those with the nearest structures first."""
-    return known[np.argsort(np.abs(known[:, where] - point[where]).max(axis=-1), kind="stable")]
+    return known[np.argsort(np.abs(known[:, where] - structure).max(axis=-1), kind="stable")]
 
 
 def _worst(choices: Sequence[Choice], best: int) -> float:
@@ -231,7 +228,7 @@ def final(
     if len(best) <= number:
         raise LookupError(f"only {len(best)} structures differ: lower final.sets, or search longer")
     point, random = best[number], _random(space, _FINAL, number)
-    parents = _nearest(point, found.points, where)[:60]
+    parents = _nearest(point[where], found.points, where)[:60]
     made = judged(space, point[where], parents, stages, random)
     assert made is not None  # noqa: S101  (without a limit none is given up)
     choice, figures = made
