@@ -38,6 +38,7 @@ def example(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Names]]:
     def names_of(name: str, *arguments: str) -> Names:
         monkeypatch.setattr(sys, "argv", [name, *arguments])
         path = EXAMPLES / name
+        plt.close("all")  # what another test left
         names: Names = {"__name__": "example"}
         if path.suffix == ".py":
             names = runpy.run_path(str(path))

@@ -179,8 +179,8 @@ def test_a_file_that_is_no_dataset_is_refused(dataset: xr.Dataset, tmp_path: Pat
             read_dataset(path)
 
 
-def test_a_history_holds_the_drop_of_the_contact_force(study: Study) -> None:
-    sweep = sweep_of(study, "fig05")
+def test_a_history_holds_the_drop_of_the_contact_force(fixed_study: Study) -> None:
+    sweep = sweep_of(fixed_study, "fig05")
     history = merge(sweep, "title", [run(sweep)])
     assert history.attrs["summary"] == "One run over time."
     force, time = history["contact_force"].values, history["time"].values
