@@ -16,7 +16,15 @@ from benchmarks.methods import METHODS
 from benchmarks.plans import FixedStepPlan, precision_plan
 from benchmarks.work_precision import Truth, measured, precision_dataset, true_run
 from model import Parameters, Settings
-from model.study.config import Axis, Ensemble, RunSettings, Span, Study
+from model.study.config import (
+    Axis,
+    Ensemble,
+    RunSettings,
+    Span,
+    Study,
+    load_study,
+    study_path,
+)
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset
 from model.study.devices import load_device
@@ -77,8 +85,8 @@ def fixed_steps(study: Study) -> xr.Dataset:
     return fixed_step_dataset(plan, swept(study, "fig13"))
 
 
-def precision(study: Study) -> xr.Dataset:
-    plan = precision_plan(study)
+def precision() -> xr.Dataset:
+    plan = precision_plan(load_study(study_path()))  # its cases are those of the study's device
     ladder = plan.ladder.model_copy(update={"tolerances": [1e-3], "steps": [0.05]})
     cases = dict(list(plan.cases.items())[:2])
     plan = plan.model_copy(update={"ladder": ladder, "cases": cases})
@@ -111,7 +119,7 @@ def written(
         "part": part_dataset(forces, 0, 1, compute_part(forces)),
         "map_in_si": map_dataset(in_si, compute_part(in_si), "A map"),
         "fixed_steps": fixed_steps(study),
-        "precision": precision(study),
+        "precision": precision(),
         "design": design(),
     }
     paths = {kind: tmp_path_factory.mktemp("files") / f"{kind}.nc" for kind in datasets}

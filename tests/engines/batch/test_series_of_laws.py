@@ -18,7 +18,9 @@ def test_a_law_may_multiply_positions(monkeypatch):
         return found._replace(accelerations=(x * x * x, *found.accelerations[1:]))
 
     monkeypatch.setattr(series_kernels, "recurrences", cubic)
-    fill = series_kernels.series_filler([ModeKind(ON_RIGHT_EDGE, FREE, FREE)], False)
+    # Finished code is kept by its name, so that of another law has another.
+    kinds, places = [ModeKind(ON_RIGHT_EDGE, FREE, FREE)], "coefficients, given, last"
+    fill = series_kernels._filler("fill_cubic", series_kernels.SeriesWriter, kinds, False, places)
     flat = new_workspace(workspace.EVENT_ROWS)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = 1.0
