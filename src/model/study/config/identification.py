@@ -33,7 +33,7 @@ class Judged(Strict):
 
 
 class Pool(Judged):
-    """Structures drawn from the priors, of which the best start the search."""
+    """Structures drawn from the priors; the best of them are the first generation."""
 
     structures: int = Field(ge=1)
     """Number of structures in a part."""
@@ -42,7 +42,7 @@ class Pool(Judged):
 
 
 class Round(Judged):
-    """A part of the search around the best structure so far."""
+    """A part of a search, which begins from the best structures of the part before."""
 
     generations: int = Field(ge=1)
     """Number of generations, that of the start included."""
@@ -92,7 +92,7 @@ class Problem(Strict):
     aims: Aims
     """What a set should reach besides the claims."""
     limits: Aims
-    """What it must reach: the same numbers, less strict; missing them costs more."""
+    """The same numbers, less strict: missing these costs more."""
     set_aside: dict[str, Text]
     """Claims that the search does not pursue, with the reason."""
     grids: dict[str, Grid]

@@ -1,4 +1,4 @@
-"""The search: structures drawn from the priors, moved by an evolution strategy, and judged at last.
+"""The search: structures drawn from the priors, moved by differential evolution, judged at last.
 
 Each part is a function of the parts before it and its own seed, so that a search can be interrupted
 and goes on. Within a structure the figures' operating points are chosen from those of near
@@ -82,14 +82,14 @@ def pool(space: Space, structures: int, stages: Sequence[Stage], part: int) -> F
 
 
 def evolve(space: Space, spec: Round, number: int, start: int, before: Found) -> Found:
-    """Return the sets of a round of the search that began from a structure of the pool.
+    """Return the sets of a round of a search by differential evolution.
 
     Args:
         space: of the search.
         spec: effort of the round.
         number: number of the round, from 0.
-        start: number of the structure of the pool, from 0.
-        before: of the pool for the first round, else of the round before.
+        start: number of the search, from 0; it keeps to a third of the half-widths.
+        before: sets of the pool for the first round, else of the round before.
     """
     random, where = _random(space, 1 + number, start), space.places["structure"]
     bounds = _bounds(start, where.stop)
