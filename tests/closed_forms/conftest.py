@@ -21,7 +21,6 @@ from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
 from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, OPEN, START, Mode
-from model.physics.motion import motion
 from model.physics.notation import State
 from model.physics.parameters import Constants
 
@@ -124,10 +123,6 @@ class SteppedRun:
             (step.time + theta * length, interpolate(theta, length, step.state, dense))
             for theta in fractions
         ]
-
-    def forces(self, time: float, q: State, mode: Mode):
-        """Return the ``Motion`` at one instant."""
-        return motion(time, q, self.p, mode)
 
 
 def _mode(runs) -> Mode:

@@ -4,8 +4,6 @@ from math import pi
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from model import (
     PRINTED_CONTACTS,
@@ -288,49 +286,6 @@ def test_each_variant_of_the_side_changes_a_run_that_meets_the_side(device, name
     mended = simulate(p, horizon=40.0)
     printed = simulate(p, readings=Variants(**{name: "printed"}), horizon=40.0)
     assert (printed.outcome, printed.tau_align) != (mended.outcome, mended.tau_align)
-
-
-# --------------------------------------------------------------------------------------- properties
-
-FACTOR = st.floats(0.1, 10.0)
-SCALED = (
-    "half_width", "half_height", "inertia", "lateral_stiffness", "tilt_stiffness",
-    "lateral_damping", "axial_damping", "tilt_damping", "contact_stiffness", "contact_damping",
-    "friction", "frequency", "clearance",
-)  # fmt: skip
-
-
-@settings(max_examples=40, deadline=None, derandomize=True)
-@given(
-    factors=st.fixed_dictionaries(
-        dict.fromkeys(SCALED, FACTOR)
-    ),
-    press_force=st.floats(-10.0, 30.0),
-    initial_tilt=st.floats(-0.5, 0.5),
-    place=st.floats(0.0, 0.99),
-    printed=st.booleans(),
-)  # fmt: skip
-def test_any_device_ends_in_time_with_finite_numbers(
-    device, factors, press_force, initial_tilt, place, printed
-):
-    values = {name: getattr(device, name) * factor for name, factor in factors.items()}
-    values["misalignment"] = place * values["half_width"] * (2.0 + values["clearance"])
-    p = device.replace(**values, press_force=press_force, initial_tilt=initial_tilt)
-    readings = Variants.printed() if printed else Variants.consistent()
-    budget = 400_000
-    run = simulate(p, readings=readings, horizon=30.0, max_evaluations=budget, tolerance=1e-8)
-    assert np.isfinite(run.state).all()
-    assert np.isfinite([run.tilt_max, run.contact_force_max, run.sticking_share]).all()
-    assert np.isfinite(run.tau_align) == (run.outcome is Outcome.ALIGNED)
-    assert run.time[-1] <= 30.0
-    # Two runs, each at most a step beyond its budget.
-    assert run.rhs_evaluations <= 2 * (budget + 1000)
-    if run.outcome is Outcome.HORIZON_REACHED:
-        assert run.reason in (Reason.NONE, Reason.CHAOTIC)
-    else:
-        assert (run.reason is Reason.NONE) == (run.outcome < 2)
-    assert run.message
-    assert run.remedy
 
 
 def test_printed_criterion_keeps_the_horizon_after_the_contact_is_lost():

@@ -33,7 +33,7 @@ def test_the_depth_of_two_points_is_whitneys_for_small_tilts(tilt, clearance) ->
 @pytest.mark.parametrize("clearance", [0.01, 0.03])
 @pytest.mark.parametrize("friction", [0.3, 0.6])
 def test_wedging_begins_where_the_line_of_contacts_leaves_the_cones(friction, clearance) -> None:
-    # As tests/closed_forms/test_wedging.py derives it and finds it by runs.
+    # As tests/closed_forms/test_insertion.py derives it and finds it by runs.
     limit = atan(friction) - acos((1.0 + clearance) / hypot(1.0, friction))
     assert tilt_at_depth(friction, clearance) == pytest.approx(limit, rel=1e-12)
     assert float(depth_of_two_points(np.array(limit), clearance)) == pytest.approx(friction)
