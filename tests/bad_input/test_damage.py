@@ -20,6 +20,7 @@ from model.study.config import ConfigError, load_study, study_path
 from model.study.csv_tables import TableError
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset, known_in
+from model.study.design_judges import Judges
 from model.study.devices import DeviceError, load_device
 from model.study.io import DatasetError, read_dataset, write_dataset
 from model.tracking import TrackingError, code
@@ -147,7 +148,7 @@ def small() -> xr.Dataset:
 
 
 def search() -> Search:
-    made = Search(load_device(PEG), [], Settings(), 1, 0)
+    made = Search(Judges(load_device(PEG), [], Settings()))
     made.known[8.0, 0.3] = (1.0, 2.0, 0.1, 20.0, 0.1, np.nan)
     return made
 

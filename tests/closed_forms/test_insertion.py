@@ -13,6 +13,7 @@ import pytest
 
 from model import INSERTION, Outcome
 from model.events.event_functions import corner_positions, edge_inside
+from model.events.friction import decide_friction
 from model.events.outcomes import Reason
 from model.physics.contacts import corner_on_wall, edge_on_face, edge_on_side
 from model.physics.modes import CLOSED, OPEN, START, STICKING
@@ -70,7 +71,7 @@ def test_two_point_contact_depth(stepped_run, peg, side, degrees, clearance):
 
 @pytest.mark.parametrize(("friction", "clearance"), [(0.1, 2e-3), (0.3, 2e-3), (0.3, 2e-2)])
 @pytest.mark.parametrize("factor", [1.001, 0.999])
-def test_wedging_limit(stepped_run, peg, friction, clearance, factor):
+def test_wedging_limit(stepped_run, constants, peg, friction, clearance, factor):
     load, wide = 1e-3, 2.0 * (1.0 + clearance)
     limit = atan(friction) - acos((1.0 + clearance) / hypot(1.0, friction))
     tilt = factor * limit
@@ -83,6 +84,10 @@ def test_wedging_limit(stepped_run, peg, friction, clearance, factor):
     device = device.replace(rest_x=state[0], rest_y=state[1])
     mode = FREE._replace(in_slot=True, corner=CLOSED, side=CLOSED, slip_at_corner=True)
     assert mode.support_slip == mode.side_slip == STICKING
+    held, possible = decide_friction(0.0, State(*state), constants(device), mode, True, True)
+    assert possible
+    slips = sorted(abs(slip) for slip in (held.support_slip, held.side_slip))
+    assert slips == ([0, 0] if factor > 1.0 else [0, 1])  # STICKING is 0
     run = stepped_run(device, state, mode, horizon=60.0, scene=INSERTION, tau_align=0.0, **NEVER)
     if factor > 1.0:
         assert (run.outcome, run.reason) == (Outcome.JAMMED, Reason.WEDGED)

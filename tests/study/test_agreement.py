@@ -25,6 +25,7 @@ from model.runs import in_browser
 from model.runs.in_browser import Modules, interface
 from model.study.config import load_study, study_path
 from model.study.design import Search, as_printed
+from model.study.design_judges import Judges
 from model.study.maps.starts import starts_of
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -135,7 +136,7 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     assert setting == {name: as_printed(v, 0.0, math.inf) for name, v in setting.items()}
     starts = starts_of(device.parameters, load_study(study_path()).maps.ensemble)
     free = {name: (0.5 * value, 2.0 * value) for name, value in setting.items()}
-    search = Search(replace(device, free=free), starts, settings, devices=16)
+    search = Search(Judges(replace(device, free=free), starts, settings, devices=16))
     thorough = search.judges.thorough(setting, 16)
     assert thorough.going_in == assessed["yield"]["going_in"]
     assert (thorough.row[0] == 1.0) is (reliable and assessed["yield"]["share"] == 1.0)

@@ -27,6 +27,7 @@ from model.study.config import (
 )
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset
+from model.study.design_judges import Judges
 from model.study.devices import load_device
 from model.study.io import write_dataset
 from model.study.maps.compute import compute_part
@@ -99,7 +100,7 @@ def precision() -> xr.Dataset:
 
 
 def design() -> xr.Dataset:
-    search = Search(load_device(PEG), [], Settings(), 1, 0)
+    search = Search(Judges(load_device(PEG), [], Settings()))
     search.known |= {(force, 0.3): (1.0, 2.0, 0.1, 20.0, 0.1, np.nan) for force in (8.0, 9.0)}
     return design_dataset(search, Design(search.tried(), 0, {}))
 

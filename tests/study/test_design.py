@@ -13,8 +13,8 @@ from model.study import design as designs
 from model.study import design_judges
 from model.study.assessment.judge import DeviceResults
 from model.study.design import Search, as_printed, at_other_friction
-from model.study.design_files import design_dataset, known_of
-from model.study.design_judges import FARTHEST
+from model.study.design_files import design_dataset, known_in
+from model.study.design_judges import FARTHEST, Judges
 from model.study.devices import load_device
 from model.study.io import write_dataset
 
@@ -26,7 +26,8 @@ FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}
 
 def search(limits=None, **changes):
     stated = load_device(PEG, {"contact_stiffness": 3e5, "friction": "0.15 ± 0.05", **changes})
-    return Search(replace(stated, free=FREE, limits=limits or {}), STARTS, COARSE, devices=64)
+    stated = replace(stated, free=FREE, limits=limits or {})
+    return Search(Judges(stated, STARTS, COARSE, devices=64))
 
 
 def oracle(monkeypatch, fails=lambda force, friction: friction >= 0.1 + force / 100.0):
@@ -63,7 +64,8 @@ def test_share_margin_and_measures_are_those_of_the_devices_around(monkeypatch):
 def test_a_margin_is_known_to_an_eighth_of_a_tolerance(monkeypatch):
     oracle(monkeypatch)
     one = search()
-    one.stated = replace(one.stated, tolerances={"friction": one.stated.tolerances["friction"]})
+    friction = {"friction": one.stated.tolerances["friction"]}
+    one.judges = replace(one.judges, stated=replace(one.stated, tolerances=friction))
     forces = np.array([[6.0, 0.5], [8.0, 0.5], [11.0, 0.5], [14.0, 0.5], [18.0, 0.5]])
     exact = (0.1 + forces[:, 0] / 100.0 - 0.15) / 0.05
     margin = one.judge(forces).margin
@@ -141,12 +143,9 @@ def test_an_interrupted_search_is_continued_and_ends_alike(monkeypatch, tmp_path
     path = tmp_path / "design.nc"
     dataset = design_dataset(first, designs.Design(first.tried(), 0, {}))
     write_dataset(dataset, path)
-    import xarray as xr  # noqa: PLC0415
-
     again = search()
-    with xr.open_dataset(path) as stored:
-        again.known, again.checked = known_of(stored, again)
-        assert known_of(stored, search(press_force=11.0)) == ({}, {})
+    again.known, again.checked = known_in(path, again)
+    assert known_in(path, search(press_force=11.0)) == ({}, {})
     calls.clear()
     found = again.run(4, 8)
     assert found.setting == expected.setting
@@ -193,9 +192,9 @@ def test_a_misjudged_friction_moves_the_recommendation(monkeypatch):
 
 def test_a_device_without_tolerances_is_judged_with_ten_per_cent():
     stated = replace(load_device(PEG), free=FREE)
-    assert set(Search(stated, STARTS, COARSE).stated.tolerances) == set(designs.ASSUMED_OF)
+    assert set(Search(Judges(stated, STARTS, COARSE)).stated.tolerances) == set(designs.ASSUMED_OF)
     with pytest.raises(ValueError, match="nothing is free"):
-        Search(load_device(PEG), STARTS, COARSE)
+        Search(Judges(load_device(PEG), STARTS, COARSE))
 
 
 def test_the_design_of_the_peg_is_not_beaten_by_a_full_grid():

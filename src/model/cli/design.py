@@ -108,13 +108,14 @@ def _search(arguments: argparse.Namespace, given: Inputs, seed: int) -> "Search"
     """Return the search of a device, with what a former search has written to --out."""
     from model.study.assessment.yields import check_devices  # noqa: PLC0415  (as below)
     from model.study.design import Search  # noqa: PLC0415  (only this command)
+    from model.study.design_judges import Judges  # noqa: PLC0415
     from model.study.maps.starts import starts_of  # noqa: PLC0415
 
     assert given.stated is not None  # noqa: S101  (--device is given)
     devices = check_devices(number("devices", arguments.devices))
     starts = starts_of(given.parameters, given.study.maps.ensemble)
     cores = os.cpu_count() or 1
-    search = Search(given.stated, starts, given.settings, cores, seed, devices)
+    search = Search(Judges(given.stated, starts, given.settings, cores, seed, devices))
     if arguments.out is not None and arguments.out.exists():
         from model.study.design_files import known_in  # noqa: PLC0415
 
@@ -141,7 +142,9 @@ def _verdict(design: "Design", search: "Search", given: Inputs) -> str:
     stated = search.stated.changed(**design.setting)
     ensemble = given.study.maps.ensemble
     settings = stated.run_settings(given.settings, stated.units)
-    result = assess(stated.parameters, settings, ensemble, search.cores, stated=stated, vary=False)
+    result = assess(
+        stated.parameters, settings, ensemble, search.judges.cores, stated=stated, vary=False
+    )
     thorough = design.thorough
     drawn = None
     if thorough is not None and thorough.devices:

@@ -21,12 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from model.runs.settings import Settings
 from model.study.assessment.judge import Floats
-from model.study.assessment.yields import DEVICES, interval
+from model.study.assessment.yields import interval
 from model.study.design_judges import HALVINGS, MEASURES, POINTS, QUARTERS, Judges, Row, Thorough
 from model.study.devices import StatedDevice, Tolerance
-from model.study.maps.starts import Starts
 
 MARGIN_STEP = 0.25
 DIGITS = 4  # of the values of a setting, as they are printed
@@ -166,12 +164,7 @@ class Search:
     """A search that can be continued after an interruption.
 
     Attributes:
-        stated: device with free quantities.
-        starts: phases and tilts at touch-down.
-        run_settings: settings of the runs.
-        cores: number of threads.
-        seed: seed of the quick judge's devices and of the optimiser.
-        devices: number of devices by which a recommended setting is judged, a power of two.
+        judges: judges of its settings; their seed is also that of the optimiser.
         known: results of the quick judge by setting.
         checked: results of the thorough judge by setting.
         settled: those of ``checked`` that the search has come to, and goes by.
@@ -181,12 +174,7 @@ class Search:
         tolerances_assumed: True if the device states none.
     """
 
-    stated: StatedDevice
-    starts: Starts
-    run_settings: Settings
-    cores: int = 1
-    seed: int = 0
-    devices: int = DEVICES
+    judges: Judges
     known: dict[Setting, Row] = field(default_factory=dict)
     checked: dict[Setting, Thorough] = field(default_factory=dict)
     settled: dict[Setting, Thorough] = field(default_factory=dict)
@@ -203,22 +191,21 @@ class Search:
             )
         if not self.stated.tolerances:
             assumed = {n: ASSUMED for n in ASSUMED_OF if n in self.stated.quantities}
-            self.stated, self.tolerances_assumed = replace(self.stated, tolerances=assumed), True
+            stated = replace(self.stated, tolerances=assumed)
+            self.judges, self.tolerances_assumed = replace(self.judges, stated=stated), True
 
     @property
-    def judges(self) -> Judges:
-        """The judges of its settings."""
-        return Judges(
-            self.stated, self.starts, self.run_settings, self.cores, self.seed, self.devices
-        )
+    def stated(self) -> StatedDevice:
+        """The device, with free quantities and tolerances."""
+        return self.judges.stated
 
     @property
     def identity(self) -> str:
         """Hash of everything that determines the results."""
+        judges, run = self.judges, self.judges.settings
         whole = asdict(replace(self.stated, source=None, changes={}))  # type: ignore[arg-type]
-        whole |= {"starts": list(self.starts), "seed": self.seed, "devices": self.devices}
+        whole |= {"starts": list(judges.starts), "seed": judges.seed, "devices": judges.devices}
         whole |= {"points": (POINTS, HALVINGS, QUARTERS, DIGITS)}
-        run = self.run_settings
         whole |= {"run": (run.scene.name, run.insertion_depth, run.tolerance, run.horizon)}
         whole |= {"start": run.start}
         text = json.dumps(whole, sort_keys=True, default=str)
@@ -237,7 +224,7 @@ class Search:
         ``ROUNDS`` times at most.
         """
         low, high = np.array(list(self.stated.free.values())).T
-        rng = np.random.default_rng(self.seed)
+        rng = np.random.default_rng(self.judges.seed)
         first = stats.qmc.LatinHypercube(len(low), rng=rng).random(population)
         first, done = low + first * (high - low), 0
         self.settled, self.lessons, self.refused, self.chosen = {}, [], set(), None
@@ -256,7 +243,7 @@ class Search:
                 list(self.stated.free.values()),
                 init=first,
                 maxiter=generations,
-                rng=np.random.default_rng(self.seed + number),
+                rng=np.random.default_rng(self.judges.seed + number),
                 vectorized=True,
                 updating="deferred",
                 polish=False,
@@ -322,7 +309,7 @@ class Search:
         Once it does not hold, no more than the ``least`` number of devices is run.
         """
         found = self.checked.get(key)
-        if found is None or found.devices < min(least, self.devices):
+        if found is None or found.devices < min(least, self.judges.devices):
             setting = dict(zip(self.stated.free, key, strict=True))
             found = self.checked[key] = self.judges.thorough(setting, least)
         self.settled[key] = found
@@ -381,19 +368,11 @@ def at_other_friction(
     search: Search, friction: float, generations: int, population: int
 ) -> OtherFriction:
     """Return what a search recommends for another ``friction``, and how its own setting does."""
-    other = Search(
-        search.stated.changed(friction=friction),
-        search.starts,
-        search.run_settings,
-        search.cores,
-        search.seed,
-        min(search.devices, FEW),
-    )
+    stated, devices = search.stated.changed(friction=friction), min(search.judges.devices, FEW)
+    other = Search(replace(search.judges, stated=stated, devices=devices))
     own = search.best().key
     other.judge(np.array([own]))
-    share = other.check(own, other.devices)
+    share = other.check(own, devices).row[0]
     keeps = bool(other._results([own]).keeps(search.stated.limits)[0])
     design = other.run(generations, population)
-    return OtherFriction(
-        friction, design.setting, design.feasible, share.row[0], keeps, other.devices
-    )
+    return OtherFriction(friction, design.setting, design.feasible, share, keeps, devices)

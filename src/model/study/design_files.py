@@ -77,7 +77,7 @@ def known_in(path: Path, search: Search) -> tuple[dict[Setting, Row], dict[Setti
     """
     try:
         with xr.open_dataset(path, engine="netcdf4") as stored:
-            return known_of(stored.load(), search)
+            return _known(stored.load(), search)
     except (OSError, ValueError, RuntimeError, LookupError) as error:
         raise ValueError(
             f"--out {path}: is no file of this version's design ({error}): choose another name, "
@@ -85,16 +85,9 @@ def known_in(path: Path, search: Search) -> tuple[dict[Setting, Row], dict[Setti
         ) from None
 
 
-def known_of(
+def _known(
     dataset: xr.Dataset, search: Search
 ) -> tuple[dict[Setting, Row], dict[Setting, Thorough]]:
-    """Return ``known`` and ``checked`` from the dataset of an earlier part of the same search.
-
-    Empty for the dataset of another search.
-
-    Raises:
-        KeyError: it is no dataset of a search.
-    """
     if dataset.attrs["identity"] != search.identity:
         return {}, {}
 
@@ -106,6 +99,7 @@ def known_of(
     checked = {
         key: Thorough(tuple(row), *count)
         for key, row, count in zip(keys, rows(*_COLUMNS), rows(*_COUNTS), strict=True)
-        if count[0] == search.devices  # one that did not hold is judged anew, for its lessons
+        if count[0]
+        == search.judges.devices  # one that did not hold is judged anew, for its lessons
     }
     return dict(zip(keys, quick, strict=True)), checked
