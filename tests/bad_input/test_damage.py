@@ -16,7 +16,6 @@ from model import Settings
 from model.compile import jit
 from model.runs import in_browser
 from model.study.claims.ledger import read_ledger
-from model.study.config import ConfigError, load_study, study_path
 from model.study.csv_tables import TableError
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset, known_in
@@ -178,10 +177,6 @@ REFUSED = {
         "claims.csv",
         lambda path: path.write_bytes((PROJECT / "tests/reference/claims.csv").read_bytes()),
         read_ledger, TableError, "build it again",
-    ),
-    "configuration": Refused(
-        "config.yaml", lambda path: path.write_bytes(study_path().read_bytes()), load_study,
-        ConfigError, "",
     ),
     "device": Refused(
         "peg.yaml", lambda path: path.write_bytes(PEG.read_bytes()), load_device, DeviceError, "",

@@ -25,7 +25,6 @@ from benchmarks.plans import hard_cases_plan
 from benchmarks.problems import Solution, Verdict
 from model.events.outcomes import Outcome
 from model.study.config import load_study, study_path
-from model.study.csv_tables import TableError
 
 STATE = np.zeros(6)
 NAN = math.nan
@@ -128,11 +127,3 @@ def test_a_table_comes_back_as_it_was_written(tmp_path):
     ]
     assert math.isnan(read_judged(plain)[0].microseconds)
     assert "microseconds" not in plain.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize("text", ["case\n1\n", "case,method\nx", "a,b\n1,2\n"])
-def test_what_is_no_such_table_is_refused(tmp_path, text):
-    path = tmp_path / "hard_cases.csv"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(TableError, match="build it again"):
-        read_judged(path)

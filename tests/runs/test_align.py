@@ -70,14 +70,3 @@ def test_every_array_has_a_row_for_each_parameter_set_and_its_own_kind(result):
     assert result.sensitive.dtype == np.bool_
     assert result.rhs_evaluations.dtype == result.separations.dtype == np.int64
     assert result.tau_align.dtype == np.float64
-
-
-def test_no_rows_are_refused():
-    with pytest.raises(ValueError, match="the batch is empty"):
-        align([])
-
-
-@pytest.mark.parametrize("cores", [0, -1])
-def test_no_cores_are_refused(device, cores):
-    with pytest.raises(ValueError, match=f"cores = {cores}: must be >= 1"):
-        align([device], cores=cores)

@@ -33,21 +33,6 @@ def batch(request, device):
     return cloud(device, request.param)
 
 
-def test_both_engines_agree_to_their_error_estimates(batch):
-    scalar = align(batch, SETTINGS, engine="scalar")
-    lanes = align(batch, SETTINGS, engine="batch")
-    certain = ~(scalar.sensitive | lanes.sensitive)
-    assert certain.mean() > 0.9
-    assert np.array_equal(scalar.outcome[certain], lanes.outcome[certain])
-    aligned = certain & (scalar.outcome == Outcome.ALIGNED)
-    assert aligned.sum() > COUNT / 4
-    difference = np.abs(scalar.tau_align - lanes.tau_align)[aligned]
-    estimates = (scalar.tau_error + lanes.tau_error)[aligned]
-    # Two methods with errors of their own: each estimate holds for 95 % of the sets.
-    assert (difference <= estimates).mean() >= 0.95
-    assert (difference <= 10.0 * estimates).all()
-
-
 def on_hard_bases(device):
     """Devices around ``device`` on bases that are hard and well damped."""
     rng, made = np.random.default_rng(4), []
@@ -129,13 +114,6 @@ def test_a_run_does_not_depend_on_its_neighbours(batch, count):
     order = np.random.default_rng(count).permutation(len(rows))
     assert np.array_equal(run(rows[order], tolerances), whole[order], equal_nan=True)
     assert np.array_equal(run(rows[:count], tolerances[:count]), whole[:count], equal_nan=True)
-
-
-def test_an_engine_that_does_not_fit_is_refused(device):
-    with pytest.raises(ValueError, match="must be 'batch', 'scalar', or None"):
-        align([device], engine="stiff")
-    with pytest.raises(ValueError, match="needs the consistent readings"):
-        align([device], engine="batch", readings=Variants.printed())
 
 
 def test_a_set_less_accurate_than_promised_is_run_again(device):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model import Outcome, Reason, Settings, align, simulate
+from model import Outcome, Reason, align, simulate
 from model.physics.contacts import contact_load, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
@@ -148,12 +148,6 @@ def test_simulate_agrees_with_align(device, frequency):
     assert one.tau_error == many.tau_error[0]
     for name in ("separations", "tilt_max", "sticking_share", "contact_force_max"):
         assert getattr(one, name) == getattr(many, name)[0]
-
-
-def test_settings_can_be_given_whole_or_by_name(device):
-    whole = simulate(device, Settings(tolerance=1e-6))
-    assert whole.tau_align == simulate(device, tolerance=1e-6).tau_align
-    assert whole.tau_align != simulate(device).tau_align
 
 
 def test_a_looser_tolerance_takes_fewer_evaluations(device):

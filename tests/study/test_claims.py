@@ -14,7 +14,6 @@ from model.study.claims.data import Data, between
 from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
 from model.study.claims.measures import explained, trend
 from model.study.config import FIGURES, load_study, study_path
-from model.study.csv_tables import TableError
 from model.study.sweep import TRACK_QUANTITIES, merge, run, sweep_of
 from tests.study.claims_data import (
     CASES,
@@ -235,14 +234,6 @@ def test_the_ledger_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert ledger_text(read_ledger(path)) == path.read_text(encoding="utf-8")
     (line,) = [line for line in lines if line.claim == "F6b"]
     assert (line.verdict, line.sources, line.demand) == ("reproduced", ["fig06"], "at least 0.05")
-
-
-def test_a_ledger_that_is_none_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(TableError, match=r"missing\.csv: is not a table of claims"):
-        read_ledger(tmp_path / "missing.csv")
-    (tmp_path / "other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
-    with pytest.raises(TableError, match="build it again"):
-        read_ledger(tmp_path / "other.csv")
 
 
 # --- The ledger's own runs ----------------------------------------------------------------------

@@ -236,7 +236,7 @@ def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
     other = plan_of("trial", device.replace(friction=0.2), SETTINGS, (X, Y), CELLS, ENSEMBLE)
     for change in ({"config_hash": other.identity}, {"part": 1}, {"parts": 3}, {"figure": "fig14"}):
         write_dataset(first.assign_attrs(change), path)
-        with pytest.raises(DatasetError, match=r"0\.nc: is not part 0 of this map; deleted"):
+        with pytest.raises(DatasetError, match=r"0\.nc: is not part 0 of trial; deleted"):
             read_parts(plan, [path])
         assert not path.exists()
     write_dataset(first, path)

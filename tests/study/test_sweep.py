@@ -165,20 +165,6 @@ def test_chunks_of_another_sweep_or_missing_ones_are_refused(study: Study, sweep
         merge(sweep, "", [first, foreign])
 
 
-def test_a_file_that_is_no_dataset_is_refused(dataset: xr.Dataset, tmp_path: Path) -> None:
-    whole = tmp_path / "whole.nc"
-    write_dataset(dataset, whole)
-    truncated = tmp_path / "truncated.nc"
-    truncated.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
-    text = tmp_path / "text.nc"
-    text.write_text("not netCDF")
-    foreign = tmp_path / "foreign.nc"
-    xr.Dataset({"a": ("b", [1.0])}).to_netcdf(foreign)
-    for path in (truncated, text, foreign, tmp_path / "absent.nc"):
-        with pytest.raises(DatasetError, match=path.name):
-            read_dataset(path)
-
-
 def test_a_history_holds_the_drop_of_the_contact_force(fixed_study: Study) -> None:
     sweep = sweep_of(fixed_study, "fig05")
     history = merge(sweep, "title", [run(sweep)])

@@ -126,8 +126,3 @@ def test_an_unloaded_contact_slides_as_it_is_driven_though_friction_soon_stops_i
     z = np.array([p.misalignment, b, 0.0, 0.0, 0.0, 0.0])
     assert Run(Device(p), 1e-12).decided(0.0, z, Mode(), True, False).slides == -1
     assert solve(p, 0.1).events[0] == "slip"
-
-
-def test_a_part_that_starts_on_its_corner_is_refused(device):
-    with pytest.raises(ValueError, match="must be >= 0"):
-        insert(device.replace(initial_tilt=-0.01), 1.0, 0.1)

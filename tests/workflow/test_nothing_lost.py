@@ -270,7 +270,7 @@ def test_a_foreign_chunk_fails_its_figure_only_and_says_why(copy_of_built: Any, 
     (copy_of_built.folder / fig11).unlink()
     run = copy_of_built.snakemake("--keep-going", *FEW, fig11)
     assert run.returncode != 0
-    reason = "1.nc: is not chunk 1 of this sweep"
+    reason = "1.nc: is not chunk 1 of fig13"
     last_lines = "\n".join((run.stdout + run.stderr).splitlines()[-12:])
     assert "merge/fig13 failed: " in last_lines
     assert reason in last_lines

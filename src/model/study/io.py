@@ -29,19 +29,6 @@ class DatasetError(ValueError):
     """A dataset that is unreadable, incomplete, or of another study."""
 
 
-def discard(faults: Mapping[Path, str]) -> None:
-    """Delete faulty files with their sidecars; ``faults`` are messages by path.
-
-    Raises:
-        DatasetError: there are faults.
-    """
-    for path in faults:
-        path.unlink(missing_ok=True)
-        path.with_suffix(".run.json").unlink(missing_ok=True)
-    if faults:
-        raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
-
-
 NO_YES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}
 
 
@@ -231,3 +218,30 @@ def read_dataset(path: Path) -> xr.Dataset:
     if "figure" not in dataset.attrs:
         raise DatasetError(f"{path}: is not a dataset of this study: build it again")
     return dataset
+
+
+def read_pieces(word: str, paths: Sequence[Path], figure: str, identity: str) -> list[xr.Dataset]:
+    """Read the pieces of a dataset in order: ``word`` is "chunk" or "part".
+
+    Wrong files are deleted with their sidecars, so that they are made anew.
+
+    Raises:
+        DatasetError: files cannot be read, or hold other pieces; the message names them.
+    """
+    pieces, faults = [], {}
+    for number, path in enumerate(paths):
+        which = {word: number, f"{word}s": len(paths)}
+        expected = {"figure": figure, "config_hash": identity, **which}
+        try:
+            piece = read_dataset(path)
+            if not expected.items() <= piece.attrs.items():
+                raise DatasetError(f"{path}: is not {word} {number} of {figure}")  # noqa: TRY301
+            pieces.append(piece)
+        except DatasetError as fault:
+            faults[path] = str(fault)
+    for path in faults:
+        path.unlink(missing_ok=True)
+        path.with_suffix(".run.json").unlink(missing_ok=True)
+    if faults:
+        raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
+    return pieces

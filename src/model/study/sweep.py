@@ -6,7 +6,6 @@ bytes: time stamps and versions go into sidecars.
 """
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -27,10 +26,8 @@ from model.study.io import (
     HISTORY_VARIABLES,
     VARIABLES,
     DatasetError,
-    discard,
     global_attributes,
     parameter_coordinates,
-    read_dataset,
     summary_of,
 )
 
@@ -310,24 +307,3 @@ def dataset_of(sweep: Sweep, title: str, columns: Columns) -> xr.Dataset:
     summary = summary_of({name: len(values) for name, values in swept.items()})
     stated = global_attributes(sweep.figure, sweep.kind, sweep.identity, title, summary, settings)
     return xr.Dataset(variables, coordinates, stated)
-
-
-def read_chunks(sweep: Sweep, paths: Sequence[Path]) -> list[xr.Dataset]:
-    """Read the chunks of a sweep in order; delete a wrong one, so that it is computed anew.
-
-    Raises:
-        DatasetError: a file cannot be read, or holds another chunk.
-    """
-    parts, faults = [], {}
-    for chunk, path in enumerate(paths):
-        expected = {"config_hash": sweep.identity, "chunk": chunk, "chunks": len(paths)}
-        try:
-            part = read_dataset(path)
-        except DatasetError as fault:
-            faults[path] = str(fault)
-        else:
-            if any(part.attrs.get(name) != value for name, value in expected.items()):
-                faults[path] = f"{path}: is not chunk {chunk} of this sweep"
-            parts.append(part)
-    discard(faults)
-    return parts

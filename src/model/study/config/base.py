@@ -47,25 +47,17 @@ def check_rising(low: tuple[str, float], high: tuple[str, float]) -> None:
         raise ValueError(f"{low[0]} = {low[1]} must be smaller than {high[0]} = {high[1]}")
 
 
-def check_falling(name: str, values: list[float]) -> None:
-    """Refuse values that do not fall from one to the next, or are not > 0.
-
-    Raises:
-        ValueError: naming the values and the rule.
-    """
+def _falling(values: list[float]) -> list[float]:
     falling = all(later < earlier for earlier, later in itertools.pairwise(values))
     if not (falling and values[-1] > 0.0):
-        raise ValueError(f"{name} = {values}: must fall from one to the next and stay > 0")
+        raise ValueError("must fall from one to the next and stay > 0")
+    return values
 
 
-def check_power_of_two(name: str, value: int) -> None:
-    """Refuse a number of cells that is no power of two.
-
-    Raises:
-        ValueError: naming the value and the rule.
-    """
+def _power_of_two(value: int) -> int:
     if value & (value - 1):
-        raise ValueError(f"{name} = {value}: must be a power of two: cells are halved")
+        raise ValueError("must be a power of two: cells are halved")
+    return value
 
 
 class Strict(BaseModel):
@@ -84,6 +76,8 @@ ParameterName = Annotated[str, AfterValidator(parameter_name)]
 ParameterValues = Annotated[dict[str, float], AfterValidator(parameter_names)]
 Tolerance = Annotated[float, Field(ge=1e-14, le=1e-2)]
 Text = Annotated[str, Field(min_length=1)]
+Falling = Annotated[list[float], Field(min_length=1), AfterValidator(_falling)]
+PowerOfTwo = Annotated[int, AfterValidator(_power_of_two)]
 
 
 class Span(Strict):

@@ -11,10 +11,10 @@ from model.study.config.base import (
     Axis,
     Family,
     ParameterValues,
+    PowerOfTwo,
     Span,
     Strict,
     Text,
-    check_power_of_two,
 )
 
 SCHEMATICS = ("fig01", "fig02", "fig03", "fig04")
@@ -102,28 +102,17 @@ class Ensemble(Strict):
     """Number of equidistant phases of the excitation at touch-down."""
     tilts: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
     """Initial tilts, in units of the device's ``initial_tilt``."""
-    every: int = Field(ge=1)
+    every: PowerOfTwo = Field(ge=1)
     """Spacing of the ensemble's lattice in cells of the map, a power of two."""
-
-    @model_validator(mode="after")
-    def _can_be_halved(self) -> "Ensemble":
-        check_power_of_two("every", self.every)
-        return self
 
 
 class Resolution(Strict):
     """Finest cells along a side of a map, powers of two."""
 
-    figures: int = Field(ge=2, le=8192)
+    figures: PowerOfTwo = Field(ge=2, le=8192)
     """Finest cells along a side of the paper's maps."""
-    planes: int = Field(ge=2, le=8192)
+    planes: PowerOfTwo = Field(ge=2, le=8192)
     """Finest cells along a side of the other maps."""
-
-    @model_validator(mode="after")
-    def _can_be_halved(self) -> "Resolution":
-        check_power_of_two("figures", self.figures)
-        check_power_of_two("planes", self.planes)
-        return self
 
 
 class Maps(Strict):

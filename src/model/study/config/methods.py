@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from model.physics.parameters import check_name
-from model.study.config.base import ParameterValues, Strict, Text, Tolerance, check_falling
+from model.study.config.base import Falling, ParameterValues, Strict, Text, Tolerance
 from model.study.config.figures import GRIDDED
 
 
@@ -31,9 +31,9 @@ class Case(Strict):
 class Ladder(Strict):
     """Tolerances of the adaptive methods, steps of the others, and the reference solution."""
 
-    tolerances: list[float] = Field(min_length=1)
+    tolerances: Falling
     """Tolerances of the adaptive methods, falling."""
-    steps: list[float] = Field(min_length=1)
+    steps: Falling
     """Step lengths of the fixed-step methods, falling."""
     true_tolerance: Tolerance
     """Tolerance of the reference solution, by the default method."""
@@ -51,15 +51,13 @@ class Ladder(Strict):
                 f"true_tolerance = {self.true_tolerance}: must be smaller than all tolerances, "
                 "since their errors are measured against it"
             )
-        for name, values in {"tolerances": self.tolerances, "steps": self.steps}.items():
-            check_falling(name, values)
         return self
 
 
 class FixedSteps(Strict):
     """Figures computed with fixed steps, to count wrong points."""
 
-    steps: list[float] = Field(min_length=1)
+    steps: Falling
     """Step lengths, falling."""
     tau_tolerance: float = Field(gt=0.0)
     """Largest error of a correct alignment time."""
@@ -68,7 +66,6 @@ class FixedSteps(Strict):
 
     @model_validator(mode="after")
     def _can_be_run(self) -> "FixedSteps":
-        check_falling("steps", self.steps)
         for name in self.figures:
             check_name(name, GRIDDED, "figure with a grid")
         return self

@@ -19,11 +19,9 @@ from model.study.devices.base import BASE
 from model.study.io import (
     NO_YES,
     VARIABLES,
-    DatasetError,
-    discard,
     global_attributes,
     parameter_coordinates,
-    read_dataset,
+    read_pieces,
     summary_of,
 )
 from model.study.maps.compute import PERIODS, SHARE, Computation, MapNodes, Progress
@@ -106,7 +104,8 @@ def part_dataset(plan: MapPlan, part: int, parts: int, nodes: MapNodes) -> xr.Da
         "title": f"{plan.name}: part {part + 1} of {parts}",
         "summary": "Nodes of a map that one job has computed, before they are assembled.",
     }
-    return xr.Dataset(variables, attrs=words | _stamp(plan, part, parts))
+    stated = {"figure": plan.name, "config_hash": plan.identity, "part": part, "parts": parts}
+    return xr.Dataset(variables, attrs=words | stated)
 
 
 def part_counts(nodes: MapNodes) -> dict[str, int]:
@@ -122,30 +121,18 @@ def part_counts(nodes: MapNodes) -> dict[str, int]:
 
 
 def read_parts(plan: MapPlan, paths: Sequence[Path]) -> MapNodes:
-    """Return the nodes of all parts of a map; delete wrong files, so that they are made anew.
+    """Return the nodes of all parts of a map.
 
     Raises:
-        DatasetError: files cannot be read, or hold other parts; the message names them.
+        DatasetError: as ``read_pieces``.
     """
-    nodes, faults = MapNodes(plan), {}
-    for part, path in enumerate(paths):
-        try:
-            stored = read_dataset(path)
-            if not _stamp(plan, part, len(paths)).items() <= stored.attrs.items():
-                raise DatasetError(f"{path}: is not part {part} of this map")  # noqa: TRY301
-        except DatasetError as fault:
-            faults[path] = str(fault)
-            continue
+    nodes = MapNodes(plan)
+    for stored in read_pieces("part", paths, plan.name, plan.identity):
         for step, store in nodes.steps().items():
             rows, columns = (stored[f"{step}_{side}"].values for side in ("row", "column"))
             values = {name: stored[f"{step}_{name}"].values for name in store.columns}
             store.enter(rows, columns, values)
-    discard(faults)
     return nodes
-
-
-def _stamp(plan: MapPlan, part: int, parts: int) -> dict[str, Any]:
-    return {"figure": plan.name, "config_hash": plan.identity, "part": part, "parts": parts}
 
 
 # --- The map --------------------------------------------------------------------------------------
