@@ -29,7 +29,7 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.study.csv_tables import read_records, records_text
 
-DEFAULT, BATCH = "dop853_located", "batch"
+BATCH = "batch"
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
 _TRUE_EVALUATIONS = 2_000_000_000  # true runs have no practical limit

@@ -187,12 +187,12 @@ def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Itera
             return
 
 
-def precision_dataset(
-    plan: PrecisionPlan, truths: Mapping[str, Trajectory], settings: Sequence[Setting]
-) -> xr.Dataset:
-    """Return the settings over case, method and rung, with truth and parameters of each case."""
-    cases, methods = list(plan.cases), list(METHODS)
-    shape = len(cases), len(methods), max(len(plan.ladder.steps), len(plan.ladder.tolerances))
+def columns_of(
+    settings: Sequence[Setting], cases: Sequence[str], rungs: int
+) -> dict[str, np.ndarray]:
+    """Return the settings as arrays of shape (cases, methods, rungs), in order along a ladder."""
+    methods = list(METHODS)
+    shape = len(cases), len(methods), rungs
     columns = {
         "resolution": np.full(shape, np.nan),
         "error": np.full(shape, np.nan),
@@ -205,9 +205,18 @@ def precision_dataset(
         for name, column in columns.items():
             column[(*row, filled[row])] = getattr(setting, name)
         filled[row] += 1
+    return columns
+
+
+def precision_dataset(
+    plan: PrecisionPlan, truths: Mapping[str, Trajectory], settings: Sequence[Setting]
+) -> xr.Dataset:
+    """Return the settings over case, method and rung, with truth and parameters of each case."""
+    cases, methods = list(plan.cases), list(METHODS)
+    rungs = max(len(plan.ladder.steps), len(plan.ladder.tolerances))
     variables: dict[str, Any] = {
         name: (("case", "method", "rung"), column, _VARIABLES[name])
-        for name, column in columns.items()
+        for name, column in columns_of(settings, cases, rungs).items()
     }
     true_times = [truths[case].tau_align for case in cases]
     ends = [np.nan if plan.cases[case].until is None else plan.cases[case].until for case in cases]

@@ -1,7 +1,7 @@
 """Cost of methods at a required error, and advice on the choice of a method."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -66,67 +66,52 @@ def advice(
         wrong: datasets with fixed steps, by figure.
         titles: titles of the cases, by name.
     """
-    fine, coarse = needs(settings, FINE), needs(settings, COARSE)
-    cases = list(titles)
-    best_fine, best_coarse = _fastest(fine, cases), _fastest(coarse, cases)
-    without = [name for name, method in METHODS.items() if not method.located]
-    reached = [titles[case] for case in cases if any((name, case) in fine for name in without)]
-    if best_fine is None:
-        numbers = f"No method keeps the true error below {power(FINE)} in every case"
-    else:
-        numbers = (
-            f"For numbers that are compared, fitted or differentiated, choose "
-            f"{METHODS[best_fine].name}: it keeps the true error below {power(FINE)} in every "
-            f"case, at {_range(fine, best_fine, cases)} µs a trajectory, "
-        )
-        if reached:
-            numbers += (
-                f"where methods without event location get there in {len(reached)} of "
-                f"{len(cases)} cases ({', '.join(reached)})"
-            )
-        else:
-            numbers += "where no method without event location gets there in any case"
-    if best_coarse is None:
-        scans = f"No method keeps the true error below {power(COARSE)} in every case"
-    else:
-        same = "the same" if best_coarse == best_fine else METHODS[best_coarse].name
-        scans = (
-            f"For scans and maps, where {power(COARSE)} will do, choose {same} at a looser "
-            f"tolerance, {_range(coarse, best_coarse, cases)} µs a trajectory; "
-            f"{_against_scipy(coarse, best_coarse, cases)}"
-        )
-    return f"{numbers}.", f"{scans}.", f"{_against_fixed_steps(wrong)}."
+    return (
+        _choice("numbers that are compared, fitted or differentiated", settings, FINE, titles),
+        _choice("scans and maps", settings, COARSE, titles),
+        f"{_against_fixed_steps(wrong)}.",
+    )
 
 
-def _fastest(need: Mapping[tuple[str, str], Need], cases: Sequence[str]) -> str | None:
-    """Return the method that keeps the error in all cases in the least time (geometric mean)."""
+def _choice(
+    purpose: str, settings: Sequence[TimedSetting], target: float, cases: Collection[str]
+) -> str:
+    """Return which method to choose for a purpose that asks for an error, and the others' times.
+
+    It is the method that keeps the error in all cases in the least time (geometric mean).
+    """
+    need, error = needs(settings, target), power(target)
     costs = {
-        method: math.prod(need[method, case].microseconds for case in cases)
+        method: [need[method, case].microseconds for case in cases]
         for method in METHODS
         if all((method, case) in need for case in cases)
     }
-    return min(costs, key=lambda method: costs[method]) if costs else None
-
-
-def _range(need: Mapping[tuple[str, str], Need], method: str, cases: Sequence[str]) -> str:
-    costs = [need[method, case].microseconds for case in cases]
-    return " to ".join(dict.fromkeys(f"{cost:,.0f}" for cost in (min(costs), max(costs))))
-
-
-def _against_scipy(need: Mapping[tuple[str, str], Need], best: str, cases: Sequence[str]) -> str:
-    solvers = [name for name, method in METHODS.items() if method.package == "scipy"]
-    ratios = []
-    for case in cases:
-        costs = [need[name, case].microseconds for name in solvers if (name, case) in need]
-        if costs:
-            ratios.append(min(costs) / need[best, case].microseconds)
-    if not ratios:
-        return "scipy's solvers get there in no case"
-    times = " to ".join(dict.fromkeys(short(ratio) for ratio in (min(ratios), max(ratios))))
+    if not costs:
+        return f"No method keeps the true error below {error} in every case."
+    best = min(costs, key=lambda method: math.prod(costs[method]))
+    times = _range([f"{cost:,.0f}" for cost in sorted(costs[best])])
+    unlocated = [name for name, method in METHODS.items() if not method.located]
+    ratios = [
+        min(others) / need[best, case].microseconds
+        for case in cases
+        if (others := [need[name, case].microseconds for name in unlocated if (name, case) in need])
+    ]
+    longer = "no method without event location gets there in any case"
+    if ratios:
+        longer = (
+            f"the fastest method without event location takes "
+            f"{_range([short(ratio) for ratio in sorted(ratios)])} times as long, and gets there "
+            f"in {len(ratios)} of {len(cases)} cases"
+        )
     return (
-        f"the fastest of scipy's solvers takes {times} times as long, and gets there in "
-        f"{len(ratios)} of {len(cases)} cases"
+        f"For {purpose} choose {METHODS[best].name}: it keeps the true error below {error} in "
+        f"every case, at {times} µs a trajectory; {longer}."
     )
+
+
+def _range(rising: Sequence[str]) -> str:
+    """Return the first and the last of some words, or one if they are the same."""
+    return " to ".join(dict.fromkeys((rising[0], rising[-1])))
 
 
 def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:

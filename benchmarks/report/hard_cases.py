@@ -1,17 +1,16 @@
 """Section on hard cases: outcome and error of every method on every case."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from markupsafe import Markup
 
-from benchmarks.hard_cases import BATCH, DEFAULT, Judged, Mark, read_judged
+from benchmarks.hard_cases import BATCH, Judged, Mark, read_judged
 from benchmarks.methods import METHODS
 from benchmarks.plans import HARD_PICTURES
 from benchmarks.report.hard_cases_plots import CAPTIONS
-from model.show.report.section import Results, Section, Table, settings_of, subscripts
-from model.show.words import power
+from model.show.report.section import Results, Section, settings_of, subscripts
 from model.study.config.methods import HardCase
 
 
@@ -40,7 +39,6 @@ def section(results: Results) -> Section:
             for name, place in HARD_PICTURES.items()
         ],
         "rows": [_row(name, case, judged) for name, case in cases.items()],
-        "bases": _bases(cases, judged),
         "longer": [
             f"{case.title}, {case.max_evaluations:,}"
             for case in cases.values()
@@ -66,24 +64,3 @@ def _row(name: str, case: HardCase, judged: Sequence[Judged]) -> CaseRow:
         until=case.until,
         judged=tuple(each for each in judged if each.case == name),
     )
-
-
-def _bases(cases: Mapping[str, HardCase], judged: Sequence[Judged]) -> Table:
-    """Return the bases on which the default method and the batch engine are compared."""
-    found = {(each.case, each.method): each for each in judged}
-    columns = [
-        f">{name}: {of}" for name in ("DOP853", "batch") for of in ("error", "evaluations", "ms")
-    ]
-    return Table(
-        ("case", *columns),
-        [
-            (subscripts(cases[case].title), *_cells(found[case, DEFAULT]), *_cells(batch))
-            for (case, method), batch in found.items()
-            if method == BATCH
-        ],
-    )
-
-
-def _cells(judged: Judged) -> tuple[str, str, str]:
-    milliseconds = 0.001 * judged.microseconds
-    return power(judged.error), f"{judged.rhs_evaluations:,}", f"{milliseconds:,.1f}"

@@ -83,16 +83,6 @@ def test_a_batch_is_its_runs_one_by_one(device):
     np.testing.assert_array_equal(together.states, np.concatenate([each.states for each in alone]))
 
 
-@schemes
-def test_readings_are_read(scheme, slow):
-    printed = Variants(normal_sign="printed")
-    ends = [
-        solved(slow, scheme, 0.01, horizon=0.2, readings=readings).states[0, 0]
-        for readings in (Variants(), printed)
-    ]
-    assert np.abs(ends[0] - ends[1]).max() > 1e-4
-
-
 def test_scipy_gets_the_same_problem_and_locates_the_fall(slow):
     problem = Problem("slow", (slow,), Settings(horizon=20.0))
     found = ScipyUnlocated("RK45").solve(problem, problem.cases, 1e-8, inf)

@@ -20,6 +20,7 @@ from benchmarks.report.work_precision_plots import (
     time_over_error,
     wrong_points,
 )
+from benchmarks.work_precision import columns_of
 
 TITLES = {
     "aligned": "slides", "sticking": "sticks", "bouncing": "bounces", "never_aligning": "never",
@@ -28,25 +29,13 @@ TITLES = {
 
 def stored(settings) -> xr.Dataset:
     """The settings as the study's dataset holds them."""
-    cases, methods = list(TITLES), list(METHODS)
-    shape = len(cases), len(methods), 4
-    columns = {
-        "resolution": np.full(shape, np.nan),
-        "error": np.full(shape, np.nan),
-        "rhs_evaluations": np.zeros(shape, int),
-        "verdict": np.full(shape, Verdict.NOT_TRIED),
-    }
-    filled = np.zeros(shape[:2], int)
-    for setting in settings:
-        row = cases.index(setting.case), methods.index(setting.method)
-        for name, column in columns.items():
-            column[(*row, filled[row])] = getattr(setting, name)
-        filled[row] += 1
+    columns = columns_of(settings, list(TITLES), rungs=4)
+    names = {"case": list(TITLES), "method": list(METHODS)}
     return xr.Dataset(
         {name: (("case", "method", "rung"), column) for name, column in columns.items()},
         {
-            "case": ("case", np.arange(len(cases)), {"flag_meanings": " ".join(cases)}),
-            "method": ("method", np.arange(len(methods)), {"flag_meanings": " ".join(methods)}),
+            name: (name, np.arange(len(each)), {"flag_meanings": " ".join(each)})
+            for name, each in names.items()
         },
     )
 
@@ -158,8 +147,8 @@ def test_advice_names_what_was_measured(timed_settings, wrong_datasets):
         numbers
     )
     assert "no method without event location gets there in any case" in numbers
-    assert "choose the same at a looser tolerance, 80 µs" in scans
-    assert "scipy's solvers takes 50 times as long, and gets there in 1 of 4 cases" in scans
+    assert f"choose {label}: it keeps the true error below 10⁻⁵ in every case, at 80 µs" in scans
+    assert "takes 2.5 times as long, and gets there in 1 of 4 cases" in scans
     assert fixed.endswith(
         "RK4 gets wrong 38 % of Fig. 6 and 38 % of Fig. 13 with h = 0.01, "
         "12 % of Fig. 6 and 12 % of Fig. 13 with h = 0.001."
@@ -173,7 +162,7 @@ def test_advice_changes_with_what_was_measured(timed_settings, wrong_datasets):
         if (setting.method, setting.resolution) == ("dop853_located", 1e-6)
     ]
     _, scans, _ = advice([*timed_settings, *better], wrong_datasets, TITLES)
-    assert f"choose {METHODS['scipy_rk45'].name} at a looser" in scans
+    assert f"choose {METHODS['scipy_rk45'].name}: it keeps" in scans
     none = [setting for setting in timed_settings if setting.case != "bouncing"]
     numbers, scans, _ = advice(none, wrong_datasets, TITLES)
     assert numbers == "No method keeps the true error below 10⁻⁸ in every case."

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from model import Alignments, Batch, Outcome, Parameters, Reason, Settings, align, simulate
+from model import Alignments, Batch, Outcome, Parameters, Reason, Settings, align
 from model.physics.parameters import FIELDS
-from model.runs.errors import outcomes_differ
 from verification.fuzz import (
     LAWS,
     SCENES,
@@ -244,18 +243,3 @@ def test_any_parameters_end_in_a_declared_way_and_again_so(values):
     for field in fields(Alignments):
         one, other = getattr(runs, field.name), getattr(again, field.name)
         assert np.array_equal(one, np.repeat(other, 2), equal_nan=one.dtype.kind == "f")
-
-
-@settings(max_examples=40, deadline=None, derandomize=True,
-          suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
-@given(changes=st.fixed_dictionaries({**MODEST, "frequency": st.floats(0.2, 20.0)}))
-def test_a_run_and_its_row_of_a_batch_agree(device, changes):
-    p = device.replace(**changes)
-    row = align([p], horizon=10.0)
-    run = simulate(p, horizon=10.0)
-    if run.sensitive or row.sensitive[0]:
-        return
-    alike = run.separations == row.separations[0]  # a period test may pass a little later
-    assert not outcomes_differ(np.array(run.outcome), row.outcome[0], alike)
-    if run.outcome is Outcome.ALIGNED:
-        assert abs(run.tau_align - row.tau_align[0]) <= 10.0 * (run.tau_error + row.tau_error[0])
