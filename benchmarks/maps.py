@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
 from model.runs.align import run_once
-from model.study.config import Map, Study, load_study, study_path
+from model.study.config import Study, load_study, study_path
 from model.study.maps.compute import areas, duration_scale, end_times
 from model.study.maps.lattice import Bools, Floats, Ints, Refined, refine
-from model.study.maps.plan import MapPlan, plan_of
+from model.study.maps.plan import MapPlan, map_plan, plan_of
 
 _AT_ONCE = 8192
 
@@ -77,9 +77,8 @@ class _Nodes:
 
 def coarse_plan(study: Study, name: str, cells: int) -> MapPlan:
     """Return the map of a plane with ``cells`` finest cells along a side."""
-    plane = study.plane(name)
-    own = study.parameters(name) if isinstance(plane, Map) else study.baseline.replace(**plane.held)
-    return plan_of(name, own, study.settings, (plane.x, plane.y), cells, None)
+    plan = map_plan(study, name)
+    return plan_of(name, plan.baseline, study.settings, (plan.x, plan.y), cells, None)
 
 
 def compare(plan: MapPlan) -> Comparison:

@@ -22,6 +22,7 @@ from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters
 from model.runs.align import align, run_once
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
+from model.study.config.base import points_of_chunk
 from model.study.files import atomic_write
 from verification.independent import solve
 from verification.trials import Trial
@@ -50,7 +51,7 @@ FARTHEST = 0.05
 
 def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
     """Run one chunk of a trial; return a table with one row a set."""
-    numbers = trial.numbers_of_chunk(chunk, chunks)
+    numbers = points_of_chunk(trial.sets, chunk, chunks)
     batch = trial.batch(numbers)
     judge = _errors if trial.name == "error" else _settled
     parameters = {name: batch.values[name] for name in PARAMETER_NAMES}

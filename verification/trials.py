@@ -62,16 +62,6 @@ class Trial(Plan):
             "dimensions": drawn,
         }
 
-    def numbers_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
-        """Return the numbers of a chunk's sets: every ``chunks``-th set.
-
-        Raises:
-            ValueError: ``chunk`` is not below ``chunks``.
-        """
-        if not 0 <= chunk < chunks:
-            raise ValueError(f"chunk = {chunk}: must be 0 to {chunks - 1}")
-        return np.arange(chunk, self.sets, chunks, dtype=np.int64)
-
     def batch(self, numbers: NDArray[np.int64]) -> Batch:
         """Return sets by their numbers; a set does not depend on the number of sets drawn."""
         rng = np.random.default_rng([self.seed, TRIALS.index(self.name)])

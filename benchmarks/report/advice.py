@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from benchmarks.fixed_steps import wrong_counts
@@ -18,23 +18,13 @@ if TYPE_CHECKING:
 FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared
 
 
-@dataclass(frozen=True)
-class Need:
-    """The cheapest setting of a method on a case that keeps a required error."""
-
-    rhs_evaluations: int
-    microseconds: float
-    resolution: float
-    events: int
-
-
-def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, str], Need]:
-    """Return by (method, case) the cost of a true error of at most ``target``.
+def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, str], TimedSetting]:
+    """Return by (method, case) the cheapest setting with a true error of at most ``target``.
 
     A setting counts only if all finer ones keep the target too: an error that passes through zero
     is luck. A method that does not reach the target on a case has no entry.
     """
-    found: dict[tuple[str, str], Need] = {}
+    found: dict[tuple[str, str], TimedSetting] = {}
     for method in METHODS:
         for case in dict.fromkeys(setting.case for setting in settings):
             ladder = [
@@ -43,16 +33,10 @@ def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, st
                 if (setting.method, setting.case) == (method, case)
                 and setting.verdict != Verdict.TOO_MANY_EVALUATIONS
             ]
-            kept: list[TimedSetting] = []
-            for setting in reversed(ladder):
-                if not setting.error <= target:  # NaN where the outcome is wrong
-                    break
-                kept.append(setting)
+            # An error is NaN where the outcome is wrong.
+            kept = list(takewhile(lambda setting: setting.error <= target, reversed(ladder)))
             if kept:
-                least = min(kept, key=lambda setting: setting.rhs_evaluations)
-                found[method, case] = Need(
-                    least.rhs_evaluations, least.microseconds, least.resolution, least.events
-                )
+                found[method, case] = min(kept, key=lambda setting: setting.rhs_evaluations)
     return found
 
 

@@ -1,27 +1,13 @@
 """Section on hard cases: outcome and error of every method on every case."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-from markupsafe import Markup
-
-from benchmarks.hard_cases import BATCH, Judged, Mark, read_judged
+from benchmarks.hard_cases import HARD_METHODS, Judged, Mark, read_judged
 from benchmarks.methods import METHODS
 from benchmarks.plans import HARD_PICTURES
 from benchmarks.report.hard_cases_plots import CAPTIONS
 from model.show.report.section import Results, Section, settings_of, subscripts
-from model.study.config.methods import HardCase
-
-
-@dataclass(frozen=True)
-class CaseRow:
-    """One case with the result of every method on it."""
-
-    title: Markup
-    values: Markup
-    until: float
-    judged: tuple[Judged, ...]
 
 
 def section(results: Results) -> Section:
@@ -38,14 +24,21 @@ def section(results: Results) -> Section:
             results.picture(place, CAPTIONS[name].format(**budgets))
             for name, place in HARD_PICTURES.items()
         ],
-        "rows": [_row(name, case, judged) for name, case in cases.items()],
+        "rows": [
+            {
+                "title": subscripts(case.title),
+                "values": settings_of(case.at),
+                "until": case.until,
+                "judged": [each for each in judged if each.case == name],
+            }
+            for name, case in cases.items()
+        ],
         "longer": [
             f"{case.title}, {case.max_evaluations:,}"
             for case in cases.values()
             if case.max_evaluations
         ],
-        "labels": {name: method.name for name, method in METHODS.items()}
-        | {BATCH: "batch engine (Taylor series), events located"},
+        "labels": {name: method.name for name, method in HARD_METHODS.items()},
     }
     lead = f"Of {len(cases)} scenes that are hard to integrate, {lead}"
     return Section("hard", "Hard cases", Path(__file__).with_suffix(".html.j2"), content, lead)
@@ -55,12 +48,3 @@ def _counted(method: str, judged: Sequence[Judged]) -> str:
     marks = [each.mark for each in judged if each.method == method]
     counts = ", ".join(f"{marks.count(mark)} {mark.value}" for mark in Mark if mark in marks)
     return f"{METHODS[method].name}: {counts}, of {len(marks)}."
-
-
-def _row(name: str, case: HardCase, judged: Sequence[Judged]) -> CaseRow:
-    return CaseRow(
-        title=subscripts(case.title),
-        values=settings_of(case.at),
-        until=case.until,
-        judged=tuple(each for each in judged if each.case == name),
-    )

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from benchmarks.fixed_steps import wrong_counts
 from benchmarks.methods import METHODS
 from benchmarks.plans import PICTURES
-from benchmarks.report.advice import COARSE, FINE, Need, advice, needs
+from benchmarks.report.advice import COARSE, FINE, advice, needs
 from benchmarks.report.work_precision_plots import CAPTIONS
 from benchmarks.work_precision import TimedSetting, read_timings
 from model.show.report.section import Results, Section, Table, link, settings_of
@@ -70,7 +70,7 @@ def _needed(settings: Sequence[TimedSetting], target: float, titles: Mapping[str
     )
 
 
-def _cell(need: Need | None) -> str:
+def _cell(need: TimedSetting | None) -> str:
     if need is None:
         return "–"
     each = 1e3 * need.microseconds / need.events

@@ -17,7 +17,6 @@ from model import (
     align,
     simulate,
 )
-from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT
 
 NO_SIDE = Scene("no side", frozenset({"edge_on_face", "corner_on_flat"}))
 
@@ -216,11 +215,6 @@ def test_an_absurd_force_fails_and_does_not_return_nan_states(device, changes):
     assert run.outcome in (Outcome.FAILED, Outcome.LEFT_SCENE)
     assert run.reason is not Reason.NONE
     assert np.isfinite(run.state).all()
-
-
-def test_every_word_is_there():
-    assert set(OUTCOME_TEXT) == set(Outcome)
-    assert set(REASON_TEXT) == set(Reason)
 
 
 # ----------------------------------------------------------------------------------------- readings

@@ -136,17 +136,6 @@ def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
             assert parameters == load_device(SHAFT, changes).parameters
 
 
-def test_twice_the_mass_is_another_dimensionless_device():
-    one, two = (load_device(PEG, {"mass": mass}).parameters for mass in (0.3, 0.6))
-    # 1/p = √(M/K): a frequency counts √2 times as much, a damping h/√(K M) its √2th part. The
-    # inertia of the device stays, and so is half as much beside M A². Stiffnesses and forces stay.
-    ratios = {"frequency": 2.0**0.5, "inertia": 0.5, "press_force": 1.0, "tilt_stiffness": 1.0}
-    ratios |= dict.fromkeys(("lateral_damping", "axial_damping", "tilt_damping"), 0.5**0.5)
-    ratios |= {"half_width": 1.0, "lateral_stiffness": 1.0, "misalignment": 1.0, "friction": 1.0}
-    for name, ratio in ratios.items():
-        assert getattr(two, name) == pytest.approx(ratio * getattr(one, name)), name
-
-
 def test_the_nearest_amplitude_is_found_and_holds():
     changes = {"amplitude": 0.5e-3, "contact_stiffness": 3e5}
     stated = load_device(PEG, changes)

@@ -24,13 +24,6 @@ def test_the_example_aligns():
     assert load_device(EXAMPLE).doubts == []
 
 
-def test_a_device_may_state_the_start_of_its_runs(tmp_path):
-    path = tmp_path / "peg.yaml"
-    path.write_text(EXAMPLE.read_text(encoding="utf-8") + "start: pressed\n", "utf-8")
-    assert load_device(path).start == "pressed"
-    assert load_device(EXAMPLE).start is None
-
-
 def test_changes_are_in_the_units_of_the_file():
     before, after = (load_device(EXAMPLE, change) for change in ({}, {"press_force": "0.03 kN"}))
     assert after.parameters.press_force == pytest.approx(3.0 * before.parameters.press_force)

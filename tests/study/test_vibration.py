@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.events.outcomes import Outcome, Reason, Unvibrated
+from model.events.outcomes import Outcome, Unvibrated
 from model.study.vibration import (
     BOTH,
     NEITHER,
@@ -23,16 +23,11 @@ def points() -> xr.Dataset:
     """Four points that align, by vibration, by overshoot, by press and by toppling; two others."""
     columns = {
         "outcome": [A, A, A, A, S, S],
-        "reason": [Reason.NONE] * 6,
         "unvibrated": [
             Unvibrated.RESTS, Unvibrated.ALIGNS, Unvibrated.ALIGNS, Unvibrated.LEAVES,
             Unvibrated.ALIGNS, Unvibrated.RESTS,
         ],
         "slow_tilt": [0.1, 0.1, NAN, NAN, NAN, 0.2],
-        "tilt_at_alignment": [0.1, 0.2, -0.4, 0.2, NAN, NAN],
-        "tau_corners_inside": [1.1, 2.1, 3.1, NAN, NAN, NAN],
-        "tau_align": [1.0, 2.0, 3.0, 4.0, NAN, NAN],
-        "separations": [0, 0, 3, 0, 5, 0],
     }  # fmt: skip
     return xr.Dataset({name: ("f", np.array(values)) for name, values in columns.items()})
 

@@ -55,13 +55,6 @@ def test_a_set_does_not_depend_on_how_many_there_are(trial):
         assert np.array_equal(trial.batch(np.arange(7)).values[name], values, equal_nan=True)
 
 
-def test_chunks_hold_every_set_once(trial):
-    chunks = [trial.numbers_of_chunk(chunk, 7) for chunk in range(7)]
-    assert np.array_equal(np.sort(np.concatenate(chunks)), np.arange(trial.sets))
-    with pytest.raises(ValueError, match="chunk = 7: must be 0 to 6"):
-        trial.numbers_of_chunk(7, 7)
-
-
 def test_a_sidecar_states_what_is_held_and_what_is_drawn(trial):
     metadata = trial.metadata
     drawn = {each["parameter"]: each for each in metadata["dimensions"]}

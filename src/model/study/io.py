@@ -202,17 +202,13 @@ def read_dataset(path: Path) -> xr.Dataset:
     """Read a dataset of the study into memory.
 
     Raises:
-        DatasetError: the file is missing, not netCDF, truncated, or not of this study, or as
-            ``check_name``.
+        DatasetError: the file is missing, not netCDF, truncated, or not of this study.
+        ValueError: as ``check_encoding``.
     """
     check_encoding(path)
     try:
         with xr.open_dataset(path, engine="netcdf4", decode_timedelta=False) as stored:
             dataset = stored.load()
-    except UnicodeEncodeError:
-        raise DatasetError(
-            f"{str(path)!a}: Python takes file names for ASCII here: set PYTHONUTF8=1"
-        ) from None
     except (OSError, ValueError, RuntimeError) as error:
         raise DatasetError(f"{path}: cannot be read as netCDF ({error}): build it again") from None
     if "figure" not in dataset.attrs:

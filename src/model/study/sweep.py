@@ -20,7 +20,7 @@ from model.runs.align import align
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results
-from model.study.config.base import Axis, Family, Plan
+from model.study.config.base import Axis, Family, Plan, points_of_chunk
 from model.study.config.settings import RunSettings
 from model.study.io import (
     HISTORY_VARIABLES,
@@ -109,16 +109,6 @@ class Sweep(Plan):
         stated = self.model_dump(mode="json", include={"parameters", "settings", "dimensions"})
         return {"config_hash": self.identity, **stated}
 
-    def points_of_chunk(self, chunk: int, chunks: int) -> NDArray[np.int64]:
-        """Return the flat indices of a chunk: every ``chunks``-th point, so that chunks cost alike.
-
-        Raises:
-            ValueError: ``chunk`` is not below ``chunks``.
-        """
-        if not 0 <= chunk < chunks:
-            raise ValueError(f"chunk = {chunk}: must be 0 to {chunks - 1}")
-        return np.arange(chunk, int(np.prod(self.shape)), chunks, dtype=np.int64)
-
     def batch(self, points: NDArray[np.int64]) -> Batch:
         """Return the parameter sets at flat indices ``points``."""
         places = np.unravel_index(points, self.shape) if self.dimensions else ()
@@ -183,7 +173,7 @@ def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dat
     Raises:
         ValueError: ``chunk`` is not below ``chunks``.
     """
-    points = sweep.points_of_chunk(chunk, chunks)
+    points = points_of_chunk(int(np.prod(sweep.shape)), chunk, chunks)
     found = _computed(sweep, sweep.batch(points), cores)
     variables: dict[str, Any] = {
         name: (

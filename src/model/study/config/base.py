@@ -5,6 +5,8 @@ import itertools
 from collections.abc import Callable
 from typing import Annotated, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from model.physics.parameters import PARAMETER_NAMES, check_name
@@ -164,3 +166,14 @@ class Plan(BaseModel):
     def identity(self) -> str:
         """Hash of the plan's JSON: equal for plans that give equal results."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
+
+
+def points_of_chunk(count: int, chunk: int, chunks: int) -> NDArray[np.int64]:
+    """Return every ``chunks``-th of ``count`` points, from ``chunk`` on, so that chunks cost alike.
+
+    Raises:
+        ValueError: ``chunk`` is not below ``chunks``.
+    """
+    if not 0 <= chunk < chunks:
+        raise ValueError(f"chunk = {chunk}: must be 0 to {chunks - 1}")
+    return np.arange(chunk, count, chunks, dtype=np.int64)
