@@ -29,14 +29,13 @@ def main() -> None:
     """Run the benchmark that the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a rough table within three minutes")
-    parser.add_argument("--only", default="", metavar="TEXT", help="methods with this in the name")
     parser.add_argument("--problems", nargs="*", metavar="NAME", help="W1, W2, W3, fig06, fig13")
     parser.add_argument("--output", type=Path, default=Path("results/benchmarks"))
     parser.add_argument("--maps", action="store_true", help="maps against full grids, no more")
     arguments = parser.parse_args()
     plan = _QUICK if arguments.quick else _PLAN
     if not arguments.maps:
-        methods = [method for method in all_methods(_say) if arguments.only in method.name]
+        methods = all_methods(_say)
         table: list[Row] = []
         for problem in all_problems(plan.points, plan.neighbours):
             if problem.name in (arguments.problems or [problem.name]):

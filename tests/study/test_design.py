@@ -98,15 +98,6 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
         load_device(tmp_path / "peg.yaml")
 
 
-def test_a_search_is_not_beaten_by_a_fine_grid(monkeypatch):
-    oracle(monkeypatch)
-    limits = {"contact_force": 30.0}
-    best = search(limits).run(12, 12)
-    force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 81), np.linspace(0.1, 0.9, 33))
-    grid = search(limits).judge(np.stack([force.ravel(), tilt.ravel()], axis=1))
-    assert best.tried.score(limits)[best.best] <= grid.score(limits).min() + 1e-3
-
-
 def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatch):
     oracle(monkeypatch)
     best = search({"contact_force": 40.0}).run(8, 12)

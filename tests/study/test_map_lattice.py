@@ -119,13 +119,6 @@ def test_without_lines_such_a_stripe_is_missed():
     assert wrong(refined(kind, lines=0), kind) == kind.sum()
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_an_island_that_holds_a_coarse_cell_is_found_anywhere(seed):
-    x0, y0 = np.random.default_rng(seed).uniform(0.1, 0.9, 2)
-    kind = disc(x0, y0, np.sqrt(0.5) * COARSE / CELLS)
-    assert unflagged(refined(kind, lines=0), kind) == 0
-
-
 @pytest.mark.parametrize("kind", [half(), fractal(), disc(0.3, 0.6, 0.04)])
 def test_cells_that_touch_differ_in_size_by_a_factor_of_two_at_most(kind):
     sizes = refined(kind).size[:-1, :-1]  # a node's own cell is the one it is the first corner of

@@ -29,12 +29,12 @@ from model.study.assessment.judge import (
 )
 from model.study.assessment.yields import (
     DEVICES,
-    SIGMAS,
     STATISTICAL_TOLERANCE,
     drawn,
     nearest_failing,
 )
 from model.study.devices import StatedDevice
+from model.study.devices.amounts import SIGMAS
 from model.study.devices.batches import Values, batch_of
 from model.study.maps.starts import Starts
 
@@ -149,8 +149,7 @@ class Judges:
         columns = []
         for name, each in stated.tolerances.items():
             own = stated.quantities[name]
-            width = each.around(own) * (1.0 if each.kind == "uniform" else SIGMAS)
-            columns.append((results.values[name][bad] - own) / width)
+            columns.append((results.values[name][bad] - own) / each.end(own))
         return tuple(tuple(row) for row in np.stack(columns, axis=1).tolist())
 
     def survive(self, points: Floats, lessons: Sequence[Row]) -> NDArray[np.bool_]:
@@ -244,8 +243,7 @@ class Judges:
         values |= dict(zip(self.stated.free, points.T, strict=True))
         for i, (name, tolerance) in enumerate(self.stated.tolerances.items()):
             own = values[name]
-            width = np.array([tolerance.around(value) for value in own.tolist()])
-            width *= 1.0 if tolerance.kind == "uniform" else SIGMAS
+            width = np.array([tolerance.end(value) for value in own.tolist()])
             least = 1e-3 * own if _is_positive(name) else -np.inf
             values[name] = np.maximum(own + width * offsets[:, i], least)
         _keep_on_edge(self.stated, values)

@@ -20,7 +20,6 @@ from model.study.devices import StatedDevice, Tolerance
 from model.study.maps.starts import Starts
 
 CONFIDENCE = 0.95
-SIGMAS = 3.0  # standard deviations that count as the end of a normal tolerance
 QUANTILES = (0.05, 0.5, 0.95)
 DEVICES = 4096  # a power of two
 INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
@@ -174,8 +173,7 @@ def nearest_failing(
 ) -> FailingDevice | None:
     """Return the failing device that is nearest to the stated values, None if none fails."""
     distance = np.stack([
-        np.abs(results.values[name] - stated.quantities[name])
-        / (each.around(stated.quantities[name]) * (1.0 if each.kind == "uniform" else SIGMAS))
+        np.abs(results.values[name] - stated.quantities[name]) / each.end(stated.quantities[name])
         for name, each in stated.tolerances.items()
     ]).max(axis=0)  # fmt: skip
     nearest = int(np.argmin(np.where(results.goes_in, np.inf, distance)))

@@ -20,6 +20,7 @@ _SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")
 _BRACKETS = re.compile(rf"\((.+)({_SPREAD.pattern}.+)\)(.*)")  # (12 ± 3) N
 _QUOTIENT = re.compile(rf"(.*?)/\s*({NUMBER})\s*(.*?)\s*")  # 0.05 mm / 6 mm
 _UNIT = re.compile(r"(?:1\s*/\s*)?[^\W\d_][^,]*|°.*|%")  # pint reads ", 1 N" as a unit, too
+SIGMAS = 3.0  # standard deviations that count as the end of a normal tolerance
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,10 @@ class Tolerance:
     def around(self, value: float) -> float:
         """Return the width around ``value``, in SI units."""
         return self.width * abs(value) if self.relative else self.width
+
+    def end(self, value: float) -> float:
+        """Return the deviation from ``value`` that counts as its end, in SI units."""
+        return self.around(value) * (1.0 if self.kind == "uniform" else SIGMAS)
 
 
 @dataclass(frozen=True)
