@@ -18,11 +18,8 @@ PICTURES: Mapping[str, str] = {
     "wrong_points": "figures/wrong_points",
 }
 
-# Paths of the pictures of hard cases.
-HARD_PICTURES: Mapping[str, str] = {
-    "stability": "figures/stability",
-    "stiffness": "figures/stiffness",
-}
+# Path of the picture of hard cases.
+HARD_PICTURES: Mapping[str, str] = {"stability": "figures/stability"}
 
 
 class CasePlan(Plan):

@@ -1,4 +1,4 @@
-"""Hard cases: the stability table as a picture, and the error over the stiffness of the base."""
+"""Hard cases: the stability table as a picture."""
 
 import math
 import re
@@ -10,17 +10,13 @@ from matplotlib.patches import Patch, Rectangle
 from benchmarks.hard_cases import Judged, Mark
 from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
-from benchmarks.report.work_precision_plots import LOOKS, handles
 from model.show import style
-from model.study.config.methods import HardCases
 
 CAPTIONS: Mapping[str, str] = {
     "stability": "Result of each method on each hard case. A number is the power of ten of the "
     "error; W a wrong outcome, N more evaluations than it may, F a failure; a dot a right outcome "
     "without an error to measure. On the cases with a cell for every method each may make "
     "{shared:,} evaluations; on the others {others:,}, and scipy's methods are not run.",
-    "stiffness": "Error at the end over the stiffness of the base, by its damping. A method that "
-    "gives no answer has no point.",
 }
 # Light to dark, so that the marks stay apart in grey and for any colour vision.
 _FILLS: Mapping[Mark, str] = {
@@ -96,35 +92,4 @@ def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
             loc="outside lower center",
             ncols=4,
         )
-        return figure
-
-
-def error_over_stiffness(judged: Sequence[Judged], spec: HardCases) -> Figure:
-    """Draw the error over the stiffness of the base, a panel for each damping."""
-    errors = {(each.case, each.method): each.error for each in judged}
-    cases, base = spec.all_cases, spec.base
-    with style.context():
-        figure = style.new_figure(height=11.0 * style.CENTIMETRE)
-        panels = figure.subplots(1, len(base.damping), sharex=True, sharey=True, squeeze=False)
-        met = set()
-        for axes, damping in zip(panels.flat, base.damping, strict=True):
-            names = [
-                name
-                for name in list(cases)[: len(base.stiffness) * len(base.damping)]
-                if cases[name].at["contact_damping"] == damping
-            ]
-            stiffness = [cases[name].at["contact_stiffness"] for name in names]
-            for method, look in LOOKS.items():
-                values = [max(errors.get((name, method), math.nan), 1e-16) for name in names]
-                if any(math.isfinite(value) for value in values):
-                    met.add(method)
-                    axes.plot(stiffness, values, label=method, **look)
-            axes.axhline(spec.accurate, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
-            axes.set_title(f"$h_a$ = {damping:g}", loc="left")
-        corner = panels[0, 0]
-        corner.set_xscale("log")
-        corner.set_yscale("log")
-        corner.set_ylabel(f"error at τ = {base.until:g}")
-        figure.supxlabel("stiffness of the base $k_a$", fontsize=9.0)
-        figure.legend(handles=handles(met), loc="outside upper center", ncols=2)
         return figure

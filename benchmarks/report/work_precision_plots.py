@@ -91,11 +91,11 @@ def _work_over_error(
         figure.supxlabel("true error (more accurate to the right)", fontsize=9.0)
         figure.supylabel(label, fontsize=9.0)
         met = {setting.method for setting in settings}
-        figure.legend(handles=handles(met), loc="outside upper center", ncols=2)
+        figure.legend(handles=_handles(met), loc="outside upper center", ncols=2)
         return figure
 
 
-def handles(methods: Collection[str]) -> list[Line2D]:
+def _handles(methods: Collection[str]) -> list[Line2D]:
     """Return the entries of a legend of methods, in the order of ``LOOKS``."""
     return [
         Line2D([], [], label=METHODS[method].name, **look)

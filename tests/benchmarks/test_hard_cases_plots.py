@@ -1,4 +1,4 @@
-"""The pictures of the hard cases show what the table says."""
+"""The picture of the hard cases shows what the table says."""
 
 import math
 
@@ -7,8 +7,7 @@ import pytest
 from benchmarks.hard_cases import Judged, Mark
 from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
-from benchmarks.report.hard_cases_plots import _FILLS, cell_text, error_over_stiffness, stability
-from model.study.config import load_study, study_path
+from benchmarks.report.hard_cases_plots import _FILLS, cell_text, stability
 
 
 def test_every_run_has_a_cell_in_the_colour_of_its_mark(judged):
@@ -43,23 +42,3 @@ def test_every_run_has_a_cell_in_the_colour_of_its_mark(judged):
 def test_a_cell_tells_the_error_or_what_went_wrong(verdict, error, text):
     each = Judged("a", "rk4_fixed", "aligned", verdict, Mark.STABLE, error, 0.0, 1, 1.0)
     assert cell_text(each) == text
-
-
-def test_errors_stand_over_the_stiffness_in_the_panel_of_their_damping():
-    spec = load_study(study_path()).hard_cases
-    judged = [
-        Judged(
-            name, method, "settled", Verdict.RIGHT_OUTCOME, Mark.STABLE,
-            1e-9 * case.at["contact_stiffness"] * (1.0 + case.at["contact_damping"]), 0.0, 1, 1.0,
-        )
-        for name, case in spec.all_cases.items() if "contact_stiffness" in case.at
-        for method in METHODS
-    ]  # fmt: skip
-    figure = error_over_stiffness(judged, spec)
-    assert len(figure.axes) == len(spec.base.damping)
-    for axes, damping in zip(figure.axes, spec.base.damping, strict=True):
-        line = axes.get_lines()[0]
-        assert list(line.get_xdata()) == spec.base.stiffness
-        assert list(line.get_ydata()) == pytest.approx(
-            [1e-9 * stiffness * (1.0 + damping) for stiffness in spec.base.stiffness]
-        )

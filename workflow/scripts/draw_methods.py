@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from benchmarks.hard_cases import read_judged
-from benchmarks.report.hard_cases_plots import error_over_stiffness, stability
+from benchmarks.report.hard_cases_plots import stability
 from benchmarks.report.work_precision_plots import (
     evaluations_over_error,
     time_over_error,
@@ -25,6 +25,5 @@ with recorded(snakemake):
         "stability": lambda: stability(
             read_judged(files[0]), {name: case.title for name, case in cases.all_cases.items()}
         ),
-        "stiffness": lambda: error_over_stiffness(read_judged(files[0]), cases),
     }[snakemake.params.picture]
     save(draw(), Path(snakemake.output.png).with_suffix(""))
