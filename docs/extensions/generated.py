@@ -1,6 +1,9 @@
 """Directive `generated`: pages of the reference, made from the code that they describe."""
 
 import argparse
+import ast
+import inspect
+import itertools
 import json
 import os
 import re
@@ -10,6 +13,7 @@ from typing import Any
 
 import yaml
 from docutils import nodes
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
@@ -146,8 +150,33 @@ def _keys(schema: dict[str, Any]) -> str:
     return _table(head[:columns], (row[:columns] for row in rows))
 
 
+def _meanings(model: type) -> dict[str, str]:
+    """Docstrings below the keys of a section, by key.
+
+    pydantic reads them as a class is made, which every job of the study would pay for.
+    """
+    (section,) = ast.parse(inspect.getsource(model)).body
+    return {
+        key.target.id: inspect.cleandoc(text.value.value)
+        for key, text in itertools.pairwise(section.body)
+        if isinstance(key, ast.AnnAssign) and isinstance(text, ast.Expr)
+    }
+
+
+class _Described(GenerateJsonSchema):
+    """The schema with the docstrings of the keys as descriptions."""
+
+    def model_schema(self, schema: Any) -> JsonSchemaValue:
+        made = super().model_schema(schema)
+        for model in schema["cls"].__mro__:
+            if model.__module__.startswith("model."):
+                for name, meaning in _meanings(model).items():
+                    made["properties"][name].setdefault("description", meaning)
+        return made
+
+
 def _configuration() -> str:
-    schema = Study.model_json_schema()
+    schema = Study.model_json_schema(schema_generator=_Described)
     parts = [f"## The whole\n\n{_keys(schema)}"]
     for name, each in sorted(schema["$defs"].items()):
         text = each.get("description", "").partition("\n\n")[0].replace("\n", " ")

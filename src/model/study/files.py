@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 
 @contextlib.contextmanager
 def atomic_write(target: Path) -> Iterator[Path]:
@@ -58,6 +60,15 @@ def read_text(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         raise ValueError(f"line {line} is not UTF-8 text: save the file as UTF-8") from None
+
+
+def parse_yaml(text: str) -> Any:
+    """Return what a YAML text states, by libyaml where it is there: in a seventh of the time.
+
+    Raises:
+        yaml.YAMLError: it is not YAML.
+    """
+    return yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both safe
 
 
 def write_text(text: str, path: Path) -> None:

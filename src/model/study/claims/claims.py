@@ -17,11 +17,11 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-import yaml
 
 from model.study.claims.comparisons import OF_CLAIM, Parts
 from model.study.claims.data import NAN, Array, Curve, Data, MissingDataError
 from model.study.claims.measures import OF_CURVE, OF_FIGURE, Number, View, median
+from model.study.files import parse_yaml
 
 Check = Callable[[Data, Sequence[str]], Parts]
 EVERY_FIGURE = tuple(f"fig{number:02}" for number in range(5, 15))
@@ -247,7 +247,7 @@ def claims_of(text: str) -> tuple[Claim, ...]:
     Raises:
         ClaimsError: a claim that breaks a rule; the message names both.
     """
-    table = yaml.safe_load(text)
+    table = parse_yaml(text)
     limits = {name: limit_of(stated) for name, stated in table["limits"].items()}
     claims = []
     for name, stated in table["claims"].items():

@@ -70,7 +70,6 @@ class Strict(BaseModel):
         frozen=True,
         strict=True,
         allow_inf_nan=False,
-        use_attribute_docstrings=True,  # the reference page prints them as descriptions
     )
 
 

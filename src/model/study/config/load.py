@@ -14,7 +14,7 @@ from model.study.config.base import ConfigError
 from model.study.config.checks import faults_of
 from model.study.config.figures import KIND
 from model.study.config.study import Study
-from model.study.files import read_text
+from model.study.files import parse_yaml, read_text
 
 
 def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:
@@ -81,7 +81,7 @@ def check_study(mapping: Mapping[str, Any], source: str = "config") -> Study:
 
 def _mapping(path: Path) -> dict[str, Any]:
     try:
-        mapping = yaml.safe_load(read_text(path))
+        mapping = parse_yaml(read_text(path))
     except (OSError, ValueError, yaml.YAMLError) as error:
         raise ConfigError(f"{path}: cannot be read as YAML: {error}") from None
     if not isinstance(mapping, dict):
