@@ -1,7 +1,6 @@
 """Whatever happens to a build, `snakemake` afterwards gives the bytes of a clean one.
 
-VIBRALIGN_KILLS is the number of moments at which a build is killed or interrupted: 4 in the default
-run, 50 in `make nightly`.
+`make test` kills one build in four ways, `make nightly` further ones at VIBRALIGN_KILLS moments.
 """
 
 import contextlib
@@ -23,7 +22,7 @@ import numpy as np
 import psutil
 import pytest
 
-KILLS = int(os.environ.get("VIBRALIGN_KILLS", "4"))
+KILLS = int(os.environ.get("VIBRALIGN_KILLS", "50"))
 VICTIMS = ("job", "snakemake", "group", "interrupt")
 FEW = ("tiny/data/fig05.nc", "tiny/data/fig13.nc")  # of six jobs, chunks among them
 
@@ -43,9 +42,9 @@ def outcomes(workspace: Any) -> list[str]:
     return [record["outcome"] for record in ordered]
 
 
-def is_clean(workspace: Any, built: Any, targets: Sequence[str] = FEW) -> None:
+def is_clean(workspace: Any, built: Any, targets: Sequence[str] = FEW, cores: int = 2) -> None:
     """`snakemake` succeeds with the bytes of a clean build, and leaves no temporary file."""
-    run = workspace.snakemake(*targets)
+    run = workspace.snakemake(*targets, cores=cores)
     assert run.returncode == 0, run.stdout + run.stderr
     chunks = [f"tiny/data/chunks/fig13/{i}.nc" for i in range(3)]
     assert workspace.sha256(*targets, *chunks) == built.sha256(*targets, *chunks)
@@ -96,6 +95,40 @@ def kill_when_there(process: subprocess.Popen[bytes], kind: str) -> None:
         time.sleep(0.02)
 
 
+def disturb(
+    workspace: Any, targets: Sequence[str], kind: str, rng: np.random.Generator, most: int = 6
+) -> bool:
+    """Kill or interrupt a build before ``most`` jobs; return whether it ran until then."""
+    process = workspace.start(*targets)
+    let_begin(process, workspace, int(rng.integers(0, most)))
+    time.sleep(float(rng.uniform(0.0, 1.0)))
+    if process.poll() is not None:
+        return False
+    if kind == "group":
+        workspace.kill(process)
+    elif kind == "interrupt":  # as Ctrl-C does
+        os.killpg(process.pid, signal.SIGINT)
+    else:
+        kill_when_there(process, kind)
+    process.wait(timeout=3600)
+    return True
+
+
+def test_a_build_killed_in_every_way_ends_with_the_bytes_of_another(
+    workspace: Any, built: Any
+) -> None:
+    """It goes on in another order and on one core, in another folder."""
+    targets = [*built.PICTURES, *built.BESIDE, *built.DATA]
+    rng = np.random.default_rng(0)
+    for kind in VICTIMS:
+        assert disturb(workspace, targets, kind, rng, most=4), "the build ended before"
+    is_clean(workspace, built, targets[::-1], cores=1)
+    *before, last = outcomes(workspace)
+    assert "running" not in before, "every invocation has an end"
+    assert last == "done"
+
+
+@pytest.mark.nightly
 @pytest.mark.parametrize("trial", range(KILLS))
 def test_a_killed_build_ends_with_the_bytes_of_a_clean_one(
     workspace: Any, built: Any, trial: int
@@ -104,19 +137,7 @@ def test_a_killed_build_ends_with_the_bytes_of_a_clean_one(
     targets = FEW if (trial + 1) % 5 else (*built.DATA, *built.BESIDE)
     rng, hits = np.random.default_rng(trial), 0
     for _ in range(int(rng.integers(1, 3))):  # once or twice, before anybody has mended it
-        process = workspace.start(*targets)
-        let_begin(process, workspace, int(rng.integers(0, 6)))
-        time.sleep(float(rng.uniform(0.0, 1.0)))
-        if process.poll() is not None:
-            break
-        hits += 1
-        if kind == "group":
-            workspace.kill(process)
-        elif kind == "interrupt":  # as Ctrl-C does
-            os.killpg(process.pid, signal.SIGINT)
-        else:
-            kill_when_there(process, kind)
-        process.wait(timeout=3600)
+        hits += disturb(workspace, targets, kind, rng)
     assert hits, "the build ended before it could be killed"
     is_clean(workspace, built, targets)
     assert "running" not in outcomes(workspace)[:-1], "every invocation has an end"

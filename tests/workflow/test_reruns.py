@@ -73,9 +73,8 @@ def project(touched: Any, tmp_path: Path) -> Any:
     """A copy of the made study, and of the package, that a test may edit."""
     made = copy.copy(touched)
     made.folder = shutil.copytree(touched.folder, tmp_path / "project")
-    ignored = shutil.ignore_patterns("__pycache__")
-    for part in ("src", "verification", "benchmarks"):
-        shutil.copytree(PROJECT / part, made.folder / part, ignore=ignored)
+    for part in ("src", "verification", "benchmarks"):  # with their bytecode, if there is any
+        shutil.copytree(PROJECT / part, made.folder / part)
     made.checkout = made.folder
     return made
 

@@ -114,15 +114,6 @@ def test_fuzz_with_more_sets_tries_only_the_further_ones(copy_of_built: Any) -> 
     assert "fuzz_part 2" in " ".join(dry.stdout.split()), dry.stdout + dry.stderr
 
 
-def test_another_folder_order_and_number_of_cores_give_the_same_bytes(
-    workspace: Any, built: Any
-) -> None:
-    targets = [*built.PICTURES, *built.BESIDE, *built.DATA]
-    run = workspace.snakemake(*targets[::-1], cores=1)
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert workspace.sha256(*targets) == built.sha256(*targets)
-
-
 THREADED = ("sweep", "merge", "map", "claims_runs", "claims", "plot")
 
 
