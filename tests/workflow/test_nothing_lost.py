@@ -42,9 +42,14 @@ def outcomes(workspace: Any) -> list[str]:
     return [record["outcome"] for record in ordered]
 
 
-def is_clean(workspace: Any, built: Any, targets: Sequence[str] = FEW, cores: int = 2) -> None:
-    """`snakemake` succeeds with the bytes of a clean build, and leaves no temporary file."""
-    run = workspace.snakemake(*targets, cores=cores)
+def is_clean(
+    workspace: Any, built: Any, targets: Sequence[str] = FEW, how: dict[str, int] | None = None
+) -> None:
+    """`snakemake` succeeds with the bytes of a clean build, and leaves no temporary file.
+
+    With options ``how``, every job has a Python of its own.
+    """
+    run = workspace.forked(*targets) if how is None else workspace.snakemake(*targets, **how)
     assert run.returncode == 0, run.stdout + run.stderr
     chunks = [f"tiny/data/chunks/fig13/{i}.nc" for i in range(3)]
     assert workspace.sha256(*targets, *chunks) == built.sha256(*targets, *chunks)
@@ -122,7 +127,7 @@ def test_a_build_killed_in_every_way_ends_with_the_bytes_of_another(
     rng = np.random.default_rng(0)
     for kind in VICTIMS:
         assert disturb(workspace, targets, kind, rng, most=4), "the build ended before"
-    is_clean(workspace, built, targets[::-1], cores=1)
+    is_clean(workspace, built, targets[::-1], {"cores": 1})
     *before, last = outcomes(workspace)
     assert "running" not in before, "every invocation has an end"
     assert last == "done"
@@ -139,7 +144,7 @@ def test_a_killed_build_ends_with_the_bytes_of_a_clean_one(
     for _ in range(int(rng.integers(1, 3))):  # once or twice, before anybody has mended it
         hits += disturb(workspace, targets, kind, rng)
     assert hits, "the build ended before it could be killed"
-    is_clean(workspace, built, targets)
+    is_clean(workspace, built, targets, {"cores": 2})
     assert "running" not in outcomes(workspace)[:-1], "every invocation has an end"
     print(f"{kind}: survived {hits} times")  # noqa: T201  (`pytest -rP` shows it)
 
@@ -153,7 +158,7 @@ def test_a_second_snakemake_in_the_same_folder_is_refused(copy_of_built: Any) ->
         fcntl.flock(lock, fcntl.LOCK_EX)
         listed = copy_of_built.dry_run(*FEW)
         assert listed.returncode == 0, "a dry run is allowed beside it"
-        run = copy_of_built.snakemake(*FEW)
+        run = copy_of_built.forked(*FEW)
     assert run.returncode != 0
     assert "another Snakemake runs the study in this directory" in run.stderr
     assert not (copy_of_built.folder / "tiny/data/fig05.nc").exists()
@@ -187,7 +192,7 @@ def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(
     process.wait(timeout=60)
     assert not (workspace.folder / "ended").exists()
     script.write_text(text, encoding="utf-8")
-    run = workspace.snakemake(FEW[0])
+    run = workspace.forked(FEW[0])
     assert run.returncode == 0, run.stdout + run.stderr
     assert "waiting for jobs of an interrupted run to end" in run.stderr
     assert (workspace.folder / "ended").exists()
@@ -279,7 +284,7 @@ def test_a_forged_dataset_is_not_drawn(copy_of_built: Any, built: Any) -> None:
     os.utime(path, ns=times)
     planned = copy_of_built.dry_run(data, picture)
     assert "Nothing to be done" in planned.stdout + planned.stderr, "a dry run touches nothing"
-    run = copy_of_built.snakemake("fig11")
+    run = copy_of_built.forked("fig11")
     assert run.returncode == 0, run.stdout + run.stderr
     assert f"{data}: not as its job left it: deleted, and made anew" in run.stderr
     assert copy_of_built.sha256(data, picture) == built.sha256(data, picture)
@@ -289,7 +294,7 @@ def test_a_foreign_chunk_fails_its_figure_only_and_says_why(copy_of_built: Any, 
     fig11 = "tiny/data/fig11.nc"
     of_another_study(copy_of_built.folder / "tiny/data/chunks/fig13/1.nc")
     (copy_of_built.folder / fig11).unlink()
-    run = copy_of_built.snakemake("--keep-going", *FEW, fig11)
+    run = copy_of_built.forked("--keep-going", *FEW, fig11)
     assert run.returncode != 0
     reason = "1.nc: is not chunk 1 of fig13"
     last_lines = "\n".join((run.stdout + run.stderr).splitlines()[-12:])

@@ -23,12 +23,12 @@ def test_a_refused_configuration_is_recorded_with_the_rule_that_it_breaks(
     workspace: Any, tiny: dict[str, Any]
 ) -> None:
     workspace.configure({**tiny, "operating_point": {"friction": -0.1}})
-    assert workspace.snakemake_without_jobs().returncode == 1
+    assert workspace.forked().returncode == 1
     (record,) = load_history(workspace.folder / "tiny")
     assert (record["outcome"], record["runs"], record["failures"]) == ("failed", [], [])
     assert "friction = -0.1: must be a finite number >= 0" in record["reason"]
     workspace.configure({**tiny, "results_root": 7})  # which would be the place of the record
-    assert workspace.snakemake_without_jobs().returncode == 1
+    assert workspace.forked().returncode == 1
     (record,) = load_history(workspace.folder / "results")
     assert "results_root = 7" in record["reason"]
 
@@ -36,7 +36,7 @@ def test_a_refused_configuration_is_recorded_with_the_rule_that_it_breaks(
 def test_an_interruption_before_the_first_job_is_recorded_as_one(workspace: Any) -> None:
     rules = workspace.folder / "workflow/rules/accuracy.smk"
     rules.write_text("raise KeyboardInterrupt\n", encoding="utf-8")
-    assert workspace.snakemake_without_jobs().returncode
+    assert workspace.forked().returncode
     (record,) = load_history(workspace.folder / "tiny")
     assert record["outcome"] == "interrupted"
 
@@ -63,9 +63,9 @@ def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) ->
 
     first = recorded()
     assert [outcome for outcome, _ in first] == ["done"]
-    assert copy_of_built.snakemake_without_jobs(*copy_of_built.DATA).returncode == 0
+    assert copy_of_built.forked(*copy_of_built.DATA).returncode == 0
     assert recorded() == [*first, ("done", 0)]
-    assert copy_of_built.snakemake_without_jobs("no_such_target").returncode == 1
+    assert copy_of_built.forked("no_such_target").returncode == 1
     assert recorded() == [*first, ("done", 0), ("failed", 0)]
     stopped = load_history(copy_of_built.folder / "tiny")[-1]
     assert "No rule to produce no_such_target" in stopped["reason"]
@@ -89,7 +89,7 @@ def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> 
 
 
 def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any) -> None:
-    run = workspace.snakemake("accuracy")
+    run = workspace.forked("accuracy")
     assert run.returncode == 0, run.stdout + run.stderr
     root = workspace.folder / "tiny"
     found = (root / "accuracy/summary.txt").read_text(encoding="utf-8")
@@ -98,14 +98,14 @@ def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any
     with (root / "runs.csv").open(encoding="utf-8", newline="") as stream:
         indexed = {row["run"] for row in csv.DictReader(stream)}
     assert indexed == {"kernels", "trial/error/0", "trial/error/1", "trial/settled/0", "judge"}
-    again = workspace.snakemake("accuracy")
+    again = workspace.forked("accuracy")
     assert found in again.stdout
     assert "trying chunk" not in again.stdout + again.stderr
 
 
 def test_fuzz_with_more_sets_tries_only_the_further_ones(copy_of_built: Any) -> None:
     more = ("--config", 'accuracy={"fuzz": {"sets": 7}}')
-    run = copy_of_built.snakemake("fuzz")
+    run = copy_of_built.forked("fuzz")
     assert run.returncode == 0, run.stdout + run.stderr
     assert "5 sets of seed 2007" in run.stdout
     assert run.stdout.splitlines().count("every property holds") == 1
