@@ -130,7 +130,7 @@ docs: environment
 # KILLS=500 kills the study at more moments.
 KILLS ?= 50
 nightly: environment
-	VIBRALIGN_STUDY=$(STUDY) VIBRALIGN_KILLS=$(KILLS) $(in_env) pytest -rP -m nightly tests
+	VIBRALIGN_STUDY=$(STUDY) VIBRALIGN_KILLS=$(KILLS) VIBRALIGN_SETS=500 $(in_env) pytest -rP -m nightly tests
 	@$(MAKE) --no-print-directory script-types
 
 # ------------------------------------------------------------------------------------ the benchmark
