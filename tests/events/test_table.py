@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from model import Variants
+from model.compile.cache import PACKAGE
+from model.events import kernels
 from model.events.event_functions import NEVER
+from model.events.insertion import INSERTION
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
 from model.events.table import EVENTS
 from model.physics.contacts import contact_load, edge_on_face
@@ -285,3 +288,12 @@ def test_friction_of_the_side_uses_its_own_slip(p, sample):
         mode = FREE._replace(side=CLOSED, side_slip=SLIP_POSITIVE)
         s = sample(mode, x=-0.1, y=p.half_height - 0.3, y_rate=y_rate)
         assert s["SIDE_SLIP"] == pytest.approx(y_rate, abs=ROUNDING)
+
+
+def test_the_name_of_a_table_tells_nothing_of_the_checkout(monkeypatch):
+    """Else every checkout would compile the kernels of the table anew."""
+    whole, told = kernels._fingerprint, []
+    monkeypatch.setattr(kernels, "_fingerprint", lambda part: told.append(whole(part)) or told[-1])
+    assert kernels._label(INSERTION.events).startswith("table-")
+    assert not [each for each in told if str(PACKAGE).encode() in each]
+    assert told

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from numba.core import types
 from numba.extending import typeof_impl
 
+from model.compile.cache import PACKAGE
 from model.compile.generated_kernels import GeneratedKernels
 from model.compile.jit import Symbol, inlined_kernel, kernel, python_of
 from model.compile.source import Lines, Writer, is_generated
@@ -151,10 +152,17 @@ def _start(table: Table) -> Lines:
 
 
 def _fingerprint(function: Callable[..., Any]) -> bytes:
-    """Bytes that identify a function: its file, name and code, and the values that it encloses."""
+    """Bytes that identify a function: its file, name and code, and the values that it encloses.
+
+    A file of the package is named by its place in it: else each checkout would compile its kernels.
+    """
     code = function.__code__
-    file = Path(code.co_filename).name if is_generated(function) else code.co_filename
-    found = repr((file, code.co_qualname, code.co_names, code.co_consts)).encode()
+    file = Path(code.co_filename)
+    if is_generated(function):
+        file = Path(file.name)
+    elif file.is_relative_to(PACKAGE):
+        file = file.relative_to(PACKAGE)
+    found = repr((str(file), code.co_qualname, code.co_names, code.co_consts)).encode()
     found += code.co_code
     cells = [each.cell_contents for each in function.__closure__ or ()]
     for each in map(python_of, cells):
