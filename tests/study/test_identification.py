@@ -156,6 +156,14 @@ def test_missing_a_limit_costs_more_than_missing_an_aim(space: Space) -> None:
     assert missed[2] - missed[1] == pytest.approx(further)
 
 
+def test_a_set_meets_the_limits_if_every_figure_does(space: Space) -> None:
+    good = dict.fromkeys(space.figures, Numbers(0.5, 0.5, 0.1, 0.1, 1.0, 0.3))
+    assert candidates.meets_limits(space.problem, good)
+    for worse in ({"tilt": 0.21}, {"not_resting": 0.5}, {"corners": 0.9}, {"aligned_mean": 0.3}):
+        bad = {**good, "fig06": good["fig06"]._replace(**worse)}
+        assert not candidates.meets_limits(space.problem, bad), worse
+
+
 def test_the_choice_is_near_the_best_of_all_combinations(space: Space) -> None:
     random = np.random.default_rng(3)
     names = space.figures[:4]
@@ -214,7 +222,23 @@ def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(
     texts = summary_texts(space, paths)
     verdicts = [judgement.verdict for _, judgement in judge(datasets)]
     row = dict(zip(*(line.split(",") for line in texts["sets"].splitlines()[:2]), strict=True))
+    judged = {
+        name: candidates.numbers_of(name, datasets, space.values(choice.point))
+        for name in space.figures
+    }
+    assert float(row["meets_limits"]) == candidates.meets_limits(space.problem, judged)
     assert int(row["reproduced"]) == verdicts.count("reproduced")
     assert "half_width" in texts["device"]
+    values = space.values(choice.point)
+    for line in texts["ranges"].splitlines()[1:]:
+        unknown, *numbers = line.split(",")
+        assert numbers == [f"{values[unknown]:.4g}"] * 3
+    for line, verdict in zip(texts["claims"].splitlines()[1:], verdicts, strict=True):
+        _, shown, contradicted, best = line.split(",")
+        assert (float(shown), float(contradicted)) == (
+            verdict == "reproduced",
+            verdict == "contradicted",
+        )
+        assert best == verdict
     with pytest.raises(LookupError, match=r"final\.sets"):
         search.final(space, [COARSE], 99, found)

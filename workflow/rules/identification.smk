@@ -57,7 +57,7 @@ rule search_final:
     input:
         expand(
             "<results>/identification/{start}/{round}.csv",
-            start=range(search.starts),
+            start=search.starts,
             round=range(len(search.rounds)),
         ),
     output:
@@ -80,6 +80,7 @@ rule search_summary:
         expand("<results>/identification/final/{number}.json", number=range(search.final.sets)),
     output:
         sets="<results>/identification/sets.csv",
+        ranges="<results>/identification/ranges.csv",
         claims="<results>/identification/claims.csv",
         device="<results>/identification/device.yaml",
         record="<results>/identification/summary.run.json",

@@ -104,8 +104,8 @@ class Identification(Problem):
 
     pool: Pool
     """Structures to start from."""
-    starts: int = Field(ge=1)
-    """Number of searches, each within a third of the half-widths."""
+    starts: list[int] = Field(min_length=1)
+    """Numbers of the searches, each within a third of the half-widths: 0, 3, … in the narrowest."""
     rounds: list[Round]
     """Rounds of each search; a further round goes on where the last has ended."""
     final: Final

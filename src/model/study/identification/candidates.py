@@ -30,7 +30,7 @@ from model.study.sweep import Columns, Sweep, dataset_of, merge, run
 SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on another grid
 TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope
 AGAINST = 0.5  # of a claim, if it is contradicted rather than shown in part
-AIM, LIMIT = 4.0, 20.0  # claims that an aim and a limit missed by its whole size count as
+AIM, LIMIT = 4.0, 8.0  # claims that an aim and a limit missed by its whole size count as
 _MOST_EXCESS = 2.0
 _PREFERENCE = 0.5  # claims that a friction of twice the preferred one counts as
 _SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is judged alone
@@ -243,6 +243,15 @@ def shortfall(problem: Problem, shorts: Array, numbers: Array, missed: float) ->
     worst = shorts.max(axis=0)
     claims = np.where(SHARED, 0.5 * (worst + shorts.sum(axis=0) / BEARING), worst)
     return float(claims.sum() + missed)
+
+
+def meets_limits(problem: Problem, numbers: Mapping[str, Numbers]) -> bool:
+    """Return whether a set meets every limit; ``numbers`` are those of each figure."""
+    limits = problem.limits
+    mean = float(np.mean([each.not_resting for each in numbers.values()]))
+    return mean <= limits.not_resting and not any(
+        _excess(limits, figure, np.array(each)) for figure, each in numbers.items()
+    )
 
 
 def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choice:

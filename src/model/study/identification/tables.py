@@ -13,11 +13,11 @@ from model.study.claims.data import Data
 from model.study.claims.ledger import VERDICTS, judge
 from model.study.claims.regime import regime_of
 from model.study.csv_tables import csv_text, read_rows
-from model.study.identification.candidates import Choice, numbers_of
+from model.study.identification.candidates import Choice, Numbers, meets_limits, numbers_of
 from model.study.identification.search import Found
 from model.study.identification.space import Array, Space, structure_of
 
-_SHORTFALL = "shortfall"
+_SHORTFALL, _MEETS = "shortfall", "meets_limits"
 
 
 def found_text(space: Space, found: Found) -> str:
@@ -67,14 +67,27 @@ def judged_text(space: Space, choice: Choice, datasets: Mapping[str, xr.Dataset]
 
 
 def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
-    """Return the tables of all judged sets, and the best one as it stands in the configuration."""
-    sets = sorted(
-        (json.loads(path.read_text()) for path in paths), key=lambda each: each[_SHORTFALL]
-    )
+    """Return the tables of all judged sets, and the best one as it stands in the configuration.
+
+    The best one is that of the least shortfall among those that meet the limits. Beside the sets:
+    what they say of each unknown and of each claim.
+    """
+    sets = [json.loads(path.read_text()) for path in paths]
+    for each in sets:
+        each[_MEETS] = meets_limits(space.problem, _numbers(each))
+    sets.sort(key=lambda each: (not each[_MEETS], each[_SHORTFALL]))
     return {
         "sets": csv_text([*_row(sets[0])], map(_row, sets)),
+        "ranges": _ranges_text(sets),
         "claims": _claims_text(sets),
         "device": _configuration(space, sets[0]["values"]),
+    }
+
+
+def _numbers(judged: Mapping[str, Any]) -> dict[str, Numbers]:
+    return {
+        figure: Numbers(*(found[name] for name in Numbers._fields))
+        for figure, found in judged["figures"].items()
     }
 
 
@@ -84,6 +97,7 @@ def _row(judged: Mapping[str, Any]) -> dict[str, Any]:
     resting = [each["not_resting"] for each in figures.values()]
     row = {
         _SHORTFALL: judged[_SHORTFALL],
+        _MEETS: judged[_MEETS],
         **{name.replace(" ", "_"): verdicts.count(name) for name in VERDICTS},
         "not_resting": float(np.mean(resting)),
         "not_resting_most": max(resting),
@@ -96,17 +110,27 @@ def _row(judged: Mapping[str, Any]) -> dict[str, Any]:
     return {name: f"{value:.6g}" for name, value in row.items()}
 
 
+def _ranges_text(sets: Sequence[Mapping[str, Any]]) -> str:
+    """Return by unknown the least, the median and the greatest value of the sets."""
+    rows = []
+    for name in sets[0]["values"]:
+        values = [each["values"][name] for each in sets]
+        least, median, greatest = (f"{value:.4g}" for value in np.quantile(values, (0.0, 0.5, 1.0)))
+        rows.append({"unknown": name, "least": least, "median": median, "greatest": greatest})
+    return csv_text(("unknown", "least", "median", "greatest"), rows)
+
+
 def _claims_text(sets: Sequence[Mapping[str, Any]]) -> str:
-    """Return by claim the share of the sets that show it, and the verdict of the best set."""
-    rows = [
-        {
-            "claim": name,
-            "shown": f"{np.mean([each['claims'][name] == 'reproduced' for each in sets]):.3f}",
-            "best": sets[0]["claims"][name],
+    """Return by claim the shares that show and contradict it, and the verdict of the best set."""
+    rows = []
+    for name, best in sets[0]["claims"].items():
+        verdicts = [each["claims"][name] for each in sets]
+        shares = {
+            share: f"{verdicts.count(verdict) / len(sets):.3f}"
+            for share, verdict in (("shown", "reproduced"), ("contradicted", "contradicted"))
         }
-        for name in sets[0]["claims"]
-    ]
-    return csv_text(("claim", "shown", "best"), rows)
+        rows.append({"claim": name, **shares, "best": best})
+    return csv_text(("claim", "shown", "contradicted", "best"), rows)
 
 
 def _configuration(space: Space, values: Mapping[str, float]) -> str:
