@@ -169,8 +169,11 @@ class Workspace:
         self, *arguments: str, cores: int = 2, **options: Any
     ) -> subprocess.CompletedProcess[str]:
         """Run Snakemake to its end."""
+        return self._run(self.command(*arguments, cores=cores), **options)
+
+    def _run(self, command: list[str], **options: Any) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            self.command(*arguments, cores=cores),
+            command,
             cwd=self.folder,
             env=self.environment,
             capture_output=True,
@@ -214,15 +217,7 @@ class Workspace:
 
     def make(self, *targets: str) -> subprocess.CompletedProcess[str]:
         """Run `make` to its end."""
-        return subprocess.run(
-            self.make_command(*targets),
-            cwd=self.folder,
-            env=self.environment,
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-            check=False,
-        )
+        return self._run(self.make_command(*targets))
 
     def kill(self, process: subprocess.Popen[bytes]) -> None:
         """Kill (-9) the remaining processes of a group."""
