@@ -172,7 +172,8 @@ class RecordedStudy:
     ) -> None:
         """The sidecar of a job, beside the first of its files."""
         record = files[0].with_suffix(".run.json")
-        write_sidecar(record, run, files, inputs, {"code": "0", **metadata}, datetime.now(UTC))
+        stated = {"code": "0", "sources": {}, **metadata}
+        write_sidecar(record, run, files, inputs, stated, datetime.now(UTC))
 
     def log(self, run: str, text: str = "") -> None:
         path = self.root / "logs" / f"{run}.log"

@@ -4,16 +4,17 @@ The profiles select it. Snakemake finds a plug-in by the name of its module, and
 main process only.
 """
 
+import sys
 from logging import LogRecord
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from model.tracking.invocation import Watch
+from model.tracking import invocation
 
 
 class LogHandler(LogHandlerBase):
-    """Passes Snakemake's events to a ``Watch``, and prints nothing."""
+    """Notes what Snakemake does, and prints nothing."""
 
     writes_to_stream = False
     writes_to_file = False
@@ -22,21 +23,33 @@ class LogHandler(LogHandlerBase):
     needs_rulegraph = False
 
     def __post_init__(self) -> None:
-        """Make the ``Watch``, before the Snakefile is read."""
-        self._watch = Watch(plans=self.common_settings.dryrun)
+        """Begin before the Snakefile is read."""
+        self.plans = self.common_settings.dryrun
+        self.invocation: invocation.Invocation | None = None
+        self._executes = False  # jobs are to run; not for a list, a lint and the like
+        self._jobs = False  # one has started
+        self._error: str | None = None  # the last one
+        invocation.logger = self
 
     def emit(self, record: LogRecord) -> None:
         """Note an event."""
         event = getattr(record, "event", None)
         if event == LogEvent.WORKFLOW_STARTED:
-            self._watch.executes = True
+            self._executes = True
         elif event == LogEvent.JOB_STARTED:
-            self._watch.jobs = True
+            self._jobs = True
         elif event == LogEvent.ERROR:
             lines = record.getMessage().splitlines()
-            self._watch.error = "; ".join(line.strip() for line in lines if line.strip())
+            self._error = "; ".join(line.strip() for line in lines if line.strip())
 
     def close(self) -> None:
-        """Record an invocation that no handler of the Snakefile recorded."""
-        self._watch.close()
+        """Record an invocation that started no job, unless it is a dry run."""
         super().close()
+        if self.plans or self.invocation is None or self._jobs:
+            return
+        if isinstance(sys.exc_info()[1], KeyboardInterrupt):
+            self.invocation.record_idle("interrupted", "interrupted before the first job")
+        elif self._error is not None:
+            self.invocation.record_idle("failed", self._error)
+        elif self._executes:
+            self.invocation.record_idle("done")

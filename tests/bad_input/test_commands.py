@@ -12,7 +12,6 @@ import pytest
 
 from model import simulate
 from model.cli import main as cli
-from model.cli.files import save_picture
 from model.show import style
 from model.study.config import (
     ConfigError,
@@ -26,21 +25,54 @@ from model.study.files import write_json, write_text
 from model.study.io import write_dataset
 
 COMMAND = [sys.executable, "-m", "model.cli.main"]
+PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
 
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [
     (["simulate", "--set", "=1"], ["''", "half_width"]),
     (["simulate", "--set", "friction=0.1=2"], ["friction", "'0.1=2'"]),
     (["simulate", "--set", "rest_x=anywhere"], ["rest_x", "'anywhere'", "None"]),
+    (["simulate", "--tolerance", "1e-20"], ["tolerance", "1e-14"]),
+    (["simulate", "--horizon", "-1"], ["horizon", "> 0"]),
+    (["simulate", "--readings", "both"], ["both", "consistent", "printed"]),
     (["simulate", "--reading", "preload"], ["preload", "NAME=VALUE"]),
-    (["simulate", "--plot", "ROOT/run"], ["run", ".png"]),
+    (["simulate", "--plot", "ROOT/run.docx"], ["run.docx", ".png", ".svg"]),
+    (["simulate", "--plot", "/dev/full/run.png"], ["/dev/full", "does not exist"]),
     (["simulate", "extra"], ["extra", "--help"]),
+    (["simulate", "--press-force", "2"], ["--press-force", "--help"]),
+    (["simulate", "--set", "press_force"], ["press_force", "NAME=VALUE"]),
+    (["simulate", "--animate", "ROOT/run.mp4"], ["must end in .html"]),
     (["simulte"], ["simulte", "simulate"]),
+    (["assess", "--device", "no.yaml"], ["no.yaml: cannot be read: No such file"]),
+    (["assess", "--device", PEG, "--set", "mass=0"], ["mass = 0.0: must be a finite number > 0"]),
+    (["assess", "--set", "fricton=0.1"], ["Did you mean 'friction'?"]),
+    (["assess", "--devices", "100"], ["devices = 100: must be a power of two"]),
+    (["assess", "--require", "0.9"], ["--require needs a device with tolerances"]),
+    (["assess", "--require", "1.5"], ["require = 1.5: must be between 0 and 1"]),
+    (["assess", "--sheet", "ROOT/sheet.html"], ["--sheet needs --device FILE"]),
+    (["design"], ["design needs --device FILE"]),
+    (["design", "--device", PEG], ["nothing is free"]),
+    (
+        ["design", "--device", PEG, "--generations", "0"],
+        ["generations = 0: must be a whole number"],
+    ),
+    (["explore", "--out", "peg.txt"], ["must end in .html"]),
+    (["explore", "--out", "no/such/peg.html"], ["does not exist"]),
+    (["explore", "--out", "peg.html", "--readings", "printed"], ["consistent readings only"]),
+    (
+        ["explore", "--out", "peg.html", "--scene", "insertion", "--insertion-depth", "0.2"],
+        ["default depth only"],
+    ),
+    (["claims", "--root", "ROOT"], ["ROOT", "holds no datasets"]),
     (["runs", "--root", "ROOT/nowhere"], ["nowhere"]),
     (["runs", "--root", "ROOT/file"], ["file"]),
-    (["runs", "--root", "ROOT", "--figure", "99"], ["ROOT", "build the study first"]),
+    (["runs", "--root", "ROOT", "--figure", "6"], ["ROOT", "build the study first"]),
+    (["runs", "--root", "ROOT", "--figure", "fig77"], ["unknown figure 'fig77'"]),
+    (["runs", "--root", "ROOT", "--figure", "99"], ["unknown figure 'fig99'"]),
+    (["runs", "--root", "ROOT", "--figure", "6", "--invocations"], ["--figure", "runs"]),
     (["runs", "--root", "ROOT", "--outcome", ""], ["outcome", "aligned"]),
-    (["runs", "--root", "ROOT", "--parameter", "mass"], ["mass"]),
+    (["runs", "--root", "ROOT", "--outcome", "don"], ["Did you mean 'done'?"]),
+    (["runs", "--root", "ROOT", "--outcome", "happy"], ["happy", "aligned"]),
     (["runs", "--root", "ROOT", "--invocations"], ["ROOT", "build the study first"]),
     (["show", "--root", "ROOT", "merge/fig06"], ["ROOT", "build the study first"]),
     (["show", "--root", "ROOT/nowhere", "last"], ["nowhere"]),
@@ -180,7 +212,7 @@ def test_a_picture_has_the_same_bytes_on_another_day(tmp_path, monkeypatch, kind
         with style.context():
             figure = style.new_figure()
             figure.add_subplot().plot([0.0, 1.0], [1.0, 0.0], label="$\\phi$")
-        save_picture(figure, tmp_path / f"{day}.{kind}")
+        style.write(figure, tmp_path / f"{day}.{kind}")
         pictures.append((tmp_path / f"{day}.{kind}").read_bytes())
     assert pictures[0] == pictures[1]
 
@@ -208,7 +240,8 @@ def test_a_picture_on_a_full_disk(tmp_path):
         env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
     )  # fmt: skip
     assert done.returncode == cli.FAILED
-    assert "Traceback" not in done.stderr
+    assert done.stdout.startswith("outcome")  # the run is not lost
+    assert done.stderr.count("\n") == 1
     assert str(picture) in done.stderr
     assert list(tmp_path.iterdir()) == []
 

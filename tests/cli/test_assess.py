@@ -103,26 +103,6 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     assert shown[-1].endswith("the device itself is not reliable")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--device", "no.yaml"], "no.yaml: cannot be read: No such file"),
-        (["--device", PEG, "--set", "mass=0"], "mass = 0.0: must be a finite number > 0"),
-        (["--set", "fricton=0.1"], "Did you mean 'friction'?"),
-        (["--devices", "100"], "devices = 100: must be a power of two"),
-        (["--require", "0.9"], "--require needs a device with tolerances"),
-        (["--require", "1.5"], "require = 1.5: must be between 0 and 1"),
-        (["--horizon", "-1"], "horizon = -1.0: must be a finite number > 0"),
-    ],
-)
-def test_bad_input_is_refused_in_one_line(capsys, arguments, words):
-    assert assess(*arguments) == cli.REFUSED
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert words in err
-
-
 def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
     def found(*_, stated, bases):
         assert stated is not None

@@ -90,18 +90,3 @@ def test_tolerances_that_are_too_wide_are_named(capsys, peg):
     )
     assert "the tolerances" in next(x for x in said.splitlines() if x.startswith("what binds"))
     assert "what to relax          no limit: " in said
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ([], "design needs --device FILE"),
-        (["--device", str(PEG)], "nothing is free"),
-        (["--device", str(PEG), "--generations", "0"], "generations = 0: must be a whole number"),
-    ],
-)
-def test_bad_input_is_refused_in_one_line(capsys, arguments, words):
-    assert cli.main(["design", *arguments]) == cli.REFUSED
-    err = capsys.readouterr().err
-    assert err.count("\n") == 1
-    assert words in err

@@ -1,4 +1,4 @@
-"""``vibralign map``: output, refusals before anything is computed, and progress bar."""
+"""``vibralign map``: output, and refusals before anything is computed."""
 
 import math
 import sys
@@ -10,7 +10,6 @@ import xarray as xr
 
 from model.cli import main as cli
 from model.cli import map as map_commands
-from model.cli.progress import ProgressLine
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
@@ -32,7 +31,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     picture = tmp_path / "map.png"
     assert run(tmp_path, "--plot", str(picture), "--set", "friction=0.05") == cli.DONE
     out, err = capsys.readouterr()
-    assert err == ""  # no bar where nobody looks
+    assert err == ""  # no progress where nobody looks
     lines, _, assumed = out.partition("assumed:\n")
     # Half of the press force, at most the half-width, from 1 to 5.
     assert "inserted to a depth of 0.5 to " in assumed
@@ -81,13 +80,16 @@ def test_a_device_in_si_units_gets_a_map_in_si_units(tmp_path):
     assert "in N m/rad" in picture.read_text()
 
 
-def test_a_map_of_a_device_is_over_any_of_its_quantities_with_units(tmp_path, capsys):
+def test_a_map_of_a_device_is_over_any_of_its_quantities_with_units(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     shaft = str(Path(PEG).parent / "devices" / "shaft.yaml")
     plane = ["--x", "misalignment", "300um", "0.5 mm", "--y", "mass", "500g", "700g"]
     arguments = ["--device", shaft, *plane, "--resolution", "2", "--horizon", "300 ms"]
     out = tmp_path / "map.nc"
     assert cli.main(["map", *arguments, "--tolerance", "1e-7", "--out", str(out)]) == cli.DONE
-    said = capsys.readouterr().out
+    said, progress = capsys.readouterr()
+    assert "\routcomes: 0 nodes left, " in progress
+    assert "\rreliability: " in progress
     # The mass is the square of the time unit, √(M/K_Y) with 20 kN/m.
     units = f"{0.3 / math.sqrt(0.5 / 2e4):.4g} to {0.3 / math.sqrt(0.7 / 2e4):.4g}"
     assert f"  horizon     300 ms ({units} units of 1/p), at the corners of the map\n" in said
@@ -168,17 +170,3 @@ def test_a_missing_package_is_named(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(map_commands, "_NEEDED", ("xarray", "no_such_package"))
     assert run(tmp_path) == cli.REFUSED
     assert "map needs no_such_package, not installed" in capsys.readouterr().err
-
-
-def test_the_bar_shows_the_rest_of_a_wave_at_a_terminal(capsys, monkeypatch):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with ProgressLine() as line:
-        bar = map_commands._Bar(line)
-        bar("nominal", 0, 400)
-        bar("nominal", 200, 100)
-    err = capsys.readouterr().err
-    first, second = (part for part in err.split("\r")[1:3])
-    assert first.startswith("outcomes    [........................]")
-    assert "[##################......]" in second
-    assert "200 starts done" in second
-    assert err.endswith("\r\033[K")

@@ -38,12 +38,3 @@ def test_a_build_is_red_until_accepted_and_red_again_when_it_changes(capsys, fol
     assert cli.main(["verify", *folders, "--json"]) == cli.FAILED
     found = json.loads(capsys.readouterr().out)["findings"]
     assert [each["variable"] for each in found] == ["tau_align"]
-
-
-def test_what_to_accept_and_why_must_be_said(capsys, folders) -> None:
-    assert cli.main(["accept", *folders[:4], "--reason", "for no figure"]) == cli.REFUSED
-    assert "name what to accept" in capsys.readouterr().err
-    assert cli.main(["accept", *folders]) == cli.REFUSED
-    assert "--reason" in capsys.readouterr().err
-    assert cli.main(["accept", *folders, "--reason", "because"]) == cli.REFUSED
-    assert "say in a few words" in capsys.readouterr().err

@@ -85,12 +85,6 @@ def test_the_legend_has_one_entry_for_each_value_and_words_for_them(family):
     assert legend.get_title().get_text() == "tilt stiffness of the suspension $k_{φ}$"
 
 
-def test_lines_of_a_family_differ_without_colour(family):
-    lines = curve_lines(curves(family).axes[0])
-    looks = {(str(line._unscaled_dash_pattern), line.get_marker()) for line in lines}
-    assert len(looks) == len(lines)
-
-
 def test_axes_of_curves_have_words_and_symbols_and_start_at_zero(family):
     axes, strip = curves(family).axes
     assert strip.get_xlabel() == "initial pressing force $f_{0}$"

@@ -5,8 +5,6 @@ from pathlib import Path
 
 from model.cli.sheet import write_sheet
 from model.runs.settings import Settings
-from model.show.explorer.content import Scales
-from model.show.explorer.page import build_page
 from model.study.config import load_study, study_path
 from model.study.devices import load_device
 
@@ -19,23 +17,12 @@ GROUPS = {
 }
 
 
-def explorer_of(stated, folder):
-    device = stated.device
-    model = {
-        "title": "peg",
-        "footer": "",
-        "baseline": Scales(device.units).values(device.parameters),
-    }
-    (folder / "peg.html").write_text(build_page(model, None), encoding="utf-8")
-
-
 def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     study = load_study(study_path())
     stated, settings = (
         load_device(PEG, {"press_force": "12 N"}),
         Settings(horizon=40.0, tolerance=1e-6),
     )
-    explorer_of(load_device(PEG), tmp_path)
     pages = []
     for name in ("one.html", "two.html"):
         write_sheet(tmp_path / name, stated, VERDICT, GROUPS, study, settings)
@@ -43,12 +30,9 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     assert pages[0] == pages[1]
     page = pages[0].decode()
     assert page.count("data:image/svg+xml;base64,") == 3
-    assert re.findall(r'(?:src|href)="(?!data:)([^"]*)', page) == ["peg.html#press_force=12.0"]
+    assert re.findall(r'(?:src|href)="(?!data:)([^"]*)', page) == []
     assert f'<p class="verdict good">{VERDICT[0]}</p>' in page
     assert f"<p>{PEG}, with press_force=12 N; vibralign " in page  # the footer
     assert re.search(r"<td>press force</td><td>12 N</td><td>± 1.2 N</td>", page)
     assert re.search(r"<td>amplitude</td><td>1 mm</td><td>± 0.05 mm</td>", page)
     assert "@page { size: A4" in page
-    explorer_of(load_device(PEG, {"tilt_stiffness": "0.5 N m/rad"}), tmp_path)
-    write_sheet(tmp_path / "three.html", stated, VERDICT, GROUPS, study, settings)
-    assert "peg.html" not in (tmp_path / "three.html").read_text(encoding="utf-8")

@@ -10,7 +10,6 @@ from model.runs.simulate import simulate
 from model.show import plots
 from model.show.history import force_before, history, trajectory
 from model.show.style import cell_edges
-from model.show.words import math
 from model.study.config import Curves
 from model.study.sweep import merge, run, sweep_of
 from tests.show.drawn import NAN, curve_lines, named
@@ -109,20 +108,6 @@ def test_drawing_leaves_the_settings_of_matplotlib_alone(family):
     before = dict(mpl.rcParams)
     plots.draw(family)
     assert dict(mpl.rcParams) == before
-
-
-@pytest.mark.parametrize(
-    ("symbol", "text"),
-    [
-        ("f0", "$f_{0}$"),
-        ("k_φ", "$k_{φ}$"),
-        ("x_st", r"$x_{\mathrm{st}}$"),
-        ("x(0)", "$x(0)$"),
-        ("μ", "$μ$"),
-    ],
-)
-def test_symbols_are_set_as_in_the_paper(symbol, text):
-    assert math(symbol) == text
 
 
 def test_edges_of_cells_lie_halfway():

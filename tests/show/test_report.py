@@ -3,7 +3,6 @@
 import base64
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,13 +62,8 @@ def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered,
         assert spec.title in image["alt"]
         assert spec.caption.strip() in image["alt"]
         assert (image["width"], image["height"]) == ("1", "1")
-
-
-def test_every_figure_says_what_one_sees(rendered, study):
     for name, spec in study.figures.items():
-        text = article(rendered, name)
-        assert spec.title in text
-        assert spec.caption.strip() in text
+        assert f"{spec.title} {spec.caption.strip()}" in article(rendered, name)
 
 
 def test_files_are_linked_relative_to_the_results(rendered, study):
@@ -227,15 +221,6 @@ def test_few_words_are_in_sight_when_the_page_is_opened(rendered):
     page = Page(rendered)
     assert len(page.in_sight) <= MOST_WORDS
     assert len(page.words) > len(page.in_sight) + 1000  # the others are folded, not gone
-
-
-def test_few_words_are_in_sight_of_the_smoke_report():
-    report = Path(__file__).parents[2] / "results-smoke/report.html"
-    if not report.is_file():
-        pytest.skip("no results-smoke/report.html: run make smoke")
-    text = report.read_text(encoding="utf-8")
-    assert len(Page(text).in_sight) <= MOST_WORDS
-    assert not re.search(r"\de[+-]\d\d", re.sub(r"data:image[^\"]*", "", text))
 
 
 def test_numbers_are_written_without_a_computers_exponent(rendered):

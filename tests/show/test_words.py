@@ -3,7 +3,7 @@
 import pytest
 
 from model.show.report.section import symbol
-from model.show.words import number, percent, power
+from model.show.words import math, number, percent, power
 
 
 @pytest.mark.parametrize(
@@ -41,13 +41,13 @@ def test_shares_near_one_and_far_below_are_percentages():
 
 
 @pytest.mark.parametrize(
-    ("text", "shown"),
+    ("text", "in_html", "in_figures"),
     [
-        ("f0", "<i>f</i><sub>0</sub>"),
-        ("k_φ", "<i>k</i><sub>φ</sub>"),
-        ("x_st", "<i>x</i><sub>st</sub>"),
-        ("x(0)", "<i>x(0)</i>"),
+        ("f0", "<i>f</i><sub>0</sub>", "$f_{0}$"),
+        ("k_φ", "<i>k</i><sub>φ</sub>", "$k_{φ}$"),
+        ("x_st", "<i>x</i><sub>st</sub>", r"$x_{\mathrm{st}}$"),
+        ("x(0)", "<i>x(0)</i>", "$x(0)$"),
     ],
 )
-def test_symbols_are_set_as_in_the_paper(text, shown):
-    assert str(symbol(text)) == shown
+def test_symbols_are_set_as_in_the_paper(text, in_html, in_figures):
+    assert (str(symbol(text)), math(text)) == (in_html, in_figures)

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.study.files import write_json
 from model.tracking import code, job
 from model.tracking.code import code_of, import_closure
 from model.tracking.job import write_sidecar
@@ -125,14 +124,6 @@ def test_a_new_pin_changes_the_code_of_every_script(tmp_path: Path) -> None:
     (tmp_path / "requirements.lock").write_text("numpy==2")
     changed = set(code_of(tmp_path, "workflow/scripts/plot.py")) ^ set(before)
     assert {each.split()[0] for each in changed} == {"requirements.lock"}
-
-
-def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
-    target = tmp_path / "record.json"
-    write_json({"a": 1}, target)
-    with pytest.raises(TypeError):
-        write_json({"a": object()}, target)
-    assert target.read_text(encoding="utf-8") == '{\n "a": 1\n}\n'
 
 
 def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(

@@ -1,9 +1,6 @@
 """All differences between two states are found, and no others."""
 
-import builtins
 import shutil
-import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +9,7 @@ import xarray as xr
 
 from model.study.io import write_dataset
 from model.tracking import TrackingError, invocation
-from model.tracking.compare import change_of, common_points, open_dataset
+from model.tracking.compare import change_of, common_points
 from model.tracking.diff import compare, snapshot
 from model.tracking.history import kept_result
 from model.tracking.invocation import Invocation
@@ -23,30 +20,6 @@ def built(recorded, shift: float = 0.0, **metadata) -> str:
     recorded.merge(shift, **metadata)
     made.end("done")
     return made.name
-
-
-def test_a_folder_is_the_same_as_itself(recorded) -> None:
-    built(recorded)
-    here = snapshot(str(recorded.root), recorded.root)
-    found = compare(here, here)
-    assert not any([found.parameters, found.metrics, found.code, found.data, found.not_compared])
-    assert found.claims is None, "there are no claims to compare"
-
-
-def test_the_largest_change_is_named_with_its_place(recorded, tmp_path: Path) -> None:
-    built(recorded)
-    shutil.copytree(recorded.root, tmp_path / "old")
-    built(recorded, 0.5)
-    found = compare(
-        snapshot(str(tmp_path / "old"), recorded.root), snapshot(str(recorded.root), recorded.root)
-    )
-    (change,) = found.data
-    assert (change.figure, change.variable, change.points) == ("fig06", "tau_align", 4)
-    assert change.differing == 1
-    assert change.largest == pytest.approx(0.5, abs=1e-15)
-    assert change.at == {"tilt_stiffness": 7.0, "press_force": 1.0}
-    assert (change.before, change.after) == (3.0, 3.5)
-    assert asdict(found)["data"][0]["largest"] == pytest.approx(0.5)
 
 
 def test_earlier_invocations_and_runs_are_compared_by_what_is_kept(recorded) -> None:
@@ -172,40 +145,22 @@ def test_gaps_are_counted_and_grids_are_cut_to_common_points(make_dataset) -> No
 
 
 def test_a_trajectory_is_compared_away_from_its_jumps() -> None:
-    """A jump that is 1e-9 later is no change of 1; a variable that is 1e-3 higher has changed.
+    """A jump that is 1e-9 later is no change of 1; a variable that is 1e-3 higher has changed."""
 
-    In files of an earlier version time is the dimension.
-    """
-
-    def course(jump: float, offset: float, steps: int, over: str = "sample") -> xr.Dataset:
+    def course(jump: float, offset: float, steps: int) -> xr.Dataset:
         before, after = np.linspace(0.0, jump, steps), np.linspace(jump, 2.0, steps)
         time = np.concatenate([before, after])
         force = np.concatenate([np.ones(steps), np.zeros(steps)]) + offset
-        return xr.Dataset({"force": (over, force)}, {"time": (over, time)})
+        return xr.Dataset({"force": ("sample", force)}, {"time": ("sample", time)})
 
-    def largest(after: xr.Dataset, over: str = "sample") -> float:
-        pair = common_points(course(1.0, 0.0, 11, over), after)
+    def largest(after: xr.Dataset) -> float:
+        pair = common_points(course(1.0, 0.0, 11), after)
         change = change_of(*(each["force"] for each in pair), figure="fig05")
         assert set(change.at) == {"time"}
         return change.largest
 
     assert largest(course(1.0 + 1e-9, 0.0, 14)) == 0.0
     assert largest(course(1.0 + 1e-9, 1e-3, 14)) == pytest.approx(1e-3)
-    assert largest(course(1.0 + 1e-9, 1e-3, 14), "time") == pytest.approx(1e-3)
-
-
-def test_without_xarray_the_extra_is_named(monkeypatch) -> None:
-    monkeypatch.delitem(sys.modules, "model.study.io")
-    real = builtins.__import__
-
-    def without(name: str, *arguments: object, **options: object) -> object:
-        if name == "model.study.io":
-            raise ImportError(name)
-        return real(name, *arguments, **options)
-
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(TrackingError, match=r"vibralign\[study\]"):
-        open_dataset(Path("fig06.nc"))
 
 
 def test_verdicts_older_than_their_data_are_not_compared(recorded) -> None:

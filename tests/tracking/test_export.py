@@ -9,15 +9,8 @@ from typing import Any
 import pytest
 
 from model.cli import main as cli
-from model.tracking import export
-from model.tracking.export import (
-    ExportError,
-    metrics_of,
-    parameters_of,
-    results_of,
-    tags_of,
-    to_mlflow,
-)
+from model.tracking import TrackingError, export
+from model.tracking.export import metrics_of, parameters_of, results_of, tags_of, to_mlflow
 from model.tracking.history import load_history
 from model.tracking.invocation import Invocation
 
@@ -87,7 +80,7 @@ def test_without_the_extra_it_is_named(built, tmp_path: Path, monkeypatch, capsy
         raise ImportError(name)
 
     monkeypatch.setattr(export, "import_module", absent)
-    with pytest.raises(ExportError, match=r"needs mlflow, .* 'vibralign\[export\]'"):
+    with pytest.raises(TrackingError, match=r"needs mlflow, .* 'vibralign\[export\]'"):
         to_mlflow(record_of(built), built.root, f"sqlite:///{tmp_path}/runs.db")
     words = ["export", "mlflow", "--tracking-uri", f"sqlite:///{tmp_path}/runs.db"]
     assert cli.main([*words, "--root", str(built.root)]) == cli.REFUSED

@@ -19,7 +19,6 @@ from model.tracking.history import (
     find_run,
     load_history,
     load_runs,
-    select_runs,
     sidecars,
     write_index,
 )
@@ -89,23 +88,11 @@ def test_a_full_disk_leaves_no_word_and_is_named(recorded, monkeypatch) -> None:
     assert "failed: ended without a message, with 12 kB left on the disk" in told
 
 
-def test_logs_of_an_earlier_layout_are_no_failures(recorded) -> None:
-    recorded.log("chunks/fig06-0")
-    os.utime(recorded.root / "logs/chunks/fig06-0.log", (1.0, 1.0))
-    invocation = recorded.invocation()
-    assert invocation.end("done") == []
+def test_logs_of_an_earlier_invocation_are_no_failures_of_this_one(recorded) -> None:
+    recorded.log("chunk/fig06/0")
+    os.utime(recorded.root / "logs/chunk/fig06/0.log", (1.0, 1.0))
+    assert recorded.invocation().end("failed") == []
     assert load_runs(recorded.root) == []
-
-
-def test_sidecars_of_an_earlier_layout_are_left_alone(recorded) -> None:
-    invocation = recorded.invocation()
-    recorded.merge()
-    old = recorded.root / "data/fig07.run.json"
-    old.write_text('{"figure": "fig07", "output": "fig07.nc", "output_sha256": "0"}')
-    assert discard_damaged(recorded.root) == []
-    invocation.end("done")
-    assert [run["run"] for run in load_runs(recorded.root)] == ["merge/fig06"]
-    assert old.is_file()
 
 
 def test_a_damaged_file_in_another_folder_than_its_sidecar_is_found(recorded) -> None:
@@ -191,32 +178,6 @@ def test_the_index_has_a_line_for_every_run(recorded) -> None:
     assert tuple(rows["merge/fig06"]) == COLUMNS
     assert rows["merge/fig06"]["runs_aligned"] == "3"
     assert rows["plot/fig06"]["reason"] == "ValueError: no colour"
-
-
-def test_runs_are_selected_by_figure_parameter_outcome_and_date(recorded) -> None:
-    invocation = recorded.invocation()
-    recorded.merge()
-    recorded.merge(figure="fig07", parameters={"press_force": 5.0}, dimensions=[])
-    recorded.fail("merge/fig08", "MemoryError\n")
-    invocation.end("failed")
-    runs = load_runs(recorded.root)
-
-    def names(**conditions: object) -> list[str]:
-        return sorted(run["figure"] for run in select_runs(runs, **conditions))
-
-    assert names() == ["fig06", "fig07", "fig08"]
-    assert names(figure="fig07") == ["fig07"]
-    assert names(parameters=["press_force=1.5"]) == ["fig06"], "swept over, not held at 3"
-    assert names(parameters=["press_force=5"]) == ["fig07"]
-    assert names(parameters=["press_force"]) == ["fig06"]
-    assert names(parameters=["press_force=1.5", "friction=0.12"]) == ["fig06"]
-    assert names(outcome="failed") == ["fig08"]
-    assert names(outcome="settled") == ["fig06", "fig07"]
-    year = runs[0]["started"][:4]
-    assert names(since=year, until=year) == ["fig06", "fig07", "fig08"]
-    assert names(since=str(int(year) + 1)) == names(until=str(int(year) - 1)) == []
-    with pytest.raises(TrackingError, match="'x' is no number"):
-        names(parameters=["press_force=x"])
 
 
 def test_runs_and_invocations_are_found_by_name(recorded) -> None:

@@ -12,10 +12,10 @@ from model.events.outcomes import Outcome, Unvibrated
 from model.study.config import load_study, study_path
 from model.study.io import write_dataset
 from model.study.sweep import merge, run, sweep_of
+from model.tracking import TrackingError
 from model.tracking.reference import (
     LOG,
     LOG_COLUMNS,
-    NotAcceptedError,
     accept,
     compare_with_reference,
     verify,
@@ -213,8 +213,8 @@ def test_claims_are_part_of_the_reference(root: Path, tmp_path: Path) -> None:
 def test_nothing_is_accepted_without_a_reason_or_a_build(root: Path, tmp_path: Path) -> None:
     reference = tmp_path / "reference"
     for reason in ("", "  ", "ok"):
-        with pytest.raises(NotAcceptedError, match="say in a few words why"):
+        with pytest.raises(TrackingError, match="say in a few words why"):
             accept(root, reference, ["fig06"], reason)
-    with pytest.raises(NotAcceptedError, match=r"fig07\.nc is missing"):
+    with pytest.raises(TrackingError, match=r"fig07\.nc is missing"):
         accept(root, reference, ["fig06", "fig07"], "the first reference")
     assert not reference.exists(), "nothing of it is accepted then"

@@ -3,7 +3,6 @@
 `make slurm-test` runs this, on daemons of its own. Every test ends with a restart by `make`.
 """
 
-# ruff: noqa: T201  (`pytest -rP` shows what is printed)
 import contextlib
 import os
 import signal
@@ -14,7 +13,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import psutil
 import pytest
 
@@ -34,7 +32,6 @@ ONE = "tiny/data/fig05.nc"
 KERNELS = tuple(
     f"tiny/data/{name}.json" for name in ("kernels", "unlocated_kernels", "page_engines")
 )
-PARTS, SETS = 16, 5000  # of a campaign
 STALL = """
 import time
 if Path("stall").exists():  # at the first attempt
@@ -123,12 +120,10 @@ def test_the_study_has_the_bytes_of_a_local_build_both_ways(
     The nodes of this Slurm are one machine: an allocation of one may use the core of the other.
     """
 
-    def timed(made: Any, build: Callable[[], Any]) -> float:
+    def build(made: Any, make: Callable[[], Any]) -> None:
         made.configure(built_twice)
-        began = time.monotonic()
-        run = build()
+        run = make()
         assert not run.returncode, run.stdout + run.stderr
-        return time.monotonic() - began
 
     def in_allocation() -> Any:
         _, *variables = allocated.make_command()
@@ -146,22 +141,19 @@ def test_the_study_has_the_bytes_of_a_local_build_both_ways(
         make_workspace(tmp_path / name, profile, **slurm.environment)
         for name, profile in (("local", "default"), ("one", "default"), ("many", "slurm"))
     )
-    timed(local, lambda: local.make(*KERNELS))  # compiled once, for all three
-    print(f"local: {timed(local, local.make):.0f} s")
-    print(f"in one allocation: {timed(allocated, in_allocation):.0f} s")
+    build(local, lambda: local.make(*KERNELS))  # compiled once, for all three
+    build(local, local.make)
+    build(allocated, in_allocation)
     before = slurm.submitted()
-    print(f"as jobs of Slurm: {timed(jobs, jobs.make):.0f} s")
-    submitted = slurm.submitted() - before
-    runs = len(sidecars(jobs.folder / "tiny"))
-    print(f"{runs} runs, those that compute in {submitted} jobs of Slurm")
-    assert 0 < submitted < runs / 4, "jobs that take seconds are grouped, and merging is local"
+    build(jobs, jobs.make)
+    submitted, runs = slurm.submitted() - before, sidecars(jobs.folder / "tiny")
+    assert 0 < submitted < len(runs) / 4, "jobs of seconds are grouped, and merging is local"
     assert "Nothing to be done" in jobs.make().stderr
     assert slurm.submitted() - before == submitted
     for made in (allocated, jobs):
         made.take_times(local)
         assert made.snakemake().returncode == 0, "`make` would measure the times again"
         assert made.results().items() ^ local.results().items() == set()
-    print(f"{len(local.results())} files have the same bytes")
 
 
 def test_a_killed_snakemake_leaves_jobs_that_make_does_not_start_twice(
@@ -231,16 +223,16 @@ def test_a_job_does_not_run_what_was_edited_after_it_was_submitted(
     drain(slurm)
     process = compiled.start(ONE, *HASTY)
     wait_until(slurm.queued, "a job waits in the queue")
-    file = "workflow/scripts/history.py" if edited == "code" else "config/tiny.yaml"
+    file = "workflow/scripts/sweep.py" if edited == "code" else "config/tiny.yaml"
     path = compiled.folder / file
     text = path.read_text(encoding="utf-8")
     added = "EDITED = True" if edited == "code" else "structure: {inertia: 6.0}"
     path.write_text(f"{text}\n{added}\n", encoding="utf-8")
     resume(slurm)
     assert process.wait(timeout=PATIENCE) != 0
-    assert failed_runs(compiled)["sweep/fig05"]["reason"] == (
-        f"job history refused: its {edited} was edited after it was submitted; start again"
-    )
+    reason = failed_runs(compiled)["sweep/fig05"]["reason"]
+    assert "refused: " in reason
+    assert f"{edited} was edited after " in reason
     path.write_text(text, encoding="utf-8")
     is_restarted(compiled, built, (ONE,))
 
@@ -248,11 +240,11 @@ def test_a_job_does_not_run_what_was_edited_after_it_was_submitted(
 def test_a_job_over_its_time_limit_says_so_and_a_second_attempt_has_more(
     compiled: Any, built: Any, slurm: Slurm
 ) -> None:
-    job = compiled.folder / "workflow/scripts/history.py"
+    job = compiled.folder / "workflow/scripts/sweep.py"
     job.write_text(f"{job.read_text(encoding='utf-8')}\n{STALL}", encoding="utf-8")
     rules = compiled.folder / "workflow/rules/figures.smk"
     text, limit = rules.read_text(encoding="utf-8"), "runtime=lambda wildcards, attempt: attempt"
-    script = '    script:\n        "../scripts/history.py"'
+    script = '    script:\n        "../scripts/sweep.py"'
     assert script in text
     text = text.replace(script, f"    resources:\n        {limit},\n{script}")
     rules.write_text(text, encoding="utf-8")
@@ -268,39 +260,3 @@ def test_a_job_over_its_time_limit_says_so_and_a_second_attempt_has_more(
         int(number): limit for number, limit in slurm.limits().items() if number not in before
     }
     assert [limit for _, limit in sorted(limits.items())] == ["1:00", "2:00"]
-
-
-def test_what_is_worth_a_cluster_is_split_as_the_profile_says(compiled: Any, slurm: Slurm) -> None:
-    """Three parts of trials, and ten of five maps."""
-    targets = ("accuracy", "maps")
-    before = slurm.submitted()
-    run = compiled.make(*targets, "--group-components", "trials=2", "maps=4", *HASTY)
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert slurm.submitted() - before == 2 + 3
-    again = compiled.make(*targets, "--group-components", "trials=1", "maps=1", *HASTY)
-    assert again.returncode == 0, again.stdout + again.stderr
-    assert slurm.submitted() - before == 2 + 3, "another size computes nothing anew"
-
-
-def test_a_campaign_goes_on_where_it_was_on_more_nodes(
-    compiled: Any, tiny: dict[str, Any], slurm: Slurm
-) -> None:
-    """Random sets of the fuzz on one node, then as many more on both: the times are printed."""
-    slurm.call("scontrol", "update", "nodename=n2", "state=drain", "reason=test")
-    known: set[str] = set()
-    for nodes in (1, 2):
-        tiny["accuracy"]["fuzz"] = {"sets": nodes * PARTS * SETS, "sets_a_job": SETS}
-        compiled.configure(tiny)
-        began, before = time.monotonic(), slurm.submitted()
-        run = compiled.make("fuzz", "--group-components", "trials=4")
-        wall = time.monotonic() - began
-        assert run.returncode == 0, run.stdout + run.stderr
-        assert slurm.submitted() - before == PARTS / 4
-        parts = {name: each for name, each in sidecars(compiled.folder / "tiny").items()
-                 if each["rule"] == "fuzz_part" and name not in known}  # fmt: skip
-        assert len(parts) == PARTS, "those that are there stay"
-        known |= parts.keys()
-        work = np.array([each["wall_seconds"] for each in parts.values()])
-        print(f"{nodes} cores, {PARTS} parts of {work.mean():.1f} s: {wall:.0f} s, efficiency "
-              f"{work.sum() / nodes / wall:.2f}")  # fmt: skip
-        resume(slurm)

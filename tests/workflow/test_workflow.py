@@ -51,11 +51,6 @@ def test_one_figure_is_a_target(workspace: Any) -> None:
         assert rule not in planned
 
 
-def test_a_build_is_complete_and_a_second_has_nothing_to_do(built: Any) -> None:
-    again = built.dry_run(*built.DATA, *built.BESIDE, *built.PICTURES)
-    assert "Nothing to be done" in again.stdout + again.stderr
-
-
 def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) -> None:
     def recorded() -> list[tuple[str, int]]:
         history = load_history(copy_of_built.folder / "tiny")

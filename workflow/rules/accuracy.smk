@@ -3,12 +3,6 @@
 from verification.fuzz_campaign import HOLDS
 from verification.trials import trial_of
 
-
-localrules:
-    judge,
-    fuzz_summary,
-
-
 trial_chunks = {"error": study.accuracy.chunks, "settled": study.accuracy.settled.chunks}
 campaign = study.accuracy.fuzz
 
@@ -45,6 +39,7 @@ rule judge:
         record="<results>/accuracy/judge.run.json",
     log:
         "<results>/logs/judge.log",
+    localrule: True
     params:
         *code("judge"),
     message:
@@ -83,6 +78,7 @@ rule fuzz_summary:
         record="<results>/accuracy/fuzz_{scene}.run.json",
     log:
         "<results>/logs/fuzz_summary/{scene}.log",
+    localrule: True
     params:
         *code("fuzz_summary"),
         seed=campaign.seed,

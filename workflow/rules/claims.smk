@@ -1,10 +1,5 @@
 """The claims ledger: the paper's claims, judged by figures and by runs of their own."""
 
-
-localrules:
-    claims,
-
-
 claims_data = expand("<results>/data/claims/{run}.nc", run=study.claims_runs)
 
 
@@ -36,6 +31,7 @@ rule claims:
         record="<results>/claims.run.json",
     log:
         "<results>/logs/claims.log",
+    localrule: True
     params:
         *code("claims"),
     message:

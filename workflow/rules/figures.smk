@@ -1,10 +1,5 @@
 """Data of the figures and of jamming: compiled kernels, sweeps, and chunks of large ones, merged."""
 
-
-localrules:
-    merge,
-
-
 # Sweeps that one job computes: trajectories, figures of one chunk, and jamming.
 WHOLE = [*HISTORIES, *(name for name in GRIDDED if study.figures[name].chunks == 1), "jamming"]
 IN_CHUNKS = [name for name in GRIDDED if name not in WHOLE]
@@ -88,6 +83,7 @@ rule merge:
     wildcard_constraints:
         figure="|".join(IN_CHUNKS),
     priority: 1
+    localrule: True
     params:
         *code("merge"),
         sweep=figure_sweep,

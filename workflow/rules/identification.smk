@@ -9,10 +9,6 @@ search = study.identification
 space = stated(space_of(study))
 
 
-localrules:
-    search_summary,
-
-
 rule search_pool:
     input:
         "<results>/data/kernels.json",
@@ -86,6 +82,7 @@ rule search_summary:
         record="<results>/identification/summary.run.json",
     log:
         "<results>/logs/search_summary.log",
+    localrule: True
     params:
         *code("search_summary"),
         space=space,

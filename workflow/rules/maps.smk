@@ -3,10 +3,6 @@
 from model.study.maps.plan import marks_of
 
 
-localrules:
-    map,
-
-
 rule map_part:
     input:
         "<results>/data/kernels.json",
@@ -35,6 +31,7 @@ rule map:
         record="<results>/data/maps/{map}.run.json",
     log:
         "<results>/logs/map/{map}.log",
+    localrule: True
     params:
         *code("map"),
         plan=plan,

@@ -6,11 +6,6 @@ and nothing in data/ or figures/ is made from them.
 
 from benchmarks.plans import fixed_step_plan, hard_cases_plan, precision_plan
 
-
-localrules:
-    draw_methods,
-
-
 fixed_steps = expand(
     "<results>/data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
 )
@@ -113,6 +108,7 @@ rule draw_methods:
         "<results>/logs/draw_methods/{place}.log",
     wildcard_constraints:
         place="|".join([*PICTURES.values(), *HARD_PICTURES.values()]),
+    localrule: True
     params:
         *code("draw_methods"),
         picture=picture_at,

@@ -1,11 +1,5 @@
 """Pictures: schematics, and one picture or more of each dataset."""
 
-
-localrules:
-    schematic,
-    plot,
-
-
 PLANES = [name for name in study.map_names if name not in MAPS]  # maps that are no figures
 WITH_VIBRATION = ("fig13", "friction_press_force")  # maps with a picture of what vibration adds
 
@@ -43,6 +37,7 @@ rule schematic:
         "<results>/logs/schematic/{figure}.log",
     wildcard_constraints:
         figure="|".join(SCHEMATICS),
+    localrule: True
     params:
         *code("schematic"),
         parameters=lambda wildcards: study.parameters(wildcards.figure).given(),
@@ -67,6 +62,7 @@ rule plot:
         "<results>/logs/plot/{picture}.log",
     wildcard_constraints:
         picture="|".join(PLOTTED),
+    localrule: True
     params:
         *code("plot"),
         drawing=lambda wildcards: PLOTTED[wildcards.picture][1],

@@ -1,11 +1,5 @@
 """The report, one page on the whole study, and the explorer."""
 
-
-localrules:
-    explorer,
-    report,
-
-
 shown = [
     *(f"figures/{figure}" for figure in FIGURES),
     *PICTURES.values(),
@@ -46,6 +40,7 @@ rule explorer:
         record="<results>/explorer.run.json",
     log:
         "<results>/logs/explorer.log",
+    localrule: True
     params:
         *code("explorer"),
         study=stated(study),
@@ -75,6 +70,7 @@ rule report:
         record="<results>/report.run.json",
     log:
         "<results>/logs/report.log",
+    localrule: True
     params:
         *code("report"),
         study=stated(study),

@@ -37,13 +37,8 @@ def add_command(
 ) -> Any:
     """Add a command to the parsers of ``vibralign`` and return its own parser.
 
-    Args:
-        commands: the parsers.
-        name: name of the command.
-        run: takes the parsed arguments and returns the exit code.
-        words: summary in the list of commands; the description begins with it.
-        more: rest of the description.
-        epilog: text below the options.
+    ``run`` takes the parsed arguments and returns the exit code. ``words`` are the summary in the
+    list of commands, with which the description begins; ``more`` is the rest of it.
     """
     description = f"{words[0].upper()}{words[1:]}{more}"
     parser = commands.add_parser(
@@ -67,11 +62,7 @@ def add_root(
 
 
 def figure_name(text: str) -> str:
-    """Return the name of a figure, ``fig06``, given as fig06, 06 or 6.
-
-    Raises:
-        ValueError: the study has no such figure.
-    """
+    """Return the name of a figure, ``fig06``, given as fig06, 06 or 6."""
     name = f"fig{int(text):02}" if text.isdecimal() else text
     check_name(name, FIGURES, "figure")
     return name
@@ -131,11 +122,7 @@ def pairs(given: Sequence[str], option: str) -> dict[str, str]:
 
 
 def number(name: str, text: str, rule: str = "must be a number") -> float:
-    """Return ``text`` as a number.
-
-    Raises:
-        ValueError: it is none; the message has the ``name`` of the quantity and the ``rule``.
-    """
+    """Return ``text`` as a number; a refusal has the ``name`` of the quantity and the ``rule``."""
     try:
         return float(text)
     except ValueError:
@@ -144,21 +131,13 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Device and settings that the options of ``add_model_options`` state, checked.
+    """Device and settings that the options of ``add_model_options`` state, checked."""
 
-    Attributes:
-        study: the study; its device and settings hold where no option changes them.
-        stated: the device as its file states it, None without --device.
-        units: units of the device, None without --device.
-        parameters: dimensionless parameters of the device.
-        settings: settings of its runs.
-    """
-
-    study: Study
-    stated: StatedDevice | None
-    units: Units | None
-    parameters: Parameters
-    settings: Settings
+    study: Study  # its device and settings hold where no option changes them
+    stated: StatedDevice | None  # the device as its file states it, None without --device
+    units: Units | None  # likewise
+    parameters: Parameters  # of the device, dimensionless
+    settings: Settings  # of its runs
 
 
 def read_inputs(arguments: argparse.Namespace) -> Inputs:

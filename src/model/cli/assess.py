@@ -74,10 +74,7 @@ def add(commands: Any) -> None:
     add("--require", metavar="YIELD", help=words)
     words = "devices drawn within the tolerances, a power of two (default: 4096)"
     add("--devices", metavar="N", default="4096", help=words)
-    words = (
-        "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4; links to "
-        "the page of `vibralign explore` if it lies beside it as DEVICE.html"
-    )
+    words = "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4"
     add("--sheet", type=Path, metavar="FILE", help=words)
     add_model_options(parser, scene="insertion")
     add_json(parser)

@@ -40,7 +40,7 @@ def _claims(arguments: argparse.Namespace) -> int:
     # Imported here: importing xarray takes a second that no other command should wait for.
     from model.study.claims import judge, tally  # noqa: PLC0415
     from model.study.claims.ledger import lines_of  # noqa: PLC0415
-    from model.tracking.compare import open_dataset  # noqa: PLC0415
+    from model.study.io import read_dataset  # noqa: PLC0415
 
     data: Path = arguments.root / "data"
     files = sorted(data.glob("fig*.nc"))
@@ -51,7 +51,7 @@ def _claims(arguments: argparse.Namespace) -> int:
             f"--root {arguments.root}: holds no datasets of the study; build it (make), or name "
             "its results root"
         )
-    datasets = {path.stem: open_dataset(path) for path in files}
+    datasets = {path.stem: read_dataset(path) for path in files}
     if arguments.regime:
         return _regime(datasets, arguments.json)
     lines = lines_of(judge(datasets))

@@ -18,7 +18,7 @@ from model.cli.arguments import (
     read_inputs,
 )
 from model.cli.assess import headline
-from model.cli.files import check_file, check_picture, save_picture
+from model.cli.files import check_file, check_picture
 from model.cli.progress import ProgressLine
 from model.cli.tables import in_columns, labelled, print_json
 from model.physics.quantities import ANGLE, FORCE, TIME
@@ -94,9 +94,10 @@ def _design(arguments: argparse.Namespace) -> int:
             others = _other_frictions(search, max(generations // 2, 1), population)
     if arguments.plot is not None:
         from model.show.curves import draw_front  # noqa: PLC0415
+        from model.show.style import write  # noqa: PLC0415
         from model.study.design_files import design_dataset  # noqa: PLC0415
 
-        save_picture(draw_front(design_dataset(search, design)), arguments.plot)
+        write(draw_front(design_dataset(search, design)), arguments.plot)
     if arguments.json:
         print_json(_record(design, search, others) | {"verdict": verdict, "assumptions": assumed})
     else:

@@ -6,18 +6,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import (
-    add_command,
-    add_model_options,
-    pairs,
-    read_inputs,
-)
+from model.cli.arguments import add_command, add_model_options, pairs, read_inputs
 from model.cli.files import check_file, writing
 from model.physics.variants import Variants
 from model.show.assumptions import assumptions
 from model.study.devices import StatedDevice
 from model.study.devices.base import SOURCES
-from model.study.files import atomic_write
+from model.study.files import write_text
 
 
 def add(commands: Any) -> None:
@@ -68,8 +63,8 @@ def _explore(arguments: argparse.Namespace) -> int:
         model = device_model(
             given.parameters, given.units, file, settings, engines.interface, first, origin, assumed
         )
-    with writing(), atomic_write(arguments.out) as part:
-        part.write_text(build_page(model, engines), encoding="utf-8")
+    with writing():
+        write_text(build_page(model, engines), arguments.out)
     print(f"open {arguments.out} in a browser")
     return 0
 

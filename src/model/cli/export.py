@@ -25,9 +25,9 @@ def add(commands: Any) -> None:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from model.tracking.export import to_mlflow  # noqa: PLC0415  (seldom needed)
+    from model.tracking.export import EXPERIMENT, to_mlflow  # noqa: PLC0415  (seldom needed)
 
     record = find_invocation(load_history(arguments.root), arguments.invocation)
     run = to_mlflow(record, arguments.root, arguments.tracking_uri)
-    print(f"{arguments.tracking_uri}: run {run} of experiment vibralign")
+    print(f"{arguments.tracking_uri}: run {run} of experiment {EXPERIMENT}")
     return 0

@@ -4,12 +4,8 @@ import contextlib
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from model.study.files import check_encoding
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Formats of matplotlib that are no pictures, or that need a LaTeX installation.
 _NOT_PICTURES = {"pgf", "raw", "rgba"}
@@ -29,12 +25,7 @@ def writing(option: str = "", errors: tuple[type[Exception], ...] = (OSError,)) 
 
 
 def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
-    """Refuse a file that could not be written.
-
-    Raises:
-        ValueError: another extension, no such folder, a folder, no permission, or a name that
-            cannot be told to the netCDF library.
-    """
+    """Refuse a file that could not be written."""
     if path.suffix.lower().lstrip(".") not in extensions:
         one = "in" if len(extensions) == 1 else "in one of"
         raise ValueError(f"{option} {path}: must end {one} .{', .'.join(extensions)}")
@@ -49,11 +40,7 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
 
 
 def check_picture(path: Path) -> None:
-    """Refuse a picture that could not be written.
-
-    Raises:
-        ValueError: as ``check_file``, or matplotlib is not installed.
-    """
+    """Refuse a picture that could not be written."""
     try:
         # Half a second, and a package, that only plots need.
         from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
@@ -63,10 +50,3 @@ def check_picture(path: Path) -> None:
         ) from None
     valid = sorted(set(FigureCanvasBase.get_supported_filetypes()) - _NOT_PICTURES)
     check_file(path, "--plot", valid)
-
-
-def save_picture(figure: "Figure", path: Path) -> None:
-    """Write a figure in the format of the file's extension, as a whole or not at all."""
-    from model.show import style  # noqa: PLC0415  (as in check_picture)
-
-    style.write(figure, path)

@@ -18,7 +18,7 @@ from model.cli.arguments import (
     number,
     read_inputs,
 )
-from model.cli.files import check_file, check_picture, save_picture, writing
+from model.cli.files import check_file, check_picture, writing
 from model.cli.progress import ProgressLine
 from model.cli.tables import labelled
 from model.events.outcomes import SUCCESS_TEXT
@@ -38,6 +38,7 @@ _NEEDED = ("netCDF4", "scipy", "xarray")
 _FINEST = 8192
 _DEFAULT = 256
 _ENSEMBLE = 32  # least cells along a side of the ensemble's lattice, if the map has as many
+_STEPS = {"nominal": "outcomes", "unvibrated": "unvibrated", "ensemble": "reliability"}
 
 
 def add(commands: Any) -> None:
@@ -87,14 +88,18 @@ def _map(arguments: argparse.Namespace) -> int:
     title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
     cores = os.cpu_count() or 1
     with ProgressLine() as line:
-        dataset = map_dataset(plan, MapNodes(plan), title, cores=cores, progress=_Bar(line))
+
+        def show(step: str, done: int, left: int) -> None:
+            line.begin(f"{_STEPS[step]}: {left:,} nodes left, {done:,} starts done")
+
+        dataset = map_dataset(plan, MapNodes(plan), title, cores=cores, progress=show)
     dataset = dataset.assign_attrs(assumptions=as_attribute(assumed))
     with writing():
         write_dataset(dataset, arguments.out)
         if arguments.plot is not None:
-            from model.show import plots  # noqa: PLC0415
+            from model.show import plots, style  # noqa: PLC0415
 
-            save_picture(plots.draw(dataset), arguments.plot)
+            style.write(plots.draw(dataset), arguments.plot)
     print("\n".join([*_report(dataset), *lines_of(assumed)]))
     return 0
 
@@ -153,25 +158,6 @@ def _span(option: str, given: Sequence[str], stated: StatedDevice | None) -> Spa
         )
     kind = Span if stated is None else QuantitySpan
     return kind(parameter=name, start=start, stop=stop)
-
-
-class _Bar:
-    """Progress of a map as a bar."""
-
-    _WIDTH = 24
-    _STEPS = {"nominal": "outcomes", "unvibrated": "unvibrated", "ensemble": "reliability"}  # noqa: RUF012 - never changed
-
-    def __init__(self, line: ProgressLine) -> None:
-        self._line, self._step, self._largest = line, "", 0
-
-    def __call__(self, step: str, done: int, left: int) -> None:
-        """Show that ``left`` nodes of the present wave are not computed yet."""
-        if step != self._step or left > self._largest:
-            self._step, self._largest = step, left
-        filled = self._WIDTH - round(self._WIDTH * left / self._largest)
-        bar = "#" * filled + "." * (self._WIDTH - filled)
-        counts = f"{left:,} nodes left, {done:,} starts done"
-        self._line.begin(f"{self._STEPS[step]:<12}[{bar}] {counts}")
 
 
 def _report(dataset: "xr.Dataset") -> list[str]:

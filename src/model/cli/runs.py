@@ -1,19 +1,17 @@
 """``vibralign runs``: list the recorded runs and invocations of the study."""
 
 import argparse
-import re
 from typing import Any
 
 from model.cli.arguments import add_command, add_json, add_root, figure_name
 from model.cli.tables import print_json, table
 from model.events.outcomes import Outcome
-from model.physics.parameters import PARAMETER_NAMES, check_name
-from model.tracking.history import RUN_STATUS, Record, load_history, load_runs, select_runs
+from model.physics.parameters import check_name
+from model.tracking.history import RUN_STATUS, Record, has_outcome, load_history, load_runs
 
 _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])
 )
-_DATE = re.compile(r"\d{4}(-\d{2}(-\d{2}(T\d{2}(:\d{2}(:\d{2})?)?)?)?)?")
 _LONGEST = 120  # characters of a reason in a list
 
 
@@ -26,58 +24,42 @@ def add(commands: Any) -> None:
     add = parser.add_argument
     add("--figure", metavar="FIG", help="only those of a figure, such as fig06 or 6")
     words = (
-        "only those that hold this value or sweep over it, or, without =VALUE, that vary the "
-        "parameter; may be repeated"
-    )
-    add("--parameter", action="append", default=[], metavar="NAME[=VALUE]", help=words)
-    words = (
         f"only those with this status, or with a trajectory of this outcome: {', '.join(_OUTCOMES)}"
     )
     add("--outcome", metavar="OUTCOME", help=words)
-    words = "only those started at DATE or later, UTC (2026, 2026-11, 2026-11-21T05:30)"
-    add("--since", metavar="DATE", help=words)
-    add("--until", metavar="DATE", help="only those started at DATE or earlier, DATE included")
-    add("--current", action="store_true", help="only those whose results are in place")
-    words = "list the invocations of Snakemake instead, by outcome and date if wanted"
+    words = "list the invocations of Snakemake instead, by outcome if wanted"
     add("--invocations", action="store_true", help=words)
 
 
 def _runs(arguments: argparse.Namespace) -> int:
-    _check_conditions(arguments)
-    if arguments.invocations:
-        return _invocations(arguments)
-    found = select_runs(
-        load_runs(arguments.root),
-        figure=arguments.figure and figure_name(arguments.figure),
-        parameters=arguments.parameter,
-        outcome=arguments.outcome,
-        since=arguments.since,
-        until=arguments.until,
-        current=arguments.current,
-    )
+    outcome, figure = arguments.outcome, arguments.figure and figure_name(arguments.figure)
+    if outcome is not None:
+        check_name(outcome, _OUTCOMES, "outcome")
+    if arguments.invocations and figure:
+        raise ValueError("--figure: is a condition on runs; leave out --invocations")
+    records = (load_history if arguments.invocations else load_runs)(arguments.root)
+    found = [
+        each
+        for each in records
+        if (not figure or each["figure"] == figure)
+        and (outcome is None or has_outcome(each, outcome))
+    ]
     if arguments.json:
         print_json(found)
+        return 0
+    if arguments.invocations:
+        print("\n".join(table([_invocation_line(each) for each in found], _INVOCATION_COLUMNS)))
         return 0
     print("\n".join(table([run_line(run) for run in found], _RUN_COLUMNS)))
     print(f"{len(found)} runs")
     return 0
 
 
-def _check_conditions(arguments: argparse.Namespace) -> None:
-    for condition in arguments.parameter:
-        check_name(condition.partition("=")[0], PARAMETER_NAMES, "parameter")
-    if arguments.outcome is not None:
-        check_name(arguments.outcome, _OUTCOMES, "outcome")
-    for option in ("since", "until"):
-        text = getattr(arguments, option)
-        if text is not None and not _DATE.fullmatch(text):
-            raise ValueError(
-                f"--{option} {text!r}: must be a date such as 2026-11 or 2026-11-21T05:30"
-            )
-
-
 _RUN_COLUMNS = (
     "started", "run", "status", "seconds", "trajectories", "aligned", "sensitive", "commit", "",
+)  # fmt: skip
+_INVOCATION_COLUMNS = (
+    "invocation", "outcome", "started", "seconds", "runs", "failed", "commit", "command", "",
 )  # fmt: skip
 
 
@@ -102,37 +84,18 @@ def _shortened(reason: str) -> str:
     return reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"
 
 
-def _invocations(arguments: argparse.Namespace) -> int:
-    for option in ("figure", "parameter", "current"):
-        if getattr(arguments, option):
-            raise ValueError(f"--{option}: is a condition on runs; leave out --invocations")
-    history = select_runs(
-        load_history(arguments.root),
-        outcome=arguments.outcome,
-        since=arguments.since,
-        until=arguments.until,
-    )
-    if arguments.json:
-        print_json(history)
-        return 0
-    columns = ("invocation", "outcome", "started", "seconds", "runs", "failed", "commit", "command",
-               "")  # fmt: skip
-    lines = [
-        {
-            "invocation": each["invocation"],
-            "outcome": each["outcome"],
-            "started": each["started"][:19],
-            "seconds": each["wall_seconds"],
-            "runs": len(each["runs"]),
-            "failed": len(each["failures"]),
-            "commit": commit_of(each),
-            "command": " ".join(each["command"]),
-            "": _shortened(each.get("reason", "")),
-        }
-        for each in history
-    ]
-    print("\n".join(table(lines, columns)))
-    return 0
+def _invocation_line(record: Record) -> dict[str, Any]:
+    return {
+        "invocation": record["invocation"],
+        "outcome": record["outcome"],
+        "started": record["started"][:19],
+        "seconds": record["wall_seconds"],
+        "runs": len(record["runs"]),
+        "failed": len(record["failures"]),
+        "commit": commit_of(record),
+        "command": " ".join(record["command"]),
+        "": _shortened(record.get("reason", "")),
+    }
 
 
 def commit_of(record: Record) -> str:

@@ -14,7 +14,7 @@ from model.cli.arguments import (
     announce_compilation,
     read_inputs,
 )
-from model.cli.files import check_file, check_picture, save_picture, writing
+from model.cli.files import check_file, check_picture, writing
 from model.cli.tables import print_json
 from model.engines.results import RESULTS, TRACK_VARIABLES
 from model.engines.scalar.tableaux import DOP853
@@ -29,7 +29,7 @@ from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.assumptions import assumptions, lines_of
 from model.show.si import in_words, natural_record, natural_words
-from model.study.files import atomic_write
+from model.study.files import write_text
 from model.study.version import version
 
 ENGINE: Engine = "scalar"  # also of the control: the other would have to be compiled first
@@ -79,12 +79,13 @@ def _simulate(arguments: argparse.Namespace) -> int:
         # ValueError: the library for this format is missing.
         with writing(f"--plot {arguments.plot}", (OSError, ValueError)):
             from model.show.history import trajectory  # noqa: PLC0415  (as in check_picture)
+            from model.show.style import write  # noqa: PLC0415
 
-            save_picture(trajectory(run, in_units), arguments.plot)
+            write(trajectory(run, in_units), arguments.plot)
     if arguments.animate is not None:
         page = _page(given, in_units, str(arguments.device or ""))
-        with writing(f"--animate {arguments.animate}"), atomic_write(arguments.animate) as part:
-            part.write_bytes(page.encode())
+        with writing(f"--animate {arguments.animate}"):
+            write_text(page, arguments.animate)
     return int(run.outcome == Outcome.FAILED)
 
 

@@ -3,7 +3,6 @@
 import base64
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import jinja2
@@ -35,33 +34,24 @@ MODEL_LIMITS = (
 )
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """Contents of a sheet.
+def render(
+    stated: StatedDevice,
+    verdict: tuple[str, bool],
+    groups: Mapping[str, Sequence[str]],
+    run: "Trajectory",
+    map_data: "xr.Dataset",
+    made_by: str,
+) -> str:
+    """Return the page; the same bytes for the same contents.
 
-    Attributes:
+    Args:
         stated: the device.
-        verdict: the headline.
-        reliable: the verdict is good.
-        lines: the assessment as printed, in groups (title, lines).
+        verdict: the headline, and whether it is good.
+        groups: the assessment as printed: lines by title.
         run: one run over time.
         map_data: stability map of the device, in SI units.
         made_by: the footer: file, changes of its values, version of the program.
-        explorer: address of the explorer with this device, or None.
     """
-
-    stated: StatedDevice
-    verdict: str
-    reliable: bool
-    lines: Sequence[tuple[str, Sequence[str]]]
-    run: "Trajectory"
-    map_data: "xr.Dataset"
-    made_by: str
-    explorer: str | None = None
-
-
-def render(sheet: Sheet) -> str:
-    """Return the page; the same bytes for the same contents."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("model.show", "."),
         autoescape=True,
@@ -69,18 +59,19 @@ def render(sheet: Sheet) -> str:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    units = sheet.stated.device.units
     with style.context():
         pictures = {
-            "device": _picture(_drawing(sheet.stated)),
-            "map": _picture(_map(sheet)),
-            "run": _picture(trajectory(sheet.run, units)),
+            "device": _picture(_drawing(stated)),
+            "map": _picture(_map(stated, map_data)),
+            "run": _picture(trajectory(run, stated.units)),
         }
     return environment.get_template("device_sheet.html.j2").render(
-        name=sheet.stated.source.stem,
-        sheet=sheet,
+        name=stated.source.stem,
+        verdict=verdict,
+        groups=groups,
+        made_by=made_by,
         pictures=pictures,
-        quantities=_quantities(sheet.stated),
+        quantities=_quantities(stated),
         limits=MODEL_LIMITS,
     )
 
@@ -132,13 +123,13 @@ def _drawing(stated: StatedDevice) -> Figure:
     return figure
 
 
-def _map(sheet: Sheet) -> Figure:
+def _map(stated: StatedDevice, dataset: "xr.Dataset") -> Figure:
     """Draw the map of the device, with a cross at the device and a box of its tolerances."""
-    figure = stability_map(sheet.map_data)
+    figure = stability_map(dataset)
     axes = figure.axes[0]
-    y, x = (str(name) for name in sheet.map_data["outcome"].dims)
-    own: Mapping[str, float] = {**sheet.stated.values, **sheet.stated.quantities}
-    tolerances = sheet.stated.tolerances
+    y, x = (str(name) for name in dataset["outcome"].dims)
+    own: Mapping[str, float] = {**stated.values, **stated.quantities}
+    tolerances = stated.tolerances
     wide, high = (tolerances[n].around(own[n]) if n in tolerances else 0.0 for n in (x, y))
     look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5}
     axes.add_patch(Rectangle((own[x] - wide, own[y] - high), 2 * wide, 2 * high, **look))

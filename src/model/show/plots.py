@@ -21,12 +21,7 @@ _DRAW: Mapping[str, Callable[..., Figure]] = {
 def draw(dataset: "xr.Dataset", *coarse: "xr.Dataset") -> Figure:
     """Draw the figure of a dataset of the study, by its attribute ``kind``.
 
-    Args:
-        dataset: that of a figure, or a refined map.
-        coarse: for a refined map, the dataset of its figure.
-
-    Raises:
-        ValueError: the kind is unknown.
+    ``coarse`` is, for a refined map, the dataset of its figure.
     """
     kind = str(dataset.attrs.get("kind"))
     if kind not in _DRAW:

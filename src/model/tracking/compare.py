@@ -61,11 +61,7 @@ def differences(
 
 
 def changed_verdicts(before: Path, after: Path) -> list[Difference]:
-    """Return the claims whose verdicts differ between two tables; the first column names a claim.
-
-    Raises:
-        TrackingError: a table has no verdicts.
-    """
+    """Return the claims whose verdicts differ between two tables; the first column names them."""
     return differences(CLAIMS, _verdicts(before), _verdicts(after))
 
 
@@ -81,24 +77,6 @@ def _verdicts(path: Path) -> dict[str, str]:
     raise TrackingError(
         f"{path}: has no column 'verdict', but {', '.join(names) or 'nothing'}: build it again"
     )
-
-
-def open_dataset(path: Path) -> "xr.Dataset":
-    """Read a dataset of the study.
-
-    Raises:
-        TrackingError: the file is no dataset, or xarray is not installed.
-    """
-    try:
-        from model.study.io import DatasetError, read_dataset  # noqa: PLC0415  (slow)
-    except ImportError:
-        raise TrackingError(
-            "comparing data needs xarray, which is not installed: pip install 'vibralign[study]'"
-        ) from None
-    try:
-        return read_dataset(path)
-    except DatasetError as error:
-        raise TrackingError(str(error)) from None
 
 
 def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[Change]:

@@ -19,7 +19,6 @@ from model.tracking.compare import (
     changes_of,
     common_points,
     differences,
-    open_dataset,
 )
 from model.tracking.history import (
     Record,
@@ -37,32 +36,20 @@ from model.tracking.history import (
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The state of the study at one moment.
+    """The state of the study at one moment."""
 
-    Attributes:
-        label: the name that the user gave.
-        runs: the latest run of every name.
-        files: paths of datasets and verdicts by file name: "fig06.nc", "claims.csv".
-        lost: names of datasets and verdicts of which the history has no copy.
-    """
-
-    label: str
-    runs: Mapping[str, Record]
-    files: Mapping[str, Path]
-    lost: tuple[str, ...] = ()
+    label: str  # the name that the user gave
+    runs: Mapping[str, Record]  # the latest run of every name
+    files: Mapping[str, Path]  # datasets and verdicts by file name: "fig06.nc", "claims.csv"
+    lost: tuple[str, ...] = ()  # names of those of which the history has no copy
 
 
 def snapshot(name: str, root: Path) -> Snapshot:
     """Return the state of the study that ``name`` denotes.
 
-    Args:
-        name: a results folder, or an entry of the history below ``root``: a run ("merge/fig06",
-            "merge/fig06@INVOCATION"), an invocation ("last", or the beginning of its name), or a
-            commit at which the study was built (any name that git knows).
-        root: results root with the history.
-
-    Raises:
-        TrackingError: there is no such folder or entry.
+    It is a results folder, or an entry of the history below ``root``: a run ("merge/fig06",
+    "merge/fig06@INVOCATION"), an invocation ("last", or the beginning of its name), or a commit at
+    which the study was built (any name that git knows).
     """
     if Path(name).is_dir():
         return _of_folder(Path(name))
@@ -145,11 +132,7 @@ class Comparison:
 
 
 def compare(first: Snapshot, second: Snapshot) -> Comparison:
-    """Compare two states.
-
-    Raises:
-        TrackingError: a dataset cannot be read, or xarray is not installed.
-    """
+    """Compare two states."""
     found = Comparison(first.label, second.label)
     code: list[Difference] = []
     for before, after in _pairs(first, second, found.not_compared):
@@ -215,7 +198,7 @@ def _stated(run: Record) -> dict[str, Any]:
 
 def _code(run: Record) -> dict[str, Any]:
     """Return hashes of the source files and versions of the packages that a run used."""
-    return {**run.get("sources", {"code": run["code"]}), **run["versions"]}
+    return {**run["sources"], **run["versions"]}
 
 
 def _by_file(found: list[Difference]) -> Iterator[Difference]:
@@ -271,7 +254,9 @@ def _changed_since_judged(state: Snapshot) -> list[str]:
 def _data_changes(first: Path, second: Path, not_compared: list[str]) -> list[Change]:
     if first.read_bytes() == second.read_bytes():
         return []
-    before, after = open_dataset(first), open_dataset(second)
+    from model.study.io import read_dataset  # noqa: PLC0415  (xarray: a second)
+
+    before, after = read_dataset(first), read_dataset(second)
     figure = str(after.attrs["figure"])
     if before["tau_align"].dims != after["tau_align"].dims:
         not_compared.append(f"{figure}: the two vary different parameters")

@@ -12,14 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from model.study.files import write_json
+from model.tracking import TrackingError
 from model.tracking.history import Record, kept_result
 from model.tracking.job import file_hash
 
+EXPERIMENT = "vibralign"
 _SQLITE = "sqlite:///"
-
-
-class ExportError(ValueError):
-    """An export that cannot be made; the message names the missing part."""
 
 
 def results_of(record: Record, root: Path) -> dict[str, Path]:
@@ -43,66 +41,53 @@ def results_of(record: Record, root: Path) -> dict[str, Path]:
     return found
 
 
-def to_mlflow(record: Record, root: Path, uri: str, experiment: str = "vibralign") -> str:
+def to_mlflow(record: Record, root: Path, uri: str) -> str:
     """Write an invocation as a run of MLflow and return the run's id.
 
-    A run that is complete in the store is not written again. The rest of an interrupted export is
-    deleted and written anew.
-
-    Args:
-        record: an invocation, as from ``history.load_history``.
-        root: results root of the invocation.
-        uri: address of an MLflow server, or "sqlite:///FILE" for a file, which is made if it is
-            missing. Artifacts then go into the folder "<stem>-artifacts" beside it.
-        experiment: name of the experiment of MLflow.
-
-    Raises:
-        ExportError: mlflow is not installed.
+    ``uri`` is the address of an MLflow server, or "sqlite:///FILE" for a file, which is made if it
+    is missing. A run that is complete in the store is not written again; what an interrupted export
+    left is deleted and written anew.
     """
     os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")  # read when mlflow is imported
     try:
         mlflow, entities = import_module("mlflow"), import_module("mlflow.entities")
     except ImportError:
-        raise ExportError(
+        raise TrackingError(
             "this export needs mlflow, which is not installed: pip install 'vibralign[export]'"
         ) from None
     client = mlflow.MlflowClient(tracking_uri=uri)
-    held = _experiment(client, experiment, uri)
-    for run in client.search_runs([held], f"tags.invocation = '{record['invocation']}'"):
+    experiment = _experiment(client, uri)
+    for run in client.search_runs([experiment], f"tags.invocation = '{record['invocation']}'"):
         if run.info.status != "RUNNING":
             return str(run.info.run_id)
         client.delete_run(run.info.run_id)
-    started, ended = (_milliseconds(record[key] or record["started"]) for key in _MOMENTS)
-    run = client.create_run(held, started, tags_of(record), record["invocation"])
+    started, ended = (
+        round(datetime.fromisoformat(record[key] or record["started"]).timestamp() * 1000)
+        for key in ("started", "ended")
+    )
+    run = client.create_run(experiment, started, tags_of(record), record["invocation"])
     name: str = run.info.run_id
     parameters = [entities.Param(*each) for each in parameters_of(record).items()]
     for first in range(0, len(parameters), 100):  # as many as one call may carry
         client.log_batch(name, params=parameters[first : first + 100])
     metrics = [entities.Metric(*each, ended, 0) for each in metrics_of(record).items()]
-    for first in range(0, len(metrics), 1000):
-        client.log_batch(name, metrics=metrics[first : first + 1000])
+    client.log_batch(name, metrics=metrics)
     _log_artifacts(client, name, record, root)
     status = {"done": "FINISHED", "failed": "FAILED"}.get(record["outcome"], "KILLED")
     client.set_terminated(name, status, ended)
     return name
 
 
-_MOMENTS = ("started", "ended")
-
-
-def _milliseconds(moment: str) -> int:
-    return round(datetime.fromisoformat(moment).timestamp() * 1000)
-
-
-def _experiment(client: Any, name: str, uri: str) -> str:
-    held = client.get_experiment_by_name(name)
+def _experiment(client: Any, uri: str) -> str:
+    """Return the id of the experiment; artifacts of a file go into a folder beside it."""
+    held = client.get_experiment_by_name(EXPERIMENT)
     if held is not None:
         return str(held.experiment_id)
     artifacts = None  # a server knows its own place
     if uri.startswith(_SQLITE):
         store = Path(uri.removeprefix(_SQLITE)).resolve()
         artifacts = store.with_name(f"{store.stem}-artifacts").as_uri()
-    return str(client.create_experiment(name, artifact_location=artifacts))
+    return str(client.create_experiment(EXPERIMENT, artifact_location=artifacts))
 
 
 def tags_of(record: Record) -> dict[str, str]:

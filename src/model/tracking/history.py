@@ -16,7 +16,7 @@ import json
 import re
 import shutil
 import time
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -80,16 +80,11 @@ def sidecars(root: Path) -> dict[Path, Record]:
     """Return the sidecars below a results root by path.
 
     ``folder`` is added to each: its own folder, relative to the root, from which its outputs are
-    named. Sidecars without an essential key, as an earlier version wrote them, are left out.
-
-    Raises:
-        TrackingError: a file is no record.
+    named.
     """
-    records = {path: read_record(path) for path in _files(root, "*.run.json")}
     return {
-        path: {**record, "folder": path.parent.relative_to(root).as_posix()}
-        for path, record in records.items()
-        if set(record) >= _ESSENTIAL
+        path: {**read_record(path, _ESSENTIAL), "folder": path.parent.relative_to(root).as_posix()}
+        for path in _files(root, "*.run.json")
     }
 
 
@@ -245,11 +240,7 @@ def load_history(root: Path) -> list[Record]:
 
 
 def find_invocation(history: Sequence[Record], name: str) -> Record:
-    """Return the invocation whose name begins with ``name``; "last" is the latest.
-
-    Raises:
-        TrackingError: there is none, or more than one.
-    """
+    """Return the only invocation whose name begins with ``name``; "last" is the latest."""
     if name == "last" and history:
         return history[-1]
     found = [record for record in history if record["invocation"].startswith(name)]
@@ -268,9 +259,6 @@ def load_runs(root: Path) -> list[Record]:
     A run is a sidecar with further keys: ``status``, one of RUN_STATUS; ``current``, True if its
     results are in place, or for the last failure of a run that has no results; and for a failure
     the ``reason``.
-
-    Raises:
-        TrackingError: as ``load_history``.
     """
     standing = {_identity(record): record for record in sidecars(root).values()}
     runs = {key: {**record, "status": "done"} for key, record in standing.items()}
@@ -298,11 +286,7 @@ def _place_in_time(record: Record) -> tuple[str, str]:
 
 
 def find_run(runs: Sequence[Record], name: str) -> Record:
-    """Return the latest run called ``name``; "NAME@INVOCATION" selects its invocation.
-
-    Raises:
-        TrackingError: there is no such run.
-    """
+    """Return the latest run called ``name``; "NAME@INVOCATION" selects its invocation."""
     run, _, invocation = name.partition("@")
     found = [
         each
@@ -314,62 +298,10 @@ def find_run(runs: Sequence[Record], name: str) -> Record:
     return found[-1]
 
 
-def select_runs(
-    runs: Iterable[Record],
-    *,
-    figure: str | None = None,
-    parameters: Sequence[str] = (),
-    outcome: str | None = None,
-    since: str | None = None,
-    until: str | None = None,
-    current: bool = False,
-) -> list[Record]:
-    """Return the runs or invocations that meet all the given conditions.
-
-    Args:
-        runs: runs from ``load_runs``, or invocations from ``load_history``.
-        figure: name of the figure, such as "fig06".
-        parameters: "NAME=VALUE" for runs that hold or sweep over the value, "NAME" for runs that
-            vary the parameter.
-        outcome: status of the run (done, failed, interrupted), or an outcome of at least one of its
-            trajectories (aligned, settled, left_scene, horizon_reached, failed, sensitive).
-        since: earliest start, the beginning of an ISO 8601 time ("2026-11").
-        until: latest start, in the same form.
-        current: only runs whose results are in place.
-
-    Raises:
-        TrackingError: a VALUE is no number.
-    """
-    return [
-        run
-        for run in runs
-        if (figure is None or run["figure"] == figure)
-        and all(_covers(run, condition) for condition in parameters)
-        and (outcome is None or _has_outcome(run, outcome))
-        and (since is None or run["started"] >= since)
-        and (until is None or run["started"][: len(until)] <= until)
-        and (not current or run["current"])
-    ]
-
-
-def _has_outcome(run: Record, outcome: str) -> bool:
+def has_outcome(run: Record, outcome: str) -> bool:
+    """Return whether a run or invocation ended so, or one of a run's trajectories did."""
     ended = run.get("status", run.get("outcome"))
     return bool(ended == outcome or run.get("counts", {}).get(outcome, 0))
-
-
-def _covers(run: Record, condition: str) -> bool:
-    name, equals, text = condition.partition("=")
-    axis = next((each for each in run.get("dimensions", []) if each["parameter"] == name), None)
-    if not equals:
-        return axis is not None
-    try:
-        value = float(text)
-    except ValueError:
-        raise TrackingError(f"{condition!r}: {text!r} is no number") from None
-    if axis is None:
-        return bool(run.get("parameters", {}).get(name) == value)
-    values = axis.get("values") or (axis["start"], axis["stop"])
-    return bool(min(values) <= value <= max(values))
 
 
 def _row(run: Record) -> Record:
@@ -387,11 +319,6 @@ def _row(run: Record) -> Record:
 
 
 def write_index(root: Path) -> None:
-    """Write the index of all runs, runs.csv.
-
-    Raises:
-        TrackingError: as ``load_runs``.
-        OSError: the file cannot be written.
-    """
+    """Write the index of all runs, runs.csv."""
     rows = (_row(run) for run in load_runs(root))
     write_text(csv_text(COLUMNS, rows), root / "runs.csv")

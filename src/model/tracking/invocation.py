@@ -44,9 +44,6 @@ class Invocation:
 
     A running invocation holds a lock, which the system releases when the process ends in any way.
     An invocation that was recorded as running and holds no lock was therefore interrupted.
-
-    Args:
-        root: the results root.
     """
 
     def __init__(self, root: Path) -> None:
@@ -65,9 +62,6 @@ class Invocation:
     def recover(self, patience: float = 0.0) -> None:
         """Lock the folder for this invocation, and delete results damaged by an interruption.
 
-        Args:
-            patience: seconds to wait for the lock.
-
         Raises:
             TrackingError: another Snakemake runs here, or Slurm holds jobs of this folder.
         """
@@ -82,11 +76,7 @@ class Invocation:
             )
 
     def start(self) -> None:
-        """Lock the folder and record the start of this invocation.
-
-        Raises:
-            TrackingError: as ``recover``.
-        """
+        """Lock the folder and record the start of this invocation."""
         self.recover(_PATIENCE)
         self.record()
 
@@ -115,12 +105,7 @@ class Invocation:
             write_json(self._record, history_file(self.root, self.name))
 
     def record_idle(self, outcome: str, reason: str | None = None) -> None:
-        """Record the start and the end of an invocation that started no job.
-
-        Args:
-            outcome: "done", "failed" or "interrupted".
-            reason: reason of a failure or an interruption.
-        """
+        """Record the start and the end of an invocation that started no job."""
         if self._record:
             return
         self.record()
@@ -132,10 +117,8 @@ class Invocation:
     def end(self, outcome: str, log: str | None = None) -> list[str]:
         """Record the end and write the index; return a line for each failed or interrupted run.
 
-        Args:
-            outcome: "done", "failed" or "interrupted". A failure in which no run failed is
-                recorded as an interruption.
-            log: path of Snakemake's log.
+        ``outcome`` is "done", "failed" or "interrupted"; ``log`` is Snakemake's. A failure in which
+        no run failed is recorded as an interruption.
         """
         wrong: list[Record] = []
         with _or_say("the end of this invocation could not be recorded"):
@@ -177,35 +160,9 @@ def _write_end(root: Path, record: Record, outcome: str, ended: datetime | None)
 # --- This process -------------------------------------------------------------------------------
 
 
-class Watch:
-    """The events of this process that Snakemake logs.
-
-    Attributes:
-        invocation: the invocation of this process, once the Snakefile is read.
-        plans: True in a dry run.
-        executes: True if jobs are to run, False for a list, a lint and the like.
-        jobs: True once a job has started.
-        error: the last error.
-    """
-
-    current: "Watch | None" = None  # None if Snakemake's logger is off
-
-    def __init__(self, *, plans: bool) -> None:
-        self.invocation: Invocation | None = None
-        self.plans, self.executes, self.jobs = plans, False, False
-        self.error: str | None = None
-        Watch.current = self
-
-    def close(self) -> None:
-        """Record an invocation that started no job, unless it is a dry run."""
-        if self.plans or self.invocation is None or self.jobs:
-            return
-        if isinstance(sys.exc_info()[1], KeyboardInterrupt):
-            self.invocation.record_idle("interrupted", "interrupted before the first job")
-        elif self.error is not None:
-            self.invocation.record_idle("failed", self.error)
-        elif self.executes:
-            self.invocation.record_idle("done")
+# Snakemake's logger plug-in in this process, None if it is off. It is set before the Snakefile is
+# read, and takes the invocation.
+logger: Any = None
 
 
 def begin(config: Mapping[str, Any]) -> Invocation:
@@ -219,10 +176,10 @@ def begin(config: Mapping[str, Any]) -> Invocation:
         sys.executable = interpreter.name
     named = config.get("results_root")
     invocation = Invocation(Path(named if named and isinstance(named, str) else "results"))
-    if Watch.current is not None:
-        Watch.current.invocation = invocation
+    if logger is not None:
+        logger.invocation = invocation
         os.environ[INVOCATION] = invocation.name
-        if not Watch.current.plans:
+        if not logger.plans:
             with contextlib.suppress(TrackingError):
                 invocation.recover()
     return invocation

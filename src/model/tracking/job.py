@@ -39,12 +39,7 @@ _RUN, _JOBS = Path(".snakemake/run.lock"), Path(".snakemake/jobs.lock")
 _locks: list[IO[str]] = []  # until this process ends
 # Mount options with which a file system has no locks, or locks that other machines do not see.
 _NFS = {"nolock", "local_lock=flock", "local_lock=all"}
-_UNSAFE = {
-    "nfs": _NFS,
-    "nfs4": _NFS,
-    "lustre": {"localflock", "noflock"},
-    "cifs": {"nobrl"},
-}
+_UNSAFE = {"nfs": _NFS, "nfs4": _NFS, "lustre": {"localflock", "noflock"}, "cifs": {"nobrl"}}
 # The object ``snakemake`` that Snakemake gives to a script; None in any other process.
 snakemake: Any = getattr(sys.modules["__main__"], "snakemake", None)
 
@@ -52,9 +47,7 @@ snakemake: Any = getattr(sys.modules["__main__"], "snakemake", None)
 def announce(study: str, codes: Mapping[str, str]) -> None:
     """Tell the jobs of this process the configuration and code that they are to run.
 
-    Args:
-        study: the configuration, as text.
-        codes: ``code_hash`` by script.
+    ``study`` is the configuration as text; ``codes`` are hashes of code by script.
 
     Raises:
         TrackingError: this process is a job, and the configuration was edited after its submission.
@@ -117,13 +110,8 @@ def write_sidecar(
 ) -> None:
     """Write the sidecar of the job of this process.
 
-    Args:
-        record: the file to write. It names outputs and inputs by their paths from its folder.
-        run: rule and wildcards, such as "chunk/fig06/0": the path of the log below logs/.
-        outputs: files that the job made.
-        inputs: files that the job read, besides code and configuration.
-        metadata: code, parameters, settings, counts.
-        started: start of the job.
+    ``run`` is rule and wildcards, such as "chunk/fig06/0": the path of the log below logs/. Outputs
+    and inputs are named by their paths from the folder of ``record``.
     """
     content = {
         **named(run),
@@ -189,11 +177,7 @@ def git_state() -> dict[str, Any]:
 
 
 def _refuse_unsafe(path: Path) -> None:
-    """Refuse a file system whose locks other machines do not see.
-
-    Raises:
-        TrackingError: the file system of ``path`` is mounted in this way.
-    """
+    """Refuse a file system whose locks other machines do not see."""
     question = ["findmnt", "--first-only", "--noheadings", "--output=FSTYPE,OPTIONS", "--target"]
     try:
         asked = subprocess.run([*question, path], capture_output=True, text=True, check=True)
@@ -210,9 +194,8 @@ def _refuse_unsafe(path: Path) -> None:
 def lock_folder(name: str, patience: float) -> None:
     """Lock this folder for the invocation ``name``, and wait for jobs of an earlier one to end.
 
-    Args:
-        name: name of the invocation, written into the lock; jobs compare it with their own.
-        patience: seconds to wait for the lock, which a process that was just killed may still hold.
+    Jobs compare the name, which is written into the lock, with their own. A process that was just
+    killed may still hold the lock: it is tried for ``patience`` seconds.
 
     Raises:
         TrackingError: another Snakemake runs here, on this machine or on another, or the file

@@ -21,6 +21,8 @@ from model.events.outcomes import Reason
 from model.study.config.figures import COMPUTED, SCHEMATICS
 from model.study.csv_tables import csv_text
 from model.study.files import atomic_write, write_text
+from model.study.io import read_dataset
+from model.tracking import TrackingError
 from model.tracking.compare import (
     CLAIMS,
     Change,
@@ -28,7 +30,6 @@ from model.tracking.compare import (
     changed_verdicts,
     changes_of,
     common_points,
-    open_dataset,
 )
 from model.tracking.job import git_state
 
@@ -46,10 +47,6 @@ NEW_SENSITIVE_SHARE = 0.02
 COURSE_TOLERANCE = 2e-3
 
 
-class NotAcceptedError(ValueError):
-    """Error: these results cannot become the reference."""
-
-
 @dataclass(frozen=True)
 class Disagreement:
     """A difference that the tolerances do not allow; ``words`` describe it for the user."""
@@ -64,12 +61,7 @@ class Disagreement:
 
 
 def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list[Disagreement]:
-    """Return the differences between two datasets of a figure that the tolerances do not allow.
-
-    Args:
-        reference: the accepted dataset.
-        built: the dataset of the present build.
-    """
+    """Return the differences between two datasets of a figure that the tolerances do not allow."""
     figure = str(reference.attrs["figure"])
     differing = [
         str(name)
@@ -152,11 +144,7 @@ def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
 
 
 def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Disagreement]:
-    """Return the differences of a build from the reference that are not allowed.
-
-    Raises:
-        TrackingError: a dataset cannot be read.
-    """
+    """Return the differences of a build from the reference that are not allowed."""
     findings = []
     for figure in figures:
         accepted, built = reference / f"{figure}.nc", root / "data" / f"{figure}.nc"
@@ -167,7 +155,7 @@ def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> li
             findings.append(Disagreement(figure, "dataset", 0, f"{built} is missing: build it"))
         else:
             try:
-                findings += compare_with_reference(open_dataset(accepted), open_dataset(built))
+                findings += compare_with_reference(read_dataset(accepted), read_dataset(built))
             except KeyError as missing:
                 reason = str(missing.args[0]).partition(". ")[0]
                 words = f"{built} cannot be compared with {accepted} ({reason}): build it again"
@@ -190,20 +178,16 @@ def _claims(accepted: Path, built: Path) -> list[Disagreement]:
 
 
 def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> list[str]:
-    """Make results the reference; return a line for each of them.
+    """Make results of a build of the small study the reference; return a line for each of them.
 
-    Args:
-        root: results root of a build of the small study.
-        reference: folder of the reference.
-        what: names of figures; "claims" for the verdicts.
-        reason: why the change is right; the log keeps it beside the numbers.
+    ``what`` are names of figures, and "claims" for the verdicts. The log keeps the reason beside
+    the numbers.
 
     Raises:
-        NotAcceptedError: the reason is not in words, or results are missing.
-        TrackingError: a dataset cannot be read.
+        TrackingError: the reason is not in words, or results are missing.
     """
     if len(reason.split()) < 2:
-        raise NotAcceptedError(f"--reason {reason!r}: say in a few words why it is right")
+        raise TrackingError(f"--reason {reason!r}: say in a few words why it is right")
     sources = {name: _sources(root, name) for name in what}
     now, commit = datetime.now(UTC).date().isoformat(), git_state().get("commit")
     rows, words = [], []
@@ -228,7 +212,7 @@ def _sources(root: Path, name: str) -> list[Path]:
     files.append(root / CLAIMS if name == "claims" else root / "figures" / f"{name}.png")
     for file in files:
         if not file.is_file():
-            raise NotAcceptedError(f"{file} is missing: build the study that is to be accepted")
+            raise TrackingError(f"{file} is missing: build the study that is to be accepted")
     return files
 
 
@@ -244,7 +228,7 @@ def _changes(built: Path, accepted: Path, name: str) -> list[dict[str, Any]]:
     if name in SCHEMATICS:
         same = accepted.read_bytes() == built.read_bytes()
         return [] if same else [{"variable": "picture"}]
-    old, new = open_dataset(accepted), open_dataset(built)
+    old, new = read_dataset(accepted), read_dataset(built)
     if old["outcome"].dims != new["outcome"].dims:
         return [{"variable": "(another grid)"}]
     return [_log_line(change) for change in changes_of(old, new, name)]

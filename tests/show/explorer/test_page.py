@@ -4,7 +4,6 @@ import base64
 import gzip
 import json
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -51,15 +50,7 @@ def test_the_same_inputs_give_the_same_bytes(page: str) -> None:
 
 
 def test_page_needs_no_network(page: str) -> None:
-    class References(HTMLParser):
-        found: tuple[str, ...] = ()
-
-        def handle_starttag(self, _tag: str, attributes: list[tuple[str, str | None]]) -> None:
-            self.found += tuple(v for n, v in attributes if n in ("src", "href") and v)
-
-    references = References()
-    references.feed(page)
-    assert references.found == ("data:,",)
+    assert re.findall(r'\b(?:src|href)="([^"]*)"', page) == ["data:,"]
     scripts = page.partition('"use strict";')[2]
     assert not re.search(r"https?://|fetch\(|XMLHttpRequest|import\(|@import|url\(", scripts)
 

@@ -137,20 +137,14 @@ def study_model(
 
 @dataclass(frozen=True)
 class Origin:
-    """The options that a device's page was made with; the commands that it copies repeat them.
+    """The options that a device's page was made with; the commands that it copies repeat them."""
 
-    Attributes:
-        options: all except --set, quoted for a shell.
-        sets: the --set options by name, quoted likewise.
-        held: parameters that follow from other quantities of the device's file, with these
-            quantities; the page keeps their values while others change.
-        horizon: latest time of the runs in s, None if it is in units of 1/p.
-    """
-
-    options: Sequence[str] = ()
-    sets: Mapping[str, str] = field(default_factory=dict)
+    options: Sequence[str] = ()  # all except --set, quoted for a shell
+    sets: Mapping[str, str] = field(default_factory=dict)  # the --set options by name, likewise
+    # Parameters that follow from other quantities of the device's file, with these quantities; the
+    # page keeps their values while others change.
     held: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    horizon: float | None = None
+    horizon: float | None = None  # latest time of the runs in s, None if it is in units of 1/p
 
 
 def device_model(

@@ -10,7 +10,7 @@ const COLOURS = {
   ink: "#1b1b1b", faint: "#6e6e6e", base: "#d9d4cc", part: "#a9cbe8", edge: "#0072B2", ghost: "#6e6e6e",
   normal: "#D55E00", friction: "#009E73", holder: "#e9e9e9",
 };
-const OPEN = 0, CLOSED = 1;
+const CLOSED = 1; // a contact that presses
 
 /** Return what the supporting contact does, in words. @param {Frame} frame */
 function contactWords(frame) {

@@ -29,7 +29,7 @@ let map = null;
 /** @type {Record<string, MapData>} */
 const stored = {};
 let time = 0, slowTilt = NaN, playing = false, lastFrame = 0, mapTimer = 0, otherTimer = 0, mapStarted = 0, mapFrame = 0;
-const measured = { runs: /** @type {number[]} */ ([]), map: 0, first: 0 };
+const measured = { map: 0 };
 
 // ---------------------------------------------------------------- running
 
@@ -57,13 +57,12 @@ function rerun() {
   runner?.stop("other");
   if (refusal) { runner?.stop("run"); writeInstead(`Not run: ${refusal}`, true); return; }
   if (!runner) { if (run) show(run); return; }
-  const begun = performance.now(), values = valuesOf(state, state.vibration);
+  const values = valuesOf(state, state.vibration);
   const done = runner.start("run", setOf(values), controlOf(values), (found) => {
     show({ ...found, device: drawnDevice(values), values });
     if (state.compared) compare(); else otherTimer = setTimeout(compare, SLOW_OTHER);
   });
-  if (done) measured.runs.push(performance.now() - begun);
-  else writeInstead("Computing … this run has very many steps; the page stays usable.", false);
+  if (!done) writeInstead("Computing … this run has very many steps; the page stays usable.", false);
 }
 
 /** Show a run. @param {DrawnRun} found */
@@ -260,7 +259,6 @@ async function start() {
     const binary = await unpacked(MODEL.modules.run_one);
     runner = new Runner(await engineOf(binary, "run_one", about), binary, MODEL);
     rerun();
-    measured.first = performance.now();
     mapper = new Mapper(await unpacked(MODEL.modules.run_many), about, MODEL.worker, (found, done) => {
       map = found;
       if (done && !measured.map) measured.map = performance.now() - mapStarted;

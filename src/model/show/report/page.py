@@ -31,9 +31,6 @@ def render_report(results: Results, more: Sequence[Make] = ()) -> str:
 
     Links to datasets (``data/fig06.nc``) and figures (``figures/fig06.svg``) are relative to the
     results root, where the page belongs.
-
-    Raises:
-        ValueError: a file is missing.
     """
     environment = Environment(
         loader=FileSystemLoader(_FOLDER),

@@ -28,21 +28,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Picture:
-    """An embedded picture.
+    """An embedded picture."""
 
-    Attributes:
-        place: its path below the results root, without extension.
-        caption: plain text below it.
-        alternative: plain text for readers who cannot see it.
-        data: its content as a data URL.
-        size: width and height in pixels.
-    """
-
-    place: str
-    caption: str
-    alternative: str
-    data: Markup
-    size: tuple[int, int]
+    place: str  # its path below the results root, without extension
+    caption: str  # plain text below it
+    alternative: str  # plain text for readers who cannot see it
+    data: Markup  # its content as a data URL
+    size: tuple[int, int]  # width and height in pixels
 
 
 @dataclass(frozen=True)
@@ -55,48 +47,30 @@ class Table:
 
 @dataclass(frozen=True)
 class Section:
-    """One section of the page.
+    """One section of the page; the rest of one with a lead is folded."""
 
-    Attributes:
-        anchor: the address of its heading on the page, also its id.
-        title: its heading.
-        template: the file that prints ``content``, the only names it may use.
-        content: what the template prints.
-        lead: the finding in a sentence or two. The rest of a section with a lead is folded.
-    """
-
-    anchor: str
+    anchor: str  # the address of its heading on the page, also its id
     title: str
-    template: Path
+    template: Path  # the file that prints ``content``, the only names it may use
     content: Mapping[str, object]
-    lead: str = ""
+    lead: str = ""  # the finding in a sentence or two
 
 
 class Results:
     """Reader of the results root, which records every file that a section reads.
 
-    Args:
-        root: the results root.
-        study: the configuration that the results were computed with.
-        live: True if explorer.html stands beside the page.
-
-    Attributes:
-        data: the data files read so far, by their paths below the root.
-        inputs: every file read so far.
+    ``study`` is the configuration that the results were computed with; ``live`` is True if
+    explorer.html stands beside the page.
     """
 
     def __init__(self, root: Path, study: Study, *, live: bool = False) -> None:
         self.root, self.study, self.live = root, study, live
-        self.data: dict[str, Path] = {}
-        self.inputs: list[Path] = []
+        self.data: dict[str, Path] = {}  # data files read so far, by their paths below the root
+        self.inputs: list[Path] = []  # every file read so far
         self._datasets: dict[str, xr.Dataset] = {}
 
     def file(self, place: str) -> Path:
-        """Return the path of a data file, named by its path below the root.
-
-        Raises:
-            ValueError: it is missing.
-        """
+        """Return the path of a data file, named by its path below the root."""
         path = self.data[place] = self._recorded(place)
         return path
 
@@ -107,16 +81,7 @@ class Results:
         return self._datasets[place]
 
     def picture(self, place: str, caption: str, alternative: str | None = None) -> Picture:
-        """Read a PNG picture, named by its path below the root without extension.
-
-        Args:
-            place: the path.
-            caption: plain text below it.
-            alternative: text for readers who cannot see it; by default the caption.
-
-        Raises:
-            ValueError: it is missing.
-        """
+        """Read a PNG picture, named by its path below the root without extension."""
         content = self._recorded(f"{place}.png").read_bytes()
         # The header of every PNG has its size from byte 16 on.
         size = int.from_bytes(content[16:20], "big"), int.from_bytes(content[20:24], "big")
