@@ -73,7 +73,7 @@ PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snak
 # Runs Snakemake and the scripts of its jobs as forks of one process, which has loaded what they
 # import from elsewhere: most of their time. Each fork imports the package by its own PYTHONPATH.
 PRELOADED = """
-import json, os, runpy, signal, socket, sys
+import json, os, runpy, select, signal, socket, sys
 import netCDF4, numba, pydantic, scipy.ndimage, scipy.special, snakemake.cli, xarray
 
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts
@@ -90,7 +90,7 @@ def reap(*_):  # instead of ignoring the signal, so that the forks' time counts 
         pass
 
 signal.signal(signal.SIGCHLD, reap)
-while True:
+while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # closed with the tests
     asked, _ = listener.accept()
     if os.fork():
         asked.close()
@@ -299,12 +299,11 @@ def _preloaded() -> Iterator[None]:
         with subprocess.Popen(
             [sys.executable, "-c", PRELOADED],
             cwd=folder,
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         ) as server:
             server.stdout.readline()
             yield
-            server.terminate()
 
 
 @pytest.fixture

@@ -37,6 +37,13 @@ _ALONE: Mapping[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4
 _RING: Mapping[str, Any] = {"marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
 _CROSS: Mapping[str, Any] = {"marker": "x", "markersize": 3.5}
 _THIN: Mapping[str, Any] = {"markeredgecolor": style.BLACK, "markeredgewidth": 0.7}
+_ARROW: Mapping[str, Any] = {
+    "marker": "^",
+    "markersize": 3.5,
+    "color": style.BLACK,
+    "linestyle": "none",
+}
+_NEARLY_ALL = 0.98  # of the points: the rest may lie beyond the axis
 _DURATION = ("tau_align", "alignment duration $τ$")
 # Variable and label of the claims' own runs that are not judged by the duration.
 _CLAIMED: Mapping[str, tuple[str, str]] = {
@@ -76,8 +83,11 @@ def curves(dataset: "xr.Dataset") -> Figure:
             notes += _draw_strip(strip, swept.values, gaps, failed)
         edges = cell_edges(swept.values)
         axes.set_xlim(edges[0], edges[-1])
-        longest = np.nanmax(durations) if not gaps.all() else 1.0
-        axes.set_ylim(0.0, 1.05 * float(longest))
+        top, longest = _end_of_axis(durations[~gaps])
+        axes.set_ylim(0.0, top)
+        if longest > top:
+            label = f"longer than the axis, up to $τ$ = {longest:.0f}"
+            notes += axes.plot([], [], label=label, **_ARROW)
         axes.set_ylabel(axis_label(dataset["tau_align"]))
         (strip or axes).set_xlabel(axis_label(swept))
         title, ncols = axis_label(family), min(len(handles), 5)
@@ -85,6 +95,18 @@ def curves(dataset: "xr.Dataset") -> Figure:
         if notes:
             figure.legend(handles=notes, loc="outside lower right", ncols=len(notes))
         return figure
+
+
+def _end_of_axis(durations: Floats) -> tuple[float, float]:
+    """Return where the axis of durations ends, and the longest duration.
+
+    Few points that are far longer than all others lie beyond the axis: else they would press the
+    curves flat.
+    """
+    if not durations.size:
+        return 1.0, 0.0
+    longest, usual = float(durations.max()), float(np.quantile(durations, _NEARLY_ALL))
+    return (1.05 * longest if longest < 3.0 * usual else 1.5 * usual), longest
 
 
 def _curve_axes(rows: int, with_strip: bool) -> tuple[Figure, Axes, Axes | None]:
