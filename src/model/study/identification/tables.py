@@ -69,13 +69,12 @@ def judged_text(space: Space, choice: Choice, datasets: Mapping[str, xr.Dataset]
 def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
     """Return the tables of all judged sets, and the best one as it stands in the configuration.
 
-    The best one is that of the least shortfall among those that meet the limits. Beside the sets:
-    what they say of each unknown and of each claim.
+    Beside the sets: what they say of each unknown and of each claim.
     """
     sets = [json.loads(path.read_text()) for path in paths]
     for each in sets:
         each[_MEETS] = meets_limits(space.problem, _numbers(each))
-    sets.sort(key=lambda each: (not each[_MEETS], each[_SHORTFALL]))
+    sets.sort(key=lambda each: float(each[_SHORTFALL]))
     return {
         "sets": csv_text([*_row(sets[0])], map(_row, sets)),
         "ranges": _ranges_text(sets),
