@@ -88,7 +88,7 @@ def test_a_map_of_a_device_is_over_any_of_its_quantities_with_units(tmp_path, ca
     out = tmp_path / "map.nc"
     assert cli.main(["map", *arguments, "--tolerance", "1e-7", "--out", str(out)]) == cli.DONE
     said, progress = capsys.readouterr()
-    assert "\routcomes: 0 nodes left, " in progress
+    assert "\routcomes: 9 nodes left, 0 starts done\033[K" in progress
     assert "\rreliability: " in progress
     # The mass is the square of the time unit, √(M/K_Y) with 20 kN/m.
     units = f"{0.3 / math.sqrt(0.5 / 2e4):.4g} to {0.3 / math.sqrt(0.7 / 2e4):.4g}"
