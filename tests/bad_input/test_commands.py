@@ -29,6 +29,7 @@ PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
 
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [
+    (["simulate", "--set", "half_width=0"], ["half_width", "> 0"]),
     (["simulate", "--set", "=1"], ["''", "half_width"]),
     (["simulate", "--set", "friction=0.1=2"], ["friction", "'0.1=2'"]),
     (["simulate", "--set", "rest_x=anywhere"], ["rest_x", "'anywhere'", "None"]),
@@ -81,7 +82,9 @@ LINES = [
     (["verify", "--root", "ROOT/nowhere"], ["nowhere", "make smoke"]),
     (["verify", "--root", "ROOT/file"], ["file", "make smoke"]),
     (["verify", "--root", "ROOT", "--figure", "0"], ["fig00"]),
-    (["accept", "--root", "ROOT", "--reason", "", "--figure", "6"], ["reason"]),
+    (["accept", "--root", "ROOT"], ["--reason"]),
+    (["accept", "--root", "ROOT", "--reason", "so"], ["name what to accept: --figure"]),
+    (["accept", "--root", "ROOT", "--reason", "", "--figure", "6"], ["reason", "words"]),
     (["export", "mlflow", "--root", "ROOT", "--tracking-uri", "sqlite:///ROOT/out.db"], ["ROOT"]),
     (["export", "zip", "--tracking-uri", "ROOT/out.zip"], ["zip", "mlflow"]),
 ]

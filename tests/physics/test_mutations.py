@@ -193,11 +193,10 @@ from pathlib import Path
 
 study_path, against, errors, figures = (json.loads(each) for each in sys.argv[1:])
 os.environ["ERROR"] = "0"
-from model.tracking.compare import open_dataset
-from model.tracking.reference import compare_with_reference
 from model.study.config import load_study
-from model.study.io import write_dataset
+from model.study.io import read_dataset, write_dataset
 from model.study.sweep import merge, run, sweep_of
+from model.tracking.reference import compare_with_reference
 
 study, found, right = load_study(Path(study_path)), {}, {}
 for error, number in errors.items():
@@ -210,7 +209,7 @@ for error, number in errors.items():
         if not reference.exists():
             write_dataset(dataset, reference)
         write_dataset(dataset, Path("built.nc"))
-        findings = compare_with_reference(open_dataset(reference), open_dataset(Path("built.nc")))
+        findings = compare_with_reference(read_dataset(reference), read_dataset(Path("built.nc")))
         acts = not dataset.equals(right.setdefault(name, dataset))
         found[error][name] = {"red": [each.variable for each in findings], "acts": acts}
 print(json.dumps(found))
