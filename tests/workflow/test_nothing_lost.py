@@ -123,7 +123,9 @@ def test_a_build_killed_in_every_way_ends_with_the_bytes_of_another(
     workspace: Any, built: Any
 ) -> None:
     """It goes on in another order and on one core, in another folder."""
-    targets = [*built.PICTURES, *built.BESIDE, *built.DATA]
+    every = (*built.PICTURES, *built.BESIDE, *built.DATA)
+    # Methods that are compared have a limit of time: these bytes depend on the machine's load.
+    targets = [each for each in every if "precision" not in each]
     rng = np.random.default_rng(0)
     for kind in VICTIMS:
         assert disturb(workspace, targets, kind, rng, most=4), "the build ended before"
