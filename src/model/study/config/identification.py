@@ -1,5 +1,7 @@
 """The search for the parameters that the paper leaves unstated: priors, grids, aims and effort."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from model.study.config.base import LogRange, Strict, Text, Tolerance
@@ -104,7 +106,7 @@ class Identification(Problem):
 
     pool: Pool
     """Structures to start from."""
-    starts: list[int] = Field(min_length=1)
+    starts: list[Annotated[int, Field(ge=0)]] = Field(min_length=1)
     """Numbers of the searches, each within a third of the half-widths: 0, 3, … in the narrowest."""
     rounds: list[Round]
     """Rounds of each search; a further round goes on where the last has ended."""

@@ -17,7 +17,7 @@ from model.study.identification.candidates import Choice, Numbers, meets_limits,
 from model.study.identification.search import Found
 from model.study.identification.space import Array, Space, structure_of
 
-_SHORTFALL, _MEETS = "shortfall", "meets_limits"
+_SHORTFALL = "shortfall"
 
 
 def found_text(space: Space, found: Found) -> str:
@@ -71,12 +71,12 @@ def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
 
     Beside the sets: what they say of each unknown and of each claim.
     """
-    sets = [json.loads(path.read_text()) for path in paths]
-    for each in sets:
-        each[_MEETS] = meets_limits(space.problem, _numbers(each))
-    sets.sort(key=lambda each: float(each[_SHORTFALL]))
+    sets = sorted(
+        (json.loads(path.read_text()) for path in paths), key=lambda each: each[_SHORTFALL]
+    )
+    rows = [_row(space, each) for each in sets]
     return {
-        "sets": csv_text([*_row(sets[0])], map(_row, sets)),
+        "sets": csv_text([*rows[0]], rows),
         "ranges": _ranges_text(sets),
         "claims": _claims_text(sets),
         "device": _configuration(space, sets[0]["values"]),
@@ -90,13 +90,13 @@ def _numbers(judged: Mapping[str, Any]) -> dict[str, Numbers]:
     }
 
 
-def _row(judged: Mapping[str, Any]) -> dict[str, Any]:
+def _row(space: Space, judged: Mapping[str, Any]) -> dict[str, Any]:
     """Return a judged set as a row: numbers over all figures, of some by figure, and its values."""
     verdicts, figures = [*judged["claims"].values()], judged["figures"]
     resting = [each["not_resting"] for each in figures.values()]
     row = {
         _SHORTFALL: judged[_SHORTFALL],
-        _MEETS: judged[_MEETS],
+        "meets_limits": meets_limits(space.problem, _numbers(judged)),
         **{name.replace(" ", "_"): verdicts.count(name) for name in VERDICTS},
         "not_resting": float(np.mean(resting)),
         "not_resting_most": max(resting),
