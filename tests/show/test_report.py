@@ -3,6 +3,7 @@
 import base64
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -221,6 +222,16 @@ def test_few_words_are_in_sight_when_the_page_is_opened(rendered):
     page = Page(rendered)
     assert len(page.in_sight) <= MOST_WORDS
     assert len(page.words) > len(page.in_sight) + 1000  # the others are folded, not gone
+
+
+def test_few_words_are_in_sight_of_the_smoke_report():
+    """Run by .ci/run after `make smoke`."""
+    report = Path(__file__).parents[2] / "results-smoke/report.html"
+    if not report.is_file():
+        pytest.skip("no results-smoke/report.html: run make smoke")
+    text = report.read_text(encoding="utf-8")
+    assert len(Page(text).in_sight) <= MOST_WORDS
+    assert not re.search(r"\de[+-]\d\d", re.sub(r"data:image[^\"]*", "", text))
 
 
 def test_numbers_are_written_without_a_computers_exponent(rendered):
