@@ -27,7 +27,7 @@ from verification.trials import trial_of
 
 wasmtime = pytest.importorskip("wasmtime")
 
-SETS = int(os.environ.get("VIBRALIGN_SETS", "150"))  # `make nightly` takes more
+SETS = int(os.environ.get("VIBRALIGN_SETS", "60"))  # `make nightly` takes more
 MOST_ROWS = 20_000
 # A shown run goes on into the slot; a map asks for alignment.
 SETTINGS: dict[Engine, Settings] = {"scalar": Settings(scene=INSERTION), "batch": Settings()}
