@@ -33,22 +33,21 @@ def write_sheet(
 ) -> None:
     """Write the sheet of an assessed device: what ``assess`` prints, a map and a run.
 
-    ``verdict`` is the headline, and whether it is good; ``groups`` are printed lines by their
-    group, such as "Verdict" and "Leeways".
+    ``verdict`` is the headline, and whether it is good; ``groups`` are printed lines by title,
+    such as "Verdict" and "Leeways".
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
-    device = stated.device
     names = dict.fromkeys((*stated.free, *_AXES))
     x, y = (_span(stated, name) for name in list(names)[:2])
     starts = study.maps.ensemble.model_copy(update={"every": 1})
-    run_settings, cores = RunSettings.of(settings), os.cpu_count() or 1
-    spans, parameters = (x, y), device.parameters
-    plan = plan_of("map", parameters, run_settings, spans, _RESOLUTION, starts, stated)
+    plan = plan_of(
+        "map", stated.parameters, RunSettings.of(settings), (x, y), _RESOLUTION, starts, stated
+    )
     title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
-    dataset = map_dataset(plan, MapNodes(plan), title, cores=cores)
+    dataset = map_dataset(plan, MapNodes(plan), title, cores=os.cpu_count() or 1)
     changes = changes_words(stated)
     made_by = f"{stated.source}{changes and f', with {changes}'}; vibralign {version()}"
-    run = simulate_once(device.parameters, settings)
+    run = simulate_once(stated.parameters, settings)
     write_text(render(stated, verdict, groups, run, dataset, made_by), path)
 
 

@@ -18,7 +18,7 @@ from model.cli.files import check_file, check_picture, writing
 from model.cli.tables import print_json
 from model.engines.results import RESULTS, TRACK_VARIABLES
 from model.engines.scalar.tableaux import DOP853
-from model.events.outcomes import Outcome, Unvibrated
+from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
 from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import PLAIN, TIME
@@ -33,7 +33,6 @@ from model.study.files import write_text
 from model.study.version import version
 
 ENGINE: Engine = "scalar"  # also of the control: the other would have to be compiled first
-_SUCCESSES = (Outcome.ALIGNED, Outcome.INSERTED)
 
 
 def add(commands: Any) -> None:
@@ -46,7 +45,7 @@ def add(commands: Any) -> None:
         ". With --device, values are read and printed in SI units, else dimensionless.",
         epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
-    add_model_options(parser, scene="alignment")
+    add_model_options(parser)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
     words = "animate the run into FILE, a page (.html)"
@@ -117,10 +116,10 @@ def _within(value: float, error: float) -> str:
 
 
 def _report(run: Trajectory, units: Units | None) -> list[str]:
-    """Return the lines on a run: in SI units with words, or dimensionless with variable names."""
+    """Return the printed lines on a run: words and SI units, or variable names without units."""
     aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
-    if run.outcome not in _SUCCESSES:
+    if run.outcome not in SUCCESSES:
         rows.append(("what to do", run.remedy))
     duration = "none: it does not align"
     if aligned:
@@ -142,12 +141,11 @@ def _report(run: Trajectory, units: Units | None) -> list[str]:
         text = in_words(number, variable.quantity, units) if units else f"{number: .9g}"
         rows.append((f"  {variable.meaning if units else name}", text))
     width = max(20, *(2 + len(name) for name, _ in rows))
-    return [f"{name:<{width}}{value}" for name, value in rows] + _sensitive(run)
-
-
-def _sensitive(run: Trajectory) -> list[str]:
-    words = "note: sensitive: at another tolerance this run ends differently or at another time; "
-    return [words + "do not rely on its digits"] if run.sensitive else []
+    lines = [f"{name:<{width}}{value}" for name, value in rows]
+    if run.sensitive:
+        words = "note: sensitive: at another tolerance this run ends differently or at another "
+        lines.append(f"{words}time; do not rely on its digits")
+    return lines
 
 
 def _in_si(run: Trajectory, units: Units) -> dict[str, Any]:

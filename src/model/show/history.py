@@ -99,4 +99,4 @@ def _mark_alignment(
 
 def force_before(time: Floats, force: Floats, moment: float) -> float:
     """Return the force just before ``moment``; where it jumps, the value before the jump."""
-    return float(force[max(int(np.searchsorted(time, moment - 1e-9 * (1.0 + moment))), 0)])
+    return float(force[np.searchsorted(time, moment - 1e-9 * (1.0 + moment))])

@@ -45,7 +45,8 @@ def draw_jamming(dataset: "xr.Dataset") -> Figure:
         panels, diagrams = figure.subplots(
             2, clearances.size, squeeze=False, sharex="row", sharey="row"
         )
-        tilt = np.linspace(_LEAST, _widest(dataset), 200)
+        entries = dataset["tilt_at_alignment"].values[entered(dataset)]
+        tilt = np.linspace(_LEAST, 1.08 * float(entries.max()) if entries.size else 0.5, 200)
         depth = dataset["insertion_depth"].values.max() / (2.0 * float(dataset["half_width"]))
         sideways, turning = in_jamming_diagram(dataset)
         for k, clearance in enumerate(clearances):
@@ -80,9 +81,3 @@ def _draw_ends(axes: Axes, parts: "xr.Dataset", x: Floats, y: Floats) -> None:
         others = others & ~chosen
         if chosen.any():
             axes.plot(x[chosen], y[chosen], linestyle="none", markersize=3.5, **look)
-
-
-def _widest(dataset: "xr.Dataset") -> float:
-    """Return the end of the axis of tilt at entry, in radians."""
-    tilt = dataset["tilt_at_alignment"].values[entered(dataset)]
-    return 1.08 * float(tilt.max()) if tilt.size else 0.5

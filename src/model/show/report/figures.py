@@ -1,6 +1,6 @@
 """Section on the figures: every figure with its result, and a table of all runs."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -37,7 +37,7 @@ _CODE = Markup("<code>{}</code>")
 
 @dataclass(frozen=True)
 class Counts:
-    """Outcomes of the runs of a figure, and errors of their alignment times."""
+    """Outcomes of the runs of a figure; durations and their errors are dimensionless."""
 
     dataset: "xr.Dataset"
 
@@ -76,7 +76,10 @@ class Counts:
         return int((self.dataset["outcome"].values == outcome).sum())
 
     def error(self, quantile: float, *, sensitive: bool = False) -> float:
-        """Return a quantile of the estimated errors, NaN if there are none."""
+        """Return a quantile of the estimated errors of the alignment times; NaN if there are none.
+
+        ``quantile`` is from 0 to 1; only the runs count that are ``sensitive``, or are not.
+        """
         error = self.dataset["tau_error"].values[self.sensitive == sensitive]
         error = error[~np.isnan(error)]
         return float(np.quantile(error, quantile)) if error.size else np.nan
@@ -206,7 +209,9 @@ def _ranges(dataset: "xr.Dataset") -> Markup:
         if aligned.all():
             throughout.append(short(value, 3))
         else:
-            where = _in_words(along, list(_ends(swept.values, aligned)))
+            x = swept.values
+            ends = [(float(x[first]), float(x[end - 1])) for first, end in runs_of(aligned)]
+            where = _in_words(along, ends)
             parts.append(Markup("at {} = {} {}").format(own, short(value, 3), where))
     if throughout:
         words = Markup("throughout at {} = {}").format(own, ", ".join(throughout))
@@ -214,13 +219,8 @@ def _ranges(dataset: "xr.Dataset") -> Markup:
     return Markup("Aligns {}.").format(Markup("; ").join(parts))
 
 
-def _ends(x: NDArray[np.float64], aligned: NDArray[np.bool_]) -> Iterator[tuple[float, float]]:
-    """Yield the first and the last value of each range that aligns."""
-    for first, end in runs_of(aligned):
-        yield float(x[first]), float(x[end - 1])
-
-
 def _in_words(along: Markup, ranges: Sequence[tuple[float, float]]) -> Markup:
+    """Say in which ranges of a parameter, each by its first and last value, a curve aligns."""
     if not ranges:
         return Markup("nowhere")
     if len(ranges) > _FEW:

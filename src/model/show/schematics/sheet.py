@@ -71,10 +71,10 @@ class Sheet:
         look = {"edgecolor": style.BLACK, "linewidth": OUTLINE, "zorder": 2, **look}
         self.axes.add_patch(Polygon(np.asarray(points), closed=True, facecolor=colour, **look))
 
-    def cut(self, points: ArrayLike, hatch: str = "///", **look: Any) -> None:
+    def cut(self, points: ArrayLike, **look: Any) -> None:
         """Hatch a polygon of cut material, without its outline."""
-        grey = {"edgecolor": "#B0A890", "linewidth": 0.0, "zorder": 1}
-        self.area(points, BASE_COLOUR, hatch=hatch, **{**grey, **look})
+        grey = {"hatch": "///", "edgecolor": "#B0A890", "linewidth": 0.0, "zorder": 1}
+        self.area(points, BASE_COLOUR, **{**grey, **look})
 
     def dot(self, point: ArrayLike, size: float = 3.5, **look: Any) -> None:
         """Draw a point of the scheme."""

@@ -29,7 +29,7 @@ STATISTICAL_TOLERANCE = 1e-6  # local error of a step; the yield is the same as 
 
 @dataclass(frozen=True)
 class SobolIndices:
-    """Sobol' indices of one quantity, of first order and total, of failure and of time.
+    """Sobol' indices of one quantity, of first order and total: of failure, and of time.
 
     NaN where there is no variance: no device fails, or all do.
     """
@@ -120,7 +120,7 @@ def check_devices(count: float) -> int:
     """Return a number of devices as an integer.
 
     Raises:
-        ValueError: it is no power of two, as Sobol' points need it.
+        ValueError: it is no power of two, which Sobol' points need.
     """
     if count != int(count) or count < 2 or int(count) & (int(count) - 1):
         raise ValueError(f"devices = {count:g}: must be a power of two, 2 or more")
@@ -196,7 +196,6 @@ def sobol_indices_of(
     settings: Settings,
     cores: int = 1,
     *,
-    count: int = INDEX_POINTS,
     seed: int = 0,
 ) -> tuple[SobolIndices, ...]:
     """Return the indices of every quantity with a tolerance, the largest total of failure first.
@@ -206,7 +205,7 @@ def sobol_indices_of(
     """
     names = list(stated.tolerances)
     size = len(names)
-    points = sobol_cubes(size, count, seed).reshape(-1, size)
+    points = sobol_cubes(size, INDEX_POINTS, seed).reshape(-1, size)
     results = run_devices(stated, from_unit_cube(stated, points), starts, settings, cores)
     known = np.isfinite(results.time)
     usual = float(results.time[known].mean()) if known.any() else 0.0
@@ -214,7 +213,7 @@ def sobol_indices_of(
     columns = [
         column
         for values in (np.where(results.goes_in, 0.0, 1.0), time)
-        for column in sobol_indices(values.reshape(size + 2, count))
+        for column in sobol_indices(values.reshape(size + 2, INDEX_POINTS))
     ]
     indices = [
         SobolIndices(name, *(float(column[i]) for column in columns))

@@ -13,10 +13,6 @@ class Range(LogRange):
     zero: float = Field(default=0.0, ge=0.0, lt=1.0)
     """Share of the sets in which the parameter is 0."""
 
-    def holds(self, value: float) -> bool:
-        """Return whether ``value`` is within the range, or is 0 and 0 can be drawn."""
-        return self.low <= value <= self.high or (value == 0.0 and self.zero > 0.0)
-
 
 class SettledTrial(Strict):
     """Trial of settled runs: number of random sets, and length of the continued runs."""
