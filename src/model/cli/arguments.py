@@ -38,7 +38,7 @@ def add_command(
     """Add a command to the parsers of ``vibralign`` and return its own parser.
 
     ``run`` takes the parsed arguments and returns the exit code. ``words`` are the summary in the
-    list of commands, with which the description begins; ``more`` is the rest of it.
+    list of commands; the description is ``words`` followed by ``more``.
     """
     description = f"{words[0].upper()}{words[1:]}{more}"
     parser = commands.add_parser(
@@ -76,7 +76,7 @@ def add_model_options(parser: Any, scene: str = "alignment") -> None:
     parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     add = parser.add_argument
     words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
-    words += "--horizon are then read alike (12 N, 0.8 mm), and the answers are in SI units"
+    words += "--horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
     add("--device", type=Path, metavar="FILE", help=words)
     words = "print dimensionless values for a device in SI units, too"
     add("--dimensionless", action="store_true", help=words)
@@ -122,7 +122,11 @@ def pairs(given: Sequence[str], option: str) -> dict[str, str]:
 
 
 def number(name: str, text: str, rule: str = "must be a number") -> float:
-    """Return ``text`` as a number; a refusal has the ``name`` of the quantity and the ``rule``."""
+    """Return ``text`` as a number.
+
+    Raises:
+        ValueError: it is no number; the message has the ``name`` of the quantity and the ``rule``.
+    """
     try:
         return float(text)
     except ValueError:

@@ -86,7 +86,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     required, devices = _required(arguments, stated)
     if arguments.sheet is not None:
         check_file(arguments.sheet, "--sheet", ["html"])
-        check_picture(arguments.sheet.with_suffix(".png"))
+        check_picture(arguments.sheet.with_suffix(".png"), "--sheet")
         if stated is None:
             raise ValueError("--sheet needs --device FILE")
     announce_compilation()

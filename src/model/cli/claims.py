@@ -28,10 +28,10 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--regime",
         action="store_true",
-        help="print instead, by figure, the regime of the study's device, by the data on disk: "
-        "the share of the points that align on the curve where it is least; of all that align the "
-        "share that aligns, or does not rest, without vibration, the tilt at alignment, corner "
-        "conditions and lift-offs",
+        help="print the regime of each figure instead: the share of points that align, on the "
+        "curve where it is least; of the points that align, the shares that align without "
+        "vibration, that do not rest without it, that meet the corner conditions and that lift "
+        "off, and the tilt at alignment",
     )
     add_json(parser)
 

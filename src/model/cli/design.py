@@ -43,11 +43,11 @@ def add(commands: Any) -> None:
         "choose the free quantities of a device for the largest margin, then time",
         ". The device file names what is free (free: {press_force: 5 to 20 N}) and the limits "
         "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg, vibration: needed}, or not "
-        "needed; time and tilt until alignment, not until insertion). Every setting that is tried "
-        "is judged quickly by devices within the tolerances, and within twice and three times "
-        "them; of settings with which all go in, the one whose nearest failure is farthest, then "
-        "the fastest. What is recommended is judged as `vibralign assess` judges it, and else the "
-        "search goes on.",
+        "needed; time and tilt until alignment, not until insertion). Each setting tried is judged "
+        "quickly, by devices within one, two and three times the tolerances. Of the settings with "
+        "which all devices within the tolerances go in, the best is the one whose nearest failure "
+        "is farthest, then the fastest. It is judged again as `vibralign assess` judges it; if it "
+        "does not hold, the search goes on.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")

@@ -25,7 +25,11 @@ def writing(option: str = "", errors: tuple[type[Exception], ...] = (OSError,)) 
 
 
 def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
-    """Refuse a file that could not be written."""
+    """Refuse a file that could not be written.
+
+    Raises:
+        ValueError: another extension, a missing folder, a folder of this name, or no permission.
+    """
     if path.suffix.lower().lstrip(".") not in extensions:
         one = "in" if len(extensions) == 1 else "in one of"
         raise ValueError(f"{option} {path}: must end {one} .{', .'.join(extensions)}")
@@ -39,14 +43,18 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
         check_encoding(path)
 
 
-def check_picture(path: Path) -> None:
-    """Refuse a picture that could not be written."""
+def check_picture(path: Path, option: str = "--plot") -> None:
+    """Refuse a picture that could not be written.
+
+    Raises:
+        ValueError: matplotlib is missing or has no such format, or the file cannot be written.
+    """
     try:
         # Half a second, and a package, that only plots need.
         from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
     except ImportError:
         raise ValueError(
-            "--plot needs matplotlib, which is not installed: pip install 'vibralign[plot]'"
+            f"{option} needs matplotlib, which is not installed: pip install 'vibralign[plot]'"
         ) from None
     valid = sorted(set(FigureCanvasBase.get_supported_filetypes()) - _NOT_PICTURES)
-    check_file(path, "--plot", valid)
+    check_file(path, option, valid)

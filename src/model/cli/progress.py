@@ -8,9 +8,9 @@ from model.runs.engines import PROGRESS
 
 
 class ProgressLine(logging.Handler):
-    """The step that is under way and the runs that are done, replaced in place; a context.
+    """A context that shows the step under way and the number of runs done, on one line.
 
-    Silent where standard error is no terminal.
+    It shows nothing where standard error is no terminal.
     """
 
     def __init__(self) -> None:

@@ -1,7 +1,6 @@
 """Tables and JSON for a terminal.
 
-rich and tabulate would cut or wrap cells to the width of the terminal, and every command would
-depend on them, in place of forty lines.
+They replace rich and tabulate, which cut or wrap cells to the width of the terminal.
 """
 
 import json

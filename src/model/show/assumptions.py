@@ -35,7 +35,7 @@ def assumptions(
         settings: settings of its runs.
         stated: the device as its file states it, None for a dimensionless one.
         ensemble: the starts that are tried, None for the device's own.
-        tolerances_assumed: the tolerances are not the file's.
+        tolerances_assumed: True if the tolerances are assumed, not the file's.
     """
     units = None if stated is None else stated.units
     words = {
@@ -56,7 +56,7 @@ def assumptions(
 
 
 def at_corners(corners: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    """Return what a map assumes, by the assumptions at its corners: all numbers where they vary."""
+    """Return what a map assumes, from the assumptions at its corners; lists numbers that vary."""
     words = dict(corners[0])
     for name in words:
         texts = dict.fromkeys(each[name] for each in corners)
@@ -138,7 +138,7 @@ def _horizon(settings: Settings, units: Units | None) -> str:
 
 
 def _precision(settings: Settings, *, counted: bool) -> str:
-    """Return the tolerances of runs, also of those of which many are ``counted``."""
+    """Return the tolerance of runs; if devices are ``counted``, the tolerance of these as well."""
     from model.study.assessment.yields import STATISTICAL_TOLERANCE  # noqa: PLC0415  (scipy)
 
     words = f"local error of a step {settings.tolerance:g}"

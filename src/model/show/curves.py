@@ -57,8 +57,8 @@ _LOWEST = -1.5  # end of an axis: a part that turns over moves far away from the
 def curves(dataset: "xr.Dataset") -> Figure:
     """Draw the duration over the swept parameter, a curve for each value of the family parameter.
 
-    Where the part does not align, the curve has a gap and the strip below a bar, in a row for each
-    curve. A single aligned point between two gaps is a dot.
+    Where the part does not align, the curve has a gap, and the strip below has a bar in the row of
+    this curve. A single aligned point between two gaps is a dot.
     """
     family, swept = (dataset[name] for name in dataset["tau_align"].dims)
     durations = dataset["tau_align"].values
@@ -100,8 +100,7 @@ def curves(dataset: "xr.Dataset") -> Figure:
 def _end_of_axis(durations: Floats) -> tuple[float, float]:
     """Return where the axis of durations ends, and the longest duration.
 
-    Few points that are far longer than all others lie beyond the axis: else they would press the
-    curves flat.
+    A few durations far longer than all others lie beyond the axis: they would flatten the curves.
     """
     if not durations.size:
         return 1.0, 0.0

@@ -110,7 +110,7 @@ def _prefer_own_fonts() -> None:
 
 @contextlib.contextmanager
 def context() -> Iterator[None]:
-    """Context for drawing with the study's settings over matplotlib's defaults, not the user's."""
+    """Draw inside with the study's settings over matplotlib's defaults, not over the user's."""
     _prefer_own_fonts()
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -156,7 +156,7 @@ def axis_label(coordinate: "xr.DataArray") -> str:
 
 
 def cell_edges(values: Floats) -> Floats:
-    """Return the edges, shape (n + 1,), of the cells around ``values``, shape (n,)."""
+    """Return the edges, shape (n + 1,), of the cells around ``values``, shape (n,) with n >= 2."""
     middles = 0.5 * (values[1:] + values[:-1])
     first, last = 1.5 * values[0] - 0.5 * values[1], 1.5 * values[-1] - 0.5 * values[-2]
     return np.concatenate([[first], middles, [last]])

@@ -167,7 +167,8 @@ class Search:
         judges: judges of its settings; their seed is also that of the optimiser.
         known: results of the quick judge by setting.
         checked: results of the thorough judge by setting.
-        settled: those of ``checked`` that the search has come to, and goes by.
+        settled: results in ``checked`` that this run of the search has reached; it uses them in
+            place of the quick judge's.
         lessons: devices that failed at settled settings, as offsets in tolerances.
         refused: settings at which a lesson fails.
         chosen: the setting that the thorough judge has confirmed, or None.
@@ -219,9 +220,9 @@ class Search:
     ) -> Design:
         """Search and return the design; call ``after`` with the number of every generation.
 
-        The best setting is judged thoroughly. If it does not hold, the next best is at which no
-        lesson fails, and after ``CHECKS`` of them the search goes on from the best by then,
-        ``ROUNDS`` times at most.
+        The best setting is judged thoroughly. If it does not hold, the next best at which no lesson
+        fails is judged. After ``CHECKS`` such settings the search goes on from the best found so
+        far, ``ROUNDS`` times at most.
         """
         low, high = np.array(list(self.stated.free.values())).T
         rng = np.random.default_rng(self.judges.seed)
@@ -261,7 +262,7 @@ class Search:
     def _confirm(self) -> bool:
         """Judge the best settings thoroughly until one holds; return whether the search is over.
 
-        It is over as well if the quick judge takes none.
+        It is also over if the quick judge accepts no setting, and none was judged thoroughly.
         """
         for _ in range(CHECKS):
             while (best := self.best()).feasible and not self._survive([best.key])[0]:
@@ -304,9 +305,9 @@ class Search:
         return survive
 
     def check(self, key: Setting, least: int = 0) -> Thorough:
-        """Return the results of a setting by the thorough judge, and go by them from now on.
+        """Return the results of a setting by the thorough judge, and use them from now on.
 
-        Once it does not hold, no more than the ``least`` number of devices is run.
+        Once the setting does not hold, no more than ``least`` devices are run.
         """
         found = self.checked.get(key)
         if found is None or found.devices < min(least, self.judges.devices):
@@ -333,7 +334,7 @@ class Search:
 
 
 def as_printed(value: float, low: float, high: float) -> float:
-    """Return a value > 0 with ``DIGITS`` digits, within its range unless that has none such."""
+    """Return a value > 0 with ``DIGITS`` digits, within its range if that holds such a value."""
     digits = float(f"{value:.{DIGITS}g}")
     step = 10.0 ** (math.floor(math.log10(abs(digits))) - DIGITS + 1) if digits else 0.0
     if digits > high:
@@ -345,7 +346,7 @@ def as_printed(value: float, low: float, high: float) -> float:
 
 @dataclass(frozen=True)
 class OtherFriction:
-    """Results if the friction is another than a search took it to be.
+    """Results at another friction than the one that a search assumed.
 
     Attributes:
         friction: the other friction.

@@ -99,7 +99,7 @@ def _known(
     checked = {
         key: Thorough(tuple(row), *count)
         for key, row, count in zip(keys, rows(*_COLUMNS), rows(*_COUNTS), strict=True)
-        if count[0]
-        == search.judges.devices  # one that did not hold is judged anew, for its lessons
+        # A setting that did not hold is judged anew, for its lessons.
+        if count[0] == search.judges.devices
     }
     return dict(zip(keys, quick, strict=True)), checked

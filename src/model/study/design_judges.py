@@ -1,11 +1,11 @@
 """Two judges of a setting in a design: a quick one for the search, and that of ``assess``.
 
 The quick judge takes ``POINTS`` devices drawn within the tolerances, and as many lines outwards,
-each from a quarter of the starts; from device to device the quarters differ. It can take a setting
-that fails, and so no setting is recommended on its word: the thorough judge runs the devices that
-``assess`` draws, from every start, and its results replace those of the quick one. Devices that
-fail there are *lessons*: a setting at which one of them fails too is refused from then on. What is
-left is an error on the safe side, a good setting that the quick judge refuses.
+each from a quarter of the starts; from device to device the quarters differ. It can accept a
+setting that fails. So every setting is judged thoroughly before it is recommended: by the devices
+that ``assess`` draws, from every start. These results replace those of the quick judge. Devices
+that fail there are *lessons*: a setting at which one of them fails too is refused from then on. One
+error is left, on the safe side: a good setting that the quick judge refuses.
 """
 
 import math
@@ -90,7 +90,7 @@ class Judges:
     devices: int = DEVICES
 
     def quick(self, points: Floats) -> list[Row]:
-        """Return the results of settings, shape (n, free quantities)."""
+        """Return the results of settings, ``points`` in SI units of shape (n, free quantities)."""
         inner, lines = self._offsets()
         shape = len(points), len(inner)
         centres, offsets = np.repeat(points, len(inner), axis=0), np.tile(inner, (len(points), 1))
@@ -109,9 +109,9 @@ class Judges:
         return [tuple(float(each) for each in row) for row in zip(*columns, strict=True)]
 
     def thorough(self, setting: Mapping[str, float], least: int = 0) -> Thorough:
-        """Return the results of a setting as ``assess`` has them.
+        """Return the results of a setting (SI units by name) as ``assess`` has them.
 
-        Once it does not hold, no more than the ``least`` number of devices is run.
+        Once the setting does not hold, no more than ``least`` devices are run.
         """
         stated = self.stated.changed(**setting)
         values = {name: np.full(self.devices, value) for name, value in setting.items()}
@@ -177,7 +177,7 @@ class Judges:
         return good
 
     def _run(self, values: Values, turns: Ints | None) -> DeviceResults:
-        """Run devices, each from the quarter of the starts that is its turn; None for all."""
+        """Run devices, each from the quarter of the starts in ``turns``; from all for None."""
         quarters = 1 if turns is None else min(QUARTERS, len(self.starts))
         turn = np.zeros(len(next(iter(values.values()))), dtype=int) if turns is None else turns
         parts, rows = [], []
@@ -264,7 +264,10 @@ class Judges:
 
 
 def _joined(parts: Sequence[DeviceResults], order: Ints | None = None) -> DeviceResults:
-    """Return the results of all parts, in another order of the devices if it is given."""
+    """Return the results of all parts, in another order of the devices if it is given.
+
+    ``times`` holds the longest time of a device only, shape (n, 1).
+    """
     rows: Any = slice(None) if order is None else order
     columns = {
         each.name: np.concatenate([getattr(part, each.name) for part in parts])[rows]

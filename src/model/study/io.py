@@ -41,7 +41,7 @@ def flags(values: type[IntEnum]) -> dict[str, Any]:
 
 
 def unit_in_file(quantity: Quantity) -> str:
-    """Return the unit of a dimensionless variable: a radian for angles."""
+    """Return the CF unit of a dimensionless variable: "radian" for angles, else "1"."""
     return "radian" if quantity is ANGLE else PLAIN.unit
 
 

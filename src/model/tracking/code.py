@@ -36,7 +36,7 @@ def _module_file(name: str) -> Path | None:
     return next((file for file in candidates if file.is_file()), None)
 
 
-_KEPT = re.compile(r"[0-9a-f]{64}(?: [\w.]+)*\n")  # hash and imports; all but a damaged file
+_KEPT = re.compile(r"[0-9a-f]{64}(?: [\w.]+)*\n")  # hash and imports; no damaged file matches
 _COMPANIONS = {".j2", ".yaml", ".html", ".js", ".css"}
 
 

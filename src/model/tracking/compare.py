@@ -88,7 +88,7 @@ def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[C
 
 
 def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Dataset, xr.Dataset]":
-    """Restrict both datasets to their common points.
+    """Return both datasets at their common points.
 
     Two trajectories have different times: the second is interpolated at the times of the first.
     Times near a jump of a force are left out.

@@ -62,13 +62,13 @@ def announce(study: str, codes: Mapping[str, str]) -> None:
 
 @contextlib.contextmanager
 def recorded(snakemake: Any, *, part: bool = False) -> Iterator[dict[str, Any]]:
-    """Run the work of a script with a log, and write the sidecar of the job.
+    """Send the output of a script to its log, and write the sidecar of the job.
 
     The sidecar is written last: if it exists, the outputs are complete.
 
     Args:
         snakemake: the object that Snakemake gives to a script.
-        part: True if another job puts the outputs of this one together.
+        part: True if another job assembles the outputs of this one and of others.
 
     Yields:
         metadata of the sidecar besides files, machine and time; the script adds to it.

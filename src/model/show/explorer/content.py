@@ -185,7 +185,7 @@ def _model(
     interface: Mapping[str, Any],
     assumed: Mapping[str, str],
 ) -> dict[str, Any]:
-    """Content that every page has."""
+    """Return the content that every page has."""
     said = "; ".join(f"{name}: {words}" for name, words in assumed.items())
     return {
         "title": title,
@@ -342,7 +342,7 @@ def _stored_map(study: Study, name: str, data: Path, refined: Path) -> dict[str,
 
 
 def _square(values: NDArray[Any], most: int | None) -> NDArray[Any]:
-    """Resample to a square of at most ``most`` rows and columns, by nearest values."""
+    """Resample to a square, of at most ``most`` rows and columns, by nearest values."""
     side = min(values.shape[1], most or values.shape[1])
     rows, columns = (np.rint(np.linspace(0, n - 1, side)).astype(int) for n in values.shape)
     return values[np.ix_(rows, columns)]

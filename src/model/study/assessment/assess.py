@@ -1,8 +1,9 @@
-"""Assess a device: alignment from every start and on other bases, and leeways of its parameters.
+"""Assess a device: success from every start and on other bases, and leeways of its parameters.
 
-Phase and tilt at touch-down cannot be controlled: a *reliable* device aligns from every start
-(maps/starts.py). Where the base is not stated, bases of several stiffnesses are tried, each with a
-low and a high coefficient of restitution.
+Phase and tilt at touch-down cannot be controlled: a *reliable* device succeeds from every start
+(maps/starts.py). Success is to align in the alignment scene, and to go in in the insertion scene.
+Where the base is not stated, bases of several stiffnesses are tried, each with a low and a high
+coefficient of restitution.
 """
 
 import itertools
@@ -36,10 +37,10 @@ class BaseVerdict:
 
     Attributes:
         contact_stiffness: contact stiffness over axial stiffness.
-        restitution: coefficient of an impact; None where the device states the damping.
+        restitution: coefficient of restitution; None where the device states the damping.
         starts: number of starts.
-        aligned: number of starts from which the device aligns.
-        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN without any.
+        aligned: number of starts from which the device succeeds.
+        tau_best, tau_worst: shortest and longest alignment time of these, NaN without any.
     """
 
     contact_stiffness: float
@@ -51,16 +52,16 @@ class BaseVerdict:
 
     @property
     def reliable(self) -> bool:
-        """True if the device aligns from every start on this base."""
+        """True if the device succeeds from every start on this base."""
         return self.aligned == self.starts
 
     @property
     def times(self) -> tuple[float, float]:
-        """Shortest and longest duration of aligning runs."""
+        """Shortest and longest alignment time."""
         return self.tau_best, self.tau_worst
 
     def agrees_with(self, other: "BaseVerdict") -> bool:
-        """Return whether equally many starts align, in the same time within 2 %."""
+        """Return whether as many starts succeed, in the same time within 2 %."""
         return self.aligned == other.aligned and all(
             math.isnan(one) or abs(one - two) <= _SAME_TIME * two
             for one, two in zip(self.times, other.times, strict=True)
@@ -73,9 +74,9 @@ class Assessment:
 
     Attributes:
         starts: number of starts.
-        aligned: number of starts from which the device aligns.
-        tau_best, tau_worst: shortest and longest duration of aligning runs, NaN without any.
-        failing_start: the first start from which the device does not align, or None.
+        aligned: number of starts from which the device succeeds.
+        tau_best, tau_worst: shortest and longest alignment time of these, NaN without any.
+        failing_start: the first start from which the device does not succeed, or None.
         contact_force_max, tilt_max: largest value over all starts.
         separations: smallest and largest number of lift-offs over all starts.
         impact_speed: largest closing rate at a touch-down, of the eight starts that lift off most.
@@ -100,7 +101,7 @@ class Assessment:
 
     @property
     def reliable(self) -> bool:
-        """True if the device aligns from every start, on every base that was tried."""
+        """True if the device succeeds from every start, on every base that was tried."""
         return self.failing_start is None and all(each.reliable for each in self.bases)
 
     @property
@@ -164,7 +165,7 @@ def assess(
         cores: number of threads.
         stated: the same device as its file states it; other bases are tried if it states none.
         bases: try other bases even if one is stated.
-        vary: seek leeways or nearest reliable values.
+        vary: seek the leeways, or the nearest reliable values if a start fails.
     """
     starts = starts_of(device, ensemble)
     results = every_start(Batch.stack([device]), starts, settings, cores)
@@ -203,8 +204,7 @@ def on_bases(
 
     The impact is as the device states it. Where it states none, ``RESTITUTIONS`` are tried in turn.
     """
-    quantities = stated.resolved({})
-    axial = quantities["axial_stiffness"]
+    axial = stated.resolved({})["axial_stiffness"]
     own = stated.quantities.get("restitution")
     impacts: tuple[float | None, ...] = RESTITUTIONS if own is None else (own,)
     if "contact_damping" in stated.quantities:
@@ -236,7 +236,7 @@ def on_bases(
 
 
 def impact_speed(run: Trajectory) -> float:
-    """Return the largest closing rate of edge A1 at a touch-down, 0 without a touch-down."""
+    """Return the largest closing rate of edge A1 at a touch-down, dimensionless; 0 without one."""
     force = run.contact_force
     landings = np.flatnonzero((force[:-1] == 0.0) & (force[1:] > 0.0) & (run.time[:-1] > 0.0))
     edge = run.parameters.slot_half_width

@@ -32,7 +32,7 @@ class DeviceResults:
     Attributes:
         values: quantities that differ between the devices, each of shape (n,).
         goes_in: True if the part goes in from every start, shape (n,).
-        time: longest alignment time in s, NaN where it does not go in from any start, shape (n,).
+        time: longest alignment time in s, NaN where it goes in from no start, shape (n,).
         times: alignment times in s, NaN where it does not go in, shape (n, starts).
         force: largest contact force in N, shape (n,).
         tilt: largest tilt in rad, shape (n,).
@@ -55,7 +55,11 @@ def from_every_start(
     settings: Settings,
     cores: int = 1,
 ) -> tuple[dict[str, NDArray[Any]], list[Units]]:
-    """Return ``every_start`` of devices with these values, and the units of those in SI units."""
+    """Return ``every_start`` of devices with these values, and the units of those in SI units.
+
+    Raises:
+        ValueError: a value outside its rule.
+    """
     if isinstance(device, Parameters):
         return every_start(Batch.of(device, **values), starts, settings, cores), []
     devices, units = devices_of(device, values)

@@ -140,9 +140,9 @@ class Family(Strict):
 
 
 def check_plane(at: Callable[[dict[str, float]], object], x: Span, y: Span) -> None:
-    """Refuse a map whose parameters are one, or whose corners break a rule.
+    """Refuse a map over one parameter twice, or a map whose corners break a rule.
 
-    ``at`` refuses values by name.
+    ``at`` raises a ValueError for values, by name, that break a rule.
 
     Raises:
         ValueError: naming the parameter, its value and its rule.
@@ -168,7 +168,9 @@ class Plan(BaseModel):
 
 
 def points_of_chunk(count: int, chunk: int, chunks: int) -> NDArray[np.int64]:
-    """Return every ``chunks``-th of ``count`` points, from ``chunk`` on, so that chunks cost alike.
+    """Return the indices of every ``chunks``-th of ``count`` points, beginning with ``chunk``.
+
+    So chunks cost alike.
 
     Raises:
         ValueError: ``chunk`` is not below ``chunks``.

@@ -10,7 +10,7 @@ _RANGES = (r"\s+to\s+", r"\s*(?:[–—…]|\.{2,3})\s*", r"\s+-\s+|(?<=\d)-(?=\
 _LETTER = "[A-Za-zµμ]"
 # Names run together: a force or a mass, then a length, then a time.
 _TOGETHER = re.compile(r"([kMmuµμ]?N|k?g)([mcuµμ]?m)?(m?s)?")
-# Names that have one meaning in whatever case.
+# Names that have the same meaning in upper and lower case.
 _CASES = {name.casefold(): name for name in ("Hz", "kHz", "kg", "kN", "rpm", "rad", "deg")}
 _FORCES = {"lb": "lbf", "lbs": "lbf", "oz": "ozf"}  # where the quantity has newtons in its unit
 
@@ -21,7 +21,7 @@ def plain(text: str) -> str:
 
 
 def clearer(text: str) -> str | None:
-    """Return what to write in place of a number with a comma or grouped digits, None without."""
+    """Return what to write in place of a number with a comma or grouped digits; None for others."""
     grouped = _GROUPED.search(text)
     if grouped:
         whole = _GROUPED.sub(re.sub(r"\D", "", grouped[0]), text).strip()

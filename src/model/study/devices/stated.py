@@ -88,8 +88,8 @@ class StatedDevice:
     def at(self, changes: Mapping[str, float]) -> Device:
         """Return units and dimensionless parameters with some quantities (SI units) changed.
 
-        As with ``--set``, contact stiffness and damping follow from what the file computes them
-        from, or replace it.
+        As with ``--set``, contact stiffness and damping are computed from the file's materials and
+        restitution, or replace these if they are among the changes.
 
         Raises:
             ValueError: a quantity that is unknown or outside its rule.
@@ -108,7 +108,7 @@ class StatedDevice:
         return device(quantities)
 
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
-        """Return the quantities with ``changes``, and the parameters that others state."""
+        """Return the quantities (SI units) with ``changes``, and parameters computed from them."""
         replaced = _replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
         stated = None if "materials" in replaced else self.materials
@@ -116,7 +116,13 @@ class StatedDevice:
         return with_base(with_damping({**kept, **changes}), pair)
 
     def changed(self, **changes: float) -> "StatedDevice":
-        """Return the device with other values (SI units) and the same tolerances."""
+        """Return the device with other values (SI units) and the same tolerances.
+
+        Quantities that the new values replace, such as ``materials``, go with their tolerances.
+
+        Raises:
+            ValueError: an unknown quantity.
+        """
         for name in changes:
             check_name(name, QUANTITIES, "quantity of a device")
         replaced = _replaced_by(changes)

@@ -89,7 +89,7 @@ class Lattice:
         return [self.coarse >> level for level in range(self.coarse.bit_length())]
 
     def watched(self) -> Bools:
-        """A mask of the nodes on ``lines``, which are always computed."""
+        """Return a mask of the nodes on ``lines``, which are always computed."""
         nodes, apart = np.zeros(self.shape, dtype=np.bool_), max(self.coarse // 2, 1)
         if self.lines:
             nodes[:: self.lines, ::apart] = nodes[::apart, :: self.lines] = True

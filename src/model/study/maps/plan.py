@@ -113,10 +113,10 @@ class MapPlan(Plan):
     def groups(
         self, rows: Ints, columns: Ints, **starts: Floats
     ) -> Iterator[tuple[Any, Batch, Settings]]:
-        """Yield places of nodes, their parameters and the settings of their runs.
+        """Yield groups of nodes: their index into ``rows``, parameters, and settings of their runs.
 
-        There are several settings if the horizon or depth is stated in SI units and the device's
-        units vary. ``starts`` are parameters at the nodes besides.
+        There are several groups if the horizon or depth is stated in SI units and the device's
+        units vary. ``starts`` are further parameters at the nodes, each of shape (m,).
         """
         values, settings = self.swept(rows, columns), self.settings.settings
         if rows.size == 0:
