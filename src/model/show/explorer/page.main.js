@@ -70,7 +70,7 @@ function show(found) {
   run = found;
   other = null;
   slowTilt = state.vibration ? NaN : slowTiltOf(found);
-  found.device.force_shown = Math.max(1, ...quantile(found.track.columns.contact_force));
+  found.device.force_shown = Math.max(1, quantile(found.track.columns.contact_force));
   time = Math.min(state.time ?? time, lastTime());
   writeOutcome();
   writePace();
@@ -94,10 +94,10 @@ const slowTiltOf = ({ results }) => (!runner || aligns(results) || rests(results
 /** Return the other run if it is drawn, too. */
 const drawnOther = () => (state.compared ? other : null);
 
-/** Return the 95 % quantile of values, in a list. @param {Float64Array} values */
-const quantile = (values) => [Float64Array.from(values).sort()[Math.floor(0.95 * (values.length - 1))]];
+/** Return the 95 % quantile of values. @param {Float64Array} values */
+const quantile = (values) => Float64Array.from(values).sort()[Math.floor(0.95 * (values.length - 1))];
 
-/** Return the end of the time axis: a settled motion is shown for its last periods only. */
+/** Return the end of the time axis: that of the run, or that of the other run if it is later, but then τ = 20 at most. */
 function lastTime() {
   if (!run) return 1;
   const track = run.track, ends = [track.time[track.rows - 1]];

@@ -25,7 +25,7 @@ async function storedMap(stored) {
   const map = emptyMap(stored.x, stored.y, stored.xs, stored.ys, stored.cells);
   const duration = new Uint8Array(await unpacked(stored.duration));
   duration.forEach((level, node) => {
-    map.outcome[node] = level > 0 ? ALIGNED : 1;
+    map.outcome[node] = level > 0 ? ALIGNED : SETTLED;
     map.tau[node] = level > 0 ? stored.least * (stored.most / stored.least) ** ((level - 1) / 254) : NaN;
   });
   map.step.fill(1);

@@ -5,7 +5,7 @@
 ``ledger`` judges the number.
 """
 
-from model.study.claims.claims import CLAIMS, Claim
+from model.study.claims.claims import CLAIMS
 from model.study.claims.ledger import VERDICTS, Judgement, judge, tally
 
-__all__ = ["CLAIMS", "VERDICTS", "Claim", "Judgement", "judge", "tally"]
+__all__ = ["CLAIMS", "VERDICTS", "Judgement", "judge", "tally"]

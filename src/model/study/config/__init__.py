@@ -11,7 +11,6 @@ from model.study.config.figures import (
     SCHEMATICS,
     Curves,
     Ensemble,
-    History,
     Map,
 )
 from model.study.config.load import (
@@ -27,7 +26,7 @@ from model.study.config.study import Study
 
 __all__ = [
     "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS", "SCHEMATICS", "Axis",
-    "ConfigError", "Curves", "Ensemble", "Family", "History", "Map", "RunSettings", "Span", "Study",
+    "ConfigError", "Curves", "Ensemble", "Family", "Map", "RunSettings", "Span", "Study",
     "baseline", "check_plane", "check_study", "load_study", "read_study", "study_files",
     "study_path",
 ]  # fmt: skip
