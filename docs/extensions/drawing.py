@@ -20,7 +20,7 @@ class Drawing(SphinxDirective):
     has_content = True
 
     def run(self) -> list[nodes.Node]:
-        """The drawing; an unknown name is a KeyError."""
+        """Return the drawing; raise KeyError for an unknown name."""
         target = _DOCS.parent / "build" / "drawings" / f"{self.arguments[0]}.png"
         target.parent.mkdir(parents=True, exist_ok=True)
         device = load_device(_DOCS / "peg.yaml")

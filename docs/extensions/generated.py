@@ -28,7 +28,7 @@ from model.study.io import unit_in_file
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A table in Markdown."""
+    """Return a table in Markdown."""
     lines = [list(head)]
     lines += [["---"] * len(lines[0]), *(list(row) for row in rows)]
     return "\n".join("| " + " | ".join(row) + " |" for row in lines) + "\n"
@@ -74,7 +74,7 @@ def _reasons() -> str:
 
 
 def _says(kernel: Any) -> str:
-    """The summary of a kernel's docstring."""
+    """Return the summary of a kernel's docstring."""
     text = getattr(kernel, "py_func", kernel).__doc__ or ""
     return " ".join(text.partition("\n\n")[0].split())
 
@@ -92,7 +92,7 @@ def _events() -> str:
 
 
 def _help_of(parser: argparse.ArgumentParser) -> str:
-    """The help of a command without the table of parameters, which has a page of its own."""
+    """Return the help of a command without the table of parameters, which has its own page."""
     return parser.format_help().partition("parameters that --set takes")[0].strip()
 
 
@@ -107,7 +107,7 @@ def _commands() -> str:
 
 
 def _type_of(schema: dict[str, Any]) -> str:
-    """The type that a JSON schema asks for, in words."""
+    """Return the type that a JSON schema asks for, in words."""
     if "$ref" in schema:
         name = schema["$ref"].rpartition("/")[2]
         return f"[{name}](#config-{name.lower()})"
@@ -151,9 +151,9 @@ def _keys(schema: dict[str, Any]) -> str:
 
 
 def _meanings(model: type) -> dict[str, str]:
-    """Docstrings below the keys of a section, by key.
+    """Return the docstrings below the keys of a section, by key.
 
-    pydantic reads them as a class is made, which every job of the study would pay for.
+    pydantic could read them, but only when it makes a class: that would slow every job down.
     """
     (section,) = ast.parse(inspect.getsource(model)).body
     return {
@@ -188,7 +188,7 @@ _PROFILES = Path(__file__).resolve().parents[2] / "profiles"
 
 
 def _profiles() -> str:
-    """The keys of each profile with their values, and the comments beside them as meanings."""
+    """Return the keys of each profile with values, and the comments beside them as meanings."""
     parts = []
     for file in sorted(_PROFILES.glob("*/config.yaml")):
         text = file.read_text(encoding="utf-8")
@@ -232,7 +232,7 @@ class Generated(SphinxDirective):
     required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
-        """The parsed Markdown."""
+        """Return the parsed Markdown."""
         text = GENERATED[self.arguments[0]]()
         return self.parse_text_to_nodes(text, allow_section_headings=True)
 

@@ -16,7 +16,7 @@ _REPOSITORY = Path(__file__).parents[2]
 
 
 def source_of(name: str) -> tuple[Path, str]:
-    """File, relative to the repository, and source text of a function or class below `model`.
+    """Return file, relative to the repository, and source of a function or class below `model`.
 
     Raises:
         LookupError: no such file, or no such definition in it.
@@ -39,7 +39,7 @@ class HeldBy(SphinxDirective):
     has_content = True
 
     def run(self) -> list[nodes.Node]:
-        """One folded block for each line of the content."""
+        """Return a folded block for each line of the content."""
         shown: list[nodes.Node] = []
         for name in self.content:
             try:

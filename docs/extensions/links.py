@@ -30,7 +30,7 @@ class _Page(HTMLParser):
 
 
 def faults_of(site: Path) -> list[str]:
-    """One line for each link that leads nowhere, or that loads from a network."""
+    """Return a line for each link that leads nowhere, or that loads from a network."""
     pages = {
         path.resolve(): _Page(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")
     }

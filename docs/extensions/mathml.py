@@ -19,7 +19,7 @@ _log = logging.getLogger(__name__)
 
 
 def _mathml(node: nodes.Node, display: str) -> str:
-    """MathML of a node; what the converter does not know, and passes on as text, is a warning."""
+    """Return a node as MathML; warn of a command that the converter passes on as text."""
     result = convert(node.astext(), display=display)
     if "\\" in result or "<mi>&</mi>" in result:
         _log.warning("unknown command in the equation %s", node.astext(), location=node)

@@ -3,7 +3,7 @@
 import pytest
 
 from model.show.report.section import symbol
-from model.show.words import math, number, percent, power
+from model.show.words import mathtext, number, percent, power
 
 
 @pytest.mark.parametrize(
@@ -50,4 +50,4 @@ def test_shares_near_one_and_far_below_are_percentages():
     ],
 )
 def test_symbols_are_set_as_in_the_paper(text, in_html, in_figures):
-    assert (str(symbol(text)), math(text)) == (in_html, in_figures)
+    assert (str(symbol(text)), mathtext(text)) == (in_html, in_figures)

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
-from model.show.words import math
+from model.show.words import mathtext
 from model.study.files import atomic_write
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def curve(index: int, points: int, markers: int = 8) -> dict[str, Any]:
 def symbol_of(coordinate: "xr.DataArray") -> str:
     """Return a parameter's symbol as mathematical text; its name where it has none."""
     symbol = coordinate.attrs.get("symbol", coordinate.name)
-    return str(symbol) if symbol == coordinate.name else math(symbol)
+    return str(symbol) if symbol == coordinate.name else mathtext(symbol)
 
 
 def axis_label(coordinate: "xr.DataArray") -> str:

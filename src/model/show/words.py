@@ -1,12 +1,12 @@
 """Numbers, symbols and names as figures and the report print them."""
 
-import math as _math
-from decimal import Decimal as _Decimal
+import math
+from decimal import Decimal
 
 
 def short(value: float, digits: int = 2) -> str:
     """Return a number rounded to ``digits`` significant digits, without an exponent."""
-    return f"{_Decimal(f'{value:.{digits}g}'):,f}"
+    return f"{Decimal(f'{value:.{digits}g}'):,f}"
 
 
 def number(value: float) -> str:
@@ -16,7 +16,7 @@ def number(value: float) -> str:
 
 def percent(share: float) -> str:
     """Return a share as a percentage with two digits, a dash for NaN."""
-    return "–" if _math.isnan(share) else f"{short(100.0 * share)} %"
+    return "–" if math.isnan(share) else f"{short(100.0 * share)} %"
 
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -24,7 +24,7 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 def power(value: float) -> str:
     """Return an error with one digit, such as 0.02, 40 or 3 × 10⁻⁹; a dash for NaN."""
-    if _math.isnan(value):
+    if math.isnan(value):
         return "–"
     return _in_powers(value, 1) if _far_from_one(value, 3) else short(value, 1)
 
@@ -45,7 +45,7 @@ def symbol_parts(symbol: str) -> tuple[str, str]:
     return (head, rest.lstrip("_")) if rest.startswith("_") or rest.isdigit() else (symbol, "")
 
 
-def math(symbol: str) -> str:
+def mathtext(symbol: str) -> str:
     """Return a symbol of ``parameters.FIELDS`` as matplotlib's mathematical text."""
     head, index = symbol_parts(symbol)
     if not index:
