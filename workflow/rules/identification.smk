@@ -54,7 +54,7 @@ rule search_final:
         expand(
             "<results>/identification/{start}/{round}.csv",
             start=search.starts,
-            round=range(len(search.rounds)),
+            round=len(search.rounds) - 1,
         ),
     output:
         judged="<results>/identification/final/{number}.json",
