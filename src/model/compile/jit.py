@@ -275,10 +275,8 @@ class _Locator(_CacheLocator):
     """
 
     def __init__(self, file: Path) -> None:
-        roots = (
-            PACKAGE,
-            Path(_CACHE_FOLDER).resolve(),
-        )  # which the name of the cache folder stands for
+        # The name of the cache folder stands for the contents of these.
+        roots = (PACKAGE, Path(_CACHE_FOLDER).resolve())
         root = next((each for each in roots if file.is_relative_to(each)), None)
         self._place = str(file.relative_to(root)) if root else str(file)
         self._stamp = "" if root else hashlib.sha256(file.read_bytes()).hexdigest()
@@ -293,7 +291,10 @@ class _Locator(_CacheLocator):
         return _CACHE_FOLDER
 
     def get_source_stamp(self) -> str:
-        """Return what differs once stored code is out of date."""
+        """Return a hash of the file, by which numba finds stored code out of date.
+
+        Empty for files that the name of the cache folder stands for.
+        """
         return self._stamp
 
     def get_disambiguator(self) -> str:
@@ -302,7 +303,7 @@ class _Locator(_CacheLocator):
 
 
 class _StoredResult(CompileResultCacheImpl):
-    """A compiled kernel as the cache stores it."""
+    """numba's conversion of a compiled kernel to what the cache stores, and back."""
 
     _locator_classes: list[type[object]] = [_Locator]  # noqa: RUF012  (as numba declares it)
 
@@ -365,7 +366,7 @@ def inlined_kernel(function: Function) -> Function:
 
 
 def entry_point(function: Function) -> Function:
-    """Return a kernel for frequent short calls from Python: it saves the symbol search, 1 µs."""
+    """Return a kernel for frequent short calls from Python: each saves 1 µs, the symbol search."""
     called: Any = function.whole() if isinstance(function, _Part) else function
     return called
 
