@@ -42,6 +42,7 @@ from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15  # mask
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
+# Below this level of a landing corner, whose rise lanes do not hold, the reference engine decides.
 TOO_FLAT_TO_TELL = 10.0 * FLAT
 # The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
 CURVATURE = FRACTIONS[0] ** 2 / 8.0
