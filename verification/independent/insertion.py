@@ -1,7 +1,8 @@
 """Runs of the independent solution in the slot, after alignment, until the part is inserted.
 
-It shares no code with ``model``. motion.py has the contacts in the slot. A part is wedged if the
-line between its two contacts lies within the friction angle of both normal forces.
+It shares no code with ``model`` but the class ``Parameters``. motion.py has the contacts in the
+slot. A part is wedged if the line between its two contacts lies within the friction angle of both
+normal forces.
 """
 
 import cmath

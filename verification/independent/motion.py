@@ -1,8 +1,8 @@
 """Second statement of the model, to verify the package: contacts, forces, friction.
 
-It shares no code with ``model``. Vectors of the plane are complex numbers. A contact is a place
-with a tangent and a normal, and the moment of a force is r × F. Only the consistent variant of the
-equations.
+It shares no code with ``model`` but the class ``Parameters``. Vectors of the plane are complex
+numbers. A contact is a place with a tangent and a normal, and the moment of a force is r × F. Only
+the consistent variant of the equations; all quantities are dimensionless.
 """
 
 import cmath
@@ -136,7 +136,7 @@ class Device:
         return self._touch(at, place, 1j, normal, reach, fixed_to_base=False)
 
     def corner_on_flat(self, side: int, at: Body, offset: float) -> Touch:
-        """Return the contact of a bottom corner with the flat, ``offset`` below it."""
+        """Return the contact of a bottom corner with the flat base, lowered by ``offset``."""
         place = complex(side * self.a, -self.b) * at.along
         depth = -at.centre.imag - offset
         return self._touch(at, place, 1.0 + 0.0j, 1.0j, depth, fixed_to_base=False)

@@ -1,8 +1,8 @@
 """Runs of the independent solution: events and transitions up to alignment.
 
-It shares no code with ``model``. Events are located on the dense output of scipy's DOP853, and the
-state at an event is integrated anew. It is slow, and has the consistent variant of the equations
-only. insertion.py continues runs in the slot.
+It shares no code with ``model`` but the class ``Parameters``. Events are located on the dense
+output of scipy's DOP853, and the state at an event is integrated anew. It is slow, and has the
+consistent variant of the equations only. insertion.py continues runs in the slot.
 """
 
 import itertools
@@ -31,7 +31,7 @@ from verification.independent.motion import (
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
 _ABSOLUTE = 1e-2  # scipy's atol over its rtol
 _AT_REST = 1e-11  # a slip below this is none
-_NO_LOAD = 1e-11
+_NO_LOAD = 1e-11  # a load, friction force or slip acceleration below this is none
 FLAT = 1e-8  # a part tilted by less rests on its edge
 MOMENT = 1e-5  # time ahead at which friction without load is decided
 _FIRST_STEP = 1e-3
@@ -232,9 +232,9 @@ class Run:
     def decided(
         self, time: float, z: State, mode: Mode, support_rests: bool, side_rests: bool
     ) -> Mode:
-        """Return the mode with friction that fits the slips; at rest the first consistent one.
+        """Return the mode with friction that fits the slips; at rest the first that is consistent.
 
-        ``support_rests`` and ``side_rests`` tell that the contact stuck before.
+        ``support_rests`` and ``side_rests`` are True if the contact stuck before.
         """
         on_edge = "on" in (mode.face, mode.right_side)
         on_corner = "on" in (mode.corner, mode.right_wall)
