@@ -115,7 +115,7 @@ def _add(row, to, w, lane):
 
 @inlined_kernel
 def _highest_force(loads, until, known, w, lane):
-    """``_highest`` of the normal force on one side; see ``loads_of``.
+    """``_highest`` of the normal force on support or side; see ``loads_of``.
 
     If edge and corner press, the sum of their loads takes the place of the corner's.
     """

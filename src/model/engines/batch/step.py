@@ -113,7 +113,8 @@ def curvature_bound(row, w, i):
 def stays_above(left, right, bound, least=-ON_AN_EVENT):
     """Return whether a level with this curvature bound stays above zero between two places.
 
-    A level known to rise may begin at ``least``; one known to fall need only end above zero.
+    If its values there differ by more than four bounds, it is monotonic: it may then begin at
+    ``least`` and rise, or fall and end above zero.
     """
     rise = right - left
     return (
@@ -255,7 +256,7 @@ def _at_most(row, w, i):
 
 @inlined_kernel
 def _force_at_most(events, loads, w, i):
-    """Upper bound of the normal force on one side in the step; see ``loads_of``."""
+    """Upper bound of the normal force on support or side in the step; see ``loads_of``."""
     (edge_load, edge), (corner_load, corner) = loads
     force = _at_most(edge_load, w, i) if edge == CLOSED else 0.0
     if events.inserts == 1:
