@@ -3,7 +3,7 @@
 numba compiles every function to machine code of its own, optimised together with all that it calls,
 and adds wrappers for calls from Python and C. Here a kernel is compiled to intermediate code once,
 as a *part*. Machine code is made only of a *whole*: a kernel that Python calls, linked with its
-parts. This takes a quarter of the compile time (docs/decisions/0025-compiling.md).
+parts. This cuts the compile time to a quarter (docs/decisions/0025-compiling.md).
 
 Subclasses of numba's dispatcher, compiler, code library and cache do this. They override internals,
 which any release of numba may change: hence the upper bound ``NUMBA_BELOW``, also in
