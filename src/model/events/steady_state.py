@@ -132,7 +132,7 @@ def _reach(d0, d1, d2, cycles, noise):
 
 @kernel
 def _change(kind, r, p):
-    """Return a bound of the change of a level whose state changes by ``r``, component by component.
+    """Return a bound of the change of a level of this kind, if the state's components change by r.
 
     Lengths and slips belong to points of the part at most half its diagonal from the centre. Loads
     are depths and closing rates times the base's stiffness and damping. A friction margin is the

@@ -113,9 +113,9 @@ def overturned(_time, _q, _p, mode, _declared):
 
 @kernel
 def touching(depth, contact, q, p):
-    """State of a contact that begins at a depth: released if it is damped and has no load > 0.
+    """State of a contact that begins at a depth: released if a damped base would not press.
 
-    Else closed. Such a load occurs at depth zero under the printed damping law (R3), and where
+    Else closed. It would not press at depth zero under the printed damping law (R3), nor where
     bodies that already overlap separate.
     """
     pulls = contact_load(depth, contact.closing_rate, q, p) <= 0.0 and p.contact_damping > 0.0

@@ -165,8 +165,8 @@ def is_beside(mode):
 def contact_rate(p, mode):
     """Return an upper bound of the rate at which contacts oscillate or, overdamped, come to rest.
 
-    It is the larger of √(k_a m) and h_a m, where m is the sum of 1 + r²/I over the two groups that
-    press: at the arm r of its normal, a contact moves the part like a mass 1 / (1 + r²/I).
+    It is the larger of √(k_a m) and h_a m, where m is the sum of 1 + r²/I over support and side, if
+    they press: at the arm r of its normal, a contact moves the part like a mass 1 / (1 + r²/I).
     """
     width, height = p.half_width * p.half_width, p.half_height * p.half_height
     mobility = 0.0

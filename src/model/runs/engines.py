@@ -23,7 +23,7 @@ Engine = Literal["batch", "scalar"]
 Run = Callable[[Array, Array], Array]
 """(rows, tolerances) -> results; shapes (n, constants), (n,) and (n, fields of RunResult)."""
 
-PROGRESS = logging.getLogger(__name__)  # its level INFO: how many runs of a long batch are done
+PROGRESS = logging.getLogger(__name__)  # logs at level INFO how many runs of a batch are done
 _PAUSE = 0.5  # s, between two messages
 
 NO_TRACK = np.empty((0, TRACK_COLUMNS))

@@ -78,7 +78,7 @@ def _derivative(events, which, time, q, p, mode, direction, later):
 def _keeps_friction(presses, slip, presses_after, slip_after):
     """Return whether no slip ends or reverses, and no contact that begins sticks.
 
-    Then friction stops no velocity at once.
+    Then friction stops no slip at once.
     """
     if presses:
         return not presses_after or slip_after == slip or slip == STICKING
