@@ -100,7 +100,7 @@ class _Insertion(Run):
 
     def _touches(self, wall: str, time: float, z: State, mode: Mode) -> Mode | str:
         """Return the mode after a corner has touched its wall."""
-        touch = self.touch(wall, mode, body(z))
+        touch = self.device.touch(wall, mode, body(z))
         pulls = touch.load <= 0.0 and self.device.p.contact_damping > 0.0
         changes: dict[str, Any] = {wall: "released" if pulls else "on"}
         if wall == "right_wall":

@@ -16,17 +16,7 @@ from scipy.integrate import DOP853, solve_ivp
 
 from model.physics.parameters import Parameters
 from verification.independent.crossings import Function, first_event
-from verification.independent.motion import (
-    LEFT,
-    RIGHT,
-    Body,
-    Device,
-    Mode,
-    State,
-    Touch,
-    body,
-    highest,
-)
+from verification.independent.motion import LEFT, RIGHT, Body, Device, Mode, State, body, highest
 
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
 _ABSOLUTE = 1e-2  # scipy's atol over its rtol
@@ -71,19 +61,6 @@ class Run:
                 "solution, which starts on the edge"
             )
 
-    def touch(self, name: str, mode: Mode, at: Body) -> Touch:
-        """Return the contact of that name."""
-        d = self.device
-        made: dict[str, Callable[[], Touch]] = {
-            "face": lambda: d.edge_on_face(mode.edge, at),
-            "side": lambda: d.edge_on_side(at),
-            "corner": lambda: d.corner_on_flat(mode.edge, at, mode.offset),
-            "right_side": lambda: d.edge_on_side(at, RIGHT),
-            "right_wall": lambda: d.corner_on_wall(RIGHT, at),
-            "left_wall": lambda: d.corner_on_wall(LEFT, at),
-        }
-        return made[name]()
-
     def functions(self, mode: Mode) -> dict[str, Function]:
         """Return the event functions of the mode by name, positive while it holds."""
         d = self.device
@@ -95,10 +72,10 @@ class Run:
         def contact(name: str) -> None:
             state = getattr(mode, name)
             if state == "on":
-                add(f"{name} load", lambda _t, _z, at: self.touch(name, mode, at).load)
+                add(f"{name} load", lambda _t, _z, at: d.touch(name, mode, at).load)
             elif state == "released":
-                add(f"{name} gap", lambda _t, _z, at: self.touch(name, mode, at).depth)
-                add(f"{name} reload", lambda _t, _z, at: -self.touch(name, mode, at).load)
+                add(f"{name} gap", lambda _t, _z, at: d.touch(name, mode, at).depth)
+                add(f"{name} reload", lambda _t, _z, at: -d.touch(name, mode, at).load)
 
         for name in _CONTACTS:
             contact(name)
@@ -309,7 +286,7 @@ class Run:
             return self._after_meeting(event, RIGHT if what == "right" else LEFT, time, z, mode)
         state = {"reload": "on", "gap": "off", "end": "off", "load": "off"}[event]
         if event == "load" and d.p.contact_damping > 0.0:
-            state = "released" if self.touch(what, mode, at).depth > 0.0 else "off"
+            state = "released" if d.touch(what, mode, at).depth > 0.0 else "off"
         bottom, _, _, top = d.depths(LEFT, at)
         if name == "side end" and top < bottom:
             return "other face"
