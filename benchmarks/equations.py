@@ -1,9 +1,9 @@
 """The peers' own statement of the physics: equations of motion, event functions and modes.
 
-It shares no code with the package. ``equations(sin, cos)`` takes floats in a numba kernel, or
-heyoka's expressions, as ``sin`` and ``cos`` do. The contacts are those of the chosen problems: the
-edge A1 under the bottom face, or none. Notation as in ``model.physics.notation``; all quantities
-are dimensionless.
+It shares no code with the package but the class ``Parameters``. The functions of
+``equations(sin, cos)`` take what ``sin`` and ``cos`` take: floats in a numba kernel, or heyoka's
+expressions. The contacts are those of the chosen problems: the edge A1 under the bottom face, or
+none. Notation as in ``model.physics.notation``; all quantities are dimensionless.
 
 A mode is a smooth vector field. It ends when one of its event functions crosses zero downwards;
 ``next_mode`` gives the mode that follows. All modes have the same equations, and differ in the
@@ -54,13 +54,11 @@ DEVICE_SIZE = len(Device._fields)
 def device(parameters: Parameters) -> tuple[float, ...]:
     """Return the constants of a device, in the order of ``Device``."""
     values = parameters.given() | {"slot_half_width": parameters.slot_half_width}
-    values["rest_x"] = _or(values["rest_x"], parameters.misalignment)
-    values["rest_y"] = _or(values["rest_y"], parameters.half_height)
+    if parameters.rest_x is None:
+        values["rest_x"] = parameters.misalignment
+    if parameters.rest_y is None:
+        values["rest_y"] = parameters.half_height
     return tuple(float(values[name] or 0.0) for name in Device._fields)
-
-
-def _or(value: float | None, default: float) -> float:
-    return default if value is None else value
 
 
 class Mode(NamedTuple):

@@ -93,7 +93,7 @@ def problem_of(plan: HardCasesPlan, name: str) -> Problem:
 
 
 def methods_for(plan: HardCasesPlan, name: str) -> list[str]:
-    """Return the names of the methods judged on a case, with BATCH on the bases."""
+    """Return the names of the methods judged on a case, with BATCH if it varies the base."""
     is_shared = name in plan.spec.every_method.cases
     methods = [each for each in METHODS if is_shared or METHODS[each].package != "scipy"]
     return [*methods, *([BATCH] if name not in plan.spec.cases else [])]

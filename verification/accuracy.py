@@ -63,7 +63,10 @@ def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
 
 
 def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Table:
-    """Return default runs, runs at ``TIGHT``, and independent solutions of runs with a sure end."""
+    """Return default runs, runs at ``TIGHT``, and independent solutions.
+
+    The latter are of the runs that align or leave the scene and are not sensitive.
+    """
     runs = align(batch, settings, cores=cores)
     left = runs.outcome == Outcome.LEFT_SCENE
     ended = np.where(left, run_once(batch, settings, cores=cores)["time"], runs.tau_align)
@@ -97,10 +100,10 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
 
 
 def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> tuple[int, bool]:
-    """Return the outcome of the batch engine at the horizon, and whether the motion repeats.
+    """Return (outcome at the horizon, whether the motion repeats), by runs of the batch engine.
 
-    It repeats if all cycles after ``since``, each of length ``cycle``, have on average as many
-    events and lift-offs as the first.
+    The motion repeats if all cycles after ``since``, each of length ``cycle``, have on average as
+    many events and lift-offs as the first.
     """
     from_here = since + 0.37 * cycle  # hardly ever at an event
     whole = int((settings.horizon - from_here) / cycle)

@@ -244,7 +244,9 @@ def try_sets(
             on = replace(settings, may_settle=False, max_evaluations=_UNBOUNDED)
             mine = align(_sets(batch, rows[early]), on, cores=1)
             differ[early] = ~_move_alike(mine, other(rows[early], on))
-        broken[f"agrees with {what} unless either is sensitive"] = _spread(differ, rows, count)
+        of_all = np.zeros(count, dtype=np.bool_)
+        of_all[rows] = differ
+        broken[f"agrees with {what} unless either is sensitive"] = of_all
         return int(_is_certain(others).sum())
 
     def near(which: NDArray[np.int64], limits: Settings) -> Alignments:
@@ -312,10 +314,8 @@ def _one_settles(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
     periodic steady state before the other (decision 6). The motions are still the same if both,
     continued without the test, ``_move_alike``.
     """
-    mine, theirs = (
-        runs.outcome == Outcome.HORIZON_REACHED,
-        others.outcome == Outcome.HORIZON_REACHED,
-    )
+    mine = runs.outcome == Outcome.HORIZON_REACHED
+    theirs = others.outcome == Outcome.HORIZON_REACHED
     return theirs & (runs.period > 0) | mine & (others.period > 0)
 
 
@@ -324,10 +324,3 @@ def _move_alike(runs: Alignments, others: Alignments) -> NDArray[np.bool_]:
     alike = _is_certain(runs) & _is_certain(others) & ~_differ(runs, others)
     alike &= (runs.outcome == others.outcome) & (runs.separations == others.separations)
     return alike & (np.abs(runs.sticking_share - others.sticking_share) <= SENSITIVE)
-
-
-def _spread(mask: NDArray[np.bool_], rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    """Return a mask of ``count`` sets from a mask of the sets ``rows``; the others are False."""
-    spread = np.zeros(count, dtype=np.bool_)
-    spread[rows] = mask
-    return spread

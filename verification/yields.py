@@ -15,7 +15,7 @@ from model.study.assessment.judge import run_devices
 from model.study.assessment.yields import from_unit_cube, yield_of
 
 DEVICES = Path(__file__).resolve().parents[1] / "docs" / "devices"
-# Settings at which some devices fail.
+# Values and tolerances at which some devices fail.
 CASES = {
     "peg": {"tilt_stiffness": "0.5 N m/rad ± 10 %", "friction": "0.2 ± 0.08"},
     "pin": {"misalignment": "0.2 mm ± 0.1 mm", "friction": "0.3 ± 0.1"},

@@ -32,15 +32,11 @@ from model.events.event_functions import (
     largest,
     not_fallen_in,
 )
-from model.events.scenes import (
-    ALIGNMENT,
-)
+from model.events.scenes import ALIGNMENT
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.forces import applied_forces
 from model.physics.geometry import bottom_corner
-from model.physics.modes import (
-    START,
-)
+from model.physics.modes import START
 from model.physics.motion import never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Batch, Parameters
@@ -103,7 +99,7 @@ def outside(q, p):
 
 @inlined_kernel
 def _has_left(q, p):
-    """Return whether the part is off the edge A1, away from the slot, or overturned."""
+    """Return whether the part is off the edge A1, away from the slot, overturned, or not finite."""
     _, left, _, _ = edge_inside(RIGHT_EDGE, corner_positions(q, p), p)
     return left < 0.0 or abs(q.tilt) > LARGEST_TILT or not isfinite(q.x + q.y + q.tilt)
 

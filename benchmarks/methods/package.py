@@ -23,10 +23,12 @@ from model.runs.settings import Settings
 
 
 class Package(Method):
-    """``align``: all events located; at least two runs of a set, for its error estimate.
+    """``align``: all events located, with an error estimate.
 
-    With an ``engine``, answers are its alignment times. States, and all answers without an
-    ``engine``, come from the reference engine, because ``align`` returns no states.
+    ``solve`` runs ``engine`` or, without one, the engine that ``align`` chooses: the batch engine
+    runs most sets once, with the errors that they carry, the reference engine at least twice. With
+    an ``engine``, answers are its alignment times. States, and all answers without an ``engine``,
+    come from the reference engine, because ``align`` returns no states.
     """
 
     formulation = "align, two runs each with error estimate"

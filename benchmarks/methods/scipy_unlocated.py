@@ -1,6 +1,5 @@
 """scipy's ``solve_ivp`` with the right-hand side without modes; its only event is the fall."""
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -45,15 +44,14 @@ class ScipyUnlocated(Method):
     def _solve_one(self, problem: Problem, parameters: Parameters, resolution: float) -> Solution:
         row = Batch.stack([parameters]).constants(problem.settings.readings)[0]
         write, fall_of = entry_point(write_rates), entry_point(outside_of)
-        # A run without a step returns its start.
+        # With one evaluation allowed RK4 makes no step, and returns the start.
         at_once = replace(problem.settings, max_evaluations=1)
         begun = solve_by_hand(Batch.stack([parameters]), "rk4", 1.0, at_once).states[0, 0]
-        counter = itertools.count(1)
         evaluations = 0
 
         def rates_at(moment: float, y: Floats) -> Floats:
             nonlocal evaluations
-            evaluations = next(counter)
+            evaluations += 1
             if evaluations > problem.interpreted_evaluations:
                 raise _TooManyEvaluationsError
             dy = np.empty(STATE_SIZE)

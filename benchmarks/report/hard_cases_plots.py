@@ -25,25 +25,17 @@ _FILLS: Mapping[Mark, str] = {
     Mark.OVER_BUDGET: "#B5B5B5",
     Mark.BROKEN: "#4A4A4A",
 }
-_INKS: Mapping[Mark, str] = {
-    Mark.STABLE: style.BLACK,
-    Mark.INACCURATE: style.BLACK,
-    Mark.OVER_BUDGET: style.BLACK,
-    Mark.BROKEN: "#FFFFFF",
-}
-_WORDS: Mapping[Verdict, str] = {
-    Verdict.RIGHT_OUTCOME: "",
+_LETTERS: Mapping[Verdict, str] = {
     Verdict.WRONG_OUTCOME: "W",
     Verdict.FAILED: "F",
     Verdict.TOO_MANY_EVALUATIONS: "N",
-    Verdict.NOT_TRIED: "",
 }
 
 
 def cell_text(judged: Judged) -> str:
     """Return the text of a cell of the picture."""
     if judged.verdict != Verdict.RIGHT_OUTCOME:
-        return _WORDS[judged.verdict]
+        return _LETTERS[judged.verdict]
     if math.isnan(judged.error):
         return "·"
     # No error is below the rounding of numbers of order one.
@@ -70,7 +62,7 @@ def stability(judged: Sequence[Judged], titles: Mapping[str, str]) -> Figure:
             )
             axes.text(
                 x + 0.5, y + 0.5, cell_text(each), ha="center", va="center", fontsize=7.5,
-                color=_INKS[each.mark],
+                color="#FFFFFF" if each.mark is Mark.BROKEN else style.BLACK,
             )  # fmt: skip
         axes.set_xlim(0.0, len(methods))
         axes.set_ylim(len(cases), 0.0)

@@ -1,7 +1,8 @@
 """Runs of the independent solution in the slot, after alignment, until the part is inserted.
 
-It shares no code with ``model``. motion.py has the contacts in the slot. A part is wedged if the
-line between its two contacts lies within the friction angle of both normal forces.
+It shares no code with ``model`` but the class ``Parameters``. motion.py has the contacts in the
+slot. A part is wedged if the line between its two contacts lies within the friction angle of both
+normal forces.
 """
 
 import cmath
@@ -99,7 +100,7 @@ class _Insertion(Run):
 
     def _touches(self, wall: str, time: float, z: State, mode: Mode) -> Mode | str:
         """Return the mode after a corner has touched its wall."""
-        touch = self.touch(wall, mode, body(z))
+        touch = self.device.touch(wall, mode, body(z))
         pulls = touch.load <= 0.0 and self.device.p.contact_damping > 0.0
         changes: dict[str, Any] = {wall: "released" if pulls else "on"}
         if wall == "right_wall":

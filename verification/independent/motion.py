@@ -1,8 +1,8 @@
 """Second statement of the model, to verify the package: contacts, forces, friction.
 
-It shares no code with ``model``. Vectors of the plane are complex numbers. A contact is a place
-with a tangent and a normal, and the moment of a force is r × F. Only the consistent variant of the
-equations.
+It shares no code with ``model`` but the class ``Parameters``. Vectors of the plane are complex
+numbers. A contact is a place with a tangent and a normal, and the moment of a force is r × F. Only
+the consistent variant of the equations; all quantities are dimensionless.
 """
 
 import cmath
@@ -16,6 +16,8 @@ from model.physics.parameters import Parameters
 
 State = NDArray[np.float64]
 RIGHT, LEFT = 1, -1
+# The contacts of the two groups, as fields of ``Mode``, edges before corners.
+SUPPORT, SIDE = ("face", "right_side", "corner", "right_wall"), ("side", "left_wall")
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,7 @@ class Device:
         place = side * self.l - at.centre
         return self._touch(at, place, at.along, 1j * at.along, self.b, fixed_to_base=True)
 
-    def edge_on_side(self, at: Body, side: int = LEFT) -> Touch:
+    def edge_on_side(self, side: int, at: Body) -> Touch:
         """Return the contact of an edge with the side face on its side."""
         place, normal = side * self.l - at.centre, -side * at.along
         return self._touch(at, place, 1j * at.along, normal, self.a, fixed_to_base=True)
@@ -136,10 +138,20 @@ class Device:
         return self._touch(at, place, 1j, normal, reach, fixed_to_base=False)
 
     def corner_on_flat(self, side: int, at: Body, offset: float) -> Touch:
-        """Return the contact of a bottom corner with the flat, ``offset`` below it."""
+        """Return the contact of a bottom corner with the flat base, lowered by ``offset``."""
         place = complex(side * self.a, -self.b) * at.along
         depth = -at.centre.imag - offset
         return self._touch(at, place, 1.0 + 0.0j, 1.0j, depth, fixed_to_base=False)
+
+    def touch(self, name: str, mode: Mode, at: Body) -> Touch:
+        """Return the contact of that name, one of ``SUPPORT`` and ``SIDE``."""
+        if name == "face":
+            return self.edge_on_face(mode.edge, at)
+        if name == "corner":
+            return self.corner_on_flat(mode.edge, at, mode.offset)
+        side = RIGHT if name.startswith("right") else LEFT
+        of_side = self.corner_on_wall if name.endswith("wall") else self.edge_on_side
+        return of_side(side, at)
 
     def _touch(
         self, at: Body, place: Any, tangent: Any, normal: Any, reach: Any, *, fixed_to_base: bool
@@ -174,18 +186,10 @@ class Device:
         The two groups of contacts, support and side, are as from ``_group``.
         """
         p, at = self.p, body(z)
-        support = []
-        if mode.face == "on":
-            support.append(self.edge_on_face(mode.edge, at))
-        if mode.right_side == "on":
-            support.append(self.edge_on_side(at, RIGHT))
-        if mode.corner == "on":
-            support.append(self.corner_on_flat(mode.edge, at, mode.offset))
-        if mode.right_wall == "on":
-            support.append(self.corner_on_wall(RIGHT, at))
-        side = [self.edge_on_side(at)] if mode.side == "on" else []
-        if mode.left_wall == "on":
-            side.append(self.corner_on_wall(LEFT, at))
+        support, side = (
+            [self.touch(name, mode, at) for name in group if getattr(mode, name) == "on"]
+            for group in (SUPPORT, SIDE)
+        )
         groups = [
             _group(support, mode.slides, mode.slip_at_corner),
             _group(side, mode.side_slides, mode.slip_at_wall),

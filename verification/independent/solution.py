@@ -1,8 +1,8 @@
 """Runs of the independent solution: events and transitions up to alignment.
 
-It shares no code with ``model``. Events are located on the dense output of scipy's DOP853, and the
-state at an event is integrated anew. It is slow, and has the consistent variant of the equations
-only. insertion.py continues runs in the slot.
+It shares no code with ``model`` but the class ``Parameters``. Events are located on the dense
+output of scipy's DOP853, and the state at an event is integrated anew. It is slow, and has the
+consistent variant of the equations only. insertion.py continues runs in the slot.
 """
 
 import itertools
@@ -16,22 +16,12 @@ from scipy.integrate import DOP853, solve_ivp
 
 from model.physics.parameters import Parameters
 from verification.independent.crossings import Function, first_event
-from verification.independent.motion import (
-    LEFT,
-    RIGHT,
-    Body,
-    Device,
-    Mode,
-    State,
-    Touch,
-    body,
-    highest,
-)
+from verification.independent.motion import LEFT, RIGHT, Body, Device, Mode, State, body, highest
 
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
 _ABSOLUTE = 1e-2  # scipy's atol over its rtol
 _AT_REST = 1e-11  # a slip below this is none
-_NO_LOAD = 1e-11
+_NO_LOAD = 1e-11  # a load, friction force or slip acceleration below this is none
 FLAT = 1e-8  # a part tilted by less rests on its edge
 MOMENT = 1e-5  # time ahead at which friction without load is decided
 _FIRST_STEP = 1e-3
@@ -71,19 +61,6 @@ class Run:
                 "solution, which starts on the edge"
             )
 
-    def touch(self, name: str, mode: Mode, at: Body) -> Touch:
-        """Return the contact of that name."""
-        d = self.device
-        made: dict[str, Callable[[], Touch]] = {
-            "face": lambda: d.edge_on_face(mode.edge, at),
-            "side": lambda: d.edge_on_side(at),
-            "corner": lambda: d.corner_on_flat(mode.edge, at, mode.offset),
-            "right_side": lambda: d.edge_on_side(at, RIGHT),
-            "right_wall": lambda: d.corner_on_wall(RIGHT, at),
-            "left_wall": lambda: d.corner_on_wall(LEFT, at),
-        }
-        return made[name]()
-
     def functions(self, mode: Mode) -> dict[str, Function]:
         """Return the event functions of the mode by name, positive while it holds."""
         d = self.device
@@ -95,10 +72,10 @@ class Run:
         def contact(name: str) -> None:
             state = getattr(mode, name)
             if state == "on":
-                add(f"{name} load", lambda _t, _z, at: self.touch(name, mode, at).load)
+                add(f"{name} load", lambda _t, _z, at: d.touch(name, mode, at).load)
             elif state == "released":
-                add(f"{name} gap", lambda _t, _z, at: self.touch(name, mode, at).depth)
-                add(f"{name} reload", lambda _t, _z, at: -self.touch(name, mode, at).load)
+                add(f"{name} gap", lambda _t, _z, at: d.touch(name, mode, at).depth)
+                add(f"{name} reload", lambda _t, _z, at: -d.touch(name, mode, at).load)
 
         for name in _CONTACTS:
             contact(name)
@@ -232,9 +209,9 @@ class Run:
     def decided(
         self, time: float, z: State, mode: Mode, support_rests: bool, side_rests: bool
     ) -> Mode:
-        """Return the mode with friction that fits the slips; at rest the first consistent one.
+        """Return the mode with friction that fits the slips; at rest the first that is consistent.
 
-        ``support_rests`` and ``side_rests`` tell that the contact stuck before.
+        ``support_rests`` and ``side_rests`` are True if the contact stuck before.
         """
         on_edge = "on" in (mode.face, mode.right_side)
         on_corner = "on" in (mode.corner, mode.right_wall)
@@ -309,7 +286,7 @@ class Run:
             return self._after_meeting(event, RIGHT if what == "right" else LEFT, time, z, mode)
         state = {"reload": "on", "gap": "off", "end": "off", "load": "off"}[event]
         if event == "load" and d.p.contact_damping > 0.0:
-            state = "released" if self.touch(what, mode, at).depth > 0.0 else "off"
+            state = "released" if d.touch(what, mode, at).depth > 0.0 else "off"
         bottom, _, _, top = d.depths(LEFT, at)
         if name == "side end" and top < bottom:
             return "other face"

@@ -23,14 +23,14 @@ from model.compile.outline import outline
 
 PACKAGE = Path(__file__).resolve().parents[1]
 _CHECKSUM = 4  # bytes
-KERNEL_LAYERS = ("compile", "physics", "events", "engines", "runs")
+KERNEL_LAYERS = ("compile", "physics", "events", "engines", "runs")  # folders that hold kernels
 
 
 def kernel_fingerprint() -> str:
     """Hash of numba's version and the code of every file that can hold a kernel (16 hex digits).
 
-    An edit of comments, layout or docstrings keeps it. It is kept on disk by the files' contents,
-    since parsing them takes a second.
+    An edit of comments, layout or docstrings leaves it the same. It is kept on disk under a hash of
+    the files' contents, since parsing them takes a second.
     """
     sources = {
         source.relative_to(PACKAGE).as_posix(): source.read_bytes()

@@ -26,8 +26,8 @@ _SETS: dict[str, "GeneratedKernels"] = {}
 class GeneratedKernels:
     """Set of kernels and integers, passed to other kernels as one argument.
 
-    A kernel that takes a set is compiled for it: integers of the set are constants, and its kernels
-    can be inlined. A set holds no data at run time.
+    A kernel that takes a set is compiled for this set: its integers are constants, and its kernels
+    can be inlined. At run time a set is no data.
 
     Args:
         name: name of the set; sets of the same name have the same type.

@@ -3,7 +3,7 @@
 numba compiles every function to machine code of its own, optimised together with all that it calls,
 and adds wrappers for calls from Python and C. Here a kernel is compiled to intermediate code once,
 as a *part*. Machine code is made only of a *whole*: a kernel that Python calls, linked with its
-parts. This takes a quarter of the compile time (docs/decisions/0025-compiling.md).
+parts. This cuts the compile time to a quarter (docs/decisions/0025-compiling.md).
 
 Subclasses of numba's dispatcher, compiler, code library and cache do this. They override internals,
 which any release of numba may change: hence the upper bound ``NUMBA_BELOW``, also in
@@ -275,10 +275,8 @@ class _Locator(_CacheLocator):
     """
 
     def __init__(self, file: Path) -> None:
-        roots = (
-            PACKAGE,
-            Path(_CACHE_FOLDER).resolve(),
-        )  # which the name of the cache folder stands for
+        # The name of the cache folder stands for the contents of these.
+        roots = (PACKAGE, Path(_CACHE_FOLDER).resolve())
         root = next((each for each in roots if file.is_relative_to(each)), None)
         self._place = str(file.relative_to(root)) if root else str(file)
         self._stamp = "" if root else hashlib.sha256(file.read_bytes()).hexdigest()
@@ -293,7 +291,10 @@ class _Locator(_CacheLocator):
         return _CACHE_FOLDER
 
     def get_source_stamp(self) -> str:
-        """Return what differs once stored code is out of date."""
+        """Return a hash of the file, by which numba finds stored code out of date.
+
+        Empty for files that the name of the cache folder stands for.
+        """
         return self._stamp
 
     def get_disambiguator(self) -> str:
@@ -302,7 +303,7 @@ class _Locator(_CacheLocator):
 
 
 class _StoredResult(CompileResultCacheImpl):
-    """A compiled kernel as the cache stores it."""
+    """numba's conversion of a compiled kernel to what the cache stores, and back."""
 
     _locator_classes: list[type[object]] = [_Locator]  # noqa: RUF012  (as numba declares it)
 
@@ -365,7 +366,7 @@ def inlined_kernel(function: Function) -> Function:
 
 
 def entry_point(function: Function) -> Function:
-    """Return a kernel for frequent short calls from Python: it saves the symbol search, 1 µs."""
+    """Return a kernel for frequent short calls from Python: each saves 1 µs, the symbol search."""
     called: Any = function.whole() if isinstance(function, _Part) else function
     return called
 

@@ -59,6 +59,7 @@ class Writer:
     """Generator of kernels as Python source, which call other kernels by generated names.
 
     Attributes:
+        label: distinguishes its kernels from others of the same names; see ``defined``.
         known: objects that the code refers to, by name.
         members: kernels generated so far, by name.
         sources: files that define the called kernels.
@@ -89,7 +90,7 @@ class Writer:
         self.known[name] = self.members[name]
 
     def choose(self, head: str, choices: Iterator[tuple[int, str]], otherwise: str) -> None:
-        """Make a kernel that returns the expression whose number is ``which``, or ``otherwise``."""
+        """Make a kernel that returns the choice with the number ``which``, or ``otherwise``."""
 
         def lines() -> Lines:
             for number, expression in choices:

@@ -74,11 +74,11 @@ class VectorWriter:
         return self.call("fmuladd", a, b, c)
 
     def vector(self, number: float) -> str:
-        """A vector with ``number`` everywhere."""
+        """A vector with ``number`` in every lane."""
         return f"<{', '.join([str(ir.Constant(_DOUBLE, number))] * WIDTH)}>"
 
     def everywhere(self, count: str) -> str:
-        """A vector with the integer ``count`` of the code everywhere."""
+        """A vector with an integer in every lane; ``count`` is its name in the code."""
         number = self.result(f"sitofp i64 {count} to double")
         one = self.result(f"insertelement {_VECTOR} undef, double {number}, i64 0")
         first = f"<{WIDTH} x i32> zeroinitializer"
@@ -116,7 +116,7 @@ class VectorWriter:
         return self.result(f"fptosi double {number} to i64")
 
     def merged(self, *cases: tuple[str, str]) -> str:
-        """The vector for the block that ran before (phi): cases (block, vector)."""
+        """The vector of the case (block, vector) whose block has just run: LLVM's phi."""
         listed = ", ".join(f"[{value}, %{block}]" for block, value in cases)
         return self.result(f"phi {_VECTOR} {listed}")
 
@@ -144,9 +144,9 @@ class VectorWriter:
 
 
 def vector_function(name: str, write: Callable[[str], VectorWriter]) -> Any:
-    """Make the kernel (block, places) that calls a written function.
+    """Make the kernel (block, places) that calls the function that ``write(name)`` has written.
 
-    Its arguments are pointers to the vectors of the array ``block`` with the numbers ``places``.
+    The function is given pointers to vectors of the array ``block``: those numbered ``places``.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

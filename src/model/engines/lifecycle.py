@@ -90,10 +90,10 @@ _FALL_TIME = 20.0  # longest fall from the loss of contact until the corners are
 
 
 class Control(NamedTuple):
-    """Limits of a run.
+    """Limits and flags of a run.
 
     Attributes:
-        horizon: latest time.
+        horizon: latest time; in the insertion scene once more after alignment.
         max_evaluations: largest number of right-hand-side evaluations.
         settling_noise: difference between periods that counts as none, unless that of the run's
             own tolerance is larger; 0.0 if runs may not stop in periodic steady state.
@@ -242,7 +242,8 @@ def is_counted(mode, p):
 def note_step(length, tilt, force, runs, i):
     """Record an accepted step, with its largest |tilt| and normal force.
 
-    ``max`` returns its first argument if that is NaN: largest values that are not computed stay so.
+    After the fall into the slot only the largest force on its sides counts. ``max`` returns its
+    first argument if that is NaN: largest values that are not computed stay so.
     """
     mode = mode_of(runs, i)
     runs[i, STEPS] += 1.0

@@ -14,7 +14,7 @@ Queue = NDArray[np.int64]
 
 
 def new_queue(waiting: int, threads: int) -> Queue:
-    """Return the queue of all ``threads``, shape (2,): next row, and fair share of a thread."""
+    """Return the queue of all ``threads``, shape (2,): next row, and a thread's share of rows."""
     return np.array([0, -(-waiting // threads)], dtype=np.int64)
 
 

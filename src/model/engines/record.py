@@ -3,7 +3,7 @@
 A batch is an array ``runs`` of shape (runs, SIZE): ``runs[i, TIME]`` is the time that run ``i`` has
 reached. Counts and flags are whole numbers stored as floats. The columns are the fields of
 ``Constants`` and ``RunResult``, working numbers, the state, the mode and, for every event, its
-closest approach in this period and whether it happened.
+closest approach (lowest level) in this period and whether it happened.
 """
 
 from math import isnan

@@ -4,8 +4,8 @@ The fields of ``Results`` are the table, with ``UNVIBRATED_CONTROL`` for the unv
 run. The following are derived from it: the columns in which engines write results (record.py) and
 ``RunResult``, which reads them; ``Alignments`` and ``Trajectory``; the variables of datasets with
 their attributes; the lines that the command line prints; the tolerances of comparisons with the
-reference. To add a result, add a field here, and compute it in a kernel or in the comparison of
-runs (runs/errors.py).
+reference. To add a result, add a field here, and compute it in a kernel or with the error estimates
+(runs/errors.py).
 """
 
 import math
@@ -51,7 +51,7 @@ class Result:
         tolerance: largest difference from the reference; None if it is not compared.
         flags: enumeration of its values, if they are flags.
         line: formats a value as printed; None if it is not printed.
-        estimated: True if it comes from a comparison of several runs.
+        estimated: True if runs/errors.py computes it, False if the engine does.
         stored: True if datasets hold it.
         wide: True for a count that datasets store in eight bytes.
     """
@@ -234,9 +234,9 @@ class RunResult(
 
     The fields are those of ``Results`` that are not ``estimated``, ``time`` of the end,
     ``end_tilt`` there, ``end_on_edge`` (1 if the edge A1 on the bottom face is then the only
-    contact, else 0), ``rejected`` steps, the errors that it carries
-    (``time_error`` of the alignment time, ``end_error`` of the last event's, and the largest of its
-    state; NaN if it carries none) and ``tracked``, the number of rows of a full track.
+    contact, else 0), ``rejected`` steps, the errors that it carries (``time_error`` of the
+    alignment time, ``end_error`` of the time of the event that ends the run, ``largest_error`` of
+    the state; NaN if it carries none) and ``tracked``, the number of rows of a full track.
     """
 
     __slots__ = ()

@@ -29,7 +29,7 @@ from model.physics.motion import is_beside, is_supported, motion, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 NEVER = 1e300  # value of an event function that does not apply
-NOTHING = -1e300  # stands for an unused one of a condition's four quantities
+NOTHING = -1e300  # in place of quantities, where a condition has fewer than four
 ON_AN_EVENT = 1e-8  # an event function below this counts as zero
 FLAT = 1e-8  # a part tilted by less is flat: it rests on its edge
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
@@ -231,7 +231,7 @@ def _off_wall(beside, corner_y):
 
 @inlined_kernel
 def right_corner_in_slot(at, p, _mode):
-    """Negative once B1 is behind the right wall, by less than it is below the plane."""
+    """Negative once B1 has come behind the right wall, less far than it is below the plane."""
     return _off_wall(at.right_corner_x - p.slot_half_width, at.right_corner_y)
 
 
@@ -243,7 +243,10 @@ def left_corner_in_slot(at, p, _mode):
 
 @inlined_kernel
 def right_corner_over_flat(at, p, _mode):
-    """``right_corner_above``, negative only if B1 is less far below the plane than in the wall."""
+    """``right_corner_above``, negative only if B1 is less far below the plane than behind the wall.
+
+    Nearer to the wall than to the plane, it is in the slot: see ``right_corner_in_slot``.
+    """
     _, below, tilt, rise = right_corner_above(at, p, _mode)
     return p.slot_half_width - at.right_corner_x - at.right_corner_y, below, tilt, rise
 
@@ -341,13 +344,13 @@ def depth(at, _p, _mode):
 
 @inlined_kernel
 def before_face_end(at, p, mode):
-    """Negative once the edge has passed the face's end toward the slot."""
+    """Negative once the edge has passed the corner on its own side: A1 B1, or A2 B2."""
     return p.half_width - mode.edge * at.along
 
 
 @inlined_kernel
 def before_far_end(at, p, mode):
-    """Negative once the edge has passed the face's other end."""
+    """Negative once the edge has passed the corner on the other side: A1 B2, or A2 B1."""
     return p.half_width + mode.edge * at.along
 
 
@@ -377,19 +380,19 @@ def support_slip(at, _p, mode):
 
 @inlined_kernel
 def support_reserve(at, p, _mode):
-    """Margin of the friction force of a sticking support to its limit."""
+    """Friction force that a sticking support has left up to its limit, μ n - |T|."""
     return p.friction * at.support_load - abs(at.support_friction)
 
 
 @inlined_kernel
 def side_slip(at, _p, mode):
-    """Slip of the side face in the direction of sliding."""
+    """Slip on the left side in the direction of sliding."""
     return mode.side_slip * at.side_slip
 
 
 @inlined_kernel
 def side_reserve(at, p, _mode):
-    """Margin of the friction force of a sticking side face to its limit."""
+    """Friction force that a sticking left side has left up to its limit."""
     return p.friction * at.side_load - abs(at.side_friction)
 
 

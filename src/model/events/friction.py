@@ -28,7 +28,10 @@ _MOMENT = 1e-5
 
 @kernel
 def _friction_holds(slip_state, friction, load, drive, p):
-    """Return whether a friction state at zero slip is consistent with its forces and drive."""
+    """Return whether a friction state at zero slip agrees with its forces and slip acceleration.
+
+    ``drive`` is the slip acceleration in this state.
+    """
     if slip_state == STICKING:
         return load > 0.0 and abs(friction) <= p.friction * load
     return drive * slip_state >= 0.0
@@ -38,8 +41,8 @@ def _friction_holds(slip_state, friction, load, drive, p):
 def _may_begin(slip_state, friction, drive, least):
     """Return whether an unloaded contact at rest may start in a friction state.
 
-    ``drive`` is the acceleration of the slip without friction. A state against it would end and
-    begin again at once.
+    ``drive`` is the slip acceleration without friction, and ``least`` the load that counts as zero.
+    A state that slides against ``drive`` would end and begin again at once.
     """
     if slip_state == STICKING:
         return abs(friction) <= least
@@ -88,7 +91,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     support_unloaded = support_at_rest and now.support_load <= least
     side_unloaded = side_at_rest and now.side_load <= least
     no_load = support_unloaded or side_unloaded
-    begins = now  # the motion as slip begins; without friction, as there is no load
+    begins = now  # the motion as unloaded contacts begin to slip, and so without friction
     if no_load:
         support_begins = -1 if support_at_rest else sign(now.support_slip)
         side_begins = -1 if side_at_rest else sign(now.side_slip)

@@ -291,7 +291,8 @@ def is_wedged(q, p, mode):
     """Return whether friction alone can hold a part between its two points of contact.
 
     The line through the points then lies inside both friction cones: θ > c/μ for a small tilt θ and
-    the clearance c = (D - d)/D of a peg of width d in a hole of width D.
+    the clearance c = (D - d)/D of a peg of width d in a hole of width D (Whitney, J. Dyn. Syst.
+    Meas. Control 104 (1982) 65-77).
     """
     right = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     if mode.corner != CLOSED:
@@ -311,7 +312,7 @@ def is_wedged(q, p, mode):
 
 @kernel
 def end_in_slot(outcome, reason, q, p, mode):
-    """Outcome and reason of a run that ends after alignment.
+    """Return (outcome, reason) of a run that ends after alignment.
 
     A part is at rest if its motion has settled, or if it sticks at two points at the horizon. It
     has climbed out if a bottom corner is above the plane, even while it bounces.

@@ -101,7 +101,7 @@ def _sample(table: Table, combined: int, write: Writer) -> Lines:
                 yield (
                     f"        f{k}, g{k} = largest({value})"
                     if k < combined
-                    else (f"        f{k} = {value}")
+                    else f"        f{k} = {value}"
                 )
     found = [f"f{k}" for k in range(len(table))] + [f"g{k}" for k in range(combined)]
     yield f"return {', '.join(found)}"
@@ -121,9 +121,7 @@ def _level(table: Table, combined: int, write: Writer) -> Lines:
                 yield f"            return {write.name(function)}(at, p, mode)"
             value = f"{write.name(last[1])}(at, p, mode)"
             yield (
-                f"        return largest({value})[0]"
-                if k < combined
-                else (f"        return {value}")
+                f"        return largest({value})[0]" if k < combined else f"        return {value}"
             )
     yield "return NEVER"
 

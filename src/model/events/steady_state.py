@@ -33,9 +33,10 @@ def _repeats(count, n, states, admitted):
 
 @kernel
 def watched_until(count, states):
-    """Return the last period, as known so far, whose events decide whether the run has settled.
+    """Return the last period in which lowest levels must be recorded, as known so far; 0 for none.
 
-    Before the last n periods, a run that settles has nearly repeated its motion twice.
+    ``settled_period`` needs those of the last n periods, and a run that settles has nearly repeated
+    its motion twice before them.
     """
     last = 0
     for n in range(1, LONGEST_PERIOD + 1):
@@ -67,7 +68,7 @@ def record_closest(count, closest, lowest):
 
 @kernel
 def _difference(count, n, states):
-    """Difference between the states at periods ``count`` and ``count - n``."""
+    """Return the difference between the states at periods ``count`` and ``count - n``."""
     now, then = states[count % HISTORY], states[(count - n) % HISTORY]
     return State(
         now[0] - then[0], now[1] - then[1], now[2] - then[2],
@@ -131,7 +132,7 @@ def _reach(d0, d1, d2, cycles, noise):
 
 @kernel
 def _change(kind, r, p):
-    """Bound of the change of a level of this kind when the state's components change by ``r``.
+    """Return a bound of the change of a level of this kind, if the state's components change by r.
 
     Lengths and slips belong to points of the part at most half its diagonal from the centre. Loads
     are depths and closing rates times the base's stiffness and damping. A friction margin is the

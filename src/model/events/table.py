@@ -21,7 +21,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 Kernel = Callable[..., Any]
 LENGTH, LOAD, FRICTION = range(3)  # how a level depends on the state
-START_TOLERANCE = 1e-9
+START_TOLERANCE = 1e-9  # of levels at the start, which may be zero to rounding
 PLACES_OF_FORCES = "support", "side", "right"  # under the part, left side, right side
 
 
@@ -277,7 +277,7 @@ CONDITIONS: Table = (
 
 CONTACTS: Table = (
     # The edge under the bottom face loses its load; the gap opens; the load returns before the gap
-    # opens; the edge passes the face's end toward the slot, or its far end.
+    # opens; the edge passes the corner on its own side, toward the slot, or the other one.
     *of_contact("face", "face", FACE, transitions.FACE, "support", in_slot=False),
     Event(
         "face_end", FACE, ((functions.on_face, functions.before_face_end),), transitions.face_ends

@@ -113,10 +113,10 @@ def overturned(_time, _q, _p, mode, _declared):
 
 @kernel
 def touching(depth, contact, q, p):
-    """State of a contact that begins at a depth: released if its load is below zero, else closed.
+    """State of a contact that begins at a depth: released if a damped base would not press.
 
-    The load starts below zero at depth zero under the printed damping law (R3), and where bodies
-    that already overlap separate.
+    Else closed. It would not press at depth zero under the printed damping law (R3), nor where
+    bodies that already overlap separate.
     """
     pulls = contact_load(depth, contact.closing_rate, q, p) <= 0.0 and p.contact_damping > 0.0
     return RELEASED if pulls else CLOSED
@@ -276,7 +276,7 @@ def _is_in_slot(time, q, p, mode):
 
 @inlined_kernel
 def face_ends(time, q, p, mode, _declared):
-    """Align, or fall freely: the edge has passed the end of the bottom face toward the slot."""
+    """Align, or fall freely: the edge has passed the corner on its own side."""
     opened = with_face(mode, mode.edge, OPEN)
     if mode.edge == RIGHT_EDGE and _is_in_slot(time, q, p, opened):
         return with_drop(mode), _ALIGNED, _NONE
@@ -316,7 +316,7 @@ def support_turns(time, q, p, mode, _declared):
 
 @inlined_kernel
 def side_turns(time, q, p, mode, _declared):
-    """``support_turns`` for a side face."""
+    """``support_turns`` for the left side."""
     if mode.side_slip != STICKING:
         return decided(time, q, p, mode, False, True)
     at = motion(time, q, p, mode)

@@ -5,9 +5,9 @@
 3. a bottom corner on the flat base: B1 right of the slot, B2 left of it;
 4. a bottom corner on the slot's wall, in the insertion scene: B1 on the right, B2 on the left one.
 
-A row is a triple (x, y, moment). Times a force it is that force's share of the generalized force;
-times (ẋ, ẏ, φ̇) it is the velocity of the touching point along that force (virtual work). In a
-printed variant the force rows differ from the kinematic ones.
+A row (x, y, moment) is the direction of a contact force in the coordinates (x, y, φ): the force
+times the row is the generalized force, and the row times (ẋ, ẏ, φ̇) the velocity of the touching
+point along the force (virtual work). In printed variants rows of forces differ from ``slip_row``.
 """
 
 from math import sqrt
@@ -26,7 +26,7 @@ class Contact(NamedTuple):
     Attributes:
         depth: penetration of the base, positive inside.
         closing_rate: d depth / dτ.
-        along: coordinate of the base's touching point along the tangent.
+        along: coordinate of the base's touching point along the tangent, relative to the part.
         slip: velocity of the part's touching point along the tangent, -d along / dτ.
         slip_drift: d slip / dτ at zero accelerations.
         normal: row of the normal force n.
@@ -54,7 +54,8 @@ def dot(row, x, y, moment):
 def edge_on_face(side, q, p):
     """Return the contact of edge A1 (``side`` = +1) or A2 (-1) with the bottom face in state ``q``.
 
-    d = b + r·e_n, force n e_n + T e_t, torque s n + (b - d) T (eq. 3 with arms R9; U1 R1).
+    Depth d = b + r·e_n, force n e_n + T e_t, torque s n + (b - d) T: equation (3), with the arms of
+    R9 and the sign of U1 of R1.
     """
     place = edge_place(side, q.x, q.y, q.tilt, p)
     c, s = place.cos, place.sin
@@ -78,8 +79,8 @@ def edge_on_face(side, q, p):
 def edge_on_side(edge, q, p):
     """Return the contact of A2 with the left side face, or of A1 with the right one.
 
-    w = s + a at A2 and a - s at A1, force ±(n e_t + T e_n), torque r × F. Printed variants, for A2:
-    D2 as printed for w (R4), and the force entering (3) as at A1 with A2's q (R5).
+    Depth s + a at A2 and a - s at A1, force ±(n e_t + T e_n), + at A2, torque r × F. Only A2 has
+    printed variants: the depth D2 (R4), and the force as it enters (3) at A1, with A2's q (R5).
     """
     place = edge_place(edge, q.x, q.y, q.tilt, p)
     c, s = place.cos, place.sin
@@ -147,7 +148,10 @@ def corner_on_wall(side, q, p):
 
 @inlined_kernel
 def contact_load(depth, closing_rate, q, p):
-    """Return the unclamped normal force k_a d + h_a ḋ, as printed k_a d - h_a √(ẋ² + ẏ²) (R3)."""
+    """Return the normal force k_a d + h_a ḋ, or as printed k_a d - h_a √(ẋ² + ẏ²) (R3).
+
+    It is not clamped: where it is negative, the base would have to pull.
+    """
     if p.printed_contact_damping_law != 0.0:
         speed = sqrt(q.x_rate * q.x_rate + q.y_rate * q.y_rate)
         return p.contact_stiffness * depth - p.contact_damping * speed

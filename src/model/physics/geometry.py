@@ -37,9 +37,9 @@ def bottom_corner(side, x, y, tilt, p):
 
 @inlined_kernel
 def face_coordinate(side, x, tilt, p):
-    """Return the paper's q, signed: A1 or A2 along the bottom face if it lies exactly on the face.
+    """Return the paper's q of A1 or A2: its coordinate along the face if it lies exactly on it.
 
-    q = (±l - x)/cos φ - b tan φ, from the paper's list of dimensionless parameters.
+    q = (±l - x)/cos φ - b tan φ, from the paper's list of dimensionless parameters; A2 has -l.
     """
     s, c = sine_cosine(tilt)
     return (side * p.slot_half_width - x - p.half_height * s) / c

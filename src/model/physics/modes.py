@@ -63,7 +63,10 @@ START = Mode(RIGHT_EDGE, CLOSED, OPEN, 0.0, False, STICKING, OPEN, STICKING, Fal
 
 
 def _changing(arguments: str, **changes: str) -> Any:
-    """Make a kernel (mode, ``arguments``): the mode with fields changed to these expressions."""
+    """Make the kernel that returns a mode with these fields changed to these expressions.
+
+    ``arguments`` are those after ``mode``, each with a comma before it.
+    """
     fields = ", ".join(changes.get(name, f"mode.{name}") for name in Mode._fields)
     code = f"def changed(mode{arguments}):\n    return Mode({fields})\n"
     return kernel(defined("changed", code, {"Mode": Mode, "OPEN": OPEN, "CLOSED": CLOSED}))

@@ -20,7 +20,7 @@ NO_ROW = (0.0, 0.0, 0.0)
 
 
 class Support(NamedTuple):
-    """The contacts that share one friction state, taken together.
+    """The contacts of one group, support or side (see ``Mode``), taken together.
 
     ``load`` is the sum of the normal forces and ``x``, ``y``, ``moment`` their share of (3);
     ``tangent`` is the row of the common friction force, and the rest as in ``Contact``.
@@ -163,9 +163,10 @@ def is_beside(mode):
 
 @inlined_kernel
 def contact_rate(p, mode):
-    """Upper bound of the rate at which pressing contacts oscillate or, overdamped, come to rest.
+    """Return an upper bound of the rate at which contacts oscillate or, overdamped, come to rest.
 
-    A contact moves the part like a mass 1 / (1 + r²/I) at its normal's arm r.
+    It is the larger of √(k_a m) and h_a m, where m is the sum of 1 + r²/I over support and side, if
+    they press: at the arm r of its normal, a contact moves the part like a mass 1 / (1 + r²/I).
     """
     width, height = p.half_width * p.half_width, p.half_height * p.half_height
     mobility = 0.0
@@ -184,7 +185,7 @@ def never_sticks(p):
 
 @inlined_kernel
 def turning(moment, p):
-    """Return φ̈ from a moment; by the reciprocal, a division that all calls share."""
+    """Return φ̈ = moment / I_φ, by the reciprocal of I_φ: a division that all calls share."""
     return moment * (1.0 / p.inertia)
 
 
@@ -196,9 +197,10 @@ def mobility(slip_row, tangent, p):
 
 @inlined_kernel
 def sticking_friction(support_sticks, side_sticks, drive, side_drive, g11, g12, g21, g22):
-    """Return the friction forces (T, T_side) that cancel the slip accelerations where it sticks.
+    """Return the friction forces (T, T_side) that cancel slip accelerations of sticking contacts.
 
-    Solves G T = -drive with the matrix G of mobilities; with slip velocities it gives impulses.
+    Solves G T = -drive with the matrix G of mobilities; zero where a contact does not stick. With
+    slip velocities as drives it gives impulses.
     """
     top, side_top, bottom, side_bottom = -drive, -side_drive, g11, g22
     if support_sticks and side_sticks:

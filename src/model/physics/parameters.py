@@ -97,7 +97,7 @@ def _table(table: type[Table]) -> type[Table]:
 
 
 def check_name(name: str, valid: Sequence[str], what: str) -> None:
-    """Raise ValueError unless ``name`` is in ``valid``; the message names the nearest and all."""
+    """Raise ValueError unless ``name`` is in ``valid``; the message names the closest, and all."""
     if name in valid:
         return
     near = difflib.get_close_matches(name, valid, n=1)
@@ -254,7 +254,10 @@ def _expression(name: str) -> str:
 
 
 def _resolver(**functions: Any) -> Any:
-    """Make the function ``Given`` -> ``Constants``; ``functions`` take numbers, or arrays."""
+    """Make the function ``Given`` -> ``Constants``.
+
+    ``functions`` are ``isnan``, ``choose`` and ``clip``, of numbers or of arrays.
+    """
     lines = [f"    {name}={_expression(name)}," for name in _CONSTANTS]
     code = "\n    ".join(["def resolved(given):", "return Constants(", *lines, ")"])
     return defined("resolved", code, {"Constants": Constants, **functions})
@@ -276,7 +279,10 @@ _resolved_arrays = _resolver(isnan=np.isnan, choose=np.where, clip=np.clip)
 
 @dataclass(frozen=True)
 class Batch:
-    """Parameter sets: ``values[name]`` is an array of shape (n,), where NaN stands for None."""
+    """Parameter sets: ``values[name]`` is an array of shape (n,), where NaN stands for None.
+
+    ``of`` and ``stack`` make checked batches; the constructor does not check.
+    """
 
     values: Mapping[str, NDArray[np.float64]]
 

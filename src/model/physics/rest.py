@@ -27,7 +27,7 @@ Start = Literal["simultaneous", "pressed"]
 """Start of a run: press and vibration set in together, or the part rests before it vibrates."""
 
 _LONGEST_STEP = 1.0 / 16.0  # of the full load
-_SHORTEST_STEP = 1e-4  # of the full load; to this the load at a fold is known
+_SHORTEST_STEP = 1e-4  # of the full load: the accuracy of the load at a fold
 _LARGEST_TURN = 0.05  # change of the tilt in one step, rad
 _ITERATIONS = 30
 _RESOLUTION = 1e-13  # of the equilibrium, in units of the forces and moments that balance
@@ -157,7 +157,7 @@ def _loaded(s, tilt, share, first, p):
 
 @kernel
 def rest_under_press(p):
-    """Return the ``Rest`` of a part that is pressed slowly at its misalignment, tilted by φ_st.
+    """Return the ``Rest`` of a part that is pressed slowly, from x(0) and the tilt φ_st on.
 
     Consistent variants only. The excitation does not act.
     """

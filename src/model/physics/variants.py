@@ -19,9 +19,9 @@ class Variants:
             image, sin φ - μ cos φ. Consistent: μ cos φ - sin φ.
         friction_law: R2. Printed: T = +μ n for any slip. Consistent: Coulomb, with sticking.
         contact_damping_law: R3. Printed: n = k_a d - h_a √(ẋ² + ẏ²), with a speed in place of
-            the closing rate. Consistent: n = k_a d + h_a ḋ. Both are clamped at 0.
-        side_gap: R4, the depth on the left side. Printed: D2, which mixes x and y terms.
-            Consistent: distance of A2 from the line B2 D2.
+            the closing rate. Consistent: n = k_a d + h_a ḋ. Neither pulls: n >= 0.
+        side_gap: R4, the depth on the left side. Printed: the gap D2, which mixes x and y terms.
+            Consistent: distance of A2 from the line through the corners B2 and D2.
         side_force: R5. Printed: n at A2 enters (3) like n at A1, with A2's q. Consistent: the
             force acts along the normal of the side face, e_t.
         preload: R6. Printed: (3) drops y_st, so the axial spring is relaxed at y = 0 and
@@ -58,7 +58,7 @@ class Variants:
 
     @classmethod
     def printed(cls) -> "Variants":
-        """Return the equations as printed in the paper."""
+        """Return the variant with every switch ``"printed"``; R7 has no switch."""
         printed: dict[str, Variant] = dict.fromkeys(VARIANT_NAMES, "printed")
         return cls(**printed)
 

@@ -41,7 +41,7 @@ def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, A
     """Run every parameter set once, without an estimate of its error.
 
     Costs two thirds as much as ``align``; meant for statistics over many sets. Returns the fields
-    of ``RunResult``, each of shape (n,).
+    of ``RunResult`` by name, each of shape (n,), dimensionless.
     """
     rows = settings.rows(batch)
     run = engine_for(settings, cores=cores)
@@ -73,8 +73,9 @@ def align(
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:
+        TypeError: no batch and no sequence of ``Parameters``, or a setting of the wrong type.
         ValueError: an empty batch, fewer than one core, an engine that does not fit, or a setting
-            out of range.
+            that is unknown or out of range.
     """
     settings = settings_with(settings, changes)
     rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)

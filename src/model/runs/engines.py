@@ -23,7 +23,7 @@ Engine = Literal["batch", "scalar"]
 Run = Callable[[Array, Array], Array]
 """(rows, tolerances) -> results; shapes (n, constants), (n,) and (n, fields of RunResult)."""
 
-PROGRESS = logging.getLogger(__name__)  # at level INFO, told how many runs of a long batch are done
+PROGRESS = logging.getLogger(__name__)  # logs at level INFO how many runs of a batch are done
 _PAUSE = 0.5  # s, between two messages
 
 NO_TRACK = np.empty((0, TRACK_COLUMNS))
@@ -53,14 +53,20 @@ def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = Fa
 
 
 def batch_engine_fits(settings: Settings) -> bool:
-    """Return whether the batch engine runs these settings; it is no Python to step through."""
+    """Return whether the batch engine can run these settings.
+
+    It has the consistent variants only, and cannot run as Python without compilation.
+    """
     return settings.readings == Variants.consistent() and not config.DISABLE_JIT
 
 
 def error_carrying_engine(
     settings: Settings, name: Engine | None = None, cores: int = 1
 ) -> Run | None:
-    """Return the batch engine that carries the error of each run, None where it is not chosen."""
+    """Return the batch engine that carries the error of each run.
+
+    None where ``engine_for`` returns the reference engine, which carries none.
+    """
     if name == "scalar" or not batch_engine_fits(settings):
         return None
     return batch_engine(settings, cores, carries_error=True)

@@ -1,11 +1,12 @@
 """Error estimates: from the error that a run carries, or from neighbouring runs.
 
 Carried errors. The batch engine carries the error of a run along (engines/batch/carried_error.py),
-and with it the errors of its times. It runs at a ``FINER``-th of the tolerance. The few sets whose
-error is larger than the tolerance promises are run again at a smaller tolerance. In the second run
-errors may cancel by chance: its estimate is at least that of the first run, times the ratio of the
-tolerances and divided by 4. Whether such a set is sensitive, a neighbour decides: a run from a
-start displaced by the tolerance, which may depart by far more than the run's own error.
+and with it the errors of its times. It runs at the tolerance divided by ``FINER``. The few sets
+whose error is larger than the tolerance promises (``PROMISED``) are run again at a smaller one. In
+the second run errors may cancel by chance: its estimate is at least that of the first run, times
+the ratio of the tolerances and divided by 4. Whether such a set is sensitive, a neighbour decides:
+a run from a start displaced by the tolerance, which may depart by far more than the run's own
+error.
 
 Neighbours. They give the estimate where a run carries no error (reference engine), or one too large
 for the linearised motion, where a part starts nearly flat, or with a gap below the tolerance. A
@@ -36,7 +37,7 @@ from model.physics.parameters import Constants
 from model.runs.engines import Array, Run
 
 FINER = 100.0  # tolerance asked for over the tolerance of runs that carry their error
-COARSER = 16.0
+COARSER = 16.0  # tolerance of a neighbour over that of the run
 SENSITIVE = 1e-4  # difference of two alignment times, or shares, above which they are not the same
 SHARPER = 1e3  # tolerance asked for over the tolerance of a set that is run again
 PROMISED = 100.0  # error over the tolerance above which a set is run again
@@ -53,12 +54,13 @@ class Estimate(NamedTuple):
     """Results of parameter sets with their errors; arrays of shape (n,), ``results`` (n, fields).
 
     Attributes:
-        results: fields of ``RunResult`` of the finer runs.
-        tau_error: NaN where either of the two runs does not align.
-        insertion_error: of the time until inserted; NaN where either of the two is not inserted.
+        results: fields of ``RunResult``, of the run itself, not of a neighbour.
+        tau_error: of the alignment time; NaN where the run, or the neighbour that it is compared
+            with, does not align.
+        insertion_error: of the time until inserted; NaN where either is not inserted.
         sensitive: True for sensitive sets; see the module.
         rhs_evaluations: right-hand-side evaluations of all runs of a set.
-        tolerance: tolerance of the finer runs.
+        tolerance: tolerance of the run.
     """
 
     results: Array
@@ -82,7 +84,8 @@ class Estimate(NamedTuple):
 def estimate(run: Run, rows: Array, tolerance: float, carrying: Run | None = None) -> Estimate:
     """Run every row, shape (n, constants), and estimate its error; see the module.
 
-    ``carrying`` is the engine whose runs carry their errors, if there is one.
+    ``tolerance`` is the tolerance asked for. ``carrying`` is the engine whose runs carry their
+    errors; without one, the errors come from neighbours.
     """
     sharper = tolerance if carrying is None else max(tolerance / FINER, FINEST)
     first = run if carrying is None else carrying
@@ -255,9 +258,9 @@ def _compare(
 ) -> Estimate:
     """Estimate errors from neighbours, whose starts are displaced by the ``tolerance`` of a row.
 
-    For the flag of sensitivity each row is also run from a start displaced by the tolerance
-    ``asked`` for; by default the neighbour decides it. Rows that start nearly flat have another
-    neighbour, tilted more. The rows themselves are not run if their ``results`` are known.
+    If ``asked``, the tolerance asked for, is given, each row is also run from a start displaced by
+    it, for the flag of sensitivity; else the neighbour decides. Rows that start nearly flat have
+    another neighbour, tilted more. Rows are not run themselves if their ``results`` are known.
     """
     p = Constants(*rows.T)
     every = np.arange(len(rows))

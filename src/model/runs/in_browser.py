@@ -89,7 +89,7 @@ _KERNELS: tuple[Any, ...] = (
 
 
 def _function(name: str, size: int, lines: list[str], scene: SceneKernels) -> Function:
-    """Make an exported function from its lines; it first sets its ``size`` numbers to zero."""
+    """Make an exported function from its lines; it first zeroes its memory, ``size`` numbers."""
     known: dict[str, Any] = {each.__name__: each for each in (*_TUPLES, *_KERNELS)}
     known |= {"scene": scene, "method": DOP853.method, "control_in": _control_in}
     head = [f"def {name}({', '.join(_ARGUMENTS)}):", f"array_at(memory, 0, ({size},))[:] = 0.0"]

@@ -39,7 +39,7 @@ class Settings:
             ``INSERTION`` only; by default that of ``Batch.insertion_depths``.
         horizon: latest time τ of a run, > 0, dimensionless.
         tolerance: largest local error of a step, 1e-14 to 1e-2, relative to ``1 + |state|``;
-            ``align`` runs the batch engine at a hundredth of it.
+            ``align`` runs the batch engine at a hundredth of it, but not below 1e-14.
         max_evaluations: largest number of right-hand-side evaluations of one integration, >= 1.
         may_settle: stop a run in periodic steady state, which never aligns.
         alignment_only: end a run at alignment without computing the largest tilt and force:

@@ -87,7 +87,8 @@ def simulate(
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
 
     Raises:
-        ValueError: a setting out of range.
+        TypeError: no ``Parameters`` and no device, or a setting of the wrong type.
+        ValueError: a setting that is unknown or out of range.
     """
     settings = settings_with(settings, changes)
     if isinstance(parameters, Stated):
@@ -104,7 +105,7 @@ def simulate(
 def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
     """Run as ``simulate`` does, without an estimate of the error: ``tau_error`` is NaN.
 
-    Costs a third as much; meant for statistics over many sets.
+    ``sensitive`` is False. Costs a third as much; meant for statistics over many sets.
     """
     rows = settings.rows(Batch.stack([parameters]))
     track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))

@@ -52,6 +52,9 @@ def unvibrated(
         settings: of the vibrated runs; within their horizon the part must come to rest.
         cores: number of threads.
         engine: "batch" or "scalar"; the fastest that fits by default.
+
+    Raises:
+        ValueError: an engine that does not fit.
     """
     still = np.zeros(len(batch))
     controls = Batch({**batch.values, "frequency": still, "phase": still})

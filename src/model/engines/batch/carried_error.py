@@ -66,14 +66,20 @@ def carry_error(length, w, lane, runs, i):
 
 @kernel
 def _derivative(events, which, time, q, p, mode, direction, later):
-    """Derivative of a level at its zero, along ``direction`` and ``later`` of state and time."""
+    """Return the derivative of a level along ``direction`` of the state and ``later`` of time.
+
+    The level is zero at ``q``: one value beside it is enough.
+    """
     ahead, moment = moved(q, _DISPLACEMENT, direction), later * _DISPLACEMENT
     return events.level(which, time + moment, ahead, p, mode) / _DISPLACEMENT
 
 
 @inlined_kernel
 def _keeps_friction(presses, slip, presses_after, slip_after):
-    """Return whether a contact slides on, begins to slide, or no longer presses."""
+    """Return whether no slip ends or reverses, and no contact that begins sticks.
+
+    Then friction stops no slip at once.
+    """
     if presses:
         return not presses_after or slip_after == slip or slip == STICKING
     return not presses_after or slip_after != STICKING
@@ -96,9 +102,9 @@ def _is_continuous(kind, before, after):
 
 @kernel
 def apply_saltation(events, which, q, before, runs, i):
-    """Carry the error of run ``i`` through the event ``which``, which has just changed its mode.
+    """Carry the error of run ``i`` through the event ``which``, after the change of its mode.
 
-    ``q`` and ``before`` are its state and mode at the event.
+    ``q`` and ``before`` are its state at the event and its mode before it.
     """
     time, p, after = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
@@ -120,10 +126,10 @@ def apply_saltation(events, which, q, before, runs, i):
 
 @kernel
 def error_of_time(events, which, q, before, runs, i):
-    """Bound of the error of the time of an event at ``q``, which ends the mode ``before``.
+    """Return a bound of the error of the time of an event at ``q`` that ends the mode ``before``.
 
-    The contributions of the states are summed by size: their errors are estimates, and need not
-    cancel.
+    Contributions of the components of the state are summed by size: their errors are estimates, and
+    need not cancel.
     """
     time, p, error = runs[i, TIME], constants_of(runs, i), state_in(runs, ERROR, i)
     across = 0.0

@@ -232,8 +232,9 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
         quantities_in(which, row, w, i), bounds_of(which, w, i): quantities of a level of several,
             and their bounds.
         applies(which, p, mode): True if a level of several quantities applies.
-        screen(events, applicable, w), find(events, candidates, w): write the candidates.
-        enter_series(which, sign, series, w, i): write the series of a level's quantities; ``sign``
+        screen(events, applicable, w): writes the candidates, by bounds over the whole step.
+        find(events, candidates, w): writes those that remain, with their subintervals.
+        enter_series(which, sign, series, w, i): writes the series of a level's quantities; ``sign``
             is the sign of the argument of its absolute value.
         mode_of_lane(w, i): the ``Mode`` of a lane; kind_of(mode): see ``kind_in``.
         fill_series, fill_errors, sample_series: see series_kernels.py.

@@ -39,7 +39,7 @@ _FINEST = 2.0**-24  # smallest part of a step, which is not divided
 _MOST_PARTS = 64  # parts of a subinterval after which sixteenths of the step are not divided
 _LEAVING = 2.0**-4  # part in which a level of one quantity that starts at zero is assumed monotonic
 _ROOT_ITERATIONS = 60
-_CLOSE = 1e-8  # last relative correction of a root: the error left is of the order of its square
+_CLOSE = 1e-8  # last relative correction of a root; the error left is of the order of its square
 
 
 class SearchMemory(NamedTuple):
@@ -339,7 +339,7 @@ def _is_flat(events, which, until, series, w, lane):
 
 @kernel
 def _is_met(events, which, theta, w, lane):
-    """Return whether the quantities that lanes lack are negative too."""
+    """Return whether the quantity that lanes lack, the rise of a corner, is negative too."""
     p, mode = constants_of_lane(w, lane), events.mode_of_lane(w, lane)
     _, _, _, other = events.quantities(which, 0.0, state_at(theta, w, lane), p, mode)
     return other < 0.0

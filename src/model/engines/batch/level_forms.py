@@ -18,7 +18,7 @@ from model.physics.motion import Motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Constants
 
-Number = float | str  # or an expression of the constants of a run
+Number = float | str  # a number, or source text of the constants of a run
 
 
 def _times(a: Number, b: Number) -> Number:
@@ -198,7 +198,8 @@ def forms_of(
 ) -> tuple[LinearForm, ...] | None:
     """Return the quantities of a level as forms; None if the workspace does not hold its source.
 
-    In a level of several quantities, one that it lacks or that is not known is NOTHING.
+    Of a level's four quantities, one that it lacks is the constant NOTHING, and one that no row
+    holds is not ``is_known``.
     """
     if source not in QUANTITIES[inserts]:
         return None

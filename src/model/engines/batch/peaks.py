@@ -54,7 +54,7 @@ def _peak(row, sign, left, theta, right, w, lane):
     """Maximum of a row times ``sign`` between the fractions ``left`` and ``right`` of the step.
 
     -inf unless the row rises at ``left`` and falls at ``right``. Newton's iteration for the zero of
-    the slope, from ``theta``; a step that would leave the bracket is halved to its middle.
+    the slope, from ``theta``; in place of a step that would leave the bracket, bisection.
     """
     length = w[LENGTH * WIDTH + lane]
     low, time, high = left * length, theta * length, right * length
@@ -115,7 +115,7 @@ def _add(row, to, w, lane):
 
 @inlined_kernel
 def _highest_force(loads, until, known, w, lane):
-    """``_highest`` of the normal force on one side; see ``loads_of``.
+    """``_highest`` of the normal force on support or side; see ``loads_of``.
 
     If edge and corner press, the sum of their loads takes the place of the corner's.
     """

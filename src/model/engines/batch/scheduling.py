@@ -156,7 +156,7 @@ def _carries_error(scene, control, runs, i):
 
 @inlined_kernel
 def _advance(scene, until, history, control, w, lane, runs, i):
-    """Advance by a step, or by its part up to an event; return whether the run continues."""
+    """Advance by a step, or its fraction ``until`` an event; return whether the run continues."""
     length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, TIME]
     if is_watched(runs, i):
         _note_closest(scene.events, until, w, lane, runs, i)

@@ -225,7 +225,7 @@ class EventQuantities(NamedTuple):
 
 
 class Recurrences(NamedTuple):
-    """The series of one kind of mode: accelerations, and ``EventQuantities`` in their order."""
+    """The series of one kind of mode: accelerations (x, y, tilt), and all ``EventQuantities``."""
 
     accelerations: tuple[Sum, Sum, Sum]
     quantities: tuple[Sum, ...]

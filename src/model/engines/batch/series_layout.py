@@ -12,7 +12,9 @@ from copy import copy
 from model.engines.batch.series import STATES, EventQuantities, Recurrences, TaylorSeries
 
 ORDER = 16  # of the series
-ERROR_ORDER = 8  # of the linearised motion; a step may last 3 radians of a contact's oscillation
+# Order of the linearised motion; lower ones fail on stiff bases (decision 3), where a step may last
+# 3 radians of a contact's oscillation.
+ERROR_ORDER = 8
 REMAINDER = 1  # further orders, which estimate what the series omits
 ORDERS = ORDER + REMAINDER + 1  # in memory
 STATE_ROWS = len(STATES)

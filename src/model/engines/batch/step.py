@@ -42,6 +42,7 @@ from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15  # mask
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
+# Below this level of a landing corner, whose rise lanes do not hold, the reference engine decides.
 TOO_FLAT_TO_TELL = 10.0 * FLAT
 # The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
 CURVATURE = FRACTIONS[0] ** 2 / 8.0
@@ -112,7 +113,8 @@ def curvature_bound(row, w, i):
 def stays_above(left, right, bound, least=-ON_AN_EVENT):
     """Return whether a level with this curvature bound stays above zero between two places.
 
-    A level known to rise may begin at ``least``; one known to fall need only end above zero.
+    If its values there differ by more than four bounds, it is monotonic: it may then begin at
+    ``least`` and rise, or fall and end above zero.
     """
     rise = right - left
     return (
@@ -254,7 +256,7 @@ def _at_most(row, w, i):
 
 @inlined_kernel
 def _force_at_most(events, loads, w, i):
-    """Upper bound of the normal force on one side in the step; see ``loads_of``."""
+    """Upper bound of the normal force on support or side in the step; see ``loads_of``."""
     (edge_load, edge), (corner_load, corner) = loads
     force = _at_most(edge_load, w, i) if edge == CLOSED else 0.0
     if events.inserts == 1:

@@ -55,7 +55,7 @@ CONTACTS_AT = FACE_LOAD  # the first row that is neither a state nor a place
 
 @inlined_kernel
 def loads_of(mode):
-    """Return for either side (row of the load, normal state) of its edge and of its corner."""
+    """Return for support and side the pairs (row of the load, normal state) of edge and corner."""
     return (
         ((FACE_LOAD, mode.face), (CORNER_LOAD, mode.corner)),
         ((SIDE_LOAD, mode.side), (WALL_LOAD, mode.wall)),
@@ -85,8 +85,8 @@ constants_of_lane = reader(
 state_in_lane = reader(State, "w, row, i", "w[(row + {}) * WIDTH + i]".format, WIDTH=WIDTH)
 
 
-# Fields of ``Mode`` in which lanes differ in the alignment scene, and further ones in which they
-# differ in the insertion scene. All others are as in ``START``.
+# Fields of ``Mode`` that lanes hold in the alignment scene, and those that they hold as well in the
+# insertion scene. All others are as in ``START``.
 _VARIED = tuple(map(Mode._fields.index, ("face", "support_slip", "side", "side_slip", "dropped")))
 _FIXED = Mode._fields.index("corner_offset")
 _VARIED_IN_SLOT = tuple(n for n in range(len(Mode._fields)) if n not in (*_VARIED, _FIXED))

@@ -21,7 +21,7 @@ NO_EVENT = 2.0  # a fraction of the step beyond its end
 _ROOT_ITERATIONS = 60
 _DIP_ITERATIONS = 12
 _UNEVEN = 8.0  # ratio of the intervals beside a minimum above which they are uneven
-_HALVINGS = 30
+_HALVINGS = 30  # of an interval, in search of the rise of a level that starts at zero
 _STRETCHES = 4  # parts between two samples; in each, quantities are assumed monotonic
 
 
@@ -50,7 +50,7 @@ def _value(events, which, part, theta, time, h, y, dense, p, mode):
 
 @kernel
 def _after_start(events, which, part, high, f_high, time, h, y, dense, p, mode):
-    """Bracket (low, f, high, f) the down-crossing of a level that starts at zero, to rounding.
+    """Return the bracket (low, f, high, f) of the down-crossing of a level that starts at zero.
 
     A mode often starts at a zero of one of its own levels. If the level rises first, the bracket
     lies behind the rise. If it never rises, the mode ends where it starts: the bracket is empty.

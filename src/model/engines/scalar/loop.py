@@ -72,8 +72,8 @@ _NOT_FINITE = int(Reason.NOT_FINITE)
 
 TRACK_COLUMNS = 1 + len(TRACK_VARIABLES)  # time and the variables
 _MOST_SECANTS = 6
-# Longest step, in radians of a pressing contact, where an oscillation of it at the tolerance is
-# worth a load of _LOOSE: longer ones are stable, but their dense output is not accurate.
+# Where the tolerance times a contact's rate (``contact_rate``) exceeds _LOOSE, a step spans at most
+# _MOST_RADIANS of its oscillation: longer ones are stable, but their dense output is not accurate.
 _MOST_RADIANS, _LOOSE = 3.0, 1e-6
 EVENT_RESOLUTION = 3e-3  # last correction of an event's time over sqrt(tolerance)
 
@@ -105,7 +105,10 @@ def new_workspace(method: Method) -> Workspace:
 
 @inlined_kernel
 def _accepted_step(time, h, y, p, mode, method, tolerance, work):
-    """Shrink ``h`` until a step is accepted; return (h or 0, next h, number of rejected steps)."""
+    """Shrink ``h`` until a step is accepted; return (h, next h, number of rejected steps).
+
+    Both lengths are 0 if the step falls below the resolution of time.
+    """
     rejected = 0
     while True:
         take_step(time, h, y, p, mode, method, work.k, work.y_end)
@@ -126,8 +129,8 @@ def _accepted_step(time, h, y, p, mode, method, tolerance, work):
 def _secant_to_event(events, which, f, by, time, length, h, y, p, mode, method, resolution, work):
     """Move the step's end by ``by``, then by the secant method while it halves the level.
 
-    For a level so flat that the dense output does not show its zero. Returns and writes the same as
-    ``_step_to_event``.
+    It serves levels so flat that the dense output does not show their zeros. Returns and writes the
+    same as ``_step_to_event``.
     """
     taken = 0
     for _ in range(_MOST_SECANTS):

@@ -106,7 +106,10 @@ def short_step(time, h, q, p, mode):
 
 @inlined_kernel
 def error_estimate(h, y, y_end, method, k, tolerance):
-    """Local error over tolerance (root mean square over the state); accept a step if <= 1."""
+    """Return the local error over the tolerance; a step is accepted if it is <= 1.
+
+    Root mean square over the state, each component relative to 1 + its size; see ``Tableau.error``.
+    """
     fine, coarse = 0.0, 0.0
     for n in range(STATE_SIZE):
         scale = tolerance * (1.0 + max(abs(y[n]), abs(y_end[n])))

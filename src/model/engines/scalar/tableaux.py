@@ -34,8 +34,8 @@ class Tableau:
     Attributes:
         name: as used in the literature.
         order: of the step.
-        error_order: of the error estimate.
-        stages: evaluations a step.
+        error_order: of the combined error estimate, which falls as h^(error_order + 1).
+        stages: right-hand-side evaluations of a step.
         a: shape (m, m), strictly lower triangular, m >= stages + 1.
         c: shape (m,), row sums of ``a``.
         error: shape (2, m). Estimate h |E1|² / √(|E1|² + 0.01 |E2|²); E2 is zero for a plain pair.
