@@ -7,6 +7,7 @@ from model.study.identification.space import space_of
 
 search = study.identification
 space = stated(space_of(study))
+JUDGED = expand("<results>/identification/final/{number}.json", number=range(search.final.sets))
 
 
 rule search_pool:
@@ -71,9 +72,29 @@ rule search_final:
         "../scripts/search_final.py"
 
 
+rule search_polish:
+    input:
+        JUDGED,
+    output:
+        judged="<results>/identification/polished/{number}.json",
+        record="<results>/identification/polished/{number}.run.json",
+    log:
+        "<results>/logs/search_polish/{number}.log",
+    params:
+        *code("search_polish"),
+        space=space,
+        trials=search.polish.trials,
+        stages=[stated(stage) for stage in search.polish.stages],
+    message:
+        "search: small steps from set {wildcards.number}"
+    script:
+        "../scripts/search_polish.py"
+
+
 rule search_summary:
     input:
-        expand("<results>/identification/final/{number}.json", number=range(search.final.sets)),
+        JUDGED,
+        expand("<results>/identification/polished/{number}.json", number=range(search.polish.sets)),
     output:
         sets="<results>/identification/sets.csv",
         ranges="<results>/identification/ranges.csv",

@@ -59,6 +59,15 @@ class Final(Judged):
     """Number of structures."""
 
 
+class Polish(Judged):
+    """Small steps from the best judged structures; the last grid is the study's own."""
+
+    sets: int = Field(ge=1)
+    """Number of structures, each one job."""
+    trials: int = Field(ge=1)
+    """Number of steps that are tried from each."""
+
+
 class Aims(Strict):
     """What a set should reach besides the claims; see decision 19."""
 
@@ -112,3 +121,5 @@ class Identification(Problem):
     """Rounds of each search; a further round goes on where the last has ended."""
     final: Final
     """Judgement on the study's own grids."""
+    polish: Polish
+    """Steps on the study's own grids."""

@@ -1,4 +1,4 @@
-"""The search: structures drawn from the priors, moved by differential evolution, judged at last.
+"""The search: structures drawn from the priors, moved by differential evolution, judged, polished.
 
 Each part is a function of the parts before it and its own seed, so that a search can be interrupted
 and goes on. Within a structure the figures' operating points are chosen from those of near
@@ -16,13 +16,23 @@ from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from model.study.config.identification import Round, Stage
-from model.study.identification.candidates import Choice, Tried, chosen, costs_alone, tried
+from model.study.identification.candidates import (
+    MISSED,
+    Choice,
+    Numbers,
+    Tried,
+    chosen,
+    costs_alone,
+    meets_limits,
+    tried,
+)
 from model.study.identification.space import Array, Space
 
 _STEPS = (0.01, 0.05, 0.2)  # by which operating points are changed, in widths of their priors
+_SMALL_STEPS = (0.003, 0.01, 0.03)  # of structures at last, in widths of their priors
 _NEW = 0.25  # share of operating points that are drawn from the priors
 _DIFFERENT = 0.02  # distance from which two structures count as different
-_FINAL = 1_000_000  # number of the last judgement, in seeds, beside those of the rounds
+_FINAL, _POLISH = 1_000_000, 1_000_001  # numbers in seeds, beside those of the rounds
 _GIVE_UP = 1.3  # times the least shortfall above which a structure is not judged to its end
 # Figures in the order in which they rule out most structures for the least time.
 _ORDER = ("fig05", "fig10", "fig11", "fig09", "fig07", "fig08", "fig14", "fig13", "fig06", "fig12")
@@ -231,6 +241,49 @@ def final(
     parents = _nearest(point[where], found.points, where)[:60]
     made = judged(space, point[where], parents, stages, random)
     assert made is not None  # noqa: S101  (without a limit none is given up)
-    choice, figures = made
+    return made[0], _datasets(*made)
+
+
+def polish(
+    space: Space, stages: Sequence[Stage], trials: int, number: int, found: Found
+) -> tuple[Choice, Mapping[str, xr.Dataset]]:
+    """Return the ``number``-th best set after small steps, and its datasets on the last grid.
+
+    A step to another structure and other operating points is kept if it falls shorter by less; a
+    set that misses a limit counts as a claim more.
+
+    Args:
+        space: of the search.
+        stages: grids and numbers of operating points of each step.
+        trials: number of steps.
+        number: of the set, from 0.
+        found: judged sets.
+    """
+    where, random = space.places["structure"], _random(space, _POLISH, number)
+    point = found.best(number + 1, _DIFFERENT, where)[-1]
+    unmoved = [stage.model_copy(update={"points": 1}) for stage in stages]
+    best = judged(space, point[where], point[None], unmoved, random)
+    assert best is not None  # noqa: S101  (without a limit none is given up)
+    least = _cost_at_last(space, *best)
+    for _ in range(trials):
+        point = best[0].point
+        step = random.choice(_SMALL_STEPS) * random.normal(size=where.stop)
+        structure = np.clip(point[where] + step, 0.0, 1.0)
+        made = judged(space, structure, point[None], stages, random, least / _GIVE_UP)
+        if made and (cost := _cost_at_last(space, *made)) < least:
+            best, least = made, cost
+    return best[0], _datasets(*best)
+
+
+def _cost_at_last(space: Space, choice: Choice, figures: Mapping[str, Tried]) -> float:
+    """Return the shortfall of a set, and a claim more if it misses a limit."""
+    numbers = {
+        name: Numbers(*figures[name].numbers[row].tolist()) for name, row in choice.picked.items()
+    }
+    return choice.shortfall + (0.0 if meets_limits(space.problem, numbers) else MISSED)
+
+
+def _datasets(choice: Choice, figures: Mapping[str, Tried]) -> dict[str, xr.Dataset]:
+    """Return the datasets of the chosen operating points."""
     picked = [figures[name].datasets[row] for name, row in choice.picked.items()]
-    return choice, {name: dataset for each in picked for name, dataset in each.items()}
+    return {name: dataset for each in picked for name, dataset in each.items()}

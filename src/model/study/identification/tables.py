@@ -13,7 +13,13 @@ from model.study.claims.data import Data
 from model.study.claims.ledger import VERDICTS, judge
 from model.study.claims.regime import regime_of
 from model.study.csv_tables import csv_text, read_rows
-from model.study.identification.candidates import Choice, Numbers, meets_limits, numbers_of
+from model.study.identification.candidates import (
+    MISSED,
+    Choice,
+    Numbers,
+    meets_limits,
+    numbers_of,
+)
 from model.study.identification.search import Found
 from model.study.identification.space import Array, Space, structure_of
 
@@ -66,13 +72,29 @@ def judged_text(space: Space, choice: Choice, datasets: Mapping[str, xr.Dataset]
     )
 
 
+def read_judged(space: Space, paths: Sequence[Path]) -> Found:
+    """Return judged sets; one that misses a limit falls short by a claim more."""
+    sets = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
+    return Found(
+        np.array([space.point(each["values"]) for each in sets]),
+        np.array([_shortfall_at_last(space, each) for each in sets]),
+    )
+
+
+def _shortfall_at_last(space: Space, judged: Mapping[str, Any]) -> float:
+    missed = 0.0 if meets_limits(space.problem, _numbers(judged)) else MISSED
+    return float(judged[_SHORTFALL]) + missed
+
+
 def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
     """Return the tables of all judged sets, and the best one as it stands in the configuration.
 
-    Beside the sets: what they say of each unknown and of each claim.
+    A set that misses a limit counts as a claim more. Beside the sets: what they say of each unknown
+    and of each claim.
     """
     sets = sorted(
-        (json.loads(path.read_text()) for path in paths), key=lambda each: each[_SHORTFALL]
+        (json.loads(path.read_text(encoding="utf-8")) for path in paths),
+        key=lambda each: _shortfall_at_last(space, each),
     )
     rows = [_row(space, each) for each in sets]
     return {
