@@ -2,8 +2,8 @@
 
 A method is *stable* on a case if its outcome is right and its error within the required accuracy,
 *inaccurate* if it gives another answer, *over budget* if it needs more evaluations than it may, and
-*broken* if it gives no answer otherwise. The true solution is the default method's at a far smaller
-tolerance. If two such tolerances disagree, only the outcome is judged.
+*broken* if it gives no answer otherwise. The true solution is that of DOP853 with located events
+at a far smaller tolerance. If two such tolerances disagree, only the outcome is judged.
 
 Every method of the speed-against-error comparison runs the cases of ``spec.every_method``, all
 within the same budget; the compiled ones run the others too. The batch engine (Taylor series) is

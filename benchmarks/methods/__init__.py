@@ -14,10 +14,10 @@ from benchmarks.problems import Problem
 from model.physics.parameters import Parameters
 from model.runs.settings import Settings
 
-_TOGETHER = 16  # trajectories in a batch: the smallest that shows the speed of the package
+_TOGETHER = 16  # runs that spread the cost of a call, where they are short
 
 METHODS: Mapping[str, Method] = {
-    "dop853_located": Package("DOP853, events located (default)", batch=_TOGETHER),
+    "dop853_located": Package("DOP853, events located", "scalar", batch=_TOGETHER),
     "rk4_fixed": FixedSteps("RK4, fixed steps", "rk4"),
     "semi_implicit_euler_fixed": FixedSteps(
         "semi-implicit Euler, fixed steps", "semi_implicit_euler"

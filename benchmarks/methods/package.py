@@ -25,15 +25,13 @@ from model.runs.settings import Settings
 class Package(Method):
     """``align``: all events located, with an error estimate.
 
-    ``solve`` runs ``engine`` or, without one, the engine that ``align`` chooses: the batch engine
-    runs most sets once, with the errors that they carry, the reference engine at least twice. With
-    an ``engine``, answers are its alignment times. States, and all answers without an ``engine``,
-    come from the reference engine, because ``align`` returns no states.
+    The batch engine runs most sets once, with the errors that they carry, the reference engine at
+    least twice. States come from the reference engine, because ``align`` returns none.
     """
 
-    formulation = "align, two runs each with error estimate"
+    formulation = "align, with error estimate"
 
-    def __init__(self, name: str, engine: Engine | None = None, batch: int = 1024) -> None:
+    def __init__(self, name: str, engine: Engine = "batch", batch: int = 1024) -> None:
         self.name, self.engine, self.batch = name, engine, batch
         self.vectorized = engine != "scalar"
 
@@ -46,7 +44,7 @@ class Package(Method):
 
     def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
         """As ``Method.answer``."""
-        if problem.checkpoints or self.engine is None:
+        if problem.checkpoints or self.engine == "scalar":
             return simulated(problem, _settings(problem, resolution))
         return super().answer(problem, resolution, deadline)
 

@@ -221,7 +221,7 @@ def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float])
 
 
 def test_only_vectors_need_a_batch_where_runs_take_long() -> None:
-    in_vectors, one_by_one = METHODS["dop853_located"], Package("scalar", "scalar", batch=16)
+    in_vectors, one_by_one = Package("batch", "batch", batch=16), METHODS["dop853_located"]
     located = in_vectors, one_by_one
     assert [least_batch(how, 1e-3) for how in located] == [16, 16]
     assert [least_batch(how, 0.01) for how in located] == [16, 5]

@@ -16,7 +16,13 @@ from model.study.config.identification import Round, Stage
 from model.study.identification import candidates, search
 from model.study.identification.candidates import Numbers, Tried, short_of, short_of_aims
 from model.study.identification.space import Space, bare_inertia, space_of, structure_of
-from model.study.identification.tables import found_text, judged_text, read_found, summary_texts
+from model.study.identification.tables import (
+    found_text,
+    judged_text,
+    read_found,
+    read_judged,
+    summary_texts,
+)
 from model.study.sweep import sweep_of
 
 COARSE = Stage(grid="tiny", points=2)
@@ -208,6 +214,24 @@ def test_a_part_is_the_same_whenever_it_is_computed(space: Space, tmp_path: Path
     turn = Round(generations=1, population=5, stages=[COARSE])
     moved = search.evolve(space, turn, 0, 0, read)
     assert np.array_equal(moved.points, search.evolve(space, turn, 0, 0, read).points)
+
+
+def test_small_steps_keep_the_best_set_and_count_a_missed_limit(
+    space: Space, tmp_path: Path
+) -> None:
+    found = search.pool(space, 2, [COARSE], 0)
+    path = tmp_path / "judged.json"
+    choice, datasets = search.polish(space, [COARSE], 0, 0, found)
+    path.write_text(judged_text(space, choice, datasets))
+    judged = read_judged(space, [path])
+    assert judged.points[0] == pytest.approx(found.points[0], abs=1e-12)
+    assert judged.shortfalls[0] == pytest.approx(choice.shortfall + candidates.MISSED)
+
+    moved, _ = search.polish(space, [COARSE], 6, 0, judged)
+    again, _ = search.polish(space, [COARSE], 6, 0, judged)
+    assert np.array_equal(moved.point, again.point)
+    assert moved.shortfall < choice.shortfall
+    assert 0.0 < np.abs(moved.point - judged.points[0])[:7].max() < 0.2
 
 
 def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(
