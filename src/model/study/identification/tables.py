@@ -77,24 +77,24 @@ def read_judged(space: Space, paths: Sequence[Path]) -> Found:
     sets = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
     return Found(
         np.array([space.point(each["values"]) for each in sets]),
-        np.array([_shortfall_at_last(space, each) for each in sets]),
+        np.array([each[_SHORTFALL] + MISSED * _misses(space, each) for each in sets]),
     )
 
 
-def _shortfall_at_last(space: Space, judged: Mapping[str, Any]) -> float:
-    missed = 0.0 if meets_limits(space.problem, _numbers(judged)) else MISSED
-    return float(judged[_SHORTFALL]) + missed
+def _misses(space: Space, judged: Mapping[str, Any]) -> bool:
+    """Return whether a judged set misses a limit."""
+    return not meets_limits(space.problem, _numbers(judged))
 
 
 def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
     """Return the tables of all judged sets, and the best one as it stands in the configuration.
 
-    A set that misses a limit counts as a claim more. Beside the sets: what they say of each unknown
-    and of each claim.
+    Sets that miss no limit come first. Beside the sets: what they say of each unknown and of each
+    claim.
     """
     sets = sorted(
         (json.loads(path.read_text(encoding="utf-8")) for path in paths),
-        key=lambda each: _shortfall_at_last(space, each),
+        key=lambda each: (_misses(space, each), each[_SHORTFALL]),
     )
     rows = [_row(space, each) for each in sets]
     return {
@@ -118,7 +118,7 @@ def _row(space: Space, judged: Mapping[str, Any]) -> dict[str, Any]:
     resting = [each["not_resting"] for each in figures.values()]
     row = {
         _SHORTFALL: judged[_SHORTFALL],
-        "meets_limits": meets_limits(space.problem, _numbers(judged)),
+        "meets_limits": not _misses(space, judged),
         **{name.replace(" ", "_"): verdicts.count(name) for name in VERDICTS},
         "not_resting": float(np.mean(resting)),
         "not_resting_most": max(resting),
