@@ -60,7 +60,7 @@ def test_opens_with_the_run_of_python(page: Page) -> None:
 
 def test_a_slider_changes_the_run_and_the_address(page: Page) -> None:
     before = page.results["tau_align"]
-    page.slide("press_force", 4.0)
+    page.slide("press_force", 0.9)
     value = page.evaluate("explorer.state.values.press_force")
     run = simulate(STUDY.parameters("fig05").replace(press_force=value), STUDY.settings.settings)
     assert page.results["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
@@ -112,9 +112,9 @@ def test_a_value_outside_its_rule_is_refused_in_words(page: Page, given: str) ->
     page.evaluate("element('command').click()")
     assert page.text("said").startswith("Not copied: friction")
     # Another value is taken, and nothing runs until the first is mended.
-    page.slide("press_force", 4.0)
+    page.slide("press_force", 2.0)
     assert page.text("verdict") == ""
-    assert page.evaluate("location.hash").startswith(address.partition("&")[0] + "&press_force=4")
+    assert page.evaluate("location.hash").startswith(address.partition("&")[0] + "&press_force=2")
     assert "friction" not in page.evaluate("location.hash")
     page.type_in("friction", "0.1")
     assert page.text("verdict").startswith("Aligned")
@@ -126,7 +126,7 @@ def test_what_is_wrong_in_an_address_is_said(page: Page, url: str) -> None:
     for said in ("figure = fig99", "friction = -1: must be", "mass: is no", "abc:", "vibration ="):
         assert said in page.text("ignored")
     assert page.evaluate("explorer.state.time") == 0.0
-    page.slide("press_force", 4.0)
+    page.slide("press_force", 2.0)
     assert page.text("ignored") == ""
     page.show(f"{url}#figure=fig05&t=99")
     assert "inserted" in page.text("moment")
@@ -249,7 +249,7 @@ def test_a_node_that_is_filled_does_not_align(page: Page, url: str) -> None:
 def test_command_and_device_file_repeat_the_run(
     page: Page, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    page.slide("press_force", 4.0)
+    page.slide("press_force", 2.0)
     page.evaluate("element('command').click()")
     page.wait_for("element('copied').textContent")
     command = shlex.split(page.text("copied"))
