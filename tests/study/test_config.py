@@ -228,7 +228,7 @@ def test_smoke_changes_only_sizes() -> None:
         "results_root", "figures", "maps", "accuracy", "precision", "claims_runs",
         "hard_cases", "identification", "jamming",
     }  # fmt: skip
-    assert set(smoke["identification"]) == {"pool", "starts", "rounds", "final"}
+    assert set(smoke["identification"]) == {"pool", "starts", "rounds", "final", "polish"}
     assert set(smoke["maps"]) == {"resolution", "chunks", "ensemble"}
     assert all(
         run == {"swept": {"count": run["swept"]["count"]}} for run in smoke["claims_runs"].values()

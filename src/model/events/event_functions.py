@@ -243,10 +243,7 @@ def left_corner_in_slot(at, p, _mode):
 
 @inlined_kernel
 def right_corner_over_flat(at, p, _mode):
-    """``right_corner_above``, negative only if B1 is less far below the plane than behind the wall.
-
-    Nearer to the wall than to the plane, it is in the slot: see ``right_corner_in_slot``.
-    """
+    """``right_corner_above``, negative only if B1 is less far below the plane than in the wall."""
     _, below, tilt, rise = right_corner_above(at, p, _mode)
     return p.slot_half_width - at.right_corner_x - at.right_corner_y, below, tilt, rise
 

@@ -31,7 +31,7 @@ class Judged(Strict):
     """Structures that are judged in stages."""
 
     stages: list[Stage] = Field(min_length=1)
-    """How a structure is judged, on one grid after the other."""
+    """Grids on which a structure is judged, one after the other."""
 
 
 class Pool(Judged):
@@ -69,7 +69,7 @@ class Polish(Judged):
 
 
 class Aims(Strict):
-    """What a set should reach besides the claims; see decision 19."""
+    """Aims of a set besides the claims; see decision 19."""
 
     not_resting: float = Field(gt=0.0)
     """Most of the share that does not rest without vibration, in the mean over the figures."""
@@ -90,7 +90,7 @@ class Aims(Strict):
 
 
 class Problem(Strict):
-    """What is searched, and what a set should reach."""
+    """Unknowns that are searched, and aims that a set should reach."""
 
     seed: int = Field(ge=0)
     """Seed of the random draws."""
@@ -101,7 +101,7 @@ class Problem(Strict):
     stated: dict[str, dict[str, float]]
     """Parameters that the paper states of a figure."""
     aims: Aims
-    """What a set should reach besides the claims."""
+    """Aims besides the claims."""
     limits: Aims
     """The same numbers, less strict: missing these costs more."""
     set_aside: dict[str, Text]

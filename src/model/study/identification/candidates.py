@@ -31,7 +31,7 @@ SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on an
 TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope
 AGAINST = 0.5  # of a claim, if it is contradicted rather than shown in part
 AIM, LIMIT = 4.0, 8.0  # claims that an aim and a limit missed by its whole size count as
-MISSED = 1.0  # claims that a set counts as more in small steps, if it misses any limit
+_MISSED = 1.0  # claims that a set counts as more in small steps, if it misses any limit
 _MOST_EXCESS = 2.0
 _PREFERENCE = 0.5  # claims that a friction of twice the preferred one counts as
 _SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is judged alone
@@ -253,6 +253,11 @@ def meets_limits(problem: Problem, numbers: Mapping[str, Numbers]) -> bool:
     return mean <= limits.not_resting and not any(
         _excess(limits, figure, np.array(each)) for figure, each in numbers.items()
     )
+
+
+def shortfall_at_last(problem: Problem, shortfall: float, numbers: Mapping[str, Numbers]) -> float:
+    """Return the shortfall of a set, and a claim more if it misses a limit."""
+    return shortfall + (0.0 if meets_limits(problem, numbers) else _MISSED)
 
 
 def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choice:

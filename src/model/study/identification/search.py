@@ -17,13 +17,12 @@ from scipy.stats import qmc
 
 from model.study.config.identification import Round, Stage
 from model.study.identification.candidates import (
-    MISSED,
     Choice,
     Numbers,
     Tried,
     chosen,
     costs_alone,
-    meets_limits,
+    shortfall_at_last,
     tried,
 )
 from model.study.identification.space import Array, Space
@@ -233,11 +232,8 @@ def final(
     Raises:
         LookupError: there are fewer structures that differ.
     """
-    where = space.places["structure"]
-    best = found.best(number + 1, _DIFFERENT, where)
-    if len(best) <= number:
-        raise LookupError(f"only {len(best)} structures differ: lower final.sets, or search longer")
-    point, random = best[number], _random(space, _FINAL, number)
+    where, random = space.places["structure"], _random(space, _FINAL, number)
+    point = _numbered(found, number, where)
     parents = _nearest(point[where], found.points, where)[:60]
     made = judged(space, point[where], parents, stages, random)
     assert made is not None  # noqa: S101  (without a limit none is given up)
@@ -258,9 +254,12 @@ def polish(
         trials: number of steps.
         number: of the set, from 0.
         found: judged sets.
+
+    Raises:
+        LookupError: there are fewer structures that differ.
     """
     where, random = space.places["structure"], _random(space, _POLISH, number)
-    point = found.best(number + 1, _DIFFERENT, where)[-1]
+    point = _numbered(found, number, where)
     unmoved = [stage.model_copy(update={"points": 1}) for stage in stages]
     best = judged(space, point[where], point[None], unmoved, random)
     assert best is not None  # noqa: S101  (without a limit none is given up)
@@ -275,12 +274,23 @@ def polish(
     return best[0], _datasets(*best)
 
 
+def _numbered(found: Found, number: int, where: slice) -> Array:
+    """Return the ``number``-th best of the sets whose structures differ, from 0."""
+    best = found.best(number + 1, _DIFFERENT, where)
+    if len(best) <= number:
+        raise LookupError(
+            f"only {len(best)} structures differ: lower final.sets and polish.sets, or search "
+            "longer"
+        )
+    return np.asarray(best[number])
+
+
 def _cost_at_last(space: Space, choice: Choice, figures: Mapping[str, Tried]) -> float:
-    """Return the shortfall of a set, and a claim more if it misses a limit."""
+    """Return the ``shortfall_at_last`` of the chosen operating points."""
     numbers = {
         name: Numbers(*figures[name].numbers[row].tolist()) for name, row in choice.picked.items()
     }
-    return choice.shortfall + (0.0 if meets_limits(space.problem, numbers) else MISSED)
+    return shortfall_at_last(space.problem, choice.shortfall, numbers)
 
 
 def _datasets(choice: Choice, figures: Mapping[str, Tried]) -> dict[str, xr.Dataset]:

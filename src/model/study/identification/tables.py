@@ -14,11 +14,11 @@ from model.study.claims.ledger import VERDICTS, judge
 from model.study.claims.regime import regime_of
 from model.study.csv_tables import csv_text, read_rows
 from model.study.identification.candidates import (
-    MISSED,
     Choice,
     Numbers,
     meets_limits,
     numbers_of,
+    shortfall_at_last,
 )
 from model.study.identification.search import Found
 from model.study.identification.space import Array, Space, structure_of
@@ -77,7 +77,9 @@ def read_judged(space: Space, paths: Sequence[Path]) -> Found:
     sets = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
     return Found(
         np.array([space.point(each["values"]) for each in sets]),
-        np.array([each[_SHORTFALL] + MISSED * _misses(space, each) for each in sets]),
+        np.array(
+            [shortfall_at_last(space.problem, each[_SHORTFALL], _numbers(each)) for each in sets]
+        ),
     )
 
 
