@@ -7,11 +7,9 @@
 # make identification  the search for the device, from nothing: hours; a restart goes on
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to
 #                 which finished parts count; SCENE=insertion for devices that fall in
-# make yields     yields of two devices against a million devices each; DEVICES=100000 for fewer
-# make truth      alignment times against heyoka and MuJoCo, insertion against MuJoCo and the independent
-#                 solution, in the environment of `make bench`
+# make truth      alignment times against heyoka and MuJoCo, in the environment of `make bench`
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
-#                 BENCH_FLAGS=--quick for a rough table in three, --maps for maps against full grids
+#                 BENCH_FLAGS=--quick for a rough table in three
 # make nightly    tests that take long: 50 kills, full disks, mutations, the smoke study in two folders
 #                 at one and at two cores (STUDY=full: the whole study), types of the explorer's scripts
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
@@ -45,7 +43,7 @@ unexport PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE
 
 .PHONY: all smoke maps accuracy identification fuzz
 .PHONY: test lint types layers workflow unit environment environment-bench python lock
-.PHONY: yields truth bench nightly script-types browser-test slurm-test docs
+.PHONY: truth bench nightly script-types browser-test slurm-test docs
 .PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -71,10 +69,6 @@ accuracy: environment
 
 identification: environment
 	$(call run_study,identification)
-
-DEVICES ?= 1000000
-yields: environment
-	$(in_env) python -m verification.yields --devices $(DEVICES) --cores $(CORES)
 
 SETS ?= 10000
 SCENE ?= alignment
@@ -142,7 +136,6 @@ bench: environment-bench
 TRUTH_FLAGS ?=
 truth: environment-bench
 	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.truth $(TRUTH_FLAGS)
-	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.slot
 
 # ---------------------------------------------------------------------------------- the environment
 

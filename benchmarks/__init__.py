@@ -15,7 +15,6 @@ The report's sections, with data and CPU times from the workflow:
 - ``plans``: what the sections compute, from the configuration
 - ``work_precision``: cost against true error
 - ``hard_cases``: every method on scenes that are hard to integrate
-- ``fixed_steps``: points of figures that fixed steps get wrong
 - ``report``: the sections and their figures
 
 ``make bench`` runs in an environment of its own (``.venv-bench``), which the study never needs;
@@ -26,6 +25,5 @@ rounds in which all methods take turns. Results: the table on the terminal,
 
 - ``trajectories``: the problems
 - ``table``: settings, times and ratios
-- ``maps``: refined maps against full grids (``--maps`` for these alone)
-- ``truth``, ``slot``: alignment and insertion against heyoka and MuJoCo (``make truth``)
+- ``truth``: alignment against heyoka and MuJoCo (``make truth``)
 """

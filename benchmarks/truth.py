@@ -4,7 +4,7 @@ Sets are drawn by the law of ``make accuracy`` and kept where a run aligns, is n
 meets nothing but the edge A1 under the bottom face, which is what the peers model. heyoka solves
 the peers' own statement of the equations (equations.py) with event location; MuJoCo is given
 bodies, joints and a soft contact, no equations at all. The independent solution in
-``verification.independent`` covers the whole scene: ``make accuracy``, in the slot ``slot.py``.
+``verification.independent`` covers the whole scene: ``make accuracy``.
 
 An error estimate is now and then too small (decision 3): the rule of ``make accuracy`` judges it
 here as well. A set beyond its estimate is run again at a hundredth of the tolerance. Only if the

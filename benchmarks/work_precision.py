@@ -2,31 +2,26 @@
 
 ``make bench`` also uses ``climbed``, the ladder of resolutions, and ``cpu_microseconds``, the time
 of a trajectory. The true solution is that of DOP853 with located events at a far smaller
-tolerance. Errors and evaluations are the same in every build; CPU times are not, and are kept
-apart. In the dataset, the dimension of settings is called ``rung``.
+tolerance. Errors and evaluations are the same in every build; CPU times are not, and are kept in a
+table of their own.
 """
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from benchmarks.methods import METHODS
 from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.plans import PrecisionPlan
 from benchmarks.problems import Floats, Problem, Solution, Verdict, neighbours
 from model.events.outcomes import OUTCOME_TEXT, Outcome
-from model.physics.parameters import PARAMETER_NAMES, Parameters
+from model.physics.parameters import Parameters
 from model.runs.simulate import Trajectory, simulate
 from model.study.csv_tables import read_records, records_text
-from model.study.io import flags, global_attributes, parameter_attributes
-
-NAME = "precision"
 
 
 class CaseError(ValueError):
@@ -35,7 +30,12 @@ class CaseError(ValueError):
 
 @dataclass(frozen=True)
 class Setting:
-    """Result of one method on one case at one resolution, a length of steps or a tolerance."""
+    """Result of one method on one case at one resolution, a length of steps or a tolerance.
+
+    ``error`` is that of the alignment time, or of the state where the case never aligns. ``events``
+    is the number of events that the package locates. ``microseconds`` is the CPU time of one
+    trajectory, NaN if its outcome is wrong.
+    """
 
     case: str
     method: str
@@ -43,17 +43,8 @@ class Setting:
     error: float
     rhs_evaluations: int
     verdict: Verdict
-
-
-@dataclass(frozen=True)
-class TimedSetting(Setting):
-    """A setting with the CPU time of one trajectory, NaN if its outcome is wrong.
-
-    ``events`` is the number of events that the package locates in the trajectory.
-    """
-
-    microseconds: float
     events: int
+    microseconds: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -161,7 +152,7 @@ def climbed(
         yield resolution, solution, seconds
 
 
-def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Iterator[TimedSetting]:
+def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Iterator[Setting]:
     """Yield a method's settings on one case from coarse to fine, up to the first over the limit."""
     problem, how = problem_of(plan, case), METHODS[method]
     events = round(problem.events)
@@ -180,116 +171,12 @@ def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Itera
             microseconds = cpu_microseconds(work, together, known)
         warm = True
         evaluations = solution.evaluations or 0
-        yield TimedSetting(
-            case, method, resolution, error, evaluations, verdict, microseconds, events
-        )
+        yield Setting(case, method, resolution, error, evaluations, verdict, events, microseconds)
         if verdict == Verdict.TOO_MANY_EVALUATIONS:
             return
 
 
-def columns_of(
-    settings: Sequence[Setting], cases: Sequence[str], rungs: int
-) -> dict[str, np.ndarray]:
-    """Return the settings as arrays of shape (cases, methods, rungs), in order along a ladder."""
-    methods = list(METHODS)
-    shape = len(cases), len(methods), rungs
-    columns = {
-        "resolution": np.full(shape, np.nan),
-        "error": np.full(shape, np.nan),
-        "rhs_evaluations": np.zeros(shape, np.int64),
-        "verdict": np.full(shape, Verdict.NOT_TRIED, np.int8),
-    }
-    filled = np.zeros(shape[:2], int)
-    for setting in settings:
-        row = cases.index(setting.case), methods.index(setting.method)
-        for name, column in columns.items():
-            column[(*row, filled[row])] = getattr(setting, name)
-        filled[row] += 1
-    return columns
-
-
-def precision_dataset(
-    plan: PrecisionPlan, truths: Mapping[str, Trajectory], settings: Sequence[Setting]
-) -> xr.Dataset:
-    """Return the settings over case, method and rung, with truth and parameters of each case."""
-    cases, methods = list(plan.cases), list(METHODS)
-    rungs = max(len(plan.ladder.steps), len(plan.ladder.tolerances))
-    variables: dict[str, Any] = {
-        name: (("case", "method", "rung"), column, _VARIABLES[name])
-        for name, column in columns_of(settings, cases, rungs).items()
-    }
-    true_times = [truths[case].tau_align for case in cases]
-    ends = [np.nan if plan.cases[case].until is None else plan.cases[case].until for case in cases]
-    variables["tau_align"] = ("case", true_times, _VARIABLES["tau_align"])
-    variables["until"] = ("case", np.array(ends, float), _VARIABLES["until"])
-    coordinates: dict[str, Any] = {
-        "case": ("case", np.arange(len(cases), dtype=np.int8), _named("case", cases)),
-        "method": ("method", np.arange(len(methods), dtype=np.int8), _named("method", methods)),
-    }
-    for name in PARAMETER_NAMES:
-        values = [plan.cases[case].parameters[name] for case in cases]
-        coordinates[name] = ("case", np.array(values, float), parameter_attributes(name))
-    title = "Speed against error"
-    summary = (
-        "True error and right-hand-side evaluations of each method on one case of each kind of "
-        "motion, by step or tolerance. Located methods: both runs, the one that estimates the "
-        "error included."
-    )
-    attributes = global_attributes(
-        NAME, NAME, plan.identity, title, summary, plan.settings.settings
-    )
-    attributes["true_tolerance"] = plan.ladder.true_tolerance
-    return xr.Dataset(variables, coordinates, attributes)
-
-
-def settings_in(dataset: xr.Dataset) -> list[Setting]:
-    """Return the settings that ``precision_dataset`` stored, in order."""
-    cases, methods = names_of(dataset["case"]), names_of(dataset["method"])
-    resolution, error, evaluations, verdicts = (
-        dataset[name].values for name in ("resolution", "error", "rhs_evaluations", "verdict")
-    )
-    return [
-        Setting(
-            cases[place[0]],
-            methods[place[1]],
-            float(resolution[place]),
-            float(error[place]),
-            int(evaluations[place]),
-            Verdict(int(verdicts[place])),
-        )
-        for place in np.ndindex(verdicts.shape)
-        if verdicts[place] != Verdict.NOT_TRIED
-    ]
-
-
-_VARIABLES: dict[str, dict[str, Any]] = {
-    "resolution": {"long_name": "length of a step, or tolerance", "units": "1"},
-    "error": {
-        "long_name": "true error of the alignment time, or of the state where it never aligns",
-        "units": "1",
-    },
-    "rhs_evaluations": {"long_name": "evaluations of the equations of motion", "units": "1"},
-    "verdict": {"long_name": "what the method made of the case", "units": "1", **flags(Verdict)},
-    "tau_align": {"long_name": "true alignment duration", "symbol": "τ", "units": "1"},
-    "until": {"long_name": "time at which states are compared", "symbol": "τ", "units": "1"},
-}
-
-
-def _named(what: str, names: Sequence[str]) -> dict[str, Any]:
-    return {
-        "long_name": what,
-        "units": "1",
-        "flag_values": np.arange(len(names), dtype=np.int8),
-        "flag_meanings": " ".join(names),
-    }
-
-
-def names_of(coordinate: xr.DataArray) -> list[str]:
-    """Return the names along a coordinate of the dataset: cases or methods."""
-    return str(coordinate.attrs["flag_meanings"]).split()
-
-
-# --- Times --------------------------------------------------------------------------------------
+# --- Times and tables ---------------------------------------------------------------------------
 
 _REPEATS = 5
 _PATIENCE = 0.02  # seconds; a run that takes longer is timed once
@@ -336,15 +223,15 @@ def _cpu_seconds(work: Callable[[int], object], count: int) -> float:
 _FORMATS = {"resolution": "g", "error": ".3e", "microseconds": ".1f"}
 
 
-def timings_table(settings: Sequence[TimedSetting]) -> str:
-    """Return the timed settings as CSV."""
-    return records_text(TimedSetting, settings, _FORMATS)
+def table_of(settings: Sequence[Setting], *, times: bool) -> str:
+    """Return the settings as CSV, with or without CPU times, which differ between builds."""
+    return records_text(Setting, settings, _FORMATS, without="" if times else "microseconds")
 
 
-def read_timings(path: Path) -> list[TimedSetting]:
-    """Return the settings of a table by ``timings_table``.
+def read_settings(path: Path) -> list[Setting]:
+    """Return the settings of a table by ``table_of``; missing times are NaN.
 
     Raises:
         TableError: the file is missing or no such table.
     """
-    return read_records(path, "timings", TimedSetting)
+    return read_records(path, "speed against error", Setting)

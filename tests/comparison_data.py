@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
-from benchmarks import fixed_steps
-from benchmarks.fixed_steps import FIXED_SCHEMES, Wrong
 from benchmarks.hard_cases import BATCH, Judged, Mark
 from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
-from benchmarks.work_precision import TimedSetting
+from benchmarks.work_precision import Setting
 
 NAN = np.nan
 CASES = ("aligned", "sticking", "bouncing", "never_aligning")
@@ -35,56 +32,14 @@ MADE_UP = {
 
 
 @pytest.fixture(scope="session")
-def timed_settings() -> list[TimedSetting]:
+def timed_settings() -> list[Setting]:
     """Made-up settings: only the located method gets to 1e-8; RK4 to 1e-5 in one case."""
     return [
-        TimedSetting(case, method, resolution, error, evaluations, verdict, microseconds, 8)
+        Setting(case, method, resolution, error, evaluations, verdict, 8, microseconds)
         for method, by_case in MADE_UP.items()
         for case, ladder in by_case.items()
         for resolution, error, evaluations, verdict, microseconds in ladder
     ]
-
-
-def _made_up(figure: str, kind: str, names: tuple[str, str], located: np.ndarray) -> xr.Dataset:
-    tau = np.tile(located, (2, 2, 1, 1))
-    tau[0, 0, 0, :2] += 0.5  # RK4, coarse: two wrong times and
-    tau[0, 0, 1, 0] = NAN  # one wrong outcome
-    tau[0, 1, 1, 3] = 2.0  # RK4, fine: aligns where it should not
-    sensitive = np.zeros(located.shape, np.int8)
-    sensitive[0, 0] = 1
-    schemes = {"flag_meanings": " ".join(FIXED_SCHEMES)}
-    return xr.Dataset(
-        {
-            "tau_align": (("scheme", "step", *names), tau),
-            "wrong": (("scheme", "step", *names), fixed_steps.judged(tau, located, 0.1)),
-            "tau_located": (names, located),
-            "sensitive": (names, sensitive),
-        },
-        {
-            "scheme": ("scheme", [0, 1], schemes),
-            "step": ("step", [0.01, 0.001]),
-            **{
-                name: (name, np.arange(1.0, 1.0 + size), {"long_name": name})
-                for name, size in zip(names, located.shape, strict=True)
-            },
-        },
-        {"figure": figure, "figure_kind": kind, "tau_tolerance": 0.1},
-    )
-
-
-@pytest.fixture(scope="session")
-def wrong_datasets() -> dict[str, xr.Dataset]:
-    """Two made-up figures of eight points, of which RK4 gets three wrong, then one."""
-    located = np.array([[5.0, 4.0, 3.5, 3.0], [6.0, 5.0, 4.5, NAN]])
-    made = {
-        "fig06": _made_up("fig06", "curves", ("tilt_stiffness", "press_force"), located),
-        "fig13": _made_up("fig13", "map", ("press_force", "tilt_stiffness"), located),
-    }
-    for dataset in made.values():
-        wrong = dataset["wrong"].values
-        assert (wrong[0, 0] != Wrong.NOT_WRONG).sum() == 3
-        assert (wrong[0, 1] != Wrong.NOT_WRONG).sum() == 1
-    return made
 
 
 @pytest.fixture(scope="session")

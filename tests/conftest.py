@@ -195,10 +195,10 @@ class RecordedStudy:
 
     def compare(self, seconds: str = "") -> None:
         """Files that a job leaves in two folders."""
-        data, times = self.root / "data/precision.nc", self.root / "benchmarks/precision.csv"
-        times.parent.mkdir(parents=True, exist_ok=True)
-        write_dataset(_dataset(), data)
-        times.write_text(f"method,seconds\n{seconds}", encoding="utf-8")
+        data, times = (self.root / folder / "precision.csv" for folder in ("data", "benchmarks"))
+        for path, text in ((data, "method\n"), (times, f"method,seconds\n{seconds}")):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
         self.sidecar("precision", [data, times])
 
     def claims(self) -> None:
@@ -208,11 +208,11 @@ class RecordedStudy:
         data = sorted((self.root / "data").glob("fig*.nc"))
         self.sidecar("claims", [path], data)
 
-    def fixed_steps(self, shift: float = 0.0) -> None:
+    def map(self, shift: float = 0.0) -> None:
         """A dataset with the name of a figure's, in another folder."""
-        path = self.root / "data/fixed_steps/fig06.nc"
+        path = self.root / "data/maps/fig06.nc"
         write_dataset(_dataset(shift), path)
-        self.sidecar("fixed_steps/fig06", [path])
+        self.sidecar("map/fig06", [path])
 
     def fail(self, run: str, text: str) -> None:
         """Files of a job that raises: a log, and nothing else."""

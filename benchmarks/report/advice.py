@@ -3,28 +3,22 @@
 import math
 from collections.abc import Collection, Mapping, Sequence
 from itertools import takewhile
-from typing import TYPE_CHECKING
 
-from benchmarks.fixed_steps import wrong_counts
 from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
-from benchmarks.report.work_precision_plots import TYPICAL_SCHEME
-from benchmarks.work_precision import TimedSetting
-from model.show.words import percent, power, short
-
-if TYPE_CHECKING:
-    import xarray as xr
+from benchmarks.work_precision import Setting
+from model.show.words import power, short
 
 FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared
 
 
-def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, str], TimedSetting]:
+def needs(settings: Sequence[Setting], target: float) -> dict[tuple[str, str], Setting]:
     """Return by (method, case) the cheapest setting with a true error of at most ``target``.
 
     A setting counts only if all finer ones keep the target too: an error that passes through zero
     is luck. A method that does not reach the target on a case has no entry.
     """
-    found: dict[tuple[str, str], TimedSetting] = {}
+    found: dict[tuple[str, str], Setting] = {}
     for method in METHODS:
         for case in dict.fromkeys(setting.case for setting in settings):
             ladder = [
@@ -40,25 +34,21 @@ def needs(settings: Sequence[TimedSetting], target: float) -> dict[tuple[str, st
     return found
 
 
-def advice(
-    settings: Sequence[TimedSetting], wrong: Mapping[str, "xr.Dataset"], titles: Mapping[str, str]
-) -> tuple[str, str, str]:
-    """Return three sentences of advice on the choice of a method, from the measurements.
+def advice(settings: Sequence[Setting], titles: Mapping[str, str]) -> tuple[str, str]:
+    """Return two sentences of advice on the choice of a method, from the measurements.
 
     Args:
         settings: settings of all methods on all cases.
-        wrong: datasets with fixed steps, by figure.
         titles: titles of the cases, by name.
     """
     return (
         _choice("numbers that are compared, fitted or differentiated", settings, FINE, titles),
         _choice("scans and maps", settings, COARSE, titles),
-        f"{_against_fixed_steps(wrong)}.",
     )
 
 
 def _choice(
-    purpose: str, settings: Sequence[TimedSetting], target: float, cases: Collection[str]
+    purpose: str, settings: Sequence[Setting], target: float, cases: Collection[str]
 ) -> str:
     """Return which method to choose for a purpose that asks for an error, and the others' times.
 
@@ -96,20 +86,3 @@ def _choice(
 def _range(rising: Sequence[str]) -> str:
     """Return the first and the last of some words, or one if they are the same."""
     return " to ".join(dict.fromkeys((rising[0], rising[-1])))
-
-
-def _against_fixed_steps(wrong: Mapping[str, "xr.Dataset"]) -> str:
-    counts = {figure: wrong_counts(dataset) for figure, dataset in wrong.items()}
-    steps = dict.fromkeys(step for each in counts.values() for _, step in each)
-    parts = []
-    for step in steps:
-        shares = []
-        for figure, each in counts.items():
-            count = each[TYPICAL_SCHEME, step]
-            share = (count["wrong_outcome"] + count["wrong_time"]) / count["points"]
-            shares.append(f"{percent(share)} of Fig. {int(figure.removeprefix('fig'))}")
-        parts.append(f"{' and '.join(shares)} with h = {step:g}")
-    return (
-        "Choose fixed steps without event location for a first look only: of the points, RK4 "
-        f"gets wrong {', '.join(parts)}"
-    )

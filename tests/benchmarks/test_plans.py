@@ -1,9 +1,8 @@
 """Plans: numbers only, so that a change of wording computes nothing anew."""
 
-import numpy as np
 import pytest
 
-from benchmarks.plans import fixed_step_plan, precision_plan
+from benchmarks.plans import precision_plan
 from model.study.config import Study, load_study, study_path
 
 
@@ -33,20 +32,3 @@ def test_a_case_holds_what_its_figure_holds(study: Study) -> None:
     parameters = precision_plan(study).cases["aligned"].parameters
     assert held
     assert held | case.at == {name: parameters[name] for name in held | case.at}
-
-
-def test_a_sidecar_states_the_values_that_are_kept(study: Study) -> None:
-    plan = fixed_step_plan(study, "fig13").model_copy(update={"every": 50})
-    assert plan.metadata["config_hash"] == plan.identity != plan.sweep.identity
-    stated = {each["parameter"]: each["values"] for each in plan.metadata["dimensions"]}
-    assert list(stated) == [each.parameter for each in plan.sweep.dimensions]
-    for dimension in plan.sweep.dimensions:
-        assert stated[dimension.parameter] == dimension.values[::50]
-
-
-def test_every_nth_value_is_kept_of_axes_and_all_of_a_family(study: Study) -> None:
-    curves = fixed_step_plan(study, "fig06").model_copy(update={"every": 7})
-    grid = np.zeros(curves.sweep.shape)
-    assert grid[curves.kept].shape == (5, -(-240 // 7))
-    area = fixed_step_plan(study, "fig13").model_copy(update={"every": 7})
-    assert np.zeros(area.sweep.shape)[area.kept].shape == (29, 29)

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from benchmarks import work_precision
 from benchmarks.methods import METHODS
@@ -15,22 +14,18 @@ from benchmarks.problems import Floats, Solution, Verdict
 from benchmarks.work_precision import (
     CaseError,
     Setting,
-    TimedSetting,
     Truth,
     cpu_microseconds,
     error_of,
     least_batch,
     measured,
-    names_of,
-    precision_dataset,
-    read_timings,
-    timings_table,
+    read_settings,
+    table_of,
     true_run,
 )
 from model.events.outcomes import Outcome
 from model.runs.simulate import Trajectory
 from model.study.config import load_study, study_path
-from model.study.io import described, read_dataset, write_dataset
 
 STATE = np.zeros(6)
 
@@ -152,41 +147,6 @@ def test_an_error_is_that_of_the_time_or_of_the_state(truths: dict[str, Trajecto
     assert error_of(failed, aligned)[1] == Verdict.FAILED
 
 
-def setting(case: str, method: str, resolution: float, **changes: object) -> Setting:
-    values = {"error": 1e-3, "rhs_evaluations": 100, "verdict": Verdict.RIGHT_OUTCOME} | changes
-    return Setting(case, method, resolution, **values)  # type: ignore[arg-type]
-
-
-def test_the_dataset_holds_the_settings(
-    plan: PrecisionPlan, truths: dict[str, Trajectory], tmp_path: Path
-) -> None:
-    settings = [
-        setting("aligned", "rk4_fixed", 0.01),
-        setting("aligned", "rk4_fixed", 0.001, error=1e-4, rhs_evaluations=1000),
-        setting("bouncing", "scipy_radau", 1e-4, error=math.nan, verdict=Verdict.WRONG_OUTCOME),
-    ]
-    dataset = precision_dataset(plan, truths, settings)
-    assert dataset.sizes == {"case": 4, "method": 7, "rung": 3}
-    assert names_of(dataset["case"]) == list(plan.cases)
-    assert names_of(dataset["method"]) == list(METHODS)
-    row = dataset.isel(case=0, method=list(METHODS).index("rk4_fixed"))
-    np.testing.assert_array_equal(row["error"], [1e-3, 1e-4, np.nan])
-    np.testing.assert_array_equal(row["resolution"], [0.01, 0.001, np.nan])
-    np.testing.assert_array_equal(row["rhs_evaluations"], [100, 1000, 0])
-    verdicts = dataset["verdict"].values
-    assert (verdicts == Verdict.NOT_TRIED).sum() == verdicts.size - 3
-    assert (verdicts == Verdict.WRONG_OUTCOME).sum() == 1
-    assert dataset["tau_align"].values[0] == truths["aligned"].tau_align
-    assert dataset["until"].values.tolist()[3] == 30.0
-    for name, variable in dataset.variables.items():
-        assert variable.attrs["units"], name
-        assert variable.attrs["long_name"], name
-    for name in ("a.nc", "b.nc"):
-        write_dataset(dataset, tmp_path / name)
-    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
-    xr.testing.assert_identical(read_dataset(tmp_path / "a.nc"), described(dataset))
-
-
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """A clock in place of the processor's; what runs moves it."""
@@ -229,15 +189,17 @@ def test_only_vectors_need_a_batch_where_runs_take_long() -> None:
     assert least_batch(METHODS["scipy_rk45"], 1e-6) == 1
 
 
-def test_timings_survive_the_disk(tmp_path: Path) -> None:
+def test_settings_survive_the_disk(tmp_path: Path) -> None:
     settings = [
-        TimedSetting("aligned", "rk4_fixed", 0.01, 1.234e-3, 100, Verdict.RIGHT_OUTCOME, 12.3, 7),
-        TimedSetting("bouncing", "scipy_radau", 1e-4, math.nan, 5, Verdict.FAILED, math.nan, 7),
+        Setting("aligned", "rk4_fixed", 0.01, 1.234e-3, 100, Verdict.RIGHT_OUTCOME, 7, 12.3),
+        Setting("bouncing", "scipy_radau", 1e-4, math.nan, 5, Verdict.FAILED, 7),
     ]
     path = tmp_path / "precision.csv"
-    path.write_text(timings_table(settings), encoding="utf-8")
-    first, second = read_timings(path)
+    path.write_text(table_of(settings, times=True), encoding="utf-8")
+    first, second = read_settings(path)
     assert first == settings[0]
     assert second.verdict == Verdict.FAILED
     assert math.isnan(second.error)
     assert math.isnan(second.microseconds)
+    path.write_text(table_of(settings, times=False), encoding="utf-8")
+    assert math.isnan(read_settings(path)[0].microseconds)

@@ -3,13 +3,13 @@
 import pytest
 import xarray as xr
 
-from tests.comparison_data import judged, timed_settings, wrong_datasets
+from tests.comparison_data import judged, timed_settings
 from tests.show.drawn import DURATIONS, grid
 from tests.show.report_data import datasets, lines, refined, rendered, root, study
 
 __all__ = [
     "datasets", "judged", "lines", "refined", "rendered", "root", "study",
-    "timed_settings", "wrong_datasets",
+    "timed_settings",
 ]  # fmt: skip
 
 

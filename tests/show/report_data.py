@@ -10,7 +10,7 @@ import pytest
 from benchmarks.hard_cases import table_of
 from benchmarks.plans import HARD_PICTURES, PICTURES
 from benchmarks.report import SECTIONS
-from benchmarks.work_precision import timings_table
+from benchmarks.work_precision import table_of as settings_table
 from model.show.report import page as report_page
 from model.show.report.figures import HEAD
 from model.show.report.section import Results
@@ -102,18 +102,17 @@ def refined(datasets):
 
 
 @pytest.fixture(scope="module")
-def root(study, datasets, refined, lines, timed_settings, wrong_datasets, judged, tmp_path_factory):
+def root(study, datasets, refined, lines, timed_settings, judged, tmp_path_factory):
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
     write_dataset(jamming_data(), root / "data/jamming.nc")
     write_dataset(refined, root / f"data/maps/{HEAD}.nc")
-    for name, dataset in wrong_datasets.items():
-        write_dataset(dataset, root / f"data/fixed_steps/{name}.nc")
     (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
     for folder in ("benchmarks", "figures"):
         (root / folder).mkdir()
-    (root / "benchmarks/precision.csv").write_text(timings_table(timed_settings), encoding="utf-8")
+    measured = settings_table(timed_settings, times=True)
+    (root / "benchmarks/precision.csv").write_text(measured, encoding="utf-8")
     (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
     (root / "figures/maps").mkdir()
     drawn = "claims", "jamming", "maps/fig13_vibration"

@@ -123,10 +123,6 @@ REFUSED = [
     ("precision.ladder.steps", [0.1, 0.0], ["steps = [0.1, 0.0]", "> 0"]),
     ("precision.ladder.true_tolerance", 1e-9, ["true_tolerance = 1e-09", "smaller than all"]),
     ("precision.ladder.max_evaluations", 0, ["ladder.max_evaluations = 0", "equal to 1"]),
-    ("precision.fixed_steps.figures", {"fig05": 1}, ["fixed_steps", "'fig05'", "fig06"]),
-    ("precision.fixed_steps.figures", {"fig06": 0}, ["figures.fig06 = 0", "equal to 1"]),
-    ("precision.fixed_steps.steps", [], ["fixed_steps.steps = []", "at least 1"]),
-    ("precision.fixed_steps.tau_tolerance", 0.0, ["tau_tolerance = 0.0", "greater than 0"]),
 ]
 
 
@@ -239,10 +235,7 @@ def test_smoke_changes_only_sizes() -> None:
         for key, value in spec.items():
             assert key == "chunks" or set(value) == {"count"}
     ladder = {"tolerances", "steps", "max_evaluations", "max_evaluations_scipy"}
-    assert {key: set(value) for key, value in smoke["precision"].items()} == {
-        "ladder": ladder,
-        "fixed_steps": {"figures"},
-    }
+    assert {key: set(value) for key, value in smoke["precision"].items()} == {"ladder": ladder}
     hard = {"max_evaluations", "every_method", "base", "cases"}
     assert set(smoke["hard_cases"]) == hard
     assert set(smoke["hard_cases"]["base"]) == {"stiffness", "damping", "until"}

@@ -11,20 +11,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks.fixed_steps import fixed_step_dataset
-from benchmarks.methods import METHODS
-from benchmarks.plans import FixedStepPlan, precision_plan
-from benchmarks.work_precision import Truth, measured, precision_dataset, true_run
 from model import Parameters, Settings
-from model.study.config import (
-    Axis,
-    Ensemble,
-    RunSettings,
-    Span,
-    Study,
-    load_study,
-    study_path,
-)
+from model.study.config import Axis, Ensemble, RunSettings, Span, Study
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset
 from model.study.design_judges import Judges
@@ -81,24 +69,6 @@ def swept(study: Study, name: str) -> xr.Dataset:
     return merge(sweep, name, [run(sweep)])
 
 
-def fixed_steps(study: Study) -> xr.Dataset:
-    plan = FixedStepPlan(sweep=few(study, "fig13"), every=1, steps=[0.05], tau_tolerance=0.1)
-    return fixed_step_dataset(plan, swept(study, "fig13"))
-
-
-def precision() -> xr.Dataset:
-    plan = precision_plan(load_study(study_path()))  # its cases are those of the study's device
-    ladder = plan.ladder.model_copy(update={"tolerances": [1e-3], "steps": [0.05]})
-    cases = dict(list(plan.cases.items())[:2])
-    plan = plan.model_copy(update={"ladder": ladder, "cases": cases})
-    truths = {case: true_run(plan, case) for case in cases}
-    method = next(iter(METHODS))
-    settings = [
-        each for case in cases for each in measured(plan, case, method, Truth.of(truths[case]))
-    ]
-    return precision_dataset(plan, truths, settings)
-
-
 def design() -> xr.Dataset:
     search = Search(Judges(load_device(PEG), [], Settings()))
     search.known |= {(force, 0.3): (1.0, 2.0, 0.1, 20.0, 0.1, np.nan) for force in (8.0, 9.0)}
@@ -119,8 +89,6 @@ def written(
         "chunk": run(few(study, "fig06"), 0, 2),
         "part": part_dataset(forces, 0, 1, compute_part(forces)),
         "map_in_si": map_dataset(in_si, compute_part(in_si), "A map"),
-        "fixed_steps": fixed_steps(study),
-        "precision": precision(),
         "design": design(),
     }
     paths = {kind: tmp_path_factory.mktemp("files") / f"{kind}.nc" for kind in datasets}

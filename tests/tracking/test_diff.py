@@ -32,12 +32,12 @@ def test_earlier_invocations_and_runs_are_compared_by_what_is_kept(recorded) -> 
         assert values["friction"] == (0.12, None)
 
 
-def test_fixed_steps_do_not_stand_for_the_figure_of_their_name(recorded) -> None:
+def test_a_map_does_not_stand_for_the_figure_of_its_name(recorded) -> None:
     names = []
     for shift in (0.0, 0.5):
         invocation = recorded.invocation()
         recorded.merge(shift)
-        recorded.fixed_steps()
+        recorded.map()
         invocation.end("done")
         names.append(invocation.name)
     found = compare(*(snapshot(name, recorded.root) for name in names))
@@ -49,13 +49,13 @@ def test_data_that_are_no_figures_differ_by_their_bytes(recorded) -> None:
     names = []
     for shift in (0.0, 0.0, 0.5):
         invocation = recorded.invocation()
-        recorded.fixed_steps(shift)
+        recorded.map(shift)
         invocation.end("done")
-        names.append(f"fixed_steps/fig06@{invocation.name}")
+        names.append(f"map/fig06@{invocation.name}")
     first, second, third = (snapshot(name, recorded.root) for name in names)
     assert not compare(first, second).differs
     found = compare(first, third)
-    assert found.other_data == ["fixed_steps/fig06: fig06.nc"]
+    assert found.other_data == ["map/fig06: fig06.nc"]
     assert found.differs
 
 

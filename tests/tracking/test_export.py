@@ -45,11 +45,11 @@ def test_results_are_what_the_invocation_made_not_what_replaced_it(built) -> Non
 def test_results_are_placed_where_the_job_left_them(recorded) -> None:
     invocation = recorded.invocation()
     recorded.compare()
-    recorded.fixed_steps()
+    recorded.map()
     invocation.end("done")
     (record,) = load_history(recorded.root)
     assert set(results_of(record, recorded.root)) == {
-        "data/precision.nc", "benchmarks/precision.csv", "data/fixed_steps/fig06.nc",
+        "data/precision.csv", "benchmarks/precision.csv", "data/maps/fig06.nc",
     }  # fmt: skip
 
 

@@ -103,7 +103,7 @@ def test_a_damaged_file_in_another_folder_than_its_sidecar_is_found(recorded) ->
     assert len(discard_damaged(recorded.root)) == 2
     assert not times.exists()
     assert not (recorded.root / "data/precision.run.json").exists()
-    assert (recorded.root / "data/precision.nc").exists()
+    assert (recorded.root / "data/precision.csv").exists()
 
 
 def test_an_invocation_that_ended_well_has_no_failures(recorded) -> None:

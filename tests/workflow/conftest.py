@@ -47,7 +47,6 @@ TINY: dict[str, Any] = {
             "max_evaluations": 20_000,
             "max_evaluations_scipy": 1_000,
         },
-        "fixed_steps": {"figures": {"fig06": 2, "fig13": 2}},
     },
     "hard_cases": {
         "max_evaluations": 2_000,
@@ -148,7 +147,7 @@ class Workspace:
         "tiny/data/fig13.nc",
         "tiny/data/maps/fig13.nc",
     )
-    BESIDE = ("tiny/data/fixed_steps/fig13.nc", "tiny/data/precision.nc")
+    BESIDE = ("tiny/data/precision.csv",)
     PICTURES = tuple(
         f"tiny/figures/{name}.{kind}"
         for name in ("fig01", "fig11", "precision")

@@ -15,8 +15,8 @@ import pytest
 PROJECT = Path(__file__).resolve().parents[2]
 
 LAST = {"report"}
-METHODS = {"precision", "hard_cases", "fixed_steps", "draw_methods", *LAST}
-FIXED = {"fixed_steps", "draw_methods"}
+COMPARED = {"precision", "hard_cases", "draw_methods"}
+METHODS = {*COMPARED, *LAST}
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
 MAPPED = {"map_part", "map"}
@@ -43,8 +43,9 @@ EDITS = [
     ("src/model/study/config/claims.py", *EDIT, {"explorer", *LAST}),
     ("src/model/study/config/settings.py", *EDIT, COMPUTED),
     ("src/model/study/files.py", "0o666", "0o660", EVERYTHING),
-    ("src/model/study/io.py", '"complevel": 4', '"complevel": 5', COMPUTED),
-    ("src/model/study/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0", COMPUTED - {*MAPPED}),
+    ("src/model/study/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
+    ("src/model/study/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0",
+     COMPUTED - {*MAPPED, *COMPARED}),
     ("src/model/study/maps/compute.py", "PERIODS = 0.4", "PERIODS = 0.5",
      {*MAPPED, "plot", "explorer", *LAST}),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
@@ -57,7 +58,7 @@ EDITS = [
     ("src/model/show/report/findings.claims.html.j2", "Thresholds", "on trial", LAST),
     ("src/model/show/explorer/page.main.js", "CELLS = 65", "CELLS = 33", {"explorer", *LAST}),
     # Scripts and pins
-    ("workflow/scripts/merge.py", *EDIT, {"merge", *FIXED, *DRAWN, "explorer"}),
+    ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN, "explorer"}),
     ("workflow/scripts/plot.py", *EDIT, {"plot", *LAST}),
     ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
 ]  # fmt: skip
@@ -144,7 +145,7 @@ STATED = [
     ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     ({"figures": {"fig13": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     # The picture is that of the refined map, with the figure's own points that do not go in.
-    ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *FIXED, *DRAWN}),
+    ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
     ({"claims_runs": {"rubbing": {"held": {"frequency": 0.6}}}},
      {"claims_runs", "plot", "explorer", *JUDGED}),

@@ -1,18 +1,14 @@
-"""Comparison of methods: speed against error, figures with fixed steps, and hard cases.
+"""Comparison of methods: speed against error, and hard cases.
 
 Errors and evaluations are the same in every build. CPU times are not: they are kept in benchmarks/,
 and nothing in data/ or figures/ is made from them.
 """
 
-from benchmarks.plans import fixed_step_plan, hard_cases_plan, precision_plan
+from benchmarks.plans import hard_cases_plan, precision_plan
 
-fixed_steps = expand(
-    "<results>/data/fixed_steps/{figure}.nc", figure=study.precision.fixed_steps.figures
-)
 drawn_from = {
-    "evaluations": ["<results>/data/precision.nc"],
+    "evaluations": ["<results>/data/precision.csv"],
     "times": ["<results>/benchmarks/precision.csv"],
-    "wrong_points": fixed_steps,
     **dict.fromkeys(HARD_PICTURES, ["<results>/data/hard_cases.csv"]),
 }
 
@@ -42,7 +38,7 @@ rule precision:
     input:
         "<results>/data/unlocated_kernels.json",
     output:
-        data="<results>/data/precision.nc",
+        data="<results>/data/precision.csv",
         times="<results>/benchmarks/precision.csv",
         record="<results>/data/precision.run.json",
     log:
@@ -74,27 +70,6 @@ rule hard_cases:
         "every method on every hard case"
     script:
         "../scripts/hard_cases.py"
-
-
-rule fixed_steps:
-    input:
-        "<results>/data/unlocated_kernels.json",
-        located="<results>/data/{figure}.nc",
-    output:
-        data="<results>/data/fixed_steps/{figure}.nc",
-        record="<results>/data/fixed_steps/{figure}.run.json",
-    log:
-        "<results>/logs/fixed_steps/{figure}.log",
-    wildcard_constraints:
-        figure="|".join(study.precision.fixed_steps.figures),
-    priority: 2
-    params:
-        *code("fixed_steps"),
-        plan=lambda wildcards: stated(fixed_step_plan(study, wildcards.figure)),
-    message:
-        "{wildcards.figure}: computing it anew with fixed steps"
-    script:
-        "../scripts/fixed_steps.py"
 
 
 rule draw_methods:

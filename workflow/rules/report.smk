@@ -60,7 +60,6 @@ rule report:
         expand("<results>/benchmarks/{table}.csv", table=["precision", "hard_cases"]),
         "<results>/data/jamming.nc",
         "<results>/claims.csv",
-        fixed_steps,
     output:
         page=report(
             "<results>/report.html",

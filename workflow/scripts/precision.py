@@ -4,28 +4,19 @@ from pathlib import Path
 
 from benchmarks.methods import METHODS
 from benchmarks.plans import PrecisionPlan
-from benchmarks.work_precision import (
-    Truth,
-    measured,
-    precision_dataset,
-    timings_table,
-    true_run,
-)
+from benchmarks.work_precision import Setting, Truth, measured, table_of, true_run
 from model.study.files import write_text
-from model.study.io import write_dataset
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:
     plan = PrecisionPlan.model_validate(snakemake.params.plan)
-    truths = {case: true_run(plan, case) for case in plan.cases}
-    settings = [
-        each
-        for case in plan.cases
-        for method in METHODS
-        for each in measured(plan, case, method, Truth.of(truths[case]))
-    ]
-    write_dataset(precision_dataset(plan, truths, settings), Path(snakemake.output.data))
-    write_text(timings_table(settings), Path(snakemake.output.times))
+    settings: list[Setting] = []
+    for case in plan.cases:
+        truth = Truth.of(true_run(plan, case))
+        for method in METHODS:
+            settings += measured(plan, case, method, truth)
+    write_text(table_of(settings, times=False), Path(snakemake.output.data))
+    write_text(table_of(settings, times=True), Path(snakemake.output.times))
     metadata |= {"config_hash": plan.identity, "settings": plan.settings.model_dump(mode="json")}
     metadata["counts"] = {
         "trajectories": len(settings),

@@ -1,12 +1,8 @@
-"""Comparison of methods: work and precision, figures with fixed steps, hard cases."""
-
-from typing import Annotated
+"""Comparison of methods: work and precision, hard cases."""
 
 from pydantic import Field, model_validator
 
-from model.physics.parameters import check_name
 from model.study.config.base import Falling, ParameterValues, Strict, Text, Tolerance
-from model.study.config.figures import GRIDDED
 
 
 class Case(Strict):
@@ -54,23 +50,6 @@ class Ladder(Strict):
         return self
 
 
-class FixedSteps(Strict):
-    """Figures computed with fixed steps, to count wrong points."""
-
-    steps: Falling
-    """Step lengths, falling."""
-    tau_tolerance: float = Field(gt=0.0)
-    """Largest error of a correct alignment time."""
-    figures: dict[str, Annotated[int, Field(ge=1)]] = Field(min_length=1)
-    """By figure, n: every n-th value along its axes is computed."""
-
-    @model_validator(mode="after")
-    def _can_be_run(self) -> "FixedSteps":
-        for name in self.figures:
-            check_name(name, GRIDDED, "figure with a grid")
-        return self
-
-
 class Precision(Strict):
     """Section on speed against error."""
 
@@ -78,8 +57,6 @@ class Precision(Strict):
     """Cases that are compared, by name."""
     ladder: Ladder
     """Tolerances and steps of the methods."""
-    fixed_steps: FixedSteps
-    """Figures computed with fixed steps."""
 
 
 class HardCase(Strict):
