@@ -218,9 +218,9 @@ class Workspace:
         """Run Snakemake to its end, every job in a Python of its own."""
         return self._run(*self.command(*arguments, cores=cores), **options)
 
-    def forked(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+    def forked(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
         """As ``snakemake``, by PRELOADED and in a fraction of the time."""
-        return self._run(self.preloaded, *self.command(*arguments)[1:])
+        return self._run(self.preloaded, *self.command(*arguments, cores=cores)[1:])
 
     def start(self, *arguments: str) -> subprocess.Popen[bytes]:
         """Start Snakemake in a process group of its own."""
