@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.hard_cases import read_judged
-from benchmarks.work_precision import read_timings
+from benchmarks.work_precision import read_settings
 from model import Batch, Parameters, Scene, Variants, align, simulate
 from model.study.csv_tables import TableError
 from model.study.io import DatasetError, read_dataset
@@ -70,7 +70,7 @@ def test_a_dataset(tmp_path, make):
     assert "build it again" in str(refusal.value)
 
 
-TABLES = {"hard cases": read_judged, "timings": read_timings}
+TABLES = {"hard cases": read_judged, "speed against error": read_settings}
 
 
 @pytest.mark.parametrize("read", TABLES.values(), ids=list(TABLES))
