@@ -15,7 +15,7 @@ from model import ALIGNMENT, Batch, Parameters, Scene, Variants
 from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory
-from model.engines.scalar.step import dense_output, interpolate, right_hand_side, take_step
+from model.engines.scalar.step import interpolate
 from model.engines.scalar.tableaux import DOP853
 from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
@@ -23,6 +23,7 @@ from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, OPEN, START, Mode
 from model.physics.notation import State
 from model.physics.parameters import Constants
+from tests.engines.steps import Steps
 
 LOCKED = 1e12
 """An inertia so large that no moment of these scenes turns the part."""
@@ -112,15 +113,10 @@ class SteppedRun:
 
     def places(self, step: Step, fractions: np.ndarray) -> list[tuple[float, State]]:
         """(time, state) at fractions of a step, by its dense output."""
-        method = DOP853.method
-        k, end, trial = np.empty((method.c.size, 6)), np.empty(6), np.empty(6)
-        dense = np.empty((6, method.dense.shape[1]))
-        length = step.end - step.time
-        right_hand_side(step.time, step.state, self.p, step.mode, k[0])
-        take_step(step.time, length, step.state, self.p, step.mode, method, k, end)
-        dense_output(step.time, length, step.state, self.p, step.mode, method, k, trial, dense)
+        taken, length = Steps(self.p), step.end - step.time
+        taken.dense_step(step.time, length, step.state, step.mode)
         return [
-            (step.time + theta * length, interpolate(theta, length, step.state, dense))
+            (step.time + theta * length, interpolate(theta, length, step.state, taken.dense))
             for theta in fractions
         ]
 
