@@ -88,7 +88,7 @@ def test_an_event_that_is_nearly_reached_forbids_settling(first_settled):
     assert first_settled(states, closest=1e-6, which=FACE_LOAD) is None
 
 
-# ---------------------------------------------------------- a creep under a transient
+# ------------------------------------------------------------------------ a creep under a transient
 
 # Stick-slip that moves the part 2e-5 toward the slot in each period, a little more each time.
 CREEPING = Parameters(
