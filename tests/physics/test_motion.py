@@ -260,14 +260,6 @@ def test_sum_of_forces_on_the_sliding_corner(device, constants, random_states, r
         assert (at.support_load, at.support_slip) == pytest.approx(corner[:2], rel=1e-11, abs=1e-11)
 
 
-def test_a_corner_with_an_offset_carries_only_the_depth_beyond_it(device, constants):
-    # The corner stands 0.05 deep and began at 0.03: n = 100 (0.05 - 0.03) = 2, upright and at rest.
-    p = constants(device.replace(friction=0.0))
-    q = State(1.0, p.half_height - 0.05, 0.0, 0.0, 0.0, 0.0)
-    mode = ON_CORNER._replace(corner_offset=0.03, support_slip=SLIP_POSITIVE)
-    assert motion(0.0, q, p, mode).support_load == pytest.approx(2.0, abs=1e-12)
-
-
 def test_edge_and_corner_under_one_face_share_friction_by_their_loads(device, constants):
     # Upright, 0.05 deep, corner from 0.03: n_edge = 5, n_corner = 2, in all 7. Both frictions point
     # along x; the edge's stands b - 0.05 below C, the corner's b.
