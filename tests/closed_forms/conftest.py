@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from model import ALIGNMENT, Batch, Parameters, Scene, Variants
+from model.compile.jit import entry_point
 from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory
@@ -69,7 +70,7 @@ class SteppedRun:
         noise = NOISE * tolerance * (scene is not ALIGNMENT)
         control = Control(horizon, 50_000_000, noise, alignment_only=0.0, pressed=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
-        kernels = in_kernels(scene)
+        kernels, step = in_kernels(scene), entry_point(advance)
         begin(row, tolerance, kernels, control, runs, 0)
         if state is not None:
             runs[0, OUTCOME], runs[0, REASON] = CONTINUES, 0.0
@@ -78,7 +79,7 @@ class SteppedRun:
             runs[0, TAU_ALIGN] = tau_align
         while runs[0, OUTCOME] == CONTINUES:
             time, before, mode = runs[0, TIME], runs[0, STATE : STATE + 6].copy(), _mode(runs)
-            advance(kernels, DOP853.method, control, track, single.history, single.work, runs, 0)
+            step(kernels, DOP853.method, control, track, single.history, single.work, runs, 0)
             after = runs[0, STATE : STATE + 6].copy()
             self.steps.append(Step(time, before, mode, runs[0, TIME], after, _mode(runs)))
             if until(self):

@@ -213,15 +213,18 @@ every_reading = pytest.mark.parametrize("readings", READINGS.values(), ids=list(
 
 @every_reading
 @pytest.mark.parametrize("edge", [RIGHT_EDGE, LEFT_EDGE])
-def test_sum_of_forces_on_the_sliding_face(device, constants, random_states, readings, edge):
+@pytest.mark.parametrize("at_edge", [START, ON_CORNER], ids=["face", "corner"])
+def test_sum_of_forces_on_one_sliding_contact(
+    device, constants, random_states, at_edge, edge, readings
+):
     p = constants(device, readings)
     signs = set()
     for state in random_states(30, seed=2):
         here = Reference(1.3, state, device, readings)
-        contact = here.face(edge)
+        contact = here.face(edge) if at_edge is START else here.corner(edge)
         sign = slip_sign(readings, contact[1])
         signs.add(np.sign(contact[1]))
-        at = motion(1.3, State(*state), p, START._replace(edge=edge, support_slip=sign))
+        at = motion(1.3, State(*state), p, at_edge._replace(edge=edge, support_slip=sign))
         assert accelerations(at) == pytest.approx(here.accelerations(contact), rel=1e-11, abs=1e-11)
         assert (at.support_load, at.support_slip) == pytest.approx(
             contact[:2], rel=1e-11, abs=1e-11
@@ -244,20 +247,6 @@ def test_sum_of_forces_with_face_and_side(device, constants, random_states, read
         expected = here.accelerations(face, side)
         assert accelerations(at) == pytest.approx(expected, rel=1e-11, abs=1e-11)
         assert (at.side_load, at.side_slip) == pytest.approx(side[:2], rel=1e-11, abs=1e-11)
-
-
-@every_reading
-@pytest.mark.parametrize("edge", [RIGHT_EDGE, LEFT_EDGE])
-def test_sum_of_forces_on_the_sliding_corner(device, constants, random_states, readings, edge):
-    p = constants(device, readings)
-    for state in random_states(20, seed=4):
-        here = Reference(2.0, state, device, readings)
-        corner = here.corner(edge)
-        sign = slip_sign(readings, corner[1])
-        mode = ON_CORNER._replace(edge=edge, support_slip=sign)
-        at = motion(2.0, State(*state), p, mode)
-        assert accelerations(at) == pytest.approx(here.accelerations(corner), rel=1e-11, abs=1e-11)
-        assert (at.support_load, at.support_slip) == pytest.approx(corner[:2], rel=1e-11, abs=1e-11)
 
 
 def test_edge_and_corner_under_one_face_share_friction_by_their_loads(device, constants):
