@@ -16,8 +16,9 @@ from benchmarks.table import Row, compare, text, write  # noqa: E402
 from benchmarks.trajectories import all_problems  # noqa: E402
 from model.compile.cache import kernel_fingerprint  # noqa: E402
 
-_PLAN = argparse.Namespace(points=40, neighbours=8, budget=20.0, rounds=5)
-_QUICK = argparse.Namespace(points=10, neighbours=4, budget=8.0, rounds=3)
+# Points of a figure, neighbours of a trajectory, CPU seconds of a ladder, rounds of timing.
+_PLAN = 40, 8, 20.0, 5
+_QUICK = 10, 4, 8.0, 3
 
 
 def _say(line: str) -> None:
@@ -28,21 +29,18 @@ def main() -> None:
     """Run the benchmark that the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a rough table within three minutes")
-    parser.add_argument("--problems", nargs="*", metavar="NAME", help="W1, W2, W3, fig06, fig13")
-    parser.add_argument("--output", type=Path, default=Path("results/benchmarks"))
     arguments = parser.parse_args()
-    plan = _QUICK if arguments.quick else _PLAN
-    methods = all_methods(_say)
+    points, neighbours, budget, rounds = _QUICK if arguments.quick else _PLAN
+    methods, folder = all_methods(_say), Path("results/benchmarks")
     table: list[Row] = []
-    for problem in all_problems(plan.points, plan.neighbours):
-        if problem.name in (arguments.problems or [problem.name]):
-            rows = compare(problem, methods, plan.budget, plan.rounds)
-            _say(text(rows) + "\n")
-            table += rows
+    for problem in all_problems(points, neighbours):
+        rows = compare(problem, methods, budget, rounds)
+        _say(text(rows) + "\n")
+        table += rows
     machine = {"quick": arguments.quick, "kernels": kernel_fingerprint()}
     machine |= facts([*(method.package for method in methods), "numpy", "numba"])
-    write(table, machine, arguments.output)
-    _say(f"kept in {arguments.output}")
+    write(table, machine, folder)
+    _say(f"kept in {folder}")
 
 
 if __name__ == "__main__":

@@ -33,7 +33,6 @@ class Verdict(IntEnum):
     WRONG_OUTCOME = 1
     FAILED = 2
     TOO_MANY_EVALUATIONS = 3
-    NOT_TRIED = 4
 
 
 @dataclass(frozen=True)

@@ -80,8 +80,13 @@ def by_heyoka(sets: Sets) -> tuple[Floats, Floats]:
     return fine, np.abs(fine - coarse) + _HEYOKA_TOLERANCES[1]
 
 
-def suspension(p: Parameters) -> str:
-    """Return joints and inertia of the part for MuJoCo."""
+def _scene(p: Parameters) -> str:
+    """Return MuJoCo's scene; the joints of the mass centre are relaxed where the springs are.
+
+    MuJoCo pushes a ball out of a box by the nearest face. On a soft base A1 is often deeper behind
+    the bottom face than it is away from the end of the face. The box is therefore longer than the
+    part; this matters only after A1 has passed the part's end.
+    """
     rest_x = p.misalignment if p.rest_x is None else p.rest_x
     rest_y = p.half_height if p.rest_y is None else p.rest_y
 
@@ -94,32 +99,18 @@ def suspension(p: Parameters) -> str:
         )
 
     return f"""
-      {joint("x", "slide", "1 0 0", p.lateral_stiffness, p.lateral_damping, rest_x)}
-      {joint("y", "slide", "0 1 0", 1.0, p.axial_damping, rest_y)}
-      {joint("tilt", "hinge", "0 0 1", p.tilt_stiffness, p.tilt_damping, p.rest_tilt)}
-      <inertial pos="0 0 0" mass="1" diaginertia="{p.inertia!r} {p.inertia!r} {p.inertia!r}"/>"""
-
-
-OPTIONS = f"""<compiler angle="radian" autolimits="true"/>
-  <option timestep="{_TIME_STEP}" gravity="0 0 0" integrator="implicitfast" cone="elliptic"
-    impratio="{_NO_CREEP}"/>"""
-
-
-def _scene(p: Parameters) -> str:
-    """Return MuJoCo's scene; the joints of the mass centre are relaxed where the springs are.
-
-    MuJoCo pushes a ball out of a box by the nearest face. On a soft base A1 is often deeper behind
-    the bottom face than it is away from the end of the face. The box is therefore longer than the
-    part; this matters only after A1 has passed the part's end.
-    """
-    return f"""
 <mujoco>
-  {OPTIONS}
+  <compiler angle="radian" autolimits="true"/>
+  <option timestep="{_TIME_STEP}" gravity="0 0 0" integrator="implicitfast" cone="elliptic"
+    impratio="{_NO_CREEP}"/>
   <worldbody>
     <geom type="sphere" size="{_EDGE_RADIUS}" pos="{p.slot_half_width!r} {-_EDGE_RADIUS} 0"
       contype="1" conaffinity="2"/>
     <body name="part">
-      {suspension(p)}
+      {joint("x", "slide", "1 0 0", p.lateral_stiffness, p.lateral_damping, rest_x)}
+      {joint("y", "slide", "0 1 0", 1.0, p.axial_damping, rest_y)}
+      {joint("tilt", "hinge", "0 0 1", p.tilt_stiffness, p.tilt_damping, p.rest_tilt)}
+      <inertial pos="0 0 0" mass="1" diaginertia="{p.inertia!r} {p.inertia!r} {p.inertia!r}"/>
       <geom name="face" type="box" size="{p.half_width + _BEYOND!r} {p.half_height!r} 1" contype="2"
         conaffinity="1" condim="3" friction="{p.friction!r} 0 0"/>
     </body>
@@ -128,10 +119,18 @@ def _scene(p: Parameters) -> str:
 
 
 def by_mujoco(p: Parameters, horizon: float) -> float:
-    """Return MuJoCo's alignment time, NaN without an alignment up to ``horizon``."""
+    """Return MuJoCo's alignment time, NaN without an alignment up to ``horizon``.
+
+    A constraint of small impedance gives the force f = (k r + b v)/w, with w the inverse weight of
+    the body. Its k and b are therefore the stiffness and damping of the base times w.
+    """
     import mujoco  # noqa: PLC0415  (a peer)
 
-    model = modelled(_scene(p), p)
+    model = mujoco.MjModel.from_xml_string(_scene(p))
+    weight = float(model.body_invweight0[1, 0])
+    model.geom_solref[:] = (-p.contact_stiffness * weight, -p.contact_damping * weight)
+    model.geom_solimp[:] = (_IMPEDANCE, _IMPEDANCE, 1e-3, 0.5, 2.0)
+    model.geom_friction[:, 0] = p.friction
     data = mujoco.MjData(model)
     reach, tilt = p.slot_half_width - p.misalignment, p.initial_tilt
     touch = (p.half_height - reach * math.sin(tilt)) / math.cos(tilt)
@@ -149,23 +148,6 @@ def by_mujoco(p: Parameters, horizon: float) -> float:
     return math.nan
 
 
-def modelled(scene: str, p: Parameters) -> Any:
-    """Return MuJoCo's model of a scene with the base's stiffness, damping and friction.
-
-    A constraint of small impedance gives the force f = (k r + b v)/w, with w the inverse weight of
-    the body. Its k and b are therefore the stiffness and damping of the base times w.
-    """
-    import mujoco  # noqa: PLC0415  (a peer)
-
-    model = mujoco.MjModel.from_xml_string(scene)
-    weight = float(model.body_invweight0[1, 0])
-    for geom in range(model.ngeom):
-        model.geom_solref[geom] = (-p.contact_stiffness * weight, -p.contact_damping * weight)
-        model.geom_solimp[geom] = (_IMPEDANCE, _IMPEDANCE, 1e-3, 0.5, 2.0)
-        model.geom_friction[geom, 0] = p.friction
-    return model
-
-
 def _along_face(pose: Any, p: Parameters) -> float:
     """Return the coordinate s of A1 along the bottom face."""
     x, y, tilt = (float(each) for each in pose)
@@ -178,13 +160,6 @@ def _left_corner_is_in(pose: Any, p: Parameters) -> bool:
     c, s = math.cos(tilt), math.sin(tilt)
     corner_x = x - p.half_width * c + p.half_height * s
     return corner_x >= -p.slot_half_width and y - p.half_width * s - p.half_height * c < 0.0
-
-
-def sharper(sets: Sets) -> tuple[Floats, Floats]:
-    """Return the package's alignment times at ``_SHARPER``, and their errors."""
-    horizon = float(sets.tau.max()) + 1.0
-    runs = align(sets.cases, cores=1, horizon=horizon, tolerance=_SHARPER)
-    return runs.tau_align, runs.tau_error
 
 
 class Outside(NamedTuple):
@@ -201,9 +176,9 @@ def outside(sets: Sets, heyoka: tuple[Floats, Floats]) -> list[Outside]:
     rows = np.flatnonzero(~(factors <= 1.0))
     if not rows.size:
         return []
-    few = Sets([sets.cases[row] for row in rows], sets.tau[rows], sets.error[rows])
-    tau, error = sharper(few)
-    explained = np.abs(heyoka[0][rows] - tau) <= error + heyoka[1][rows]
+    few, horizon = [sets.cases[row] for row in rows], float(sets.tau[rows].max()) + 1.0
+    runs = align(few, cores=1, horizon=horizon, tolerance=_SHARPER)
+    explained = np.abs(heyoka[0][rows] - runs.tau_align) <= runs.tau_error + heyoka[1][rows]
     found = zip(rows.tolist(), factors[rows].tolist(), explained.tolist(), strict=True)
     return [Outside(*each) for each in found]
 
@@ -245,13 +220,12 @@ def explain(sets: Sets, heyoka: tuple[Floats, Floats], beyond: Sequence[Outside]
 def write(sets: Sets, heyoka: tuple[Floats, Floats], mujoco: Floats, path: Path) -> None:
     """Write all sets into a CSV file."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    names = list(sets.cases[0].given())
+    names = ("tau", "tau_error", "heyoka", "heyoka_error", "mujoco", *sets.cases[0].given())
+    columns = (sets.tau, sets.error, *heyoka, mujoco)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["tau", "tau_error", "heyoka", "heyoka_error", "mujoco", *names])
-        for row, case in enumerate(sets.cases):
-            found = (sets.tau, sets.error, *heyoka, mujoco)
-            values = [float(column[row]) for column in found]
+        writer.writerow(names)
+        for case, *values in zip(sets.cases, *(each.tolist() for each in columns), strict=True):
             writer.writerow([*values, *case.given().values()])
 
 
@@ -259,7 +233,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the comparison; return the exit code, 1 if a check fails."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.truth", description=__doc__)
     parser.add_argument("--sets", type=int, default=500)
-    parser.add_argument("--output", type=Path, default=Path("results/benchmarks/truth.csv"))
     given = parser.parse_args(arguments)
     if given.sets < 1:
         parser.error(f"--sets {given.sets}: must be >= 1")
@@ -268,7 +241,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     mujoco = np.array(
         [by_mujoco(case, 3.0 * tau + 5.0) for case, tau in zip(sets.cases, sets.tau, strict=True)]
     )
-    write(sets, heyoka, mujoco, given.output)
+    write(sets, heyoka, mujoco, Path("results/benchmarks/truth.csv"))
     beyond = outside(sets, heyoka)
     checks = judge(sets, heyoka, mujoco, beyond)
     lines = [*map(str, checks), *explain(sets, heyoka, beyond)]

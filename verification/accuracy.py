@@ -200,11 +200,6 @@ def judge_estimate(
     ]  # fmt: skip
 
 
-def _against(truth: str, tau: NDArray[np.float64], table: Table) -> list[Check]:
-    """Return checks of ``tau_error`` for alignments without a flag."""
-    return judge_estimate(truth, np.abs(table["tau_align"] - tau), table["tau_error"])
-
-
 def judge_errors(table: Table) -> list[Check]:
     """Judge the "error" trial."""
     flagged = table["sensitive"] == 1
@@ -215,6 +210,8 @@ def judge_errors(table: Table) -> list[Check]:
     otherwise = aligned != (table["tight_outcome"] == Outcome.ALIGNED)
     unsaid = otherwise & ~flagged & ~chaotic
     estimate = regular["tau_error"]
+    truths = ("tight_tau", "independent_tau")
+    error = {truth: np.abs(regular["tau_align"] - regular[truth]) for truth in truths}
     apart = np.abs(regular["tight_tau"] - regular["independent_tau"])
     unfinished = np.isin(table["independent_ending"], ["failed", "endless"])
     return [
@@ -227,8 +224,8 @@ def judge_errors(table: Table) -> list[Check]:
                 f"{int((chaotic & otherwise).sum())}"),
         Check("sets of neither that align at one tolerance only", f"{int(unsaid.sum())}", "0",
                 not unsaid.any()),
-        *_against(f"tolerance {TIGHT:g}", regular["tight_tau"], regular),
-        *_against("independent solution", regular["independent_tau"], regular),
+        *judge_estimate(f"tolerance {TIGHT:g}", error["tight_tau"], estimate),
+        *judge_estimate("independent solution", error["independent_tau"], estimate),
         Check("independent solutions unfinished", f"{int(unfinished.sum())}", "0",
                 not unfinished.any()),
         Check("the two truths apart: median", f"{np.nanmedian(apart):.1e}"),
@@ -289,9 +286,7 @@ def summary(errors: Table, settled: Table) -> str:
         ("tau_error on random sets", judge_errors(errors)),
         ("settled runs, run on", judge_settled(settled)),
     ):
-        lines += [title, "-" * len(title)]
-        lines += [str(check) for check in checks]
-        lines.append("")
+        lines += [title, "-" * len(title), *map(str, checks), ""]
     return "\n".join(lines)
 
 

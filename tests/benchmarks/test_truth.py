@@ -64,14 +64,6 @@ def test_one_set_that_is_not_explained_fails(device):
     assert "NOT EXPLAINED" in explain(many, heyoka, other)[0]
 
 
-def test_estimates_are_judged_by_the_rule_of_the_accuracy_trials(device):
-    many = Sets([device] * 1000, np.ones(1000), np.full(1000, 1e-9))
-    far = np.where(np.arange(1000) < 2, 1.0 + 2e-8, 1.0 + 1e-10), np.zeros(1000)
-    assert failing(judge(many, far, many.tau, [])) == ["error below 10 tau_error, heyoka"]
-    often = np.where(np.arange(1000) < 51, 1.0 + 2e-9, 1.0 + 1e-10), np.zeros(1000)
-    assert failing(judge(many, often, many.tau, [])) == ["error below tau_error, heyoka"]
-
-
 def test_a_set_outside_is_run_again_more_accurately(device):
     right = align([device] * 2, tolerance=1e-12, cores=1)
     # As if both runs of the first set had the same error: a sharper run then explains it.

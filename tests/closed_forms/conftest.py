@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from model import ALIGNMENT, Batch, Parameters, Scene, Variants
+from model.compile.jit import entry_point
 from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory
-from model.engines.scalar.step import dense_output, interpolate, right_hand_side, take_step
+from model.engines.scalar.step import interpolate
 from model.engines.scalar.tableaux import DOP853
 from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
@@ -23,6 +24,7 @@ from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, OPEN, START, Mode
 from model.physics.notation import State
 from model.physics.parameters import Constants
+from tests.engines.steps import Steps
 
 LOCKED = 1e12
 """An inertia so large that no moment of these scenes turns the part."""
@@ -68,7 +70,7 @@ class SteppedRun:
         noise = NOISE * tolerance * (scene is not ALIGNMENT)
         control = Control(horizon, 50_000_000, noise, alignment_only=0.0, pressed=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
-        kernels = in_kernels(scene)
+        kernels, step = in_kernels(scene), entry_point(advance)
         begin(row, tolerance, kernels, control, runs, 0)
         if state is not None:
             runs[0, OUTCOME], runs[0, REASON] = CONTINUES, 0.0
@@ -77,7 +79,7 @@ class SteppedRun:
             runs[0, TAU_ALIGN] = tau_align
         while runs[0, OUTCOME] == CONTINUES:
             time, before, mode = runs[0, TIME], runs[0, STATE : STATE + 6].copy(), _mode(runs)
-            advance(kernels, DOP853.method, control, track, single.history, single.work, runs, 0)
+            step(kernels, DOP853.method, control, track, single.history, single.work, runs, 0)
             after = runs[0, STATE : STATE + 6].copy()
             self.steps.append(Step(time, before, mode, runs[0, TIME], after, _mode(runs)))
             if until(self):
@@ -112,15 +114,10 @@ class SteppedRun:
 
     def places(self, step: Step, fractions: np.ndarray) -> list[tuple[float, State]]:
         """(time, state) at fractions of a step, by its dense output."""
-        method = DOP853.method
-        k, end, trial = np.empty((method.c.size, 6)), np.empty(6), np.empty(6)
-        dense = np.empty((6, method.dense.shape[1]))
-        length = step.end - step.time
-        right_hand_side(step.time, step.state, self.p, step.mode, k[0])
-        take_step(step.time, length, step.state, self.p, step.mode, method, k, end)
-        dense_output(step.time, length, step.state, self.p, step.mode, method, k, trial, dense)
+        taken, length = Steps(self.p), step.end - step.time
+        taken.dense_step(step.time, length, step.state, step.mode)
         return [
-            (step.time + theta * length, interpolate(theta, length, step.state, dense))
+            (step.time + theta * length, interpolate(theta, length, step.state, taken.dense))
             for theta in fractions
         ]
 

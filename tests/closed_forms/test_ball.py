@@ -12,6 +12,7 @@ import pytest
 
 from model import Outcome
 from model.physics.modes import CLOSED, OPEN, RELEASED, START
+from tests.closed_forms.restitution import damping_for, pushing
 
 FLIGHT = START._replace(face=OPEN)
 
@@ -20,22 +21,6 @@ def pulling(stiffness, damping):
     """Restitution of a dashpot that also pulls, until the ball leaves the undeformed surface."""
     decay = damping / 2
     return exp(-pi * decay / sqrt(stiffness - decay**2))
-
-
-def pushing(stiffness, damping):
-    """Restitution of a dashpot that only pushes, until its force vanishes (their eq. 20)."""
-    decay = damping / 2
-    omega = sqrt(stiffness - decay**2)
-    return exp(-decay / omega * (pi - atan2(2 * decay * omega, omega**2 - decay**2)))
-
-
-def damping_for(restitution, stiffness):
-    """Damping of a base with this restitution of ``pushing``, by bisection."""
-    low, high = 0.0, 1.999 * sqrt(stiffness)
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if pushing(stiffness, middle) > restitution else (low, middle)
-    return low
 
 
 def test_the_published_numbers_are_those_of_the_formulas():

@@ -9,28 +9,18 @@ P. J. Holmes, The dynamics of repeated impacts with a sinusoidally vibrating tab
 (1982) 173-189; with e in this form: J. M. Luck and A. Mehta, Phys. Rev. E 48 (1993) 3988.
 """
 
-from math import acos, atan2, cos, exp, pi, sqrt
+from math import acos, cos, pi, sqrt
 
 import numpy as np
 import pytest
 
 from model.physics.modes import OPEN, START
+from tests.closed_forms.restitution import damping_for
 
 E, FREQUENCY, STIFFNESS = 0.5, 100.0, 1e11
 PERIOD = 2 * pi / FREQUENCY
 EXISTS = pi * (1 - E) / (1 + E)
 DOUBLES = sqrt(EXISTS**2 + (2 * (1 + E**2) / (1 + E) ** 2) ** 2)
-
-
-def damping_for(restitution, stiffness):
-    """Damping of a base that only pushes with this restitution, by bisection, as in test_ball."""
-    low, high = 0.0, 0.999
-    for _ in range(100):
-        ratio = 0.5 * (low + high)
-        omega = sqrt(1 - ratio**2)
-        rebound = exp(-ratio / omega * (pi - atan2(2 * ratio * omega, omega**2 - ratio**2)))
-        low, high = (ratio, high) if rebound > restitution else (low, ratio)
-    return 2 * low * sqrt(stiffness)
 
 
 @pytest.fixture(scope="module")

@@ -10,23 +10,16 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model import ALIGNMENT
-from model.engines.scalar.location import NO_EVENT, NODES, first_event, sample_step
-from model.engines.scalar.step import (
-    dense_output,
-    error_estimate,
-    interpolate,
-    right_hand_side,
-    state_of,
-    take_step,
-)
+from model.engines.scalar.location import NO_EVENT
+from model.engines.scalar.step import error_estimate, interpolate, state_of
 from model.engines.scalar.tableaux import DOP853
 from model.events.friction import decide_friction, hold_sticking
-from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
+from model.events.kernels import ALIGNMENT_EVENTS
 from model.events.table import EVENTS
 from model.events.transitions import CONTINUES
 from model.physics.geometry import resting_height
 from model.physics.modes import START, Mode
+from tests.engines.steps import Steps
 
 NAMES = [event.name.upper() for event in EVENTS]
 
@@ -40,19 +33,8 @@ class Met(NamedTuple):
     after: Mode
 
 
-class FixedSteps:
-    """DOP853 with everything that its steps need, for one parameter set."""
-
-    def __init__(self, p):
-        self.method, self.p = DOP853.method, p
-        m, degree = DOP853.dense.shape
-        self.k, self.end, self.trial = np.empty((m, 6)), np.empty(6), np.empty(6)
-        self.dense = np.empty((6, degree))
-        self.nodes, self.samples = np.empty((NODES, 6)), np.empty((NODES, MOST_SAMPLES))
-
-    def step(self, time, h, y, mode):
-        take_step(time, h, y, self.p, mode, self.method, self.k, self.end)
-        return self.end.copy()
+class FixedSteps(Steps):
+    """Runs with equal steps that are repeated up to each event."""
 
     def value(self, which, time, y, mode):
         return ALIGNMENT_EVENTS.level(which, time, state_of(y), self.p, mode)
@@ -78,31 +60,19 @@ class FixedSteps:
         for i in range(count):
             stop = begin + (i + 1) * h
             while time < stop:
-                right_hand_side(time, y, self.p, mode, self.k[0])
-                length, whole = stop - time, self.step(time, stop - time, y, mode)
-                dense_output(
-                    time, length, y, self.p, mode, self.method, self.k, self.trial, self.dense
-                )
-                sample_step(
-                    ALIGNMENT_EVENTS, time, length, 1.0, y, self.dense, self.p, mode, self.nodes,
-                    self.samples,
-                )  # fmt: skip
-                which, theta = first_event(
-                    ALIGNMENT_EVENTS, time, length, y, self.dense, self.p, mode, self.samples
-                )
+                length = stop - time
+                whole = self.dense_step(time, length, y, mode)
+                which, theta = self.first_event(time, length, y, mode)
                 if theta == NO_EVENT:
                     time, y = stop, whole
                 else:
                     if theta > 0.0:
                         length, y = self.to_event(which, theta, time, length, y, mode)
                         time += length
-                    q = ALIGNMENT_EVENTS.reset(which, state_of(y), self.p, mode)
-                    after, outcome, _ = ALIGNMENT_EVENTS.transition(
-                        which, time, q, self.p, mode, ALIGNMENT.declared
-                    )
+                    y, after, outcome = self.pass_event(which, time, y, mode)
                     assert len(met) < 1000, met[-3:]
                     met.append(Met(time, NAMES[which], mode, after))
-                    y, mode = np.array(q), after
+                    mode = after
                     if outcome != CONTINUES and NAMES[which] not in ("ALIGNED", "FACE_END"):
                         return y, mode, met
                 y = np.array(hold_sticking(state_of(y), self.p, mode))
@@ -210,7 +180,6 @@ def test_order_of_the_error_estimate(begun, stretch):
     logs, ahead = [], 0.02 * (STRETCHES[stretch][2] - begin)
     for i in range(8):  # a coefficient of the error may vanish at one state, not at all of them
         time = begin + i * ahead
-        right_hand_side(time, y, p, mode, steps.k[0])
         row = []
         for h in sizes:
             steps.step(time, h, y, mode)

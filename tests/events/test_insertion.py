@@ -113,19 +113,3 @@ def test_a_part_is_inserted_at_the_depth_that_is_set(device):
     usual = simulate(device, scene=INSERTION)
     assert usual.depth[-1] > 0.2
     assert run.tau_align == pytest.approx(usual.tau_align, abs=1e-9)
-
-
-def test_a_run_that_ends_at_alignment_has_no_insertion_depth():
-    with pytest.raises(ValueError, match=r"insertion_depth = 0\.2: .* insertion scene"):
-        Settings(insertion_depth=0.2)
-
-
-@pytest.mark.parametrize("depth", [0.0, -1.0, float("nan")])
-def test_an_insertion_depth_that_is_not_positive_is_refused(depth):
-    with pytest.raises(ValueError, match="insertion_depth"):
-        Settings(scene=INSERTION, insertion_depth=depth)
-
-
-def test_runs_cannot_end_at_alignment():
-    with pytest.raises(ValueError, match="alignment_only"):
-        Settings(scene=INSERTION, alignment_only=True)

@@ -131,16 +131,48 @@ def test_printed_friction_has_no_event(device, constants):
     assert out[INDEX["SUPPORT_SLIP"]] == NEVER
 
 
-# ---------------------------------------------------------------------------------------- alignment
+# ----------------------------------------------------------------------------------- levels by hand
+
+A, B, L = 1.0476, 4.1057, 1.09 * 1.0476
+GAP = L - A  # of the slot on both sides of the upright part
+ON_SIDE = FREE._replace(side=CLOSED, side_slip=SLIP_POSITIVE)
+LEFT_FACE = START._replace(edge=LEFT_EDGE)
+BACKWARD, FORWARD = (START._replace(support_slip=sign) for sign in (SLIP_NEGATIVE, SLIP_POSITIVE))
+LEVELS = [
+    # The edge past the corner, the other corner in the slot, and below the plane: the last counts.
+    ("ALIGNED", FREE, {"y": B - 0.01}, -0.01),
+    ("ALIGNED", FREE, {"y": B - 0.01, "x": GAP + 0.02}, 0.02),
+    ("ALIGNED", FREE, {"y": B - 0.01, "x": -GAP - 0.03}, 0.03),
+    ("ALIGNED", FREE, {"y": B + 0.4}, 0.4),
+    # The face comes down on the edge.
+    ("RIGHT_EDGE_ENTERS", FREE, {"x": 0.5, "y": B + 0.3}, 0.3),
+    ("RIGHT_EDGE_ENTERS", FREE, {"x": 0.5, "y": B}, 0.0),
+    ("RIGHT_EDGE_ENTERS", FREE, {"x": 0.5, "y": B - 0.2}, -0.2),
+    # Over the slot and below the plane the edges stand beside the part, or in its left side.
+    ("RIGHT_EDGE_ENTERS", FREE, {"x": 0.04, "y": B - 0.3}, GAP - 0.04),
+    ("LEFT_EDGE_ENTERS", FREE, {"x": 0.04, "y": B - 0.3}, GAP + 0.04),
+    ("LEFT_EDGE_ENTERS", FREE, {"x": -GAP - 0.02, "y": B - 0.3}, -0.02),
+    # The edge stands at ±l - x along the face; A2 stands y below C along the side.
+    ("FACE_END", START, {"x": 0.1, "y": B}, A - L + 0.1),
+    ("FACE_END", LEFT_FACE, {"x": -0.1, "y": B}, A - L + 0.1),
+    ("FACE_FAR_END", START, {"x": 0.1, "y": B}, A + L - 0.1),
+    ("FACE_FAR_END", LEFT_FACE, {"x": -0.1, "y": B}, A + L - 0.1),
+    ("SIDE_END", ON_SIDE, {"y": B - 0.2}, 0.2),
+    ("SIDE_END", ON_SIDE, {"y": -B + 0.3}, 0.3),
+    ("CORNER_END", ON_CORNER, {"x": 0.3 + GAP}, 0.3),
+    # A contact slides while its own slip keeps its sign.
+    ("SUPPORT_SLIP", FORWARD, {"y": B - 0.01, "x_rate": 0.3}, 0.3),
+    ("SUPPORT_SLIP", FORWARD, {"y": B - 0.01, "x_rate": -0.3}, -0.3),
+    ("SUPPORT_SLIP", BACKWARD, {"y": B - 0.01, "x_rate": 0.3}, -0.3),
+    ("SUPPORT_SLIP", BACKWARD, {"y": B - 0.01, "x_rate": -0.3}, 0.3),
+    ("SIDE_SLIP", ON_SIDE, {"x": -0.1, "y": B - 0.3, "y_rate": 0.2}, 0.2),
+    ("SIDE_SLIP", ON_SIDE, {"x": -0.1, "y": B - 0.3, "y_rate": -0.2}, -0.2),
+]
 
 
-def test_aligned_needs_the_edge_past_the_corner_and_the_other_corner_in_the_slot(p, sample):
-    # Upright over the slot, 0.01 below the plane: slot gap (l - a) on both sides.
-    gap, low = p.slot_half_width - p.half_width, p.half_height - 0.01
-    assert sample(FREE, y=low)["ALIGNED"] == pytest.approx(-0.01, abs=ROUNDING)  # all three hold
-    assert sample(FREE, y=low, x=gap + 0.02)["ALIGNED"] == pytest.approx(0.02, abs=ROUNDING)
-    assert sample(FREE, y=low, x=-gap - 0.03)["ALIGNED"] == pytest.approx(0.03, abs=ROUNDING)
-    assert sample(FREE, y=p.half_height + 0.4)["ALIGNED"] == pytest.approx(0.4, abs=ROUNDING)
+@pytest.mark.parametrize(("name", "mode", "pose", "expected"), LEVELS)
+def test_the_level_of_an_upright_part(sample, name, mode, pose, expected):
+    assert sample(mode, **pose)[name] == pytest.approx(expected, abs=ROUNDING)
 
 
 def test_corners_inside_are_the_papers_four_conditions(p, sample):
@@ -162,23 +194,6 @@ def test_corners_inside_are_the_papers_four_conditions(p, sample):
 
 
 # ------------------------------------------------------------------------------ contacts that begin
-
-
-def test_an_edge_enters_through_the_bottom_as_the_face_comes_down(p, sample):
-    for height in (0.3, 0.0, -0.2):
-        s = sample(FREE, x=0.5, y=p.half_height + height)
-        assert s["RIGHT_EDGE_ENTERS"] == pytest.approx(height, abs=ROUNDING)
-
-
-def test_an_edge_beside_the_part_is_outside(p, sample):
-    # Over the slot and 0.3 below the plane A1 stands beyond the right side, by l - a - x.
-    gap = p.slot_half_width - p.half_width
-    s = sample(FREE, x=0.04, y=p.half_height - 0.3)
-    assert s["RIGHT_EDGE_ENTERS"] == pytest.approx(gap - 0.04, abs=ROUNDING)
-    assert s["LEFT_EDGE_ENTERS"] == pytest.approx(gap + 0.04, abs=ROUNDING)
-    # Pushed to the left, A2 enters through the left side.
-    s = sample(FREE, x=-gap - 0.02, y=p.half_height - 0.3)
-    assert s["LEFT_EDGE_ENTERS"] == pytest.approx(-0.02, abs=ROUNDING)
 
 
 @pytest.mark.parametrize(("side", "name"), [(1, "RIGHT"), (-1, "LEFT")])
@@ -229,26 +244,6 @@ def test_load_gap_and_reload_of_the_face(p, sample, random_states):
         assert (released["FACE_GAP"], released["FACE_RELOAD"]) == (face.depth, -load)
 
 
-@pytest.mark.parametrize("edge", [RIGHT_EDGE, LEFT_EDGE])
-def test_the_face_ends_toward_the_slot_and_away_from_it(p, sample, edge):
-    # Upright, the edge stands at ±l - x along the face.
-    s = sample(START._replace(edge=edge), x=0.1 * edge, y=p.half_height)
-    assert s["FACE_END"] == pytest.approx(p.half_width - p.slot_half_width + 0.1, abs=ROUNDING)
-    assert s["FACE_FAR_END"] == pytest.approx(p.half_width + p.slot_half_width - 0.1, abs=ROUNDING)
-
-
-def test_the_side_ends_at_the_corners(p, sample):
-    mode = FREE._replace(side=CLOSED)
-    # Upright, A2 stands y below C along the axis: |y| = b at both ends.
-    assert sample(mode, y=p.half_height - 0.2)["SIDE_END"] == pytest.approx(0.2, abs=ROUNDING)
-    assert sample(mode, y=-p.half_height + 0.3)["SIDE_END"] == pytest.approx(0.3, abs=ROUNDING)
-
-
-def test_the_contact_of_a_corner_ends_over_the_slot(p, sample):
-    x = 0.3 + p.slot_half_width - p.half_width
-    assert sample(ON_CORNER, x=x)["CORNER_END"] == pytest.approx(0.3, abs=ROUNDING)
-
-
 def test_the_load_of_a_corner_counts_from_its_offset(p, sample):
     mode = ON_CORNER._replace(corner_offset=0.01)
     s = sample(mode, x=1.0, y=p.half_height - 0.03)
@@ -256,14 +251,6 @@ def test_the_load_of_a_corner_counts_from_its_offset(p, sample):
 
 
 # ----------------------------------------------------------------------------------------- friction
-
-
-@pytest.mark.parametrize("sign", [SLIP_NEGATIVE, SLIP_POSITIVE])
-def test_sliding_lasts_while_the_slip_keeps_its_sign(p, sample, sign):
-    mode = START._replace(support_slip=sign)
-    for x_rate in (0.3, -0.3):
-        s = sample(mode, y=p.half_height - 0.01, x_rate=x_rate)
-        assert s["SUPPORT_SLIP"] == pytest.approx(sign * x_rate, abs=ROUNDING)
 
 
 def test_sticking_lasts_while_friction_stays_below_its_limit(p, sample):
@@ -281,13 +268,6 @@ def test_overturned_just_below_ninety_degrees_on_both_sides(sample):
     assert right == left
     assert 0.0 < right < 0.08
     assert sample(FREE, y=100.0, tilt=1.58)["OVERTURNED"] < 0.0
-
-
-def test_friction_of_the_side_uses_its_own_slip(p, sample):
-    for y_rate in (0.2, -0.2):
-        mode = FREE._replace(side=CLOSED, side_slip=SLIP_POSITIVE)
-        s = sample(mode, x=-0.1, y=p.half_height - 0.3, y_rate=y_rate)
-        assert s["SIDE_SLIP"] == pytest.approx(y_rate, abs=ROUNDING)
 
 
 def test_the_name_of_a_table_tells_nothing_of_the_checkout(monkeypatch):

@@ -136,23 +136,16 @@ def test_sliding_and_open_contacts_are_not_held(p):
 # --------------------------------------------------------------------------- contacts made and lost
 
 
-def test_an_edge_that_enters_through_the_bottom_presses(p):
+GAP = 0.09 * 1.0476  # of the slot on both sides of the upright part, l - a
+PLACE = State(0.0, 4.1057 - 0.3, 0.0, 0.0, 0.0, 0.0)
+ENTER_LEFT = PLACE._replace(x=-GAP, x_rate=-1.0)
+
+
+def test_an_edge_presses_on_the_face_through_which_it_enters(p):
     mode, outcome, _ = transition(RIGHT_EDGE_ENTERS, pressed(p, depth=0.0, y_rate=-1.0), p, FREE)
     assert (mode.edge, mode.face, outcome) == (RIGHT_EDGE, CLOSED, CONTINUES)
-
-
-def test_an_edge_that_enters_through_the_left_side_presses_there(p):
-    gap = p.slot_half_width - p.half_width
-    q = State(-gap, p.half_height - 0.3, 0.0, -1.0, 0.0, 0.0)
-    mode, outcome, _ = transition(LEFT_EDGE_ENTERS, q, p, FREE)
+    mode, outcome, _ = transition(LEFT_EDGE_ENTERS, ENTER_LEFT, p, FREE)
     assert (mode.face, mode.side, outcome) == (OPEN, CLOSED, CONTINUES)
-
-
-def test_an_edge_that_enters_through_another_face_leaves_the_scene(p):
-    gap = p.slot_half_width - p.half_width
-    q = State(gap, p.half_height - 0.3, 0.0, 1.0, 0.0, 0.0)  # A1 through the right side
-    _, outcome, reason = transition(RIGHT_EDGE_ENTERS, q, p, FREE)
-    assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.EDGE_ON_OTHER_FACE)
 
 
 @pytest.mark.parametrize(
@@ -164,23 +157,15 @@ def test_an_edge_that_enters_through_another_face_leaves_the_scene(p):
     ],
 )
 def test_a_contact_that_is_not_declared_leaves_the_scene(p, which, scene):
-    gap = p.slot_half_width - p.half_width
     q = {
         RIGHT_EDGE_ENTERS: pressed(p, depth=0.0, y_rate=-1.0),
-        LEFT_EDGE_ENTERS: State(-gap, p.half_height - 0.3, 0.0, -1.0, 0.0, 0.0),
+        LEFT_EDGE_ENTERS: ENTER_LEFT,
         RIGHT_CORNER_LANDS: State(1.0, p.half_height, -0.05, 0.0, -1.0, 0.0),
     }[which]
     _, outcome, reason = transition(which, q, p, FREE, scene)
     assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
     _, outcome, _ = transition(which, q, p, FREE)  # where it is declared the run goes on
     assert outcome == CONTINUES
-
-
-def test_both_sides_of_the_slot_at_once_leave_the_scene(p):
-    q = State(0.0, p.half_height, 0.0, 0.0, -1.0, 0.0)
-    wide = p._replace(slot_half_width=0.5)  # a part that spans the slot
-    _, outcome, reason = transition(LEFT_EDGE_ENTERS, q, wide, START)
-    assert (outcome, reason) == (Outcome.LEFT_SCENE, Reason.BOTH_SIDES)
 
 
 def test_a_lost_load_releases_the_contact_until_the_gap_opens(p):
@@ -205,15 +190,20 @@ def test_without_damping_the_load_and_the_gap_end_together(p):
 
 
 @pytest.mark.parametrize(
-    ("which", "mode", "reason"),
+    ("which", "q", "mode", "reason"),
     [
-        (FACE_FAR_END, START, Reason.MOVED_AWAY),
-        (FACE_FAR_END, START._replace(edge=LEFT_EDGE), Reason.OVERSHOT),
-        (RIGHT_WALL, FREE, Reason.CORNER_ON_WALL),
-        (LEFT_WALL, FREE, Reason.CORNER_ON_WALL),
-        (OVERTURNED, FREE, Reason.OVERTURNED),
+        # A1 through the right side
+        (RIGHT_EDGE_ENTERS, PLACE._replace(x=GAP, x_rate=1.0), FREE, Reason.EDGE_ON_OTHER_FACE),
+        (LEFT_EDGE_ENTERS, PLACE._replace(y=4.1057), START, Reason.BOTH_SIDES),
+        (FACE_FAR_END, ANY, START, Reason.MOVED_AWAY),
+        (FACE_FAR_END, ANY, START._replace(edge=LEFT_EDGE), Reason.OVERSHOT),
+        (RIGHT_WALL, ANY, FREE, Reason.CORNER_ON_WALL),
+        (LEFT_WALL, ANY, FREE, Reason.CORNER_ON_WALL),
+        (OVERTURNED, ANY, FREE, Reason.OVERTURNED),
     ],
 )
-def test_leaving_the_scene_has_a_reason(p, which, mode, reason):
-    _, outcome, said = transition(which, ANY, p, mode)
+def test_leaving_the_scene_has_a_reason(p, which, q, mode, reason):
+    if reason is Reason.BOTH_SIDES:
+        p = p._replace(slot_half_width=0.5)  # a part that spans the slot
+    _, outcome, said = transition(which, q, p, mode)
     assert (outcome, said) == (Outcome.LEFT_SCENE, reason)

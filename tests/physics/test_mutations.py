@@ -17,58 +17,26 @@ import pytest
 from model.study.config import COMPUTED
 
 PROJECT = Path(__file__).resolve().parents[2]
-UNIT_TESTS = [f"tests/physics/test_{name}.py" for name in ("forces", "motion", "contacts")]
+UNIT_TESTS = [f"tests/physics/test_{name}.py" for name in ("motion", "contacts")]
 
-# name: (file below src/model/physics, what stands there, what is put there)
+# name: (file below src/model/physics, what stands before a force, the force that is changed)
 MUTATIONS = {
-    "lateral damping": ("forces.py", "-p.lateral_damping *", "-1.01 * p.lateral_damping *"),
-    "lateral stiffness": ("forces.py", "- p.lateral_stiffness *", "- 1.01 * p.lateral_stiffness *"),
-    "axial damping": ("forces.py", "-p.axial_damping *", "-1.01 * p.axial_damping *"),
-    "axial stiffness": ("forces.py", "- (q.y - p.rest_y)", "- 1.01 * (q.y - p.rest_y)"),
-    "tilt damping": ("forces.py", "-p.tilt_damping *", "-1.01 * p.tilt_damping *"),
-    "tilt stiffness": ("forces.py", "- p.tilt_stiffness *", "- 1.01 * p.tilt_stiffness *"),
-    "press force": ("forces.py", "return -p.press_force", "return -1.01 * p.press_force"),
-    "excitation": ("forces.py", "return -sine\n", "return -1.01 * sine\n"),
-    "contact stiffness": (
-        "contacts.py",
-        "return p.contact_stiffness * depth + p.",
-        "return 1.01 * p.contact_stiffness * depth + p.",
-    ),
-    "contact damping": (
-        "contacts.py",
-        "depth + p.contact_damping * closing_rate",
-        "depth + 1.01 * p.contact_damping * closing_rate",
-    ),
-    "force of the edge": (
-        "motion.py",
-        "_pressing(face, contact_load(",
-        "_pressing(face, 1.01 * contact_load(",
-    ),
-    "force of the corner": (
-        "motion.py",
-        "corner_load = contact_load(corner.depth - mode",
-        "corner_load = 1.01 * contact_load(corner.depth - mode",
-    ),
-    "force on the side": (
-        "motion.py",
-        "_pressing(edge, contact_load(",
-        "_pressing(edge, 1.01 * contact_load(",
-    ),
-    "friction": (
-        "motion.py",
-        "\n    friction = -p.friction",
-        "\n    friction = -1.01 * p.friction",
-    ),
-    "friction of the side": (
-        "motion.py",
-        "side_friction = -p.friction *",
-        "side_friction = -1.01 * p.friction *",
-    ),
-    "sticking friction": (
-        "motion.py",
-        "top, side_top, bottom, side_bottom = -drive, -side_drive, g11, g22",
-        "top, side_top, bottom, side_bottom = -1.01 * drive, -side_drive, g11, g22",
-    ),
+    "lateral damping": ("forces.py", "-", "p.lateral_damping *"),
+    "lateral stiffness": ("forces.py", "- ", "p.lateral_stiffness *"),
+    "axial damping": ("forces.py", "-", "p.axial_damping *"),
+    "axial stiffness": ("forces.py", "- ", "(q.y - p.rest_y)"),
+    "tilt damping": ("forces.py", "-", "p.tilt_damping *"),
+    "tilt stiffness": ("forces.py", "- ", "p.tilt_stiffness *"),
+    "press force": ("forces.py", "return -", "p.press_force"),
+    "excitation": ("forces.py", "return -", "sine\n"),
+    "contact stiffness": ("contacts.py", "return ", "p.contact_stiffness * depth + p."),
+    "contact damping": ("contacts.py", "depth + ", "p.contact_damping * closing_rate"),
+    "force of the edge": ("motion.py", "_pressing(face, ", "contact_load("),
+    "force of the corner": ("motion.py", "corner_load = ", "contact_load(corner.depth - mode"),
+    "force on the side": ("motion.py", "_pressing(edge, ", "contact_load("),
+    "friction": ("motion.py", "\n    friction = -", "p.friction"),
+    "friction of the side": ("motion.py", "side_friction = -", "p.friction *"),
+    "sticking friction": ("motion.py", "side_bottom = -", "drive, -side_drive, g11, g22"),
 }
 # Errors that act in every figure (friction too: Fig. 7 varies it from zero on).
 EVERYWHERE = {
@@ -82,8 +50,9 @@ FIGURES = list(COMPUTED)
 def mutated(folder: Path, mutation: str) -> Path:
     """Copy of the sources with one error in it."""
     source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
-    file, old, new = MUTATIONS[mutation]
-    replace(source / "model" / "physics" / file, old, new)
+    file, before, force = MUTATIONS[mutation]
+    path = source / "model" / "physics" / file
+    replace(path, before + force, f"{before}1.01 * {force}")
     return source
 
 
@@ -152,11 +121,7 @@ def test_without_a_mutation_no_unit_test_fails(tried: dict[str, tuple[int, str]]
 ERRORS = {name: number for number, name in enumerate(MUTATIONS, start=1)}
 SWITCHED = "(1.0 + 0.01 * p.error_{})"
 # The kernel of sticking friction does not take p: the force is multiplied where it acts.
-STICKING = (
-    "motion.py",
-    "        x += stick * t[0]",
-    "        stick *= 1.01\n        x += stick * t[0]",
-)
+STICKING = "        x += stick * t[0]"
 IS_ON = "{f'error_{n}': float(environ['ERROR'] == str(n)) for n in range(1, 17)}"
 CARRIED = [
     ("physics/parameters.py", "import math\n", "import math\nfrom os import environ\n"),
@@ -177,9 +142,13 @@ def switchable(folder: Path) -> Path:
     """Copy of the sources with all errors in it; the variable ``ERROR`` switches one on."""
     source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
     edits = list(CARRIED)
-    for name, edit in MUTATIONS.items():
-        file, old, new = STICKING if name == "sticking friction" else edit
-        edits.append((f"physics/{file}", old, new.replace("1.01", SWITCHED.format(ERRORS[name]))))
+    for name, number in ERRORS.items():
+        file, before, force = MUTATIONS[name]
+        old, new = before + force, f"{before}{SWITCHED.format(number)} * {force}"
+        if name == "sticking friction":
+            file, old = "motion.py", STICKING
+            new = f"        stick *= {SWITCHED.format(number)}\n{old}"
+        edits.append((f"physics/{file}", old, new))
     for file, old, new in edits:
         replace(source / "model" / file, old, new)
     return source

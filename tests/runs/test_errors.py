@@ -190,28 +190,24 @@ def test_a_neighbour_decides_on_the_flag_where_errors_grow():
     assert ran == [3, 2, 2]
 
 
-def test_a_part_that_jams_by_another_motion_is_flagged():
-    jammed = {"outcome": np.full(3, Outcome.JAMMED), "tau_align": np.ones(3)}
-    first = {**jammed, "tau_corners_inside": np.array([5.0, 5.0, np.nan])}
-    second = {**jammed, "tau_corners_inside": np.array([5.0, 5.1, np.nan])}
-    found = estimate(of_neighbours(first, second), numbered(3), 1e-10)
-    assert found.sensitive.tolist() == [False, True, False]
-
-
-def test_a_part_inserted_as_late_that_aligned_at_another_time_is_flagged():
-    inserted = {"outcome": np.full(2, Outcome.INSERTED), "time": np.full(2, 5.0)}
-    first = {**inserted, "tau_align": np.array([1.0, 1.0])}
-    second = {**inserted, "tau_align": np.array([1.0, 1.1])}
-    found = estimate(of_neighbours(first, second), numbered(2), 1e-10)
-    assert found.sensitive.tolist() == [False, True]
-
-
-def test_a_part_that_leaves_the_scene_at_another_time_is_flagged():
-    left = {"outcome": np.full(2, Outcome.LEFT_SCENE), "tau_align": np.full(2, np.nan)}
-    first, second = {**left, "time": np.array([5.0, 5.0])}, {**left, "time": np.array([5.0, 5.1])}
-    found = estimate(of_neighbours(first, second), numbered(2), 1e-10)
-    assert found.sensitive.tolist() == [False, True]
-    assert np.isnan(found.tau_error).all()
+@pytest.mark.parametrize(
+    ("common", "name", "first", "second"),
+    [
+        ({"outcome": Outcome.JAMMED, "tau_align": 1.0}, "tau_corners_inside",
+         [5.0, 5.0, np.nan], [5.0, 5.1, np.nan]),
+        ({"outcome": Outcome.INSERTED, "time": 5.0}, "tau_align", [1.0, 1.0], [1.0, 1.1]),
+        ({"outcome": Outcome.LEFT_SCENE, "tau_align": np.nan}, "time", [5.0, 5.0], [5.0, 5.1]),
+    ],
+    ids=["jams by another motion", "inserted as late", "leaves at another time"],
+)  # fmt: skip
+def test_a_part_that_ends_alike_at_another_time_is_flagged(common, name, first, second):
+    count = len(first)
+    alike = {field: np.full(count, value) for field, value in common.items()}
+    engine = of_neighbours(alike | {name: np.array(first)}, alike | {name: np.array(second)})
+    found = estimate(engine, numbered(count), 1e-10)
+    assert found.sensitive.tolist() == [False, True, False][:count]
+    if common["outcome"] == Outcome.LEFT_SCENE:
+        assert np.isnan(found.tau_error).all()
 
 
 @pytest.mark.parametrize("number", [1079, 1442])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from model import ALIGNMENT, SUSPENDED, Settings, Variants, simulate
+from model import ALIGNMENT, INSERTION, SUSPENDED, Settings, Variants, simulate
 
 
 def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
@@ -26,6 +26,11 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
         ({"start": "press"}, "unknown start 'press'. Did you mean 'pressed'"),
         ({"start": "pressed", "scene": SUSPENDED}, "'suspended' must declare edge_on_face"),
         ({"start": "pressed", "readings": Variants.printed()}, "needs the consistent readings"),
+        ({"insertion_depth": 0.2}, r"insertion_depth = 0\.2: .* insertion scene"),
+        ({"scene": INSERTION, "insertion_depth": 0.0}, "insertion_depth"),
+        ({"scene": INSERTION, "insertion_depth": -1.0}, "insertion_depth"),
+        ({"scene": INSERTION, "insertion_depth": float("nan")}, "insertion_depth"),
+        ({"scene": INSERTION, "alignment_only": True}, "alignment_only"),
     ],
 )
 def test_values_outside_their_range_are_refused(device, change, message):

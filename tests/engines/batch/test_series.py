@@ -30,7 +30,6 @@ from model.engines.batch.series import (
     GIVEN,
     LANE_CONSTANTS,
     EventQuantities,
-    recurrences,
 )
 from model.engines.batch.series_kernels import series_filler
 from model.engines.batch.series_layout import (
@@ -43,7 +42,6 @@ from model.engines.batch.series_layout import (
     SINES,
     SUMMED_ORDERS,
     TILT,
-    Layout,
 )
 from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
@@ -308,27 +306,6 @@ def test_curvature_bounds_bound_the_distance_from_a_line(support: int, side: int
             )
             off = np.abs(middle - 0.5 * (left + right))
             assert (off <= 0.25**2 / 8.0 * bends * (1.0 + 1e-9) + 1e-12).all()
-
-
-def operations(support: int, side: int) -> int:
-    """Return the floating-point operations of the series of one run in a kind of mode."""
-    layout, count = Layout(recurrences(ModeKind(ON_RIGHT_EDGE, support, side))), 0
-    for row in layout.stage:
-        orders = ORDER + 1 if layout.is_ahead(row) else ORDER
-        if row.rule in ("product", "quotient"):
-            count += orders * (orders + 1)  # a product and a sum for each term
-        elif row.rule == "sum":
-            count += 2 * orders * len(row.operands[1])
-    return count + 2 * ORDER * sum(len(each.terms) for each in layout.series.accelerations)
-
-
-def test_a_sliding_part_takes_ten_products() -> None:
-    sliding = recurrences(ModeKind(ON_RIGHT_EDGE, SLIDES, FREE))
-    assert len(sliding.accelerations) == 3
-    # Two for sine and cosine, four for where the edge is, four for its forces: of each order.
-    products = 10 * ORDER * (ORDER + 1)
-    assert products < operations(SLIDES, FREE) < 2 * products
-    assert operations(FREE, FREE) < operations(SLIDES, FREE) < operations(STICKS, STICKS)
 
 
 def sampled(

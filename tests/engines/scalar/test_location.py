@@ -12,14 +12,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from model.engines.scalar.location import NO_EVENT, NODE_PLACES, first_event, sample_step
+from model.engines.scalar.location import NO_EVENT, NODE_PLACES
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
 from model.events.table import OVERTURNED, RIGHT_EDGE_ENTERS
 from model.physics.modes import OPEN, START
 from model.physics.notation import State
+from tests.engines.steps import Steps
 
 FREE = START._replace(face=OPEN)
-DEGREE = 7
 # The root of a polynomial with coefficients of order one is known to 1e-15 over its slope there.
 ROUNDING = 1e-14
 
@@ -36,13 +36,12 @@ def locate(device, constants):
     def make(g, time=0.0, h=1.0):
         coefficients = g.coeffs[::-1]
         y = np.array([0.0, 100.0, limit - coefficients[0], 0.0, 0.0, 0.0])
-        dense = np.zeros((6, DEGREE))
-        dense[2, : coefficients.size - 1] = -coefficients[1:] / h
-        count = len(NODE_PLACES)
-        nodes, samples = np.empty((count, 6)), np.empty((count, MOST_SAMPLES))
-        sample_step(ALIGNMENT_EVENTS, time, h, 1.0, y, dense, p, FREE, nodes, samples)
-        assert samples[:, OVERTURNED] == pytest.approx(g(NODE_PLACES), abs=1e-15)
-        return first_event(ALIGNMENT_EVENTS, time, h, y, dense, p, FREE, samples)
+        steps = Steps(p)
+        steps.dense[:] = 0.0
+        steps.dense[2, : coefficients.size - 1] = -coefficients[1:] / h
+        found = steps.first_event(time, h, y, FREE)
+        assert steps.samples[:, OVERTURNED] == pytest.approx(g(NODE_PLACES), abs=1e-15)
+        return found
 
     return make
 
@@ -52,55 +51,36 @@ def with_roots(*roots, scale=1.0):
     return np.poly1d(roots, r=True) * scale
 
 
-@pytest.mark.parametrize("root", [1e-6, 0.1, 0.25, 0.4999, 0.5, 0.7, 1.0 - 1e-9])
-@pytest.mark.parametrize("other", [1.7, 3.0 + 0j])
-def test_a_single_crossing_is_found(locate, root, other):
-    which, theta = locate(with_roots(root, other.real, scale=0.5))
-    assert which == OVERTURNED
-    assert theta == pytest.approx(root, abs=ROUNDING)
-
-
-def test_no_crossing_is_no_event(locate):
-    assert locate(with_roots(1.0 + 1e-9, 1.5)) == (-1, NO_EVENT)
-
-
-@pytest.mark.parametrize("h", [1e-3, 0.2])
-def test_the_fraction_does_not_depend_on_time_and_length(locate, h):
-    _, theta = locate(with_roots(0.3, 1.5), time=7.0, h=h)
-    assert theta == pytest.approx(0.3, abs=ROUNDING)
+@pytest.mark.parametrize("root", [1e-6, 0.1, 0.25, 0.4999, 0.5, 0.7, 1.0 - 1e-9, 1.0 + 1e-9])
+@pytest.mark.parametrize("other", [1.7, 3.0])
+@pytest.mark.parametrize(("time", "h"), [(0.0, 1.0), (7.0, 1e-3), (7.0, 0.2)])
+def test_a_single_crossing_is_found(locate, root, other, time, h):
+    found = locate(with_roots(root, other, scale=0.5), time, h)
+    expected = (OVERTURNED, pytest.approx(root, abs=ROUNDING)) if root < 1.0 else (-1, NO_EVENT)
+    assert found == expected
 
 
 @pytest.mark.parametrize(
-    ("first", "second"), [(0.2, 0.7), (0.55, 0.6), (0.3, 0.31), (0.6, 0.6 + 1e-5), (0.26, 0.49)]
-)
+    ("first", "second"),
+    [
+        (0.2, 0.7), (0.55, 0.6), (0.3, 0.31), (0.6, 0.6 + 1e-5), (0.26, 0.49),
+        (0.05, 0.1), (0.9, 0.95),
+    ],
+)  # fmt: skip
 def test_a_double_crossing_between_two_samples_is_found(locate, first, second):
-    which, theta = locate(with_roots(first, second))
-    assert which == OVERTURNED
     # The slope at the root is second - first: rounding moves the root by 1e-15 over it.
-    assert theta == pytest.approx(first, abs=1e-15 / (second - first) + ROUNDING)
-
-
-@pytest.mark.parametrize(("first", "second"), [(0.05, 0.1), (0.9, 0.95)])
-def test_a_double_crossing_beside_an_end_of_the_step_is_found(locate, first, second):
-    which, theta = locate(with_roots(first, second))
-    assert which == OVERTURNED
-    assert theta == pytest.approx(first, abs=1e-12)
-
-
-@pytest.mark.parametrize("lowest", [1e-3, 1e-6, 1e-9])
-@pytest.mark.parametrize("where", [0.3, 0.5, 0.62])
-def test_a_graze_that_stays_above_zero_is_no_event(locate, lowest, where):
-    graze = with_roots(where, where) + lowest
-    assert locate(graze) == (-1, NO_EVENT)
+    found = pytest.approx(first, abs=1e-15 / (second - first) + ROUNDING)
+    assert locate(with_roots(first, second)) == (OVERTURNED, found)
 
 
 @pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("where", [0.3, 0.5, 0.62])
-def test_a_graze_that_goes_below_zero_is_an_event(locate, depth, where):
-    which, theta = locate(with_roots(where, where) - depth)
-    assert which == OVERTURNED
+def test_a_graze_is_an_event_if_it_goes_below_zero(locate, depth, where):
+    graze = with_roots(where, where)
+    assert locate(graze + depth) == (-1, NO_EVENT)
     # (θ - w)² = depth at θ = w - √depth, determined to 1e-15 / (2 √depth).
-    assert theta == pytest.approx(where - np.sqrt(depth), abs=1e-14 / np.sqrt(depth) + ROUNDING)
+    found = pytest.approx(where - np.sqrt(depth), abs=1e-14 / np.sqrt(depth) + ROUNDING)
+    assert locate(graze - depth) == (OVERTURNED, found)
 
 
 def test_a_function_that_starts_on_its_zero_and_rises_has_no_event_there(locate):
@@ -124,12 +104,12 @@ def test_parts_that_overlap_as_their_level_begins_to_apply_meet_at_once(device, 
 
     def first_where(depth):
         y = np.array([0.3, place - depth / cos(tilt), tilt, 0.0, rate, 0.0])
-        dense = np.zeros((6, DEGREE))
-        dense[1, 0] = rate
-        nodes, samples = np.empty((len(NODE_PLACES), 6)), np.empty((len(NODE_PLACES), MOST_SAMPLES))
-        sample_step(ALIGNMENT_EVENTS, 0.0, 1.0, 1.0, y, dense, p, FREE, nodes, samples)
-        assert samples[0, RIGHT_EDGE_ENTERS] == pytest.approx(-depth, abs=1e-14)
-        return first_event(ALIGNMENT_EVENTS, 0.0, 1.0, y, dense, p, FREE, samples)
+        steps = Steps(p)
+        steps.dense[:] = 0.0
+        steps.dense[1, 0] = rate
+        found = steps.first_event(0.0, 1.0, y, FREE)
+        assert steps.samples[0, RIGHT_EDGE_ENTERS] == pytest.approx(-depth, abs=1e-14)
+        return found
 
     assert first_where(depth) == (RIGHT_EDGE_ENTERS, 0.0)
     if rate > 0.0:

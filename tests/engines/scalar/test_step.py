@@ -1,22 +1,13 @@
-"""One step: observed orders on smooth motions, error estimate, dense output."""
+"""One step: its error estimate and dense output; test_order.py observes the orders of steps."""
 
 import numpy as np
 import pytest
 
-from model.engines.scalar.step import (
-    dense_output,
-    error_estimate,
-    interpolate,
-    right_hand_side,
-    take_step,
-)
+from model.engines.scalar.step import error_estimate, interpolate, right_hand_side
 from model.engines.scalar.tableaux import DOP853
-from model.physics.modes import (
-    OPEN,
-    SLIP_POSITIVE,
-    START,
-)
+from model.physics.modes import OPEN, SLIP_POSITIVE, START
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
+from tests.engines.steps import Steps
 
 FREE = START._replace(face=OPEN)
 SLIDING = START._replace(edge=RIGHT_EDGE, support_slip=SLIP_POSITIVE)
@@ -24,35 +15,17 @@ SLIDING = START._replace(edge=RIGHT_EDGE, support_slip=SLIP_POSITIVE)
 BEGIN = np.array([0.2, 4.05, 0.05, 0.3, -0.1, 0.1])
 
 
-class Steps:
-    """A step in a frozen mode with everything that belongs to it."""
+def run(p, y, until, count):
+    """The state at ``until`` after ``count`` equal steps in sliding."""
+    steps, h = Steps(p), until / count
+    for i in range(count):
+        y = steps.step(i * h, h, y, SLIDING)
+    return y
 
-    def __init__(self, p, mode):
-        self.method, self.p, self.mode = DOP853.method, p, mode
-        m, degree = DOP853.dense.shape
-        self.k, self.end, self.trial = np.empty((m, 6)), np.empty(6), np.empty(6)
-        self.dense = np.empty((6, degree))
 
-    def step(self, time, h, y):
-        right_hand_side(time, y, self.p, self.mode, self.k[0])
-        take_step(time, h, y, self.p, self.mode, self.method, self.k, self.end)
-        return self.end.copy()
-
-    def run(self, y, until, count):
-        h = until / count
-        for i in range(count):
-            y = self.step(i * h, h, y)
-        return y
-
-    def dense_step(self, time, h, y):
-        self.step(time, h, y)
-        dense_output(
-            time, h, y, self.p, self.mode, self.method, self.k, self.trial, self.dense
-        )  # fmt: skip
-
-    def error(self, y, h, tolerance):
-        self.step(0.0, h, y)
-        return error_estimate(h, y, self.end, self.method, self.k, tolerance)
+def error(steps, y, h, tolerance, mode=SLIDING):
+    steps.step(0.0, h, y, mode)
+    return error_estimate(h, y, steps.end, steps.method, steps.k, tolerance)
 
 
 @pytest.fixture(scope="module")
@@ -65,68 +38,41 @@ def slope(sizes, errors):
     return np.polyfit(np.log(sizes), np.log(errors), 1)[0]
 
 
-# Steps a unit of time, so that errors lie well above rounding and in the asymptotic range. The
-# suspended motion has no fast contact in it and takes steps four times as long.
-COUNTS = [8, 12, 16, 24]
-
-
-@pytest.mark.parametrize(
-    ("mode", "until"), [(FREE, 4.0), (SLIDING, 1.0)], ids=["suspended", "sliding"]
-)
-def test_global_error_falls_with_the_order_of_the_step(p, mode, until):
-    exact = Steps(p, mode).run(BEGIN, until, 400)
-    steps = Steps(p, mode)
-    errors = [np.abs(steps.run(BEGIN, until, n) - exact).max() for n in COUNTS]
-    assert min(errors) > 1e-14  # else rounding would be measured
-    observed = slope([until / n for n in COUNTS], errors)
-    assert observed > 0.95 * DOP853.order
-    # On the linear suspended motion a method may be better than its order, not on the sliding one.
-    if mode is SLIDING:
-        assert observed < 1.15 * DOP853.order
-
-
-def test_error_estimate_falls_with_its_order(p):
-    # A local error of a method of order p is O(h^(p+1)).
-    sizes = np.array([0.02, 0.03, 0.04, 0.06])
-    errors = [Steps(p, SLIDING).error(BEGIN, h, 1e-3) for h in sizes]
-    assert slope(sizes, errors) == pytest.approx(DOP853.error_order + 1, rel=0.1)
-
-
 @pytest.mark.parametrize("h", [0.02, 0.05])
 def test_error_estimate_bounds_the_true_local_error(p, h):
-    steps = Steps(p, SLIDING)
-    estimate = steps.error(BEGIN, h, 1.0)  # over 1 + |y|, root mean square
-    exact = Steps(p, SLIDING).run(BEGIN, h, 16)
+    steps = Steps(p)
+    estimate = error(steps, BEGIN, h, 1.0)  # over 1 + |y|, root mean square
+    exact = run(p, BEGIN, h, 16)
     scaled = (steps.end - exact) / (1.0 + np.maximum(abs(BEGIN), abs(exact)))
     # The step is of higher order than the estimate: its error is smaller.
     assert np.sqrt(np.mean(scaled**2)) < estimate
 
 
 def test_error_estimate_is_over_the_tolerance(p):
-    steps = Steps(p, SLIDING)
-    one, tenth = (steps.error(BEGIN, 0.05, tolerance) for tolerance in (1e-6, 1e-7))
+    steps = Steps(p)
+    one, tenth = (error(steps, BEGIN, 0.05, tolerance) for tolerance in (1e-6, 1e-7))
     assert tenth == pytest.approx(10 * one, rel=1e-12)  # homogeneous of degree one
 
 
 def test_error_estimate_is_zero_where_nothing_moves(device, constants):
     still = constants(device.replace(press_force=0.0, frequency=0.0))
     at_rest = np.array([still.rest_x, still.rest_y, still.rest_tilt, 0.0, 0.0, 0.0])
-    steps = Steps(still, FREE)
-    assert steps.error(at_rest, 0.1, 1e-10) == 0.0
+    steps = Steps(still)
+    assert error(steps, at_rest, 0.1, 1e-10, FREE) == 0.0
     assert np.array_equal(steps.end, at_rest)
 
 
 def test_last_stage_is_the_slope_at_the_end(p):
-    steps, slope_at_end = Steps(p, SLIDING), np.empty(6)
-    end = steps.step(0.2, 0.05, BEGIN)
+    steps, slope_at_end = Steps(p), np.empty(6)
+    end = steps.step(0.2, 0.05, BEGIN, SLIDING)
     right_hand_side(0.25, end, p, SLIDING, slope_at_end)
     # The stage's time is 0.2 + 1.0 * 0.05, one rounding apart.
     assert steps.k[DOP853.stages] == pytest.approx(slope_at_end, rel=1e-12)
 
 
 def test_dense_output_runs_from_the_start_to_the_end_of_the_step(p):
-    steps = Steps(p, SLIDING)
-    steps.dense_step(0.2, 0.05, BEGIN)
+    steps = Steps(p)
+    steps.dense_step(0.2, 0.05, BEGIN, SLIDING)
     assert interpolate(0.0, 0.05, BEGIN, steps.dense) == tuple(BEGIN)
     at_end = interpolate(1.0, 0.05, BEGIN, steps.dense)
     assert at_end == pytest.approx(steps.end, rel=1e-12)
@@ -136,12 +82,12 @@ def test_dense_output_runs_from_the_start_to_the_end_of_the_step(p):
 
 def test_dense_output_falls_with_its_order(p):
     order, sizes = 7, [0.04, 0.06, 0.08]  # steps that keep its error over 1e-13
-    steps, errors = Steps(p, SLIDING), []
+    steps, errors = Steps(p), []
     for h in sizes:
-        steps.dense_step(0.0, h, BEGIN)
+        steps.dense_step(0.0, h, BEGIN, SLIDING)
         worst = 0.0
         for theta in (0.3, 0.6, 0.8):
-            exact = Steps(p, SLIDING).run(BEGIN, theta * h, 8)
+            exact = run(p, BEGIN, theta * h, 8)
             within = np.array(interpolate(theta, h, BEGIN, steps.dense))
             worst = max(worst, np.abs(within - exact).max())
         errors.append(worst)

@@ -88,11 +88,6 @@ def test_dense_output_meets_every_order_condition(theta):
             assert abs(defect) < 100 * ROUNDING  # coefficients of the extension reach 400
 
 
-def test_last_stage_is_the_end_of_the_step():
-    assert DOP853.c[DOP853.stages] == pytest.approx(1.0, abs=1e-15)
-    assert DOP853.method.stages == DOP853.stages
-
-
 def perturbed(array, index, by):
     changed = array.copy()
     changed[index] += by
