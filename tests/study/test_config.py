@@ -127,9 +127,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("path", "value", "named"), REFUSED)
-def test_a_fault_is_named_with_its_path_value_and_rule(
-    mapping: dict[str, Any], path: str, value: Any, named: list[str]
-) -> None:
+def test_a_fault_is_named_with_its_path_value_and_rule(mapping, path, value, named):
     with pytest.raises(ConfigError) as refused:
         check_study(changed(mapping, path, value), "config")
     message = str(refused.value)
@@ -138,7 +136,7 @@ def test_a_fault_is_named_with_its_path_value_and_rule(
         assert part in message
 
 
-def test_a_missing_parameter_and_a_missing_figure_are_named(mapping: dict[str, Any]) -> None:
+def test_a_missing_parameter_and_a_missing_figure_are_named(mapping):
     without = copy.deepcopy(mapping)
     del without["structure"]["inertia"]
     with pytest.raises(ConfigError, match=r"structure\.inertia: missing"):
@@ -149,7 +147,7 @@ def test_a_missing_parameter_and_a_missing_figure_are_named(mapping: dict[str, A
         check_study(without)
 
 
-def test_every_fault_is_reported_at_once(mapping: dict[str, Any]) -> None:
+def test_every_fault_is_reported_at_once(mapping):
     mapping["structure"]["inertia"] = -1.0
     mapping["figures"]["fig08"]["held"]["friction"] = -2.0
     with pytest.raises(ConfigError) as refused:
@@ -157,9 +155,7 @@ def test_every_fault_is_reported_at_once(mapping: dict[str, Any]) -> None:
     assert len(str(refused.value).splitlines()) == 2
 
 
-def test_a_section_is_read_from_the_file_of_its_name_beside(
-    mapping: dict[str, Any], tmp_path: Path
-) -> None:
+def test_a_section_is_read_from_the_file_of_its_name_beside(mapping, tmp_path):
     maps = mapping.pop("maps")
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(mapping))
     with pytest.raises(ConfigError, match="maps: missing"):
@@ -171,7 +167,7 @@ def test_a_section_is_read_from_the_file_of_its_name_beside(
         load_study(tmp_path / "study.yaml")
 
 
-def test_the_study_is_as_large_as_it_must_be() -> None:
+def test_the_study_is_as_large_as_it_must_be():
     """The floors set for the study: 4 curves of 200 points, maps of 200 x 200 cells."""
     study = load_study(study_path())
     assert tuple(study.figures) == FIGURES
@@ -182,7 +178,7 @@ def test_the_study_is_as_large_as_it_must_be() -> None:
         assert min(study.figures[name].x.count, study.figures[name].y.count) >= 200
 
 
-def test_the_accuracy_law_holds_every_value_of_the_study() -> None:
+def test_the_accuracy_law_holds_every_value_of_the_study():
     study = load_study(study_path())
     ranges, missed = study.accuracy.ranges, []
     defaults = {field.name: field.default for field in fields(Parameters)}
@@ -200,7 +196,7 @@ def test_the_accuracy_law_holds_every_value_of_the_study() -> None:
     assert missed == []
 
 
-def test_an_axis_has_both_ends_and_equal_steps() -> None:
+def test_an_axis_has_both_ends_and_equal_steps():
     axis = load_study(study_path()).figures["fig07"].swept
     assert axis.values[0] == axis.start
     assert axis.values[-1] == axis.stop
@@ -208,7 +204,7 @@ def test_an_axis_has_both_ends_and_equal_steps() -> None:
     assert len(steps) == 1
 
 
-def test_the_baseline_is_the_configuration_and_the_defaults_of_the_parameters() -> None:
+def test_the_baseline_is_the_configuration_and_the_defaults_of_the_parameters():
     study = load_study(study_path())
     assert baseline() == study.baseline
     stated = {**study.structure, **study.operating_point}
@@ -217,7 +213,7 @@ def test_the_baseline_is_the_configuration_and_the_defaults_of_the_parameters() 
         assert getattr(baseline(), name) == value
 
 
-def test_smoke_changes_only_sizes() -> None:
+def test_smoke_changes_only_sizes():
     """config/smoke.yaml laid over config.yaml: the same study but for counts, chunks and rungs."""
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     assert set(smoke) == {

@@ -38,17 +38,17 @@ POUND, INCH = 4.4482216152605, 0.0254  # N and m, by definition
         ("050", "Hz", 50.0),
     ],
 )
-def test_a_spelling_is_read_as_it_is_meant(text: str, unit: str, value: float) -> None:
+def test_a_spelling_is_read_as_it_is_meant(text, unit, value):
     assert read_amount("it", text, unit).value == pytest.approx(value, rel=1e-12)
 
 
-def test_a_unit_behind_brackets_is_that_of_both() -> None:
+def test_a_unit_behind_brackets_is_that_of_both():
     amount = read_amount("it", "(12 ± 3) %", "1")
     assert (amount.value, amount.tolerance.width) == pytest.approx((0.12, 0.03))
     assert not amount.tolerance.relative
 
 
-def test_a_tolerance_of_a_ratio_in_per_cent_is_a_share_where_it_can_mean_nothing_else() -> None:
+def test_a_tolerance_of_a_ratio_in_per_cent_is_a_share_where_it_can_mean_nothing_else():
     amount = read_amount("friction", "0.15 ± 10 %", "1")
     assert (amount.value, amount.tolerance.around(0.15)) == pytest.approx((0.15, 0.015))
 
@@ -72,9 +72,7 @@ def test_a_tolerance_of_a_ratio_in_per_cent_is_a_share_where_it_can_mean_nothing
         (None, "N", "it is not filled in: must be a number in N"),
     ],
 )
-def test_what_may_mean_two_things_is_refused_with_the_remedy(
-    text: str | None, unit: str, words: str
-) -> None:
+def test_what_may_mean_two_things_is_refused_with_the_remedy(text, unit, words):
     with pytest.raises(ValueError, match=r"^it ") as refusal:
         read_amount("it", text, unit)
     assert words in str(refusal.value)
@@ -83,11 +81,11 @@ def test_what_may_mean_two_things_is_refused_with_the_remedy(
 @pytest.mark.parametrize(
     "text", ["20 to 150 Hz", "20–150 Hz", "20-150 Hz", "20 Hz - 0.15 kHz", "20…150", "20...150 Hz"]
 )
-def test_a_range_is_written_with_a_word_dashes_or_dots(text: str) -> None:
+def test_a_range_is_written_with_a_word_dashes_or_dots(text):
     assert read_range("it", text, "Hz") == pytest.approx((20.0, 150.0))
 
 
-def test_the_ends_of_a_range_may_be_negative_or_have_an_exponent() -> None:
+def test_the_ends_of_a_range_may_be_negative_or_have_an_exponent():
     assert read_range("it", "−5 to 5 mm", "m") == pytest.approx((-5e-3, 5e-3))
     assert read_range("it", "1e-3-5e-3 N", "N") == (1e-3, 5e-3)
     with pytest.raises(ValueError, match="write 1500 Hz if the comma groups thousands"):

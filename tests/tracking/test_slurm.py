@@ -30,9 +30,7 @@ def answer(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setenv("PATH", str(tools))
 
 
-def test_jobs_of_this_folder_are_held_and_of_no_other(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_jobs_of_this_folder_are_held_and_of_no_other(folder, tmp_path, monkeypatch):
     lines = [
         f"7|{folder}|rule_chunk_wildcards_fig06_0",
         f"8|{folder.parent}|rule_chunk",  # of another folder
@@ -44,30 +42,24 @@ def test_jobs_of_this_folder_are_held_and_of_no_other(
         refuse_held_jobs(folder)
 
 
-def test_a_folder_that_submitted_nothing_does_not_ask(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_that_submitted_nothing_does_not_ask(tmp_path, monkeypatch):
     answer("exit 1", tmp_path, monkeypatch)
     refuse_held_jobs(tmp_path)
 
 
-def test_an_error_of_squeue_is_no_answer(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_of_squeue_is_no_answer(folder, tmp_path, monkeypatch):
     answer("echo 'Unable to contact slurm controller' >&2; exit 1", tmp_path, monkeypatch)
     with pytest.raises(TrackingError, match=r"squeue failed .Unable to contact slurm controller"):
         refuse_held_jobs(folder)
 
 
-def test_without_squeue_nothing_starts_where_jobs_were_submitted(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_squeue_nothing_starts_where_jobs_were_submitted(folder, monkeypatch):
     monkeypatch.setenv("PATH", "")
     with pytest.raises(TrackingError, match="no squeue to ask for them"):
         refuse_held_jobs(folder)
 
 
-def test_reasons_come_from_the_log_of_slurm(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reasons_come_from_the_log_of_slurm(folder, monkeypatch):
     monkeypatch.chdir(folder)
     logs = folder / ".snakemake/slurm_logs"
     (logs / "5.log").write_text(
@@ -97,7 +89,7 @@ def test_reasons_come_from_the_log_of_slurm(folder: Path, monkeypatch: pytest.Mo
     }
 
 
-def test_a_reason_is_taken_where_the_log_of_the_run_is_silent(tmp_path: Path) -> None:
+def test_a_reason_is_taken_where_the_log_of_the_run_is_silent(tmp_path):
     (tmp_path / "logs").mkdir()
     (tmp_path / "logs/kernels.log").write_text("", encoding="utf-8")
     (tmp_path / "logs/claims.log").write_text("ValueError: no such figure\n", encoding="utf-8")
