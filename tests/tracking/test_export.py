@@ -18,11 +18,10 @@ from model.tracking.invocation import Invocation
 @pytest.fixture
 def built(recorded) -> Any:
     """An invocation that made a dataset and a table, with one failed figure."""
-    invocation = recorded.invocation()
-    recorded.merge()
-    recorded.claims()
-    recorded.fail("plot/fig06", "ValueError: no such colour\n")
-    invocation.end("failed")
+    with recorded.invoked("failed"):
+        recorded.merge()
+        recorded.claims()
+        recorded.fail("plot/fig06", "ValueError: no such colour\n")
     return recorded
 
 
@@ -33,9 +32,7 @@ def record_of(built: Any) -> dict[str, Any]:
 def test_results_are_what_the_invocation_made_not_what_replaced_it(built) -> None:
     record = load_history(built.root)[0]
     assert set(results_of(record, built.root)) == {"data/fig06.nc", "claims.csv"}
-    second = built.invocation()
-    built.merge(0.5)
-    second.end("done")
+    built.built(0.5)
     made, later = (
         results_of(each, built.root)["data/fig06.nc"] for each in load_history(built.root)
     )
@@ -43,10 +40,9 @@ def test_results_are_what_the_invocation_made_not_what_replaced_it(built) -> Non
 
 
 def test_results_are_placed_where_the_job_left_them(recorded) -> None:
-    invocation = recorded.invocation()
-    recorded.compare()
-    recorded.map()
-    invocation.end("done")
+    with recorded.invoked():
+        recorded.compare()
+        recorded.map()
     (record,) = load_history(recorded.root)
     assert set(results_of(record, recorded.root)) == {
         "data/precision.csv", "benchmarks/precision.csv", "data/maps/fig06.nc",
