@@ -32,20 +32,8 @@ PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
 DEVICE = ["simulate", "--device", PEG]
 DEPTH = ["--scene", "insertion", "--insertion-depth"]
 TILT = ["--x", "tilt_stiffness"]
-MAP = [
-    "map",
-    *TILT,
-    "6",
-    "20",
-    "--y",
-    "press_force",
-    "1",
-    "5",
-    "--resolution",
-    "4",
-    "--out",
-    "ROOT/map.nc",
-]
+PLANE = [*TILT, "6", "20", "--y", "press_force", "1", "5"]
+MAP = ["map", *PLANE, "--resolution", "4", "--out", "ROOT/map.nc"]
 
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [

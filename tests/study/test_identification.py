@@ -10,7 +10,7 @@ import pytest
 
 from model.study.claims import CLAIMS, judge
 from model.study.claims.ledger import Judgement
-from model.study.config import Study, check_study, read_study, study_path
+from model.study.config import FIGURES, Study, check_study, load_study, read_study, study_path
 from model.study.config.identification import Round, Stage
 from model.study.identification import candidates, search
 from model.study.identification.candidates import Numbers, Tried, short_of, short_of_aims
@@ -31,19 +31,9 @@ COARSE = Stage(grid="tiny", points=2)
 def study() -> Study:
     """The study with a tiny grid of the search."""
     stated = read_study(study_path())
-    counts = {
-        **dict.fromkeys(("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12"), 4),
-        "fig05": 1,
-        "fig13": 4,
-        "fig14": 4,
-        "rubbing": 3,
-        "by_frequency": 3,
-    }
-    stated["identification"]["grids"]["tiny"] = {
-        "counts": counts,
-        "horizon": 30.0,
-        "tolerance": 1e-6,
-    }
+    counts = {**dict.fromkeys(FIGURES[4:], 4), "fig05": 1, "rubbing": 3, "by_frequency": 3}
+    tiny = {"counts": counts, "horizon": 30.0, "tolerance": 1e-6}
+    stated["identification"]["grids"]["tiny"] = tiny
     return check_study(stated)
 
 
@@ -87,14 +77,9 @@ def test_the_search_is_stated_in_the_same_order_in_every_process():
         "print(space_of(load_study(study_path())).model_dump())"
     )
 
-    def told(seed: str) -> str:
-        environment = {**os.environ, "PYTHONHASHSEED": seed}
-        command = [sys.executable, "-c", code]
-        return subprocess.run(
-            command, env=environment, capture_output=True, text=True, check=True
-        ).stdout
-
-    assert told("1") == told("2")
+    command, environment = [sys.executable, "-c", code], {**os.environ, "PYTHONHASHSEED": "1"}
+    there = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert there.stdout == f"{space_of(load_study(study_path())).model_dump()}\n"
 
 
 def test_sweeps_are_those_of_a_study_with_this_device(study, space):
@@ -119,13 +104,12 @@ def test_sweeps_are_those_of_a_study_with_this_device(study, space):
     for name in ("fig05", "fig06", "fig10", "rubbing", "centred"):
         mine, wanted = space.sweep(values, name, grid), sweep_of(theirs, name)
         assert mine.kind == wanted.kind
-        assert [each.values for each in mine.dimensions] == [
-            each.values for each in wanted.dimensions
+        axes = [
+            [(each.parameter, each.values) for each in one.dimensions] for one in (mine, wanted)
         ]
-        swept = {each.parameter for each in mine.dimensions}
-        for parameter, own in wanted.parameters.items():
-            if parameter not in swept:
-                assert mine.parameters[parameter] == own, (name, parameter)
+        assert axes[0] == axes[1]
+        for parameter in wanted.parameters.keys() - {swept for swept, _ in axes[0]}:
+            assert mine.parameters[parameter] == wanted.parameters[parameter], (name, parameter)
 
 
 def test_a_claim_falls_short_by_less_the_nearer_it_is():
@@ -215,8 +199,13 @@ def test_a_part_is_the_same_whenever_it_is_computed(space, tmp_path):
     assert np.array_equal(moved.points, search.evolve(space, turn, 0, 0, read).points)
 
 
-def test_small_steps_keep_the_best_set_and_count_a_missed_limit(space, tmp_path):
-    found = search.pool(space, 2, [COARSE], 0)
+@pytest.fixture(scope="module")
+def found(space: Space) -> search.Found:
+    """What the first part of a search over two structures finds."""
+    return search.pool(space, 2, [COARSE], 0)
+
+
+def test_small_steps_keep_the_best_set_and_count_a_missed_limit(space, found, tmp_path):
     path = tmp_path / "judged.json"
     choice, datasets = search.polish(space, [COARSE], 0, 0, found)
     path.write_text(judged_text(space, choice, datasets))
@@ -231,8 +220,7 @@ def test_small_steps_keep_the_best_set_and_count_a_missed_limit(space, tmp_path)
     assert 0.0 < np.abs(moved.point - judged.points[0])[:7].max() < 0.2
 
 
-def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(space, tmp_path):
-    found = search.pool(space, 2, [COARSE], 0)
+def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(space, found, tmp_path):
     choice, datasets = search.final(space, [COARSE], 0, found)
     paths = []
     for number in range(2):
@@ -254,10 +242,8 @@ def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(space, tmp_path):
         assert numbers == [f"{values[unknown]:.4g}"] * 3
     for line, verdict in zip(texts["claims"].splitlines()[1:], verdicts, strict=True):
         _, shown, contradicted, best = line.split(",")
-        assert (float(shown), float(contradicted)) == (
-            verdict == "reproduced",
-            verdict == "contradicted",
-        )
+        assert float(shown) == (verdict == "reproduced")
+        assert float(contradicted) == (verdict == "contradicted")
         assert best == verdict
     with pytest.raises(LookupError, match=r"final\.sets"):
         search.final(space, [COARSE], 99, found)
