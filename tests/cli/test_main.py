@@ -24,10 +24,8 @@ from model.study.devices import load_device
 ALIGNING = ["simulate", "--set", "press_force=2", "--set", "tilt_stiffness=10"]
 OWN = yaml.safe_load((Path(__file__).parents[1] / "device.yaml").read_text(encoding="utf-8"))
 OWN = {**OWN["structure"], **OWN["operating_point"], "press_force": 9.0, "tilt_stiffness": 2.0}
-OVERTURNING = [
-    "simulate",
-    *(part for each in OWN.items() for part in ("--set", "{}={}".format(*each))),
-]
+SETS = [part for each in OWN.items() for part in ("--set", "{}={}".format(*each))]
+OVERTURNING = ["simulate", *SETS]
 
 
 @pytest.fixture(scope="module")
@@ -57,24 +55,13 @@ def test_an_aligned_run_prints_its_moment_error_state_and_cost(capsys, aligning)
     assert value == pytest.approx(aligning.tau_align, abs=error)
     assert float(lines["tau_error"]) == pytest.approx(aligning.tau_error, rel=0.01)
     assert float(lines["tau_corners_inside"]) == pytest.approx(aligning.tau_corners_inside)
-    for name, value in zip(
-        ("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate"), aligning.state[-1], strict=True
-    ):
-        assert float(lines[name]) == pytest.approx(value, rel=1e-8)
+    names = ("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate")
+    state = [float(lines[name]) for name in names]
+    assert state == pytest.approx(aligning.state[-1], rel=1e-8)
     assert int(lines["rhs_evaluations"]) == aligning.rhs_evaluations
     assert int(lines["separations"]) == aligning.separations
-    assert float(lines["sticking_share"].split()[0]) == pytest.approx(
-        100 * aligning.sticking_share, rel=0.01
-    )
-
-
-def test_a_run_that_does_not_align_says_why_and_what_to_do(capsys):
-    assert cli.main(OVERTURNING) == cli.DONE
-    lines = printed(capsys.readouterr().out)
-    assert lines["outcome"].startswith("left_scene: ")
-    assert "90 degrees" in lines["outcome"]
-    assert lines["what to do"] == remedy(Outcome.LEFT_SCENE, Reason.OVERTURNED)
-    assert lines["tau_align"] == "none: it does not align"
+    share = float(lines["sticking_share"].split()[0])
+    assert share == pytest.approx(100 * aligning.sticking_share, rel=0.01)
 
 
 def test_json_holds_all_of_it(capsys, aligning, settings):
@@ -92,63 +79,75 @@ def test_json_holds_all_of_it(capsys, aligning, settings):
     assert record["sensitive"] is False
 
 
-def test_json_has_null_for_what_there_is_not(capsys):
+def test_a_run_that_does_not_align_says_why_and_what_to_do(capsys):
     def no_constants(text):
         raise AssertionError(f"{text} is not JSON")
 
+    assert cli.main(OVERTURNING) == cli.DONE
+    lines = printed(capsys.readouterr().out)
+    assert lines["outcome"].startswith("left_scene: ")
+    assert "90 degrees" in lines["outcome"]
+    assert lines["what to do"] == remedy(Outcome.LEFT_SCENE, Reason.OVERTURNED)
+    assert lines["tau_align"] == "none: it does not align"
     assert cli.main([*OVERTURNING, "--json"]) == cli.DONE
     record = json.loads(capsys.readouterr().out, parse_constant=no_constants)
-    assert record["tau_align"] is None
-    assert record["tau_error"] is None
+    assert record["tau_align"] is record["tau_error"] is None
     assert record["reason"] == "overturned"
     assert record["remedy"] == remedy(Outcome.LEFT_SCENE, Reason.OVERTURNED)
+
+
+def short(capsys, *arguments: str) -> dict:
+    """The record of a short run."""
+    assert cli.main(["simulate", "--horizon", "0.1", "--json", *arguments]) == cli.DONE
+    return json.loads(capsys.readouterr().out)
+
+
+def test_the_study_and_the_command_line_start_from_the_same(capsys, settings):
+    record = short(capsys)
+    assert record["parameters"] == asdict(baseline())
+    assert record["readings"] == asdict(settings.readings) == asdict(Variants())
 
 
 @pytest.mark.parametrize("name", PARAMETER_NAMES)
 def test_every_parameter_can_be_set_by_its_name(capsys, name):
     value = {"misalignment": 0.3, "rest_x": 0.25, "rest_y": 4.0}.get(name)
     value = 1.01 * getattr(baseline(), name) + 0.001 if value is None else value
-    assert cli.main(["simulate", "--set", f"{name}={value!r}", "--horizon=0.1", "--json"]) == 0
-    record = json.loads(capsys.readouterr().out)
+    record = short(capsys, "--set", f"{name}={value!r}")
     assert record["parameters"] == asdict(baseline().replace(**{name: value}))
 
 
 def test_a_spring_can_be_relaxed_where_the_part_starts(capsys):
-    assert cli.main(["simulate", "--set", "rest_x=None", "--horizon", "0.1", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["parameters"]["rest_x"] is None
+    assert short(capsys, "--set", "rest_x=None")["parameters"]["rest_x"] is None
 
 
 def test_horizon_and_tolerance_are_used(capsys):
-    given = ["simulate", "--horizon", "0.5", "--tolerance", "1e-7", "--json"]
-    assert cli.main(given) == cli.DONE
-    record = json.loads(capsys.readouterr().out)
+    record = short(capsys, "--horizon", "0.5", "--tolerance", "1e-7")
     assert record["outcome"] == "horizon_reached"
     assert (record["horizon"], record["tolerance"]) == (0.5, 1e-7)
     assert record["final_time"] == pytest.approx(0.5)
 
 
 def test_a_switch_overrides_the_preset(capsys):
-    given = ["--readings", "printed", "--reading", "preload=consistent", "--horizon", "0.1"]
-    cli.main(["simulate", *given, "--json"])
-    readings = json.loads(capsys.readouterr().out)["readings"]
+    given = ["--readings", "printed", "--reading", "preload=consistent"]
+    readings = short(capsys, *given)["readings"]
     assert readings.pop("preload") == "consistent"
     assert set(readings.values()) == {"printed"}
 
 
-def test_a_failed_run_has_its_own_exit_code(capsys, monkeypatch, aligning):
-    broken = type(aligning)(**{**vars(aligning), "outcome": Outcome.FAILED, "tau_align": math.nan})
-    monkeypatch.setattr(simulate_command, "simulate", lambda *_: broken)
-    assert cli.main(["simulate"]) == cli.FAILED
-    lines = printed(capsys.readouterr().out)
-    assert lines["outcome"].startswith("failed: ")
-    assert lines["what to do"] == remedy(Outcome.FAILED, aligning.reason)
+def test_a_failed_run_has_its_own_exit_code_and_a_sensitive_one_says_so(
+    capsys, monkeypatch, aligning
+):
+    def end(**changed) -> tuple[int, str]:
+        run = type(aligning)(**{**vars(aligning), **changed})
+        monkeypatch.setattr(simulate_command, "simulate", lambda *_: run)
+        return cli.main(["simulate"]), capsys.readouterr().out
 
-
-def test_a_sensitive_run_says_so(capsys, monkeypatch, aligning):
-    shaky = type(aligning)(**{**vars(aligning), "sensitive": True})
-    monkeypatch.setattr(simulate_command, "simulate", lambda *_: shaky)
-    cli.main(["simulate"])
-    assert "note: sensitive" in capsys.readouterr().out
+    code, said = end(outcome=Outcome.FAILED, tau_align=math.nan)
+    assert code == cli.FAILED
+    assert printed(said)["outcome"].startswith("failed: ")
+    assert printed(said)["what to do"] == remedy(Outcome.FAILED, aligning.reason)
+    code, said = end(sensitive=True)
+    assert "note: sensitive" in said
 
 
 @pytest.mark.parametrize(
@@ -209,13 +208,6 @@ def test_help_lists_every_parameter_with_symbol_baseline_and_meaning(capsys):
 def test_version(capsys):
     assert cli.main(["--version"]) == cli.DONE
     assert capsys.readouterr().out.startswith("vibralign ")
-
-
-def test_the_study_and_the_command_line_start_from_the_same(capsys, settings):
-    cli.main(["simulate", "--horizon", "0.1", "--json"])
-    record = json.loads(capsys.readouterr().out)
-    assert record["parameters"] == asdict(baseline())
-    assert record["readings"] == asdict(settings.readings) == asdict(Variants())
 
 
 def test_as_a_command():
@@ -296,11 +288,10 @@ def test_a_doubtful_device_runs_with_a_warning(capsys):
 
 def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, capsys):
     path = tmp_path / "peg.yaml"
-    path.write_text((Path(__file__).parents[2] / "docs/peg.yaml").read_text() + "start: pressed\n")
+    path.write_text(Path(PEG).read_text(encoding="utf-8") + "start: pressed\n")
 
     def start_of(*arguments):
-        assert cli.main(["simulate", "--horizon", "0.01", "--json", *arguments]) == cli.DONE
-        record = json.loads(capsys.readouterr().out)
+        record = short(capsys, *arguments)
         assert record["unvibrated"] in ("aligns", "rests", "leaves")
         return record["start"]
 
