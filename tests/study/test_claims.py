@@ -42,7 +42,7 @@ def test_every_claim_has_made_up_data() -> None:
 @pytest.mark.parametrize("claim", CHECKED)
 @pytest.mark.parametrize("verdict", ["reproduced", "contradicted"])
 def test_made_up_data_decide_a_claim_and_sensitive_points_do_not(claim: str, verdict: str) -> None:
-    datasets = CASES[claim][verdict == "contradicted"]()
+    datasets = CASES[claim][verdict == "contradicted"]
     judgement = found(claim, datasets)
     assert judgement.verdict == verdict, judgement
     assert (
