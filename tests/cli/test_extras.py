@@ -14,11 +14,7 @@ PLANE = ["--x", "friction", "0.1", "0.2", "--y", "press_force", "1", "2"]
 @pytest.mark.parametrize(
     ("module", "line", "words"),
     [
-        (
-            "scipy",
-            ["design", "--device", PEG],
-            "needs scipy, which is not installed: pip install",
-        ),
+        ("scipy", ["design", "--device", PEG], "needs scipy, which is not installed: pip install"),
         ("scipy", ["map", *PLANE, "--out", "map.nc"], "map needs scipy, not installed"),
         ("matplotlib.backend_bases", ["simulate", "--plot", "run.png"], "vibralign[plot]"),
     ],

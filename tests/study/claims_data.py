@@ -29,10 +29,7 @@ AXES: Mapping[str, tuple[str, list[float], str, float, float]] = {
     "rubbing": ("press_force", [1.0, 3.0], "friction", 0.0, 1.0),
     "by_frequency": ("frequency", [0.5, 10.0], "press_force", 0.25, 10.0),
 }
-MAPS = {
-    "fig13": ("press_force", 0.25, 10.0),
-    "fig14": ("frequency", 0.2, 15.0),
-}
+MAPS = {"fig13": ("press_force", 0.25, 10.0), "fig14": ("frequency", 0.2, 15.0)}
 
 
 def _filled(tau: np.ndarray) -> dict[str, np.ndarray]:

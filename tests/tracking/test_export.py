@@ -63,12 +63,8 @@ def test_parameters_metrics_and_tags_are_those_of_the_record(built) -> None:
     assert tags["invocation"] == record["invocation"]
     assert tags["outcome"] == "failed"
     assert tags["failed.plot/fig06"] == "ValueError: no such colour"
-
-
-def test_tags_say_why_an_invocation_was_refused(recorded) -> None:
-    Invocation(recorded.root).record_idle("failed", "the configuration breaks a rule")
-    (record,) = load_history(recorded.root)
-    assert tags_of(record)["reason"] == "the configuration breaks a rule"
+    Invocation(built.root).record_idle("failed", "the configuration breaks a rule")
+    assert tags_of(record_of(built))["reason"] == "the configuration breaks a rule"
 
 
 def test_without_the_extra_it_is_named(built, tmp_path: Path, monkeypatch, capsys) -> None:
