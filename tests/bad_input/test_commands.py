@@ -29,7 +29,8 @@ from model.study.io import write_dataset
 COMMAND = [sys.executable, "-m", "model.cli.main"]
 PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
 
-DEVICE = ["simulate", "--device", PEG]
+OF_PEG = ["--device", PEG]
+DEVICE = ["simulate", *OF_PEG]
 DEPTH = ["--scene", "insertion", "--insertion-depth"]
 TILT = ["--x", "tilt_stiffness"]
 PLANE = [*TILT, "6", "20", "--y", "press_force", "1", "5"]
@@ -74,6 +75,7 @@ LINES = [
     (["simulate", "--tolerance", "1"], ["tolerance", "1", "between 1e-14 and 1e-2"]),
     (["simulate", "--tolerance", "nan"], ["tolerance", "nan", "between 1e-14 and 1e-2"]),
     ([*DEVICE, "--set", "half_width=-0.005"], ["half_width = -0.005: must be"]),
+    (["simulate", "--device", "nowhere.yaml"], ["cannot be read"]),
     ([*DEVICE, "--set", "nu=1"], ["unknown quantity of a device 'nu'"]),
     ([*DEVICE, "--horizon", "3 mm"], ["must be in s or alike"]),
     ([*DEVICE, *DEPTH, "3 N"], ["must be in m or alike"]),
@@ -103,7 +105,7 @@ LINES = [
     ([*MAP, "--device", PEG, "--x", "mas", "1", "2"], ["Did you mean 'mass'?"]),
     ([*MAP, "--x", "mass", "1", "2"], ["unknown parameter 'mass'"]),
     ([*MAP, "--device", PEG, "--x", "mass", "0", "2"], ["mass = 0.0: must be a finite number > 0"]),
-    ([*MAP, *TILT, "-0.1", "1", "--device", PEG], ["tilt_stiffness = -0.1: must be a finite"]),
+    ([*MAP, *TILT, "-0.1", "1", *OF_PEG], ["tilt_stiffness = -0.1: must be a finite number >"]),
     ([*MAP, "--device", "no.yaml"], ["no.yaml: cannot be read: No such file"]),
     ([*MAP, "--resolution", "12"], ["resolution = 12: must be a power of two, 2 to 8192"]),
     ([*MAP, "--resolution", "1e9"], ["resolution = 1e9: must be a power of two"]),
@@ -114,7 +116,10 @@ LINES = [
     ([*MAP, *TILT, "a", "1"], ["--x tilt_stiffness = 'a': must be a number"]),
     ([*MAP, "--x", "press_force", "1", "2"], ["'press_force' is varied twice"]),
     ([*MAP, "--x", "friction", "-1", "2"], ["friction = -1.0: must be a finite number >= 0"]),
-    ([*MAP, "--y", "misalignment", "0.2", "50"], ["misalignment = 50.0: must be smaller than"]),
+    (
+        [*MAP, "--y", "misalignment", "0.2", "50"],
+        ["misalignment = 50.0: must be smaller than half_width"],
+    ),
     ([*MAP, "--set", "inertia=0"], ["inertia = 0.0: must be a finite number > 0"]),
     ([*MAP, "--horizon", "0"], ["horizon = 0.0: must be a finite number > 0"]),
     ([*MAP, "--out", "map.csv"], ["--out map.csv: must end in .nc"]),
@@ -160,8 +165,9 @@ def _nothing_runs(monkeypatch):
     def forbidden(*_, **__):
         raise AssertionError("computed before everything was checked")
 
-    for place in ("cli.simulate.simulate", "study.maps.compute.run_once"):
-        monkeypatch.setattr(f"model.{place}", forbidden)
+    monkeypatch.setattr("model.cli.simulate.simulate", forbidden)
+    for name in ("estimate", "run_once"):
+        monkeypatch.setattr(f"model.study.maps.compute.{name}", forbidden)
 
 
 @pytest.mark.usefixtures("_nothing_runs")

@@ -77,7 +77,10 @@ def test_free_quantities_and_limits_are_read(tmp_path):
         ({"restitution": 0.5, "contact_damping": 3.0}, "state the same"),
         (HERTZ | {"contact_stiffness": 1e6}, "state the same"),
         (HERTZ | {"plate_radius": 0.1}, "a plate needs both"),
-        ({"restitution": 60}, "> 0 and <= 1; write 0.6, or '60 %', if it is in per cent"),
+        (
+            {"restitution": 60},
+            "must be a finite number > 0 and <= 1; write 0.6, or '60 %', if it is in",
+        ),
     ],
 )
 def test_a_device_that_makes_no_sense_is_refused(changes, words):
