@@ -3,6 +3,7 @@
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -166,6 +167,19 @@ class RecordedStudy:
         os.environ[INVOCATION] = made.name
         made.record()
         return made
+
+    @contextmanager
+    def invoked(self, outcome: str = "done") -> Iterator[Invocation]:
+        """An invocation that runs what stands in the block, and ends so."""
+        made = self.invocation()
+        yield made
+        made.end(outcome)
+
+    def built(self, shift: float = 0.0, **metadata: Any) -> str:
+        """The name of an invocation that built one figure."""
+        with self.invoked() as made:
+            self.merge(shift, **metadata)
+        return made.name
 
     def sidecar(
         self, run: str, files: Sequence[Path], inputs: Sequence[Path] = (), **metadata: Any

@@ -12,6 +12,8 @@ import pytest
 
 from model import simulate
 from model.cli import main as cli
+from model.physics.parameters import PARAMETER_NAMES
+from model.physics.variants import VARIANT_NAMES
 from model.show import style
 from model.study.config import (
     ConfigError,
@@ -26,6 +28,13 @@ from model.study.io import write_dataset
 
 COMMAND = [sys.executable, "-m", "model.cli.main"]
 PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
+
+OF_PEG = ["--device", PEG]
+DEVICE = ["simulate", *OF_PEG]
+DEPTH = ["--scene", "insertion", "--insertion-depth"]
+TILT = ["--x", "tilt_stiffness"]
+PLANE = [*TILT, "6", "20", "--y", "press_force", "1", "5"]
+MAP = ["map", *PLANE, "--resolution", "4", "--out", "ROOT/map.nc"]
 
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [
@@ -43,6 +52,35 @@ LINES = [
     (["simulate", "--press-force", "2"], ["--press-force", "--help"]),
     (["simulate", "--set", "press_force"], ["press_force", "NAME=VALUE"]),
     (["simulate", "--animate", "ROOT/run.mp4"], ["must end in .html"]),
+    (["simulate", "--plot", "ROOT/folder.png"], ["is a folder"]),
+    (
+        ["simulate", "--set", "pres_force=2"],
+        ["unknown parameter 'pres_force'. Did you mean 'press_force'?", *PARAMETER_NAMES],
+    ),
+    (["simulate", "--set", "press_force=strong"], ["press_force", "'strong'", "finite number"]),
+    (["simulate", "--set", "press_force=nan"], ["press_force", "nan", "finite number"]),
+    (["simulate", "--set", "press_force=1e999"], ["press_force", "inf", "finite number"]),
+    (["simulate", "--set", "press_force=2,5"], ["press_force", "'2,5'", "finite number"]),
+    (["simulate", "--set", "press_force=None"], ["press_force", "'None'", "finite number"]),
+    (["simulate", "--set", "misalignment=9"], ["misalignment", "9.0", "beside the slot"]),
+    (["simulate", "--set", "friction=0.1", "--set", "friction=0.2"], ["friction", "twice"]),
+    (["simulate", "--reading", "friction=printed"], ["'friction'", *VARIANT_NAMES]),
+    (
+        ["simulate", "--reading", "friction_law=tanh"],
+        ["friction_law", "'tanh'", "consistent", "printed"],
+    ),
+    (["simulate", "--horizon", "soon"], ["horizon", "soon", "must be a number"]),
+    (["simulate", "--horizon", "inf"], ["horizon", "inf", "> 0"]),
+    (["simulate", "--insertion-depth", "0.2"], ["insertion_depth", "0.2", "use the insertion"]),
+    (["simulate", "--tolerance", "1"], ["tolerance", "1", "between 1e-14 and 1e-2"]),
+    (["simulate", "--tolerance", "nan"], ["tolerance", "nan", "between 1e-14 and 1e-2"]),
+    ([*DEVICE, "--set", "half_width=-0.005"], ["half_width = -0.005: must be"]),
+    (["simulate", "--device", "nowhere.yaml"], ["cannot be read"]),
+    ([*DEVICE, "--set", "nu=1"], ["unknown quantity of a device 'nu'"]),
+    ([*DEVICE, "--horizon", "3 mm"], ["must be in s or alike"]),
+    ([*DEVICE, *DEPTH, "3 N"], ["must be in m or alike"]),
+    ([*DEVICE, *DEPTH, "-1 mm"], ["insertion_depth = -1.0: must be a finite number > 0"]),
+    ([], ["command"]),
     (["simulte"], ["simulte", "simulate"]),
     (["assess", "--device", "no.yaml"], ["no.yaml: cannot be read: No such file"]),
     (["assess", "--device", PEG, "--set", "mass=0"], ["mass = 0.0: must be a finite number > 0"]),
@@ -64,6 +102,29 @@ LINES = [
         ["explore", "--out", "peg.html", "--scene", "insertion", "--insertion-depth", "0.2"],
         ["default depth only"],
     ),
+    ([*MAP, "--device", PEG, "--x", "mas", "1", "2"], ["Did you mean 'mass'?"]),
+    ([*MAP, "--x", "mass", "1", "2"], ["unknown parameter 'mass'"]),
+    ([*MAP, "--device", PEG, "--x", "mass", "0", "2"], ["mass = 0.0: must be a finite number > 0"]),
+    ([*MAP, *TILT, "-0.1", "1", *OF_PEG], ["tilt_stiffness = -0.1: must be a finite number >"]),
+    ([*MAP, "--device", "no.yaml"], ["no.yaml: cannot be read: No such file"]),
+    ([*MAP, "--resolution", "12"], ["resolution = 12: must be a power of two, 2 to 8192"]),
+    ([*MAP, "--resolution", "1e9"], ["resolution = 1e9: must be a power of two"]),
+    ([*MAP, "--resolution", "fine"], ["resolution = 'fine': must be a power of two"]),
+    ([*MAP, "--x", "tilt_stifness", "1", "2"], ["Did you mean 'tilt_stiffness'?"]),
+    ([*MAP, *TILT, "5", "1"], ["--x tilt_stiffness 5 1: must be two finite numbers"]),
+    ([*MAP, *TILT, "0", "inf"], ["must be two finite numbers, the smaller first"]),
+    ([*MAP, *TILT, "a", "1"], ["--x tilt_stiffness = 'a': must be a number"]),
+    ([*MAP, "--x", "press_force", "1", "2"], ["'press_force' is varied twice"]),
+    ([*MAP, "--x", "friction", "-1", "2"], ["friction = -1.0: must be a finite number >= 0"]),
+    (
+        [*MAP, "--y", "misalignment", "0.2", "50"],
+        ["misalignment = 50.0: must be smaller than half_width"],
+    ),
+    ([*MAP, "--set", "inertia=0"], ["inertia = 0.0: must be a finite number > 0"]),
+    ([*MAP, "--horizon", "0"], ["horizon = 0.0: must be a finite number > 0"]),
+    ([*MAP, "--out", "map.csv"], ["--out map.csv: must end in .nc"]),
+    ([*MAP, "--out", "nowhere/map.nc"], ["the folder nowhere does not exist"]),
+    ([*MAP, "--plot", "map.xyz"], ["--plot map.xyz: must end in one of"]),
     (["claims", "--root", "ROOT"], ["ROOT", "holds no datasets"]),
     (["runs", "--root", "ROOT/nowhere"], ["nowhere"]),
     (["runs", "--root", "ROOT/file"], ["file"]),
@@ -95,22 +156,35 @@ def root(tmp_path):
     folder = tmp_path / "results"
     folder.mkdir()
     (folder / "file").write_text("no folder\n", encoding="utf-8")
+    (folder / "folder.png").mkdir()
     return folder
 
 
+@pytest.fixture
+def _nothing_runs(monkeypatch):
+    def forbidden(*_, **__):
+        raise AssertionError("computed before everything was checked")
+
+    monkeypatch.setattr("model.cli.simulate.simulate", forbidden)
+    for name in ("estimate", "run_once"):
+        monkeypatch.setattr(f"model.study.maps.compute.{name}", forbidden)
+
+
+@pytest.mark.usefixtures("_nothing_runs")
 @pytest.mark.parametrize(("line", "words"), LINES, ids=[" ".join(line) for line, _ in LINES])
 def test_a_command_line(capsys, monkeypatch, root, line, words):
     monkeypatch.chdir(root)
-    before = {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
+    before = {path: path.is_file() and path.read_bytes() for path in root.rglob("*")}
     given = [word.replace("ROOT", str(root)) for word in line]
     code = cli.main(given)
     out, err = capsys.readouterr()
     assert code == cli.REFUSED
     assert out == ""
+    assert err.startswith("vibralign")
     assert err.count("\n") == 1, err
     for word in words:
         assert word.replace("ROOT", str(root)) in err
-    assert {path: path.read_bytes() for path in root.rglob("*") if path.is_file()} == before
+    assert {path: path.is_file() and path.read_bytes() for path in root.rglob("*")} == before
 
 
 @pytest.mark.parametrize("command", [["runs"], ["show", "last"]])
@@ -177,14 +251,15 @@ def run_with(line: list[str], **variables: str) -> subprocess.CompletedProcess[s
     )
 
 
-def test_a_run_without_compiled_kernels(tmp_path):
+def test_a_run_without_compiled_kernels(tmp_path, capsys):
     line = ["simulate", "--horizon", "1", "--json"]
-    compiled = run_with(line)
-    python = run_with(line, NUMBA_DISABLE_JIT="1", VIBRALIGN_CACHE=str(tmp_path))
-    assert python.returncode == cli.DONE, python.stderr
-    records = [json.loads(done.stdout) for done in (compiled, python)]
-    assert records[0]["outcome"] == records[1]["outcome"]
-    assert records[0]["tilt_max"] == pytest.approx(records[1]["tilt_max"], rel=1e-9)
+    assert cli.main(line) == cli.DONE
+    compiled = json.loads(capsys.readouterr().out)
+    done = run_with(line, NUMBA_DISABLE_JIT="1", VIBRALIGN_CACHE=str(tmp_path))
+    assert done.returncode == cli.DONE, done.stderr
+    python = json.loads(done.stdout)
+    assert compiled["outcome"] == python["outcome"]
+    assert compiled["tilt_max"] == pytest.approx(python["tilt_max"], rel=1e-9)
 
 
 def test_a_dataset_whose_name_python_cannot_tell(tmp_path):

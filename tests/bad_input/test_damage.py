@@ -116,9 +116,7 @@ MADE_AGAIN: dict[str, Callable[[Path, pytest.MonkeyPatch], Any]] = {
 
 @pytest.mark.parametrize("damage", DAMAGES.values(), ids=list(DAMAGES))
 @pytest.mark.parametrize("kind", MADE_AGAIN.values(), ids=list(MADE_AGAIN))
-def test_what_can_be_made_again_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: Any, damage: Callable[[bytes], bytes]
-) -> None:
+def test_what_can_be_made_again_is(tmp_path, monkeypatch, kind, damage):
     made = kind(tmp_path, monkeypatch)
     made.use()
     whole = made.path.read_bytes()
@@ -190,9 +188,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("damage", DAMAGES.values(), ids=list(DAMAGES))
 @pytest.mark.parametrize("kind", REFUSED.values(), ids=list(REFUSED))
-def test_what_cannot_is_refused_with_the_remedy(
-    tmp_path: Path, kind: Refused, damage: Callable[[bytes], bytes]
-) -> None:
+def test_what_cannot_is_refused_with_the_remedy(tmp_path, kind, damage):
     path = tmp_path / kind.name
     path.parent.mkdir(exist_ok=True)
     kind.write(path)
@@ -205,9 +201,7 @@ def test_what_cannot_is_refused_with_the_remedy(
     assert kind.remedy in str(refusal.value)
 
 
-def test_a_file_of_another_program_or_an_earlier_version_is_refused(
-    tmp_path: Path, make_dataset: Callable[..., xr.Dataset]
-) -> None:
+def test_a_file_of_another_program_or_an_earlier_version_is_refused(tmp_path, make_dataset):
     foreign = tmp_path / "foreign.nc"
     xr.Dataset({"temperature": ("x", [1.0])}).to_netcdf(foreign)
     with pytest.raises(DatasetError, match="is not a dataset of this study: build it again"):

@@ -23,13 +23,21 @@ IN_SECONDS = ["--horizon", "200 ms", "--tolerance", "1e-6"]  # of the peg: 20 of
 BASE = ["--set", "contact_stiffness=300 kN/m"]  # as the model takes it where it is left open
 
 
-def assess(*arguments: str) -> int:
-    return cli.main(["assess", *arguments])
+def said(capsys, *arguments: str, code: int = cli.DONE) -> str:
+    """What the command prints."""
+    assert cli.main(["assess", *arguments]) == code
+    return capsys.readouterr().out
+
+
+def given(monkeypatch, **changed) -> None:
+    """Let every device be found so: reliable from 32 starts, but for what is changed."""
+    usual = {"starts": 32, "aligned": 32, "tau_best": 2.0, "tau_worst": 3.0, "failing_start": None}
+    found = Assessment(**usual | changed)
+    monkeypatch.setattr(assessment, "assess", lambda *_, **__: found)
 
 
 def test_a_device_in_si_units_is_assessed_in_si_units(capsys):
-    assert assess("--device", PEG, *IN_SECONDS, *BASE) == cli.DONE
-    lines = capsys.readouterr().out.splitlines()
+    lines = said(capsys, "--device", PEG, *IN_SECONDS, *BASE).splitlines()
     assert lines[0] == f"device          {PEG}, with contact_stiffness=300 kN/m"
     words = "verdict         reliable at the stated values; no tolerances are stated"
     assert lines[1] == words
@@ -45,18 +53,8 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     units = load_device(Path(PEG), {}).units
     leeway = Leeway("press_force", 10.0, 3.0, 15.0, False, True)
     base = BaseVerdict(100.0, 0.8, starts=8, aligned=7, tau_best=2.0, tau_worst=3.0)
-    found = Assessment(
-        starts=32,
-        aligned=32,
-        tau_best=2.0,
-        tau_worst=3.0,
-        failing_start=None,
-        leeways=(leeway,),
-        bases=(base,),
-    )
-    monkeypatch.setattr(assessment, "assess", lambda *_, **__: found)
-    assert assess("--device", PEG, "--json") == cli.DONE
-    record = json.loads(capsys.readouterr().out)
+    given(monkeypatch, leeways=(leeway,), bases=(base,))
+    record = json.loads(said(capsys, "--device", PEG, "--json"))
     assert record["units"] == "SI"
     assert record["tau_worst"] == pytest.approx(3.0 * units.time)
     assert (record["reliable"], record["depends_on_base"]) == (False, True)
@@ -68,15 +66,15 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     assert record["assumptions"]["horizon"] == "3 s (300 units of 1/p)"
     assert record["unvibrated"] == "rests"
     assert 0.0 < record["slow_tilt"] < record["unvibrated_tilt"] < 0.2
-    assert assess("--json") == cli.DONE
-    record = json.loads(capsys.readouterr().out)
+    record = json.loads(said(capsys, "--json"))
     assert (record["units"], record["tau_worst"]) == ("1", 3.0)
     assert record["leeways"][0]["high"] == 15.0
 
 
 def test_a_failing_start_is_named_with_a_remedy(capsys):
-    assert assess(*COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8") == cli.DONE
-    lines = capsys.readouterr().out.splitlines()
+    lines = said(
+        capsys, *COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8"
+    ).splitlines()
     assert lines[0] == "device          the study's, dimensionless (no --device)"
     assert lines[1].startswith("verdict         not reliable at the stated values; ")
     assert lines[2] == "starts          goes in from 0 of 32 starts"
@@ -87,8 +85,7 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
 
 def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices(capsys):
     device = str(Path(PEG).parent / "devices" / "peg.yaml")
-    assert assess("--device", device, *IN_SECONDS, "--set", "tilt_stiffness=30") == cli.DONE
-    lines = capsys.readouterr().out.splitlines()
+    lines = said(capsys, "--device", device, *IN_SECONDS, "--set", "tilt_stiffness=30").splitlines()
     share = "yield 0 % (0 % to 1.478 %, 95 % confidence)"
     words = f"not reliable at the stated values; {share} under the tolerances"
     assert lines[1] == f"verdict         {words}"
@@ -111,8 +108,7 @@ def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
         return Assessment(32, 32, 2.0, 3.0, None, bases=verdicts)
 
     monkeypatch.setattr(assessment, "assess", found)
-    assert assess("--device", PEG) == cli.DONE
-    lines = capsys.readouterr().out.splitlines()
+    lines = said(capsys, "--device", PEG).splitlines()
     assert lines[1].startswith("verdict         depends on the base: measure it; ")
     assert "3 of 8" in next(line for line in lines if "(100,000 × axial)" in line)
     assert "stiff bases     the verdict still changes at the stiffest" in lines
@@ -121,60 +117,51 @@ def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
 def test_what_a_stiffer_base_still_changes_is_said(capsys, monkeypatch):
     times = {1e2: 2.0, 1e3: 2.5, 1e4: 2.6}
 
-    def said(times):
+    def stiff(times):
         bases = tuple(BaseVerdict(k, 0.5, 8, 8, 2.0, worst) for k, worst in times.items())
-        found = Assessment(32, 32, 2.0, 3.0, None, bases=bases)
-        monkeypatch.setattr(assessment, "assess", lambda *_, **__: found)
-        assert assess("--device", PEG) == cli.DONE
-        lines = capsys.readouterr().out.splitlines()
-        return next(line for line in lines if line.startswith("stiff bases"))
+        given(monkeypatch, bases=bases)
+        return said(capsys, "--device", PEG).partition("stiff bases")[2].partition("\n")[0]
 
     changing = "the verdict does not change from 300 kN/m on; the time changes by 4 %"
-    assert changing in said(times)
-    assert "neither verdict nor time changes from 3 MN/m on" in said(times | {1e4: 2.51})
+    assert changing in stiff(times)
+    assert "neither verdict nor time changes from 3 MN/m on" in stiff(times | {1e4: 2.51})
 
 
 def test_a_yield_is_required_with_confidence(capsys, tmp_path):
     path = tmp_path / "peg.yaml"
     text = Path(PEG).read_text(encoding="utf-8").replace("friction: 0.15", "friction: 0.15 ± 0.02")
     path.write_text(text + "contact_stiffness: 300 kN/m\n", encoding="utf-8")
-    given = ["--device", str(path), *IN_SECONDS, "--devices", "8"]
-    assert assess(*given, "--require", "0.5") == cli.DONE
-    said = capsys.readouterr().out
+    line = ["--device", str(path), *IN_SECONDS, "--devices", "8", "--require"]
+    met = said(capsys, *line, "0.5")
     words = "yield           100 % (67.56 % to 100 %, 95 % confidence): 8 of 8 devices"
-    assert words in said  # 8 / (8 + 1.96²)
-    assert "required        50 %: met" in said
-    assert assess(*given, "--require", "0.9") == cli.FAILED
-    assert "required        90 %: not met" in capsys.readouterr().out
+    assert words in met  # 8 / (8 + 1.96²)
+    assert "required        50 %: met" in met
+    assert "required        90 %: not met" in said(capsys, *line, "0.9", code=cli.FAILED)
 
 
 def test_a_part_that_never_lands_has_no_speed_of_touching_down(capsys, monkeypatch):
-    found = Assessment(32, 0, 2.0, 3.0, {"phase": 0.0}, separations=(1, 1), impact_speed=0.0)
-    monkeypatch.setattr(assessment, "assess", lambda *_, **__: found)
-    assert assess("--device", PEG) == cli.DONE
-    lines = capsys.readouterr().out.splitlines()
+    given(monkeypatch, aligned=0, failing_start={"phase": 0.0}, separations=(1, 1))
+    lines = said(capsys, "--device", PEG).splitlines()
     assert "lift-offs       1; touches down no more" in lines
-    assert assess("--device", PEG, "--json") == cli.DONE
-    assert json.loads(capsys.readouterr().out)["impact_speed"] is None
+    assert json.loads(said(capsys, "--device", PEG, "--json"))["impact_speed"] is None
 
 
 def test_a_mass_has_its_unit():
-    assert (
-        named_words({"mass": 0.2481, "restitution": 0.6}) == "mass = 0.2481 kg, restitution = 0.6"
-    )
+    words = "mass = 0.2481 kg, restitution = 0.6"
+    assert named_words({"mass": 0.2481, "restitution": 0.6}) == words
     assert named_words({"edge_radius": 1e-4}) == "edge_radius = 0.1 mm"
 
 
 def test_what_is_assumed_is_said_alike():
     stated = load_device(Path(PEG), {"press_force": "12 N", "friction": "0.15 ± 0.02"})
     settings = Settings(horizon=40.0, start="pressed")
-    said = assumptions(stated.parameters, settings, stated)
-    assert said["start"] == "the part rests under the press, then the vibration sets in"
-    assert said["base"].startswith("contact stiffness 300 kN/m (not stated: 100 times the axial")
-    assert said["horizon"] == "400 ms (40 units of 1/p)"
-    assert said["tolerances"] == "as stated: friction ± 0.02"
-    assert said["changed"] == "press_force=12 N, friction=0.15 ± 0.02"
-    assert said["goal"].startswith("aligned")
+    found = assumptions(stated.parameters, settings, stated)
+    assert found["start"] == "the part rests under the press, then the vibration sets in"
+    assert found["base"].startswith("contact stiffness 300 kN/m (not stated: 100 times the axial")
+    assert found["horizon"] == "400 ms (40 units of 1/p)"
+    assert found["tolerances"] == "as stated: friction ± 0.02"
+    assert found["changed"] == "press_force=12 N, friction=0.15 ± 0.02"
+    assert found["goal"].startswith("aligned")
     assumed = assumptions(stated.parameters, settings, stated, tolerances_assumed=True)
     assert assumed["tolerances"] == "none stated, so assumed: friction ± 0.02"
     base = {"materials": "steel on brass", "edge_radius": "0.2 mm", "restitution": 0.5}

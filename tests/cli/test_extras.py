@@ -3,14 +3,28 @@
 import sys
 from pathlib import Path
 
+import pytest
+
 from model.cli import main as cli
 
-PEG = Path(__file__).parents[2] / "docs" / "devices" / "peg.yaml"
+PEG = str(Path(__file__).parents[2] / "docs" / "devices" / "peg.yaml")
+PLANE = ["--x", "friction", "0.1", "0.2", "--y", "press_force", "1", "2"]
 
 
-def test_a_package_that_is_missing_is_named_with_its_extra(monkeypatch, capsys):
-    for module in ("model.study.assessment.yields", "model.study.design"):
-        monkeypatch.delitem(sys.modules, module, raising=False)  # imported anew, without scipy
-    monkeypatch.setitem(sys.modules, "scipy", None)
-    assert cli.main(["design", "--device", str(PEG)]) == cli.REFUSED
-    assert "needs scipy, which is not installed: pip install" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("module", "line", "words"),
+    [
+        ("scipy", ["design", "--device", PEG], "needs scipy, which is not installed: pip install"),
+        ("scipy", ["map", *PLANE, "--out", "map.nc"], "map needs scipy, not installed"),
+        ("matplotlib.backend_bases", ["simulate", "--plot", "run.png"], "vibralign[plot]"),
+    ],
+)
+def test_a_package_that_is_missing_is_named_with_its_extra(
+    monkeypatch, capsys, tmp_path, module, line, words
+):
+    monkeypatch.chdir(tmp_path)
+    for using in ("model.study.assessment.yields", "model.study.design"):
+        monkeypatch.delitem(sys.modules, using, raising=False)  # imported anew, without scipy
+    monkeypatch.setitem(sys.modules, module, None)
+    assert cli.main(line) == cli.REFUSED
+    assert words in capsys.readouterr().err

@@ -5,11 +5,9 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pytest
 import xarray as xr
 
 from model.cli import main as cli
-from model.cli import map as map_commands
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
@@ -108,50 +106,6 @@ def test_a_map_of_a_device_is_over_any_of_its_quantities_with_units(tmp_path, ca
             np.testing.assert_allclose(stored["tau_align"].values[row, 0], seconds, rtol=1e-4)
 
 
-REFUSED = [
-    (["--device", PEG, "--x", "mas", "1", "2"], "Did you mean 'mass'?"),
-    (["--x", "mass", "1", "2"], "unknown parameter 'mass'"),
-    (["--device", PEG, "--x", "mass", "0", "2"], "mass = 0.0: must be a finite number > 0"),
-    (
-        ["--device", PEG, "--x", "tilt_stiffness", "-0.1", "1"],
-        "tilt_stiffness = -0.1: must be a finite number >",
-    ),
-    (["--device", "no.yaml"], "no.yaml: cannot be read: No such file"),
-    (["--resolution", "12"], "resolution = 12: must be a power of two, 2 to 8192"),
-    (["--resolution", "1e9"], "resolution = 1e9: must be a power of two"),
-    (["--resolution", "fine"], "resolution = 'fine': must be a power of two"),
-    (["--x", "tilt_stifness", "1", "2"], "Did you mean 'tilt_stiffness'?"),
-    (["--x", "tilt_stiffness", "5", "1"], "--x tilt_stiffness 5 1: must be two finite numbers"),
-    (["--x", "tilt_stiffness", "0", "inf"], "must be two finite numbers, the smaller first"),
-    (["--x", "tilt_stiffness", "a", "1"], "--x tilt_stiffness = 'a': must be a number"),
-    (["--x", "press_force", "1", "2"], "'press_force' is varied twice"),
-    (["--x", "friction", "-1", "2"], "friction = -1.0: must be a finite number >= 0"),
-    (["--y", "misalignment", "0.2", "50"], "misalignment = 50.0: must be smaller than half_width"),
-    (["--set", "inertia=0"], "inertia = 0.0: must be a finite number > 0"),
-    (["--horizon", "0"], "horizon = 0.0: must be a finite number > 0"),
-    (["--out", "map.csv"], "--out map.csv: must end in .nc"),
-    (["--out", "nowhere/map.nc"], "the folder nowhere does not exist"),
-    (["--plot", "map.xyz"], "--plot map.xyz: must end in one of"),
-]
-
-
-@pytest.mark.parametrize(("arguments", "words"), REFUSED)
-def test_bad_input_is_refused_in_one_line_before_anything_is_computed(
-    tmp_path, capsys, monkeypatch, arguments, words
-):
-    def no_runs(*_, **__):
-        raise AssertionError("computed")
-
-    monkeypatch.setattr(compute, "estimate", no_runs)
-    monkeypatch.setattr(compute, "run_once", no_runs)
-    assert run(tmp_path, *arguments) == cli.REFUSED
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert words in err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_an_interrupted_map_leaves_the_old_file(tmp_path, capsys, monkeypatch):
     old = tmp_path / "map.nc"
     old.write_text("old")
@@ -164,9 +118,3 @@ def test_an_interrupted_map_leaves_the_old_file(tmp_path, capsys, monkeypatch):
     assert "interrupted" in capsys.readouterr().err
     assert old.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["map.nc"]
-
-
-def test_a_missing_package_is_named(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(map_commands, "_NEEDED", ("xarray", "no_such_package"))
-    assert run(tmp_path) == cli.REFUSED
-    assert "map needs no_such_package, not installed" in capsys.readouterr().err

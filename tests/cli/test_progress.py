@@ -11,7 +11,7 @@ from model.cli.progress import ProgressLine
 from model.engines.queue import Queue
 from model.runs import engines
 
-COMMAND = ["assess", "--horizon", "30", "--tolerance", "1e-6"]
+COMMAND = ["assess", "--horizon", "3", "--tolerance", "1e-4"]
 
 
 def wait_a_moment(_rows: object, _tolerances: object, queue: Queue, _results: object) -> None:

@@ -13,13 +13,10 @@ from model.tracking.invocation import Invocation
 @pytest.fixture
 def root(recorded) -> str:
     """Two invocations: one of them left a failure and another result."""
-    first = recorded.invocation()
-    recorded.merge()
-    first.end("done")
-    second = recorded.invocation()
-    recorded.merge(0.5, parameters={"press_force": 4.0})
-    recorded.fail("plot/fig06", "Traceback …\nValueError: no such colour\n")
-    second.end("failed")
+    recorded.built()
+    with recorded.invoked("failed"):
+        recorded.merge(0.5, parameters={"press_force": 4.0})
+        recorded.fail("plot/fig06", "Traceback …\nValueError: no such colour\n")
     return str(recorded.root)
 
 
@@ -28,14 +25,6 @@ def output(capsys, *arguments: str, code: int = cli.DONE) -> str:
     printed = capsys.readouterr()
     assert printed.err == ""
     return printed.out
-
-
-def refused(capsys, *arguments: str) -> str:
-    assert cli.main(list(arguments)) == cli.REFUSED
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    return printed.err
 
 
 def test_runs_are_listed_with_what_became_of_them(capsys, root) -> None:
@@ -51,7 +40,7 @@ def test_runs_are_listed_with_what_became_of_them(capsys, root) -> None:
     assert lines[3].endswith("ValueError: no such colour")
 
 
-def test_runs_and_invocations_are_filtered(capsys, root) -> None:
+def test_runs_and_invocations_are_filtered_and_listed(capsys, root) -> None:
     def found(name: str, *conditions: str) -> list[str]:
         printed = output(capsys, "runs", "--root", root, "--json", *conditions)
         return [each[name] for each in json.loads(printed)]
@@ -61,9 +50,6 @@ def test_runs_and_invocations_are_filtered(capsys, root) -> None:
     assert found("run", "--figure", "fig07") == []
     assert found("outcome", "--invocations") == ["done", "failed"]
     assert found("outcome", "--invocations", "--outcome", "failed") == ["failed"]
-
-
-def test_invocations_are_listed(capsys, root) -> None:
     lines = output(capsys, "runs", "--root", root, "--invocations").splitlines()
     assert [line.split()[1] for line in lines[1:]] == ["done", "failed"]
 
@@ -126,5 +112,11 @@ def test_a_long_section_is_cut_unless_asked_for(capsys, root, recorded, tmp_path
 
 
 def test_what_is_not_recorded_is_refused(capsys, root, tmp_path: Path) -> None:
-    assert "neither a run nor an invocation" in refused(capsys, "show", "--root", root, "merge/x")
-    assert "neither datasets nor sidecars" in refused(capsys, "diff", str(tmp_path), root)
+    for line, words in (
+        (["show", "--root", root, "merge/x"], "neither a run nor an invocation"),
+        (["diff", str(tmp_path), root], "neither datasets nor sidecars"),
+    ):
+        assert cli.main(line) == cli.REFUSED
+        out, err = capsys.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+        assert words in err

@@ -75,22 +75,16 @@ def check_make(words: list[str]) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_commands_exist(page):
-    for program, rest in COMMAND.findall(page.read_text(encoding="utf-8")):
-        words = shlex.split(rest)
-        if program == "make":
-            check_make(words)
-        elif program == "vibralign":
-            words = [word for word in words if word != "--help"]
-            cli._parser().parse_args(words)  # else SystemExit
-
-
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_commands_in_sentences_exist(page):
+    text = page.read_text(encoding="utf-8")
     [commands] = (each for each in cli._parser()._actions if each.metavar == "command")
-    for program, rest in INLINE.findall(page.read_text(encoding="utf-8")):
-        words = shlex.split(rest)
+    for program, rest in COMMAND.findall(text) + INLINE.findall(text):
         if program == "make":
-            check_make(words)
-        elif not words[0].startswith("-"):
+            check_make(shlex.split(rest))
+    for rest in (rest for program, rest in COMMAND.findall(text) if program == "vibralign"):
+        words = [word for word in shlex.split(rest) if word != "--help"]
+        cli._parser().parse_args(words)  # else SystemExit
+    for rest in (rest for program, rest in INLINE.findall(text) if program == "vibralign"):
+        words = shlex.split(rest)
+        if not words[0].startswith("-"):
             options = set(commands.choices[words[0]]._option_string_actions)
             assert {word for word in words if word.startswith("--")} <= options, rest

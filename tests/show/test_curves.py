@@ -26,26 +26,21 @@ def segments(line) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def test_a_curve_holds_the_row_of_its_family_value_with_its_gaps(family):
-    figure = curves(family)
-    lines = curve_lines(figure.axes[0])
-    assert len(lines) == len(DURATIONS)
-    for line, row in zip(lines, DURATIONS, strict=True):
+    axes, strip = curves(family).axes
+    for line, bar, row in zip(curve_lines(axes), strip.collections, DURATIONS, strict=True):
         np.testing.assert_array_equal(line.get_ydata(), row)
         np.testing.assert_array_equal(line.get_xdata(), family["press_force"])
+        if len(bar.get_paths()):  # of where the curve does not align, in the colour of the curve
+            assert mpl.colors.same_color(line.get_color(), bar.get_facecolor()[0])
 
 
 def test_no_piece_of_a_line_crosses_a_gap(family):
     swept = family["press_force"].values.tolist()
-    lines = curves(family).axes[0].lines
-    drawn = 0
-    for line in lines:
-        if line.get_linestyle() == "None":
-            continue
-        for start, end in segments(line):
-            assert swept.index(end[0]) - swept.index(start[0]) == 1
-            drawn += 1
+    lines = [each for each in curves(family).axes[0].lines if each.get_linestyle() != "None"]
+    pieces = [piece for line in lines for piece in segments(line)]
+    assert all(swept.index(end[0]) - swept.index(start[0]) == 1 for start, end in pieces)
     aligned = ~np.isnan(DURATIONS)
-    assert drawn == (aligned[:, 1:] & aligned[:, :-1]).sum()
+    assert len(pieces) == (aligned[:, 1:] & aligned[:, :-1]).sum()
 
 
 def test_a_point_alone_between_gaps_is_drawn_as_a_dot(family):
@@ -71,22 +66,13 @@ def test_the_strip_says_exactly_where_each_curve_does_not_align(family):
     assert "does not" in strip.get_ylabel()
 
 
-def test_curve_and_bar_have_one_colour(family):
-    axes, strip = curves(family).axes
-    for line, bar in zip(curve_lines(axes), strip.collections, strict=True):
-        if len(bar.get_paths()):
-            assert mpl.colors.same_color(line.get_color(), bar.get_facecolor()[0])
-
-
-def test_the_legend_has_one_entry_for_each_value_and_words_for_them(family):
-    legend = curves(family).legends[0]
+def test_axes_and_legend_have_words_and_symbols_and_durations_start_at_zero(family):
+    figure = curves(family)
+    axes, strip = figure.axes
+    (legend,) = figure.legends
     texts = [text.get_text() for text in legend.get_texts()]
     assert texts == ["$k_{φ}$ = 1", "$k_{φ}$ = 2", "$k_{φ}$ = 3", "$k_{φ}$ = 4"]
     assert legend.get_title().get_text() == "tilt stiffness of the suspension $k_{φ}$"
-
-
-def test_axes_of_curves_have_words_and_symbols_and_start_at_zero(family):
-    axes, strip = curves(family).axes
     assert strip.get_xlabel() == "initial pressing force $f_{0}$"
     assert axes.get_ylabel() == "alignment duration $τ$"
     low, high = axes.get_ylim()
@@ -136,26 +122,23 @@ def test_a_family_that_never_aligns_is_drawn_too(family, tmp_path):
 
 # --- Runs made for the claims alone -------------------------------------------------------------
 
-NAMES = ("centred", "pressed", "misaligned", "displaced", "rubbing")
+RUNS = {"centred": falling, "pressed": within(2.0, 3.0), "misaligned": falling,
+         "displaced": within(5.0, 30.0), "rubbing": within(0.0, 0.5)}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def runs():
-    datasets = {
-        "centred": run_curves("centred", falling)["centred"],
-        "pressed": run_curves("pressed", within(2.0, 3.0))["pressed"],
-        "misaligned": run_curves("misaligned", falling)["misaligned"],
-        "displaced": run_curves("displaced", within(5.0, 30.0))["displaced"],
-        "rubbing": run_curves("rubbing", within(0.0, 0.5))["rubbing"],
+    titled = {
+        name: run_curves(name, tau)[name].assign_attrs(title=f"Title of {name}")
+        for name, tau in RUNS.items()
     }
-    titled = {name: each.assign_attrs(title=f"Title of {name}") for name, each in datasets.items()}
     return draw_runs(*titled.values()), titled
 
 
 def test_each_run_has_a_panel_with_its_title_and_run_curves(runs) -> None:
     drawn, datasets = runs
     shown = [axes for axes in drawn.axes if axes.get_visible()]
-    assert len(shown) == len(NAMES)
+    assert len(shown) == len(RUNS)
     for axes, (name, dataset) in zip(shown, datasets.items(), strict=True):
         assert f"Title of {name}" in axes.get_title(loc="left")
         family = dataset["tau_align"].dims[0]
@@ -166,7 +149,7 @@ def test_each_run_has_a_panel_with_its_title_and_run_curves(runs) -> None:
 def test_a_panel_shows_what_the_ledger_looks_at(runs) -> None:
     drawn, datasets = runs
     looked_at = ("excursion", "tilt_end", "tau_align", "way", "tau_align")
-    for axes, name, variable in zip(drawn.axes, NAMES, looked_at, strict=False):
+    for axes, name, variable in zip(drawn.axes, RUNS, looked_at, strict=False):
         values = datasets[name][variable].values[0]
         assert np.array_equal(axes.lines[0].get_ydata(), values, equal_nan=True)
 

@@ -50,15 +50,18 @@ def centres(dataset: xr.Dataset) -> np.ndarray:
     return np.array([(each, row) for row in y for each in x])
 
 
+def words(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
 def covered(patch: PathPatch, dataset: xr.Dataset) -> np.ndarray:
     inside = patch.get_path().contains_points(centres(dataset))
     return inside.reshape(dataset["tau_align"].shape)
 
 
-def test_the_mesh_holds_the_durations_and_is_an_image_in_vector_files(area):
-    (mesh,) = [
-        each for each in stability_map(area).axes[0].collections if isinstance(each, QuadMesh)
-    ]
+def test_the_mesh_holds_the_durations_with_words_and_is_an_image_in_vector_files(area):
+    axes, bar = stability_map(area).axes
+    (mesh,) = (each for each in axes.collections if isinstance(each, QuadMesh))
     drawn = mesh.get_array()
     np.testing.assert_array_equal(drawn.filled(NAN), area["tau_align"].values)
     assert mesh.get_rasterized()
@@ -66,22 +69,21 @@ def test_the_mesh_holds_the_durations_and_is_an_image_in_vector_files(area):
     corners = mesh.get_coordinates()
     middles = 0.25 * (corners[1:, 1:] + corners[1:, :-1] + corners[:-1, 1:] + corners[:-1, :-1])
     np.testing.assert_allclose(middles.reshape(-1, 2), centres(area))
+    assert axes.get_xlabel() == "tilt stiffness of the suspension $k_{φ}$"
+    assert axes.get_ylabel() == "initial pressing force $f_{0}$"
+    assert bar.get_ylabel() == "alignment duration $τ$"
 
 
-def test_the_hatched_area_is_where_the_part_does_not_align(area):
-    (hatched,) = named(stability_map(area).axes[0].patches, NOT_ALIGNED)
-    assert hatched.get_hatch() == NON_ALIGNING["hatch"]
-    np.testing.assert_array_equal(covered(hatched, area), np.isnan(area["tau_align"].values))
-
-
-def test_cells_that_left_the_scene_or_failed_can_be_told(area):
-    patches = stability_map(area).axes[0].patches
-    for label, outcome in (
-        (LEFT_LABEL, Outcome.LEFT_SCENE),
-        (FAILED_LABEL, Outcome.FAILED),
+def test_cells_that_do_not_align_left_the_scene_or_failed_can_be_told(area):
+    patches, outcome = stability_map(area).axes[0].patches, area["outcome"].values
+    for label, marked in (
+        (NOT_ALIGNED, np.isnan(area["tau_align"].values)),
+        (LEFT_LABEL, outcome == Outcome.LEFT_SCENE),
+        (FAILED_LABEL, outcome == Outcome.FAILED),
     ):
         (patch,) = named(patches, label)
-        np.testing.assert_array_equal(covered(patch, area), area["outcome"].values == outcome)
+        np.testing.assert_array_equal(covered(patch, area), marked)
+    assert named(patches, NOT_ALIGNED)[0].get_hatch() == NON_ALIGNING["hatch"]
 
 
 def test_cells_that_align_and_do_not_go_in_are_dotted(area):
@@ -94,31 +96,20 @@ def test_cells_that_align_and_do_not_go_in_are_dotted(area):
 
 
 def test_the_legend_of_a_map_names_only_what_is_there(area):
-    legend = [text.get_text() for text in stability_map(area).legends[0].get_texts()]
-    assert legend == [NOT_ALIGNED, LEFT_LABEL, FAILED_LABEL]
+    assert words(stability_map(area)) == [NOT_ALIGNED, LEFT_LABEL, FAILED_LABEL]
     area["outcome"][:] = Outcome.SETTLED
-    legend = [text.get_text() for text in stability_map(area).legends[0].get_texts()]
-    assert legend == [NOT_ALIGNED]
+    assert words(stability_map(area)) == [NOT_ALIGNED]
 
 
 def test_the_border_runs_between_cells_that_differ(area):
-    figure = stability_map(area)
-    (border,) = [each for each in figure.axes[0].collections if isinstance(each, LineCollection)]
+    collections = stability_map(area).axes[0].collections
+    (border,) = (each for each in collections if isinstance(each, LineCollection))
     gaps = np.isnan(area["tau_align"].values)
-    step = {
-        name: float(np.diff(area[name].values)[0]) for name in ("press_force", "tilt_stiffness")
-    }
-    upright = sum(abs(b[1] - a[1]) for a, b in border.get_segments()) / step["press_force"]
-    level = sum(abs(b[0] - a[0]) for a, b in border.get_segments()) / step["tilt_stiffness"]
+    steps = [float(np.diff(area[name].values)[0]) for name in ("tilt_stiffness", "press_force")]
+    ends = np.array(border.get_segments())
+    level, upright = np.abs(ends[:, 1] - ends[:, 0]).sum(axis=0) / steps
     assert upright == pytest.approx((gaps[:, 1:] != gaps[:, :-1]).sum())
     assert level == pytest.approx((gaps[1:] != gaps[:-1]).sum())
-
-
-def test_axes_and_colour_bar_of_a_map_have_words_and_symbols(area):
-    axes, bar = stability_map(area).axes
-    assert axes.get_xlabel() == "tilt stiffness of the suspension $k_{φ}$"
-    assert axes.get_ylabel() == "initial pressing force $f_{0}$"
-    assert bar.get_ylabel() == "alignment duration $τ$"
 
 
 def test_colours_are_logarithmic_only_where_durations_spread_and_say_so(area):
@@ -181,25 +172,14 @@ def dataset(marks=(), reliable=True, unvibrated=False) -> xr.Dataset:
         "tilt_stiffness": ("tilt_stiffness", x, {"long_name": "tilt stiffness", "symbol": "k_φ"}),
         "press_force": ("press_force", y, {"long_name": "pressing force", "symbol": "f0"}),
     }
-    attributes = {
-        "kind": "map",
-        "resolution": CELLS,
-        "ensemble_phases": [0.0, 1.0],
-        "operating_points": json.dumps(list(marks)),
-    }
+    attributes = {"kind": "map", "resolution": CELLS, "ensemble_phases": [0.0, 1.0]}
+    attributes["operating_points"] = json.dumps(list(marks))
     return xr.Dataset(variables, coordinates, attributes)
 
 
-def words(figure: Figure) -> list[str]:
-    return [text.get_text() for text in figure.legends[0].get_texts()]
-
-
 def contours(figure: Figure, label: str) -> list[QuadContourSet]:
-    return [
-        each
-        for each in figure.axes[0].collections
-        if isinstance(each, QuadContourSet) and each.get_label() == label
-    ]
+    labelled = named(figure.axes[0].collections, label)
+    return [each for each in labelled if isinstance(each, QuadContourSet)]
 
 
 def test_a_map_shows_areas_contours_and_the_reliable_area():
@@ -231,17 +211,13 @@ def test_what_vibration_adds_is_shown_as_four_areas():
     figure = vibration_map(shown)
     assert words(figure) == [*ADDED_LABELS, SLOW_LABEL]
     outcome, ends = shown["outcome"].values, shown["unvibrated"].values
-    x, y = (shown[name].values for name in ("tilt_stiffness", "press_force"))
-    centres = np.column_stack([each.ravel() for each in np.meshgrid(x, y)])
-    areas = {each.get_label(): each for each in figure.axes[0].patches}
     for label, vibrated, pressed in zip(
         ADDED_LABELS, (True, True, False, False), (True, False, True, False), strict=True
     ):
-        drawn = areas[label].get_path().contains_points(centres).reshape(outcome.shape)
-        expected = ((outcome == Outcome.ALIGNED) == vibrated) & (
-            (ends == Unvibrated.ALIGNS) == pressed
-        )
-        np.testing.assert_array_equal(drawn, expected, err_msg=label)
+        (drawn,) = named(figure.axes[0].patches, label)
+        expected = (outcome == Outcome.ALIGNED) == vibrated
+        expected &= (ends == Unvibrated.ALIGNS) == pressed
+        np.testing.assert_array_equal(covered(drawn, shown), expected, err_msg=label)
 
 
 def test_without_reliability_there_is_no_outline():
@@ -285,26 +261,19 @@ def test_numbers_of_ranges_move_along_their_lines_to_free_places():
     assert places["7"] == (10.0, 9.5)
     assert places["8"] == (20.0, 10.0)
     assert (places["6"][0], places["12"][0]) == (10.0, 9.7)
-    shares = {
-        name: np.subtract(place, (1.0, 0.25)) / (29.0, 9.75) for name, place in places.items()
-    }
-    for name, other in itertools.combinations(shares, 2):
-        assert np.hypot(*(shares[name] - shares[other])) > 0.04, (name, other)
+    for one, other in itertools.combinations(places.values(), 2):
+        assert np.hypot(*(np.subtract(one, other) / (29.0, 9.75))) > 0.04, (one, other)
     assert min(places["6"][1], places["12"][1]) > 8.5  # no further than they must
 
 
 @pytest.mark.parametrize(
-    ("values", "within"),
-    [
-        (np.linspace(2.0, 9.0, 500), (2.0, 9.0)),
-        (np.geomspace(1.0, 300.0, 500), (1.0, 300.0)),
-        (np.linspace(-3.0, 3.0, 500), (-3.0, 3.0)),
-    ],
+    "values",
+    [np.linspace(2.0, 9.0, 500), np.geomspace(1.0, 300.0, 500), np.linspace(-3.0, 3.0, 500)],
 )
-def test_contours_are_at_round_numbers_inside_the_values(values, within):
+def test_contours_are_at_round_numbers_inside_the_values(values):
     levels = round_levels(values)
     assert 2 <= len(levels) <= 9
-    assert all(within[0] < level < within[1] for level in levels)
+    assert values[0] < min(levels) < max(levels) < values[-1]
     assert all(float(f"{level:.2g}") == level for level in levels)
 
 

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from model.physics import geometry
 from model.show import schematics, style
 from model.study.config import baseline
+from tests.show.drawn import named
 
 BASELINE = baseline()
 OTHER = BASELINE.replace(half_width=1.9, half_height=3.5, clearance=0.15, misalignment=0.6)
@@ -22,24 +23,18 @@ EITHER = pytest.mark.parametrize("parameters", [BASELINE, OTHER], ids=["baseline
 
 def drawn_parts(figure: Figure) -> list[np.ndarray]:
     """Return the corners of every polygon that is drawn as the part, in drawing order."""
-    return [
-        patch.get_xy()[:-1]
-        for axes in figure.axes
-        for patch in axes.patches
-        if patch.get_label() == "part"
-    ]
+    patches = [patch for axes in figure.axes for patch in named(axes.patches, "part")]
+    return [patch.get_xy()[:-1] for patch in patches]
 
 
 def drawn_edges(figure: Figure) -> list[tuple[float, float]]:
     """Return the edges of the slot as drawn: at the height of the base, nearest to the axis."""
     edges = []
-    for axes in figure.axes:
-        for line in axes.lines:
-            if line.get_label() == "base":
-                points = line.get_xydata()
-                level = points[points[:, 1] == 0.0]
-                inmost = np.abs(level[:, 0]).min()
-                edges += [tuple(point) for point in level if abs(point[0]) == inmost]
+    for line in (line for axes in figure.axes for line in named(axes.lines, "base")):
+        points = line.get_xydata()
+        level = points[points[:, 1] == 0.0]
+        inmost = np.abs(level[:, 0]).min()
+        edges += [tuple(point) for point in level if abs(point[0]) == inmost]
     return edges
 
 
@@ -145,10 +140,8 @@ def test_two_processes_write_the_same_bytes(tmp_path):
     environment = {**os.environ, "PYTHONHASHSEED": "1", "PYTHONPATH": source}
     subprocess.run([sys.executable, "-c", _SAVE, str(other)], check=True, env=environment)
     for extension in style.FORMATS:
-        bytes_here, bytes_there = (
-            stem.with_name(f"fig04.{extension}").read_bytes() for stem in (here, other)
-        )
-        assert bytes_here == bytes_there, extension
+        pictures = [stem.with_suffix(f".{extension}").read_bytes() for stem in (here, other)]
+        assert pictures[0] == pictures[1], extension
 
 
 def test_curves_differ_in_colour_line_and_marker():

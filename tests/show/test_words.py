@@ -7,37 +7,27 @@ from model.show.words import mathtext, number, percent, power
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    ("write", "value", "text"),
     [
-        (3.2e-9, "3 × 10⁻⁹"),
-        (1e-8, "10⁻⁸"),
-        (44.0, "40"),
-        (0.02, "0.02"),
-        (0.0, "0"),
-        (float("nan"), "–"),
+        (power, 3.2e-9, "3 × 10⁻⁹"),  # errors have one digit
+        (power, 1e-8, "10⁻⁸"),
+        (power, 44.0, "40"),
+        (power, 0.02, "0.02"),
+        (power, 0.0, "0"),
+        (power, float("nan"), "–"),
+        (number, 0.25, "0.25"),
+        (number, 1e6, "1,000,000"),
+        (number, 2e-5, "0.00002"),
+        (number, 1.5e-9, "1.5 × 10⁻⁹"),
+        (number, 1e-10, "10⁻¹⁰"),
+        (number, 1234567.0, "1,234,570"),  # six digits
+        (percent, 0.999, "100 %"),
+        (percent, 1.0, "100 %"),
+        (percent, 1e-8, "0.000001 %"),
     ],
 )
-def test_errors_are_written_with_one_digit(value, text):
-    assert str(power(value)) == text
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.25, "0.25"),
-        (1e6, "1,000,000"),
-        (2e-5, "0.00002"),
-        (1.5e-9, "1.5 × 10⁻⁹"),
-        (1e-10, "10⁻¹⁰"),
-        (1234567.0, "1,234,570"),
-    ],
-)
-def test_numbers_are_written_with_six_digits(value, text):
-    assert number(value) == text
-
-
-def test_shares_near_one_and_far_below_are_percentages():
-    assert [percent(each) for each in (0.999, 1.0, 1e-8)] == ["100 %", "100 %", "0.000001 %"]
+def test_errors_numbers_and_shares_are_written_short(write, value, text):
+    assert str(write(value)) == text
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ Only what a check reads has a shape worth looking at; the rest is filled with wh
 """
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,10 +29,7 @@ AXES: Mapping[str, tuple[str, list[float], str, float, float]] = {
     "rubbing": ("press_force", [1.0, 3.0], "friction", 0.0, 1.0),
     "by_frequency": ("frequency", [0.5, 10.0], "press_force", 0.25, 10.0),
 }
-MAPS = {
-    "fig13": ("press_force", 0.25, 10.0),
-    "fig14": ("frequency", 0.2, 15.0),
-}
+MAPS = {"fig13": ("press_force", 0.25, 10.0), "fig14": ("frequency", 0.2, 15.0)}
 
 
 def _filled(tau: np.ndarray) -> dict[str, np.ndarray]:
@@ -150,13 +146,13 @@ def rising(_at: float, x: float) -> float:
     return 1.0 + x
 
 
-Case = tuple[Callable[[], Datasets], Callable[[], Datasets]]
+Case = tuple[Datasets, Datasets]
 
 
 def durations(figure: str, satisfied: Function | float, violated: Function | float) -> Case:
     """Durations of a figure that satisfy a claim, and that do not."""
     made = plane if figure in MAPS else curves
-    return partial(made, figure, satisfied), partial(made, figure, violated)
+    return made(figure, satisfied), made(figure, violated)
 
 
 def values(
@@ -167,25 +163,19 @@ def values(
     tau: Function | float = 5.0,
 ) -> Case:
     """Values of another variable that satisfy a claim, and that do not; the durations are equal."""
-    return (
-        partial(curves, figure, tau, **{name: satisfied}),
-        partial(curves, figure, tau, **{name: violated}),
-    )
+    return curves(figure, tau, **{name: satisfied}), curves(figure, tau, **{name: violated})
 
 
 # Of each claim: data that satisfy it, and data that do not.
 CASES: dict[str, Case] = {
-    "N1": (
-        lambda: {**curves("fig06"), **plane("fig13", 5.0)},
-        lambda: curves("fig06", separations=2.0),
-    ),
+    "N1": ({**curves("fig06"), **plane("fig13", 5.0)}, curves("fig06", separations=2.0)),
     "M1": (
-        lambda: {**curves("centred", excursion=0.0), **curves("misaligned")},
-        lambda: {**curves("centred", excursion=0.1), **curves("misaligned")},
+        {**curves("centred", excursion=0.0), **curves("misaligned")},
+        {**curves("centred", excursion=0.1), **curves("misaligned")},
     ),
     "M1b": (
-        lambda: {**curves("centred", excursion=lambda t, _: 10.0 * t), **curves("misaligned")},
-        lambda: {**curves("centred", excursion=0.1), **curves("misaligned")},
+        {**curves("centred", excursion=lambda t, _: 10.0 * t), **curves("misaligned")},
+        {**curves("centred", excursion=0.1), **curves("misaligned")},
     ),
     "M2": values("pressed", "tilt_end", lambda k, f: f / k, 0.1, tau=NAN),
     "M2b": durations("fig07", 5.0, within(0.01, 0.3)),
@@ -197,44 +187,29 @@ CASES: dict[str, Case] = {
     ),
     "M4": durations("pressed", NAN, 5.0),
     "M4b": (
-        lambda: {**Course().datasets, **curves("fig06", unvibrated_tilt=lambda _, f: 0.03 * f)},
-        lambda: curves("fig06", unvibrated_tilt=lambda _, f: 0.06 * f),
+        {**Course().datasets, **curves("fig06", unvibrated_tilt=lambda _, f: 0.03 * f)},
+        curves("fig06", unvibrated_tilt=lambda _, f: 0.06 * f),
     ),
     "M9": (
-        lambda: {**Course().datasets, **curves("fig06", lambda _, f: 5.0 if f < 4.0 else NAN)},
-        lambda: curves("fig06", lambda k, f: 5.0 if k > 5.0 or f < 0.6 else NAN),
+        {**Course().datasets, **curves("fig06", lambda _, f: 5.0 if f < 4.0 else NAN)},
+        curves("fig06", lambda k, f: 5.0 if k > 5.0 or f < 0.6 else NAN),
     ),
-    "M2d": (
-        lambda: {**Course().datasets, **curves("fig06")},
-        lambda: curves("fig06", tilt_at_alignment=-0.2),
-    ),
-    "M2e": (lambda: curves("fig06"), lambda: curves("fig06", tilt_max=0.2)),
+    "M2d": ({**Course().datasets, **curves("fig06")}, curves("fig06", tilt_at_alignment=-0.2)),
+    "M2e": (curves("fig06"), curves("fig06", tilt_max=0.2)),
     "M5": (
-        lambda: curves("displaced", side_force_max=lambda _, k: 1.0 if k < 5.0 else 0.0),
-        lambda: curves("displaced"),
+        curves("displaced", side_force_max=lambda _, k: 1.0 if k < 5.0 else 0.0),
+        curves("displaced"),
     ),
-    "M6": (
-        lambda: {**Course().datasets, **curves("fig06")},
-        lambda: curves("fig06", tau_corners_inside=8.0),
-    ),
-    "M7": (
-        lambda: curves("fig06", contact_force_max=lambda _, f: 1.0 + f),
-        lambda: curves("fig06"),
-    ),
-    "F5a": (lambda: Course().datasets, lambda: Course(x=lambda t: 0.2 + 0.0 * t).datasets),
+    "M6": ({**Course().datasets, **curves("fig06")}, curves("fig06", tau_corners_inside=8.0)),
+    "M7": (curves("fig06", contact_force_max=lambda _, f: 1.0 + f), curves("fig06")),
+    "F5a": (Course().datasets, Course(x=lambda t: 0.2 + 0.0 * t).datasets),
     "F5b": (
-        lambda: Course().datasets,
-        lambda: Course(y=lambda t: 4.1 + 0.01 * t, tilt=lambda t: 0.1 - 0.01 * t).datasets,
+        Course().datasets,
+        Course(y=lambda t: 4.1 + 0.01 * t, tilt=lambda t: 0.1 - 0.01 * t).datasets,
     ),
-    "F5c": (
-        lambda: Course().datasets,
-        lambda: Course(force=lambda t: np.where(t < 10.0, 1.5, 0.0)).datasets,
-    ),
-    "F5d": (lambda: Course().datasets, lambda: Course(tilt=lambda t: 0.04 * t).datasets),
-    "F5e": (
-        lambda: Course().datasets,
-        lambda: Course(force=lambda t: np.maximum(3.0 - 0.3 * t, 0.0)).datasets,
-    ),
+    "F5c": (Course().datasets, Course(force=lambda t: np.where(t < 10.0, 1.5, 0.0)).datasets),
+    "F5d": (Course().datasets, Course(tilt=lambda t: 0.04 * t).datasets),
+    "F5e": (Course().datasets, Course(force=lambda t: np.maximum(3.0 - 0.3 * t, 0.0)).datasets),
     "F5f": values("fig11", "tilt_at_alignment", lambda _, d: 1.0 - d, zigzag),
     "F6a": durations(
         "fig06", lambda _, f: 9.0 if f < 2.0 else 5.0, lambda _, f: 4.0 if f < 2.0 else 5.0
@@ -243,8 +218,8 @@ CASES: dict[str, Case] = {
     "F6c": durations("fig06", within(1.0, 6.0), 5.0),
     "F6d": durations("fig06", falling, rising),
     "F6e": (
-        lambda: {**curves("fig06", falling), **curves("fig12", falling)},
-        lambda: {**curves("fig06"), **curves("fig12", lambda _, f: 5.0 + 0.01 * f)},
+        {**curves("fig06", falling), **curves("fig12", falling)},
+        {**curves("fig06"), **curves("fig12", lambda _, f: 5.0 + 0.01 * f)},
     ),
     "F7a": durations("fig07", rising, falling),
     "F7b": durations(
@@ -309,8 +284,8 @@ CASES: dict[str, Case] = {
     "C6": durations("fig11", lambda _, d: 0.5 / d, lambda _, d: 9.0 - 20.0 * d),
     "F12": durations("fig12", lambda d, f: 5.0 + (f - 5.0) ** 2 if d > 0.06 else 5.0, falling),
     "F12b": (
-        lambda: {**curves("fig06", falling), **curves("fig12", rising)},
-        lambda: {**curves("fig06", falling), **curves("fig12", lambda _, f: 40.0 / (1.0 + f))},
+        {**curves("fig06", falling), **curves("fig12", rising)},
+        {**curves("fig06", falling), **curves("fig12", lambda _, f: 40.0 / (1.0 + f))},
     ),
     "C1b": durations(
         "by_frequency",
@@ -331,32 +306,29 @@ CASES: dict[str, Case] = {
         "fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN, lambda f, _: 5.0 if f < 4.0 else NAN
     ),
     "C2": (
-        lambda: {**curves("fig08", falling), **curves("fig09", falling)},
-        lambda: {**curves("fig08"), **curves("fig09")},
+        {**curves("fig08", falling), **curves("fig09", falling)},
+        {**curves("fig08"), **curves("fig09")},
     ),
     "C2a": (
-        lambda: {
+        {
             **curves("fig08", within(1.0, 9.9)),
             **curves("fig06", lambda k, _: 5.0 if k < 10.0 else NAN),
             **plane("fig13", lambda _, k: 5.0 if k < 10.0 else NAN),
         },
-        lambda: {**curves("fig08"), **plane("fig14", 5.0)},
+        {**curves("fig08"), **plane("fig14", 5.0)},
     ),
     "C2b": (
-        lambda: {**plane("fig13", falling), **plane("fig14", falling)},
-        lambda: {**plane("fig13", rising), **plane("fig14", rising)},
+        {**plane("fig13", falling), **plane("fig14", falling)},
+        {**plane("fig13", rising), **plane("fig14", rising)},
     ),
     "C2c": durations(
         "fig14", lambda v, k: 5.0 if k < 10.0 + v else NAN, lambda v, k: 5.0 if k > v else NAN
     ),
     "C8": (
-        lambda: {**plane("fig13", within(5.0, 25.0)), **plane("fig14", within(5.0, 25.0))},
-        lambda: {**plane("fig13", within(5.0, 6.0)), **plane("fig14", within(5.0, 6.0))},
+        {**plane("fig13", within(5.0, 25.0)), **plane("fig14", within(5.0, 25.0))},
+        {**plane("fig13", within(5.0, 6.0)), **plane("fig14", within(5.0, 6.0))},
     ),
-    "C8c": (
-        lambda: {**Course().datasets, **curves("fig06")},
-        lambda: curves("fig06", tau_corners_inside=NAN),
-    ),
+    "C8c": ({**Course().datasets, **curves("fig06")}, curves("fig06", tau_corners_inside=NAN)),
 }
 
 

@@ -30,7 +30,7 @@ from model.study.design_judges import Judges
 from model.study.maps.starts import starts_of
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-COUNT = 9
+COUNT = 6
 VARIED = ("press_force", "frequency", "mass", "amplitude", "tilt_stiffness", "friction")
 HORIZON = 0.4  # s
 ROUGH = ["--tolerance", "1e-6", "--horizon", f"{HORIZON} s"]

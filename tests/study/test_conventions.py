@@ -97,7 +97,7 @@ def written(
     return paths
 
 
-def test_the_checker_finds_nothing_wanting(written: dict[str, Path], tmp_path: Path) -> None:
+def test_the_checker_finds_nothing_wanting(written, tmp_path):
     """At every level of CF, and of what ACDD highly recommends but names of CF's own table.
 
     That table has quantities of the Earth, and no tilt of a peg.
@@ -119,7 +119,7 @@ def test_the_checker_finds_nothing_wanting(written: dict[str, Path], tmp_path: P
     assert wanting == []
 
 
-def test_every_file_says_where_it_comes_from(written: dict[str, Path]) -> None:
+def test_every_file_says_where_it_comes_from(written):
     for path in written.values():
         with netCDF4.Dataset(path) as file:
             assert file.Conventions == "CF-1.11, ACDD-1.3"
@@ -131,7 +131,7 @@ def test_every_file_says_where_it_comes_from(written: dict[str, Path]) -> None:
             assert file.citation
 
 
-def test_nan_is_a_missing_value_and_an_angle_is_in_radians(written: dict[str, Path]) -> None:
+def test_nan_is_a_missing_value_and_an_angle_is_in_radians(written):
     with netCDF4.Dataset(written["map_in_si"]) as file:
         assert np.isnan(file["tau_align"]._FillValue)
         assert "_FillValue" not in file["initial_tilt"].ncattrs()
@@ -144,7 +144,7 @@ def test_nan_is_a_missing_value_and_an_angle_is_in_radians(written: dict[str, Pa
         assert "time" in file["tilt"].coordinates.split()
 
 
-def test_a_pressed_start_is_stated(fixed_study: Study) -> None:
+def test_a_pressed_start_is_stated(fixed_study):
     pressed = fixed_study.settings.model_copy(update={"start": "pressed"})
     study = fixed_study.model_copy(update={"settings": pressed})
     assert swept(study, "fig06").attrs["start"] == "pressed"

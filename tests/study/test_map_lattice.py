@@ -143,14 +143,12 @@ def test_an_island_is_missed_only_if_it_holds_no_node_computed_in_any_case():
     """Small discs are found if they hold a corner of a coarse cell or a node on a line."""
     always = Lattice(cells=CELLS, coarse=COARSE, lines=LINES).watched()
     always[::COARSE, ::COARSE] = True
-    missed = met = 0
-    for place in np.random.default_rng(1).uniform(0.1, 0.9, (60, 2)):
+    met = []
+    for place in np.random.default_rng(1).uniform(0.1, 0.9, (30, 2)):
         kind = disc(*place, 5.0 / CELLS)
-        found = unflagged(refined(kind), kind) == 0
-        assert found == bool((kind & always).any())
-        missed, met = missed + (not found), met + found
-    assert missed
-    assert met
+        met.append(unflagged(refined(kind), kind) == 0)
+        assert met[-1] == bool((kind & always).any())
+    assert set(met) == {True, False}
 
 
 def test_a_fractal_border_is_followed_and_islands_are_found_once_met():
@@ -222,7 +220,7 @@ def test_a_map_made_in_parts_is_the_map_made_in_one_piece(parts):
     assert sum(fresh) < 0.2 * whole.computed.sum()
 
 
-@pytest.mark.parametrize("cells", [256, 512, 1024])
+@pytest.mark.parametrize("cells", [256, 512])
 def test_the_cost_grows_with_the_length_of_the_border(cells):
     def cost(cells: int) -> int:
         lattice = Lattice(cells=cells, coarse=cells // 16, lines=cells // 4)

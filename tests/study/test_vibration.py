@@ -5,14 +5,7 @@ import pytest
 import xarray as xr
 
 from model.events.outcomes import Outcome, Unvibrated
-from model.study.vibration import (
-    BOTH,
-    NEITHER,
-    ONLY_PRESSED,
-    ONLY_VIBRATED,
-    added,
-    overshoot_of,
-)
+from model.study.vibration import BOTH, NEITHER, ONLY_PRESSED, ONLY_VIBRATED, added, overshoot_of
 
 NAN = np.nan
 A, S, L = Outcome.ALIGNED, Outcome.SETTLED, Outcome.LEFT_SCENE

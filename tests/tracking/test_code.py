@@ -42,7 +42,7 @@ def edit(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new), encoding="utf-8")
 
 
-def test_comments_layout_and_docstrings_change_nothing(package: Path) -> None:
+def test_comments_layout_and_docstrings_change_nothing(package):
     before = hashes(package)
     forces = package / "physics" / "forces.py"
     edit(forces, "from model.physics.trig", "# a comment\n\n\nfrom model.physics.trig")
@@ -50,7 +50,7 @@ def test_comments_layout_and_docstrings_change_nothing(package: Path) -> None:
     assert hashes(package) == before
 
 
-def test_an_edit_changes_what_depends_on_it_and_nothing_else(package: Path) -> None:
+def test_an_edit_changes_what_depends_on_it_and_nothing_else(package):
     before = hashes(package)
     edit(package / "physics" / "forces.py", "return -p.press_force", "return -1.01 * p.press_force")
     after = hashes(package)
@@ -60,27 +60,18 @@ def test_an_edit_changes_what_depends_on_it_and_nothing_else(package: Path) -> N
     assert after["style"] == before["style"]
 
 
-def test_what_is_kept_on_disk_is_what_is_found_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_kept_on_disk_is_what_is_found_anew(tmp_path, monkeypatch):
     source = PROJECT / "src/model/study/claims/claims.py"  # with a companion
-
-    def found() -> tuple[str, tuple[Path, ...]]:
-        code._parsed.cache_clear()
-        return code._parsed(source)
-
-    kept_before = found()
+    find = code._parsed.__wrapped__
+    before = find(source)
     monkeypatch.setattr(code, "_outlines", lambda: tmp_path)
-    anew = found()
-    (kept,) = tmp_path.iterdir()
-    assert kept_before == anew == found()
-    kept.write_text("", encoding="utf-8")  # damaged: found anew, and kept again
-    assert found() == anew
+    assert find(source) == before
+    assert len(list(tmp_path.iterdir())) == 1
     monkeypatch.setattr(code, "ast", None)  # it is not parsed again
-    assert found() == anew
+    assert find(source) == before
 
 
-def test_where_script_and_package_stand_changes_nothing(tmp_path: Path, package: Path) -> None:
+def test_where_script_and_package_stand_changes_nothing(tmp_path, package):
     script = "workflow/scripts/plot.py"
     found = []
     for folder in (tmp_path / "a", tmp_path / "z"):  # before and after the package, by name
@@ -92,20 +83,20 @@ def test_where_script_and_package_stand_changes_nothing(tmp_path: Path, package:
     assert found[0] == found[1]
 
 
-def test_a_plotting_script_does_not_depend_on_the_integrator() -> None:
+def test_a_plotting_script_does_not_depend_on_the_integrator():
     closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/schematic.py")}
     assert {"schematic.py", "fig04.py", "geometry.py"} <= closure
     assert "loop.py" not in closure
 
 
-def test_a_computing_script_depends_on_all_that_it_computes_with() -> None:
+def test_a_computing_script_depends_on_all_that_it_computes_with():
     closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/chunk.py")}
     assert {"forces.py", "contacts.py", "loop.py", "tableaux.py", "sweep.py"} <= closure
     assert not {"plots.py", "schematics.py", "report.py", "cli.py"} & closure
     assert not {"study.py", "checks.py", "figures.py", "claims.py", "accuracy.py"} & closure
 
 
-def test_what_records_a_job_and_what_only_types_need_is_no_code_of_it(tmp_path: Path) -> None:
+def test_what_records_a_job_and_what_only_types_need_is_no_code_of_it(tmp_path):
     files = [PROJECT / "workflow/scripts/chunk.py", PROJECT / "src/model/study/sweep.py"]
     assert not [path for path in import_closure(*files) if path.parent.name == "tracking"]
     typed = tmp_path / "typed.py"
@@ -117,7 +108,7 @@ def test_what_records_a_job_and_what_only_types_need_is_no_code_of_it(tmp_path: 
     assert {path.name for path in import_closure(typed)} == {"typed.py", "files.py"}
 
 
-def test_a_new_pin_changes_the_code_of_every_script(tmp_path: Path) -> None:
+def test_a_new_pin_changes_the_code_of_every_script(tmp_path):
     shutil.copytree(PROJECT / "workflow", tmp_path / "workflow")
     (tmp_path / "requirements.lock").write_text("numpy==1")
     before = code_of(tmp_path, "workflow/scripts/plot.py")
@@ -126,9 +117,7 @@ def test_a_new_pin_changes_the_code_of_every_script(tmp_path: Path) -> None:
     assert {each.split()[0] for each in changed} == {"requirements.lock"}
 
 
-def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(tmp_path, monkeypatch):
     monkeypatch.setenv("VIBRALIGN_INVOCATION", "20261121T000000Z-abcd")
     for name in ("fig06.nc", "fig06.png"):
         (tmp_path / name).write_bytes(name.encode())
@@ -145,7 +134,7 @@ def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(
     assert record["versions"]["numpy"] == np.__version__
 
 
-def test_looking_at_the_checkout_takes_no_lock_in_it(package: Path) -> None:
+def test_looking_at_the_checkout_takes_no_lock_in_it(package):
     """A killed job would leave git's lock behind, and git would then refuse to work there."""
 
     def git(*arguments: str) -> None:

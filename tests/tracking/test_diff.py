@@ -10,24 +10,21 @@ import xarray as xr
 from model.study.io import write_dataset
 from model.tracking import TrackingError, invocation
 from model.tracking.compare import change_of, common_points
-from model.tracking.diff import compare, snapshot
+from model.tracking.diff import Comparison, compare, snapshot
 from model.tracking.history import kept_result
 from model.tracking.invocation import Invocation
 
 
-def built(recorded, shift: float = 0.0, **metadata) -> str:
-    made = recorded.invocation()
-    recorded.merge(shift, **metadata)
-    made.end("done")
-    return made.name
+def found(recorded, *names: str) -> Comparison:
+    return compare(*(snapshot(name, recorded.root) for name in names))
 
 
 def test_earlier_invocations_and_runs_are_compared_by_what_is_kept(recorded) -> None:
-    first, second = built(recorded), built(recorded, 0.5, parameters={"press_force": 4.0})
-    for names in ((first, second), (f"merge/fig06@{first}", f"merge/fig06@{second}")):
-        found = compare(*(snapshot(name, recorded.root) for name in names))
-        assert [each.largest for each in found.data] == [0.5]
-        values = {each.name: (each.before, each.after) for each in found.parameters}
+    names = recorded.built(), recorded.built(0.5, parameters={"press_force": 4.0})
+    for given in (names, [f"merge/fig06@{name}" for name in names]):
+        difference = found(recorded, *given)
+        assert [each.largest for each in difference.data] == [0.5]
+        values = {each.name: (each.before, each.after) for each in difference.parameters}
         assert values["press_force"] == (3.0, 4.0)
         assert values["friction"] == (0.12, None)
 
@@ -35,101 +32,90 @@ def test_earlier_invocations_and_runs_are_compared_by_what_is_kept(recorded) -> 
 def test_a_map_does_not_stand_for_the_figure_of_its_name(recorded) -> None:
     names = []
     for shift in (0.0, 0.5):
-        invocation = recorded.invocation()
-        recorded.merge(shift)
-        recorded.map()
-        invocation.end("done")
+        with recorded.invoked() as invocation:
+            recorded.merge(shift)
+            recorded.map()
         names.append(invocation.name)
-    found = compare(*(snapshot(name, recorded.root) for name in names))
-    assert [each.largest for each in found.data] == [0.5]
-    assert not found.not_compared
+    difference = found(recorded, *names)
+    assert [each.largest for each in difference.data] == [0.5]
+    assert not difference.not_compared
 
 
 def test_data_that_are_no_figures_differ_by_their_bytes(recorded) -> None:
     names = []
     for shift in (0.0, 0.0, 0.5):
-        invocation = recorded.invocation()
-        recorded.map(shift)
-        invocation.end("done")
+        with recorded.invoked() as invocation:
+            recorded.map(shift)
         names.append(f"map/fig06@{invocation.name}")
-    first, second, third = (snapshot(name, recorded.root) for name in names)
-    assert not compare(first, second).differs
-    found = compare(first, third)
-    assert found.other_data == ["map/fig06: fig06.nc"]
-    assert found.differs
+    assert not found(recorded, *names[:2]).differs
+    difference = found(recorded, names[0], names[2])
+    assert difference.other_data == ["map/fig06: fig06.nc"]
+    assert difference.differs
 
 
 def test_cpu_times_are_no_results(recorded) -> None:
     names = []
     for times in ("0.1", "0.2"):
-        invocation = recorded.invocation()
-        recorded.compare(times)
-        invocation.end("done")
+        with recorded.invoked() as invocation:
+            recorded.compare(times)
         names.append(invocation.name)
-    found = compare(*(snapshot(name, recorded.root) for name in names))
-    assert not found.differs
-    assert not found.not_compared
+    difference = found(recorded, *names)
+    assert not difference.differs
+    assert not difference.not_compared
     assert not (recorded.root / "history/data").exists(), "no copies are kept of them"
 
 
 def test_an_invocation_stands_for_all_that_stood_when_it_ended(recorded) -> None:
-    invocation = recorded.invocation()
-    recorded.merge()
-    recorded.merge(figure="fig07")
-    invocation.end("done")
-    second = built(recorded, 0.5)
-    assert set(snapshot(second, recorded.root).runs) == {"merge/fig06", "merge/fig07"}
-    assert set(snapshot(second, recorded.root).files) == {"fig06.nc", "fig07.nc"}
+    with recorded.invoked():
+        recorded.merge()
+        recorded.merge(figure="fig07")
+    second = snapshot(recorded.built(0.5), recorded.root)
+    assert set(second.runs) == {"merge/fig06", "merge/fig07"}
+    assert set(second.files) == {"fig06.nc", "fig07.nc"}
 
 
 def test_a_commit_stands_for_the_last_invocation_at_it(recorded, monkeypatch) -> None:
     for commit, shift in (("aaaa1111", 0.0), ("bbbb2222", 0.5)):
         state = {"commit": commit, "dirty": False}
         monkeypatch.setattr(invocation, "git_state", lambda state=state: state)
-        built(recorded, shift)
-    found = compare(snapshot("aaaa", recorded.root), snapshot("bbbb2222", recorded.root))
-    assert [each.largest for each in found.data] == [0.5]
+        recorded.built(shift)
+    assert [each.largest for each in found(recorded, "aaaa", "bbbb2222").data] == [0.5]
     with pytest.raises(TrackingError, match="git worktree add"):
         snapshot("cccc3333", recorded.root)
+    with pytest.raises(TrackingError, match="'2' is the beginning of 2"):
+        snapshot("2", recorded.root)
     monkeypatch.setattr(invocation, "git_state", lambda: {"commit": "dddd4444", "dirty": False})
     Invocation(recorded.root).record_idle("failed", "the configuration breaks a rule")
     with pytest.raises(TrackingError, match="'dddd' is no results folder"):
         snapshot("dddd", recorded.root)
 
 
-def test_the_beginning_of_many_names_stands_for_none(recorded) -> None:
-    built(recorded)
-    built(recorded, 0.5)
-    with pytest.raises(TrackingError, match="'2' is the beginning of 2"):
-        snapshot("2", recorded.root)
-
-
 def test_claims_that_changed_are_listed(recorded, tmp_path: Path) -> None:
-    built(recorded)
+    recorded.built()
     other = tmp_path / "other"
     shutil.copytree(recorded.root, other)
     (recorded.root / "claims.csv").write_text("id,verdict\nF5a,reproduced\nF6a,mixed\n")
     (other / "claims.csv").write_text("id,verdict\nF5a,contradicted\nF6a,mixed\n")
-    states = [snapshot(str(folder), recorded.root) for folder in (recorded.root, other)]
-    (claim,) = compare(*states).claims
+    names = str(recorded.root), str(other)
+    (claim,) = found(recorded, *names).claims
     assert (claim.name, claim.before, claim.after) == ("F5a", "reproduced", "contradicted")
     (other / "claims.csv").write_text("id,result\nF5a,contradicted\n")
     with pytest.raises(TrackingError, match="no column 'verdict', but id, result"):
-        compare(*states)
+        found(recorded, *names)
 
 
 def test_what_cannot_be_compared_is_said(recorded, tmp_path: Path, make_dataset) -> None:
-    built(recorded)
+    recorded.built()
     other = tmp_path / "other" / "data"
     write_dataset(make_dataset().isel(press_force=[0]).assign_coords(press_force=[9.0]),
                   other / "fig06.nc")  # fmt: skip
     write_dataset(make_dataset(figure="fig07"), other / "fig07.nc")
-    found = compare(*(snapshot(str(each), recorded.root) for each in (recorded.root, other.parent)))
-    assert any("fig06: the two have no point in common" in each for each in found.not_compared)
-    assert any(each.startswith("fig07.nc: only in ") for each in found.not_compared)
+    said = found(recorded, str(recorded.root), str(other.parent)).not_compared
+    assert any("fig06: the two have no point in common" in each for each in said)
+    assert any(each.startswith("fig07.nc: only in ") for each in said)
     kept = kept_result(recorded.root, "fig06.nc", "")
     shutil.rmtree(kept.parent)
-    lost = compare(*[snapshot("last", recorded.root)] * 2).not_compared
+    lost = found(recorded, "last", "last").not_compared
     assert any("no copy is kept" in each for each in lost)
 
 
@@ -164,17 +150,14 @@ def test_a_trajectory_is_compared_away_from_its_jumps() -> None:
 
 
 def test_verdicts_older_than_their_data_are_not_compared(recorded) -> None:
-    first = recorded.invocation()
-    recorded.merge()
-    recorded.claims()
-    first.end("done")
-    built(recorded, 0.5)  # a figure alone: the claims are not judged again
-    states = [snapshot(name, recorded.root) for name in (first.name, "last")]
-    found = compare(*states)
-    assert found.claims is None
-    words = "claims.csv: not judged since data/fig06.nc changed in last: build claims.csv"
-    assert words in found.not_compared
-    again = recorded.invocation()
-    recorded.claims()
-    again.end("done")
-    assert compare(states[0], snapshot("last", recorded.root)).claims == []
+    with recorded.invoked() as first:
+        recorded.merge()
+        recorded.claims()
+    second = recorded.built(0.5)  # a figure alone: the claims are not judged again
+    difference = found(recorded, first.name, second)
+    assert difference.claims is None
+    words = f"claims.csv: not judged since data/fig06.nc changed in {second}: build claims.csv"
+    assert words in difference.not_compared
+    with recorded.invoked() as again:
+        recorded.claims()
+    assert found(recorded, first.name, again.name).claims == []

@@ -18,11 +18,10 @@ from model.tracking.invocation import Invocation
 @pytest.fixture
 def built(recorded) -> Any:
     """An invocation that made a dataset and a table, with one failed figure."""
-    invocation = recorded.invocation()
-    recorded.merge()
-    recorded.claims()
-    recorded.fail("plot/fig06", "ValueError: no such colour\n")
-    invocation.end("failed")
+    with recorded.invoked("failed"):
+        recorded.merge()
+        recorded.claims()
+        recorded.fail("plot/fig06", "ValueError: no such colour\n")
     return recorded
 
 
@@ -33,9 +32,7 @@ def record_of(built: Any) -> dict[str, Any]:
 def test_results_are_what_the_invocation_made_not_what_replaced_it(built) -> None:
     record = load_history(built.root)[0]
     assert set(results_of(record, built.root)) == {"data/fig06.nc", "claims.csv"}
-    second = built.invocation()
-    built.merge(0.5)
-    second.end("done")
+    built.built(0.5)
     made, later = (
         results_of(each, built.root)["data/fig06.nc"] for each in load_history(built.root)
     )
@@ -43,10 +40,9 @@ def test_results_are_what_the_invocation_made_not_what_replaced_it(built) -> Non
 
 
 def test_results_are_placed_where_the_job_left_them(recorded) -> None:
-    invocation = recorded.invocation()
-    recorded.compare()
-    recorded.map()
-    invocation.end("done")
+    with recorded.invoked():
+        recorded.compare()
+        recorded.map()
     (record,) = load_history(recorded.root)
     assert set(results_of(record, recorded.root)) == {
         "data/precision.csv", "benchmarks/precision.csv", "data/maps/fig06.nc",
@@ -67,12 +63,8 @@ def test_parameters_metrics_and_tags_are_those_of_the_record(built) -> None:
     assert tags["invocation"] == record["invocation"]
     assert tags["outcome"] == "failed"
     assert tags["failed.plot/fig06"] == "ValueError: no such colour"
-
-
-def test_tags_say_why_an_invocation_was_refused(recorded) -> None:
-    Invocation(recorded.root).record_idle("failed", "the configuration breaks a rule")
-    (record,) = load_history(recorded.root)
-    assert tags_of(record)["reason"] == "the configuration breaks a rule"
+    Invocation(built.root).record_idle("failed", "the configuration breaks a rule")
+    assert tags_of(record_of(built))["reason"] == "the configuration breaks a rule"
 
 
 def test_without_the_extra_it_is_named(built, tmp_path: Path, monkeypatch, capsys) -> None:

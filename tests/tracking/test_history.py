@@ -29,6 +29,7 @@ from model.tracking.job import named
 def test_a_run_and_its_invocation_are_recorded(recorded) -> None:
     invocation = recorded.invocation()
     recorded.merge()
+    recorded.log("precision/fig06", "a log of a job that leaves no sidecar")
     assert invocation.end("done") == []
     (record,) = load_history(recorded.root)
     assert record["outcome"] == "done"
@@ -54,25 +55,18 @@ def test_a_failed_run_is_recorded_with_the_last_line_of_its_log(recorded) -> Non
 
 
 def test_a_failure_that_was_mended_stays_in_the_history_and_is_not_current(recorded) -> None:
-    first = recorded.invocation()
-    recorded.fail("merge/fig06", "MemoryError\n")
-    first.end("failed")
-    second = recorded.invocation()
-    recorded.merge()
-    second.end("done")
-    runs = load_runs(recorded.root)
-    assert sorted((run["status"], run["current"]) for run in runs) == [
-        ("done", True),
-        ("failed", False),
-    ]
+    with recorded.invoked("failed"):
+        recorded.fail("merge/fig06", "MemoryError\n")
+    recorded.built()
+    runs = sorted((run["status"], run["current"]) for run in load_runs(recorded.root))
+    assert runs == [("done", True), ("failed", False)]
     assert [each["outcome"] for each in load_history(recorded.root)] == ["failed", "done"]
 
 
 @pytest.mark.parametrize("log", ["", "KeyboardInterrupt\n"])
 def test_a_job_that_was_killed_is_interrupted_not_failed(recorded, log: str) -> None:
-    invocation = recorded.invocation()
-    recorded.fail("chunk/fig06/0", log)
-    invocation.end("failed")
+    with recorded.invoked("failed"):
+        recorded.fail("chunk/fig06/0", log)
     (run,) = load_runs(recorded.root)
     assert run["status"] == "interrupted"
     assert "killed" in run["reason"]
@@ -92,24 +86,6 @@ def test_logs_of_an_earlier_invocation_are_no_failures_of_this_one(recorded) -> 
     recorded.log("chunk/fig06/0")
     os.utime(recorded.root / "logs/chunk/fig06/0.log", (1.0, 1.0))
     assert recorded.invocation().end("failed") == []
-    assert load_runs(recorded.root) == []
-
-
-def test_a_damaged_file_in_another_folder_than_its_sidecar_is_found(recorded) -> None:
-    recorded.compare()
-    times = recorded.root / "benchmarks/precision.csv"
-    assert discard_damaged(recorded.root) == []
-    times.write_text("damaged", encoding="utf-8")
-    assert len(discard_damaged(recorded.root)) == 2
-    assert not times.exists()
-    assert not (recorded.root / "data/precision.run.json").exists()
-    assert (recorded.root / "data/precision.csv").exists()
-
-
-def test_an_invocation_that_ended_well_has_no_failures(recorded) -> None:
-    invocation = recorded.invocation()
-    recorded.log("precision/fig06", "a log of a job that leaves no sidecar")
-    assert invocation.end("done") == []
     assert load_runs(recorded.root) == []
 
 
@@ -149,9 +125,7 @@ def test_an_invocation_that_lives_is_running(recorded) -> None:
 
 def test_every_dataset_is_kept_once(recorded) -> None:
     for shift in (0.0, 0.5, 0.0):
-        invocation = recorded.invocation()
-        recorded.merge(shift)
-        invocation.end("done")
+        recorded.built(shift)
     assert len(list((recorded.root / "history/data").iterdir())) == 2
     assert len(load_runs(recorded.root)) == 3
 
@@ -168,10 +142,9 @@ def test_a_disk_that_refuses_hides_nothing(recorded, capsys, monkeypatch) -> Non
 
 
 def test_the_index_has_a_line_for_every_run(recorded) -> None:
-    invocation = recorded.invocation()
-    recorded.merge()
-    recorded.fail("plot/fig06", "ValueError: no colour\n")
-    invocation.end("failed")
+    with recorded.invoked("failed"):
+        recorded.merge()
+        recorded.fail("plot/fig06", "ValueError: no colour\n")
     write_index(recorded.root)
     with (recorded.root / "runs.csv").open(encoding="utf-8", newline="") as stream:
         rows = {row["run"]: row for row in csv.DictReader(stream)}
@@ -181,17 +154,13 @@ def test_the_index_has_a_line_for_every_run(recorded) -> None:
 
 
 def test_runs_and_invocations_are_found_by_name(recorded) -> None:
-    invocations = []
-    for shift in (0.0, 0.5):
-        invocations.append(recorded.invocation())
-        recorded.merge(shift)
-        invocations[-1].end("done")
+    invocations = [recorded.built(shift) for shift in (0.0, 0.5)]
     runs, history = load_runs(recorded.root), load_history(recorded.root)
-    first, last = (find_run(runs, f"merge/fig06@{each.name}") for each in invocations)
+    first, last = (find_run(runs, f"merge/fig06@{each}") for each in invocations)
     assert first["outputs"] != last["outputs"]
     assert find_run(runs, "merge/fig06") == last
-    assert find_invocation(history, "last")["invocation"] == invocations[1].name
-    assert find_invocation(history, invocations[0].name) == history[0]
+    assert find_invocation(history, "last")["invocation"] == invocations[1]
+    assert find_invocation(history, invocations[0]) == history[0]
     with pytest.raises(TrackingError, match="is the beginning of 2"):
         find_invocation(history, "20")
     with pytest.raises(TrackingError, match="is no invocation"):
@@ -218,12 +187,15 @@ def test_what_is_not_as_its_job_left_it_is_deleted(recorded) -> None:
     (data / ".fig09.nc-x1y2.part").write_bytes(b"half")
     deleted = {Path(name).name for name in discard_damaged(recorded.root)}
     assert deleted == {"fig06.nc", "fig06.run.json", "fig08.run.json", ".fig09.nc-x1y2.part"}
-    assert sorted(path.name for path in data.iterdir()) == [
-        "fig07.nc",
-        "fig07.run.json",
-        "fig08.nc",
-    ]
+    left = sorted(path.name for path in data.iterdir())
+    assert left == ["fig07.nc", "fig07.run.json", "fig08.nc"]
+    recorded.compare()
     assert discard_damaged(recorded.root) == []
+    times = recorded.root / "benchmarks/precision.csv"  # in another folder than its sidecar
+    times.write_text("damaged", encoding="utf-8")
+    assert len(discard_damaged(recorded.root)) == 2
+    assert not times.exists()
+    assert {"precision.csv"} == {path.name for path in data.glob("precision*")}
 
 
 @pytest.mark.parametrize(

@@ -21,53 +21,46 @@ def folder(tmp_path: Path) -> Path:
     return made
 
 
-def answer(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def answer(tmp_path, monkeypatch):
     """Replace squeue by a shell script, the only command on the PATH."""
-    tools = tmp_path / "bin"
-    tools.mkdir()
-    (tools / "squeue").write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
-    (tools / "squeue").chmod(0o755)
-    monkeypatch.setenv("PATH", str(tools))
+
+    def answer(script: str) -> None:
+        tools = tmp_path / "bin"
+        tools.mkdir()
+        (tools / "squeue").write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+        (tools / "squeue").chmod(0o755)
+        monkeypatch.setenv("PATH", str(tools))
+
+    return answer
 
 
-def test_jobs_of_this_folder_are_held_and_of_no_other(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_jobs_of_this_folder_are_held_and_of_no_other(folder, answer):
     lines = [
         f"7|{folder}|rule_chunk_wildcards_fig06_0",
         f"8|{folder.parent}|rule_chunk",  # of another folder
         f"9|{folder}|(null)",  # an allocation in which somebody works
         f"11_3|{folder}|rule_points",
     ]
-    answer("\n".join(f"echo '{line}'" for line in lines), tmp_path, monkeypatch)
+    answer("\n".join(f"echo '{line}'" for line in lines))
     with pytest.raises(TrackingError, match=r"holds 2 jobs of this folder.* scancel 7 11_3"):
         refuse_held_jobs(folder)
 
 
-def test_a_folder_that_submitted_nothing_does_not_ask(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    answer("exit 1", tmp_path, monkeypatch)
-    refuse_held_jobs(tmp_path)
-
-
-def test_an_error_of_squeue_is_no_answer(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    answer("echo 'Unable to contact slurm controller' >&2; exit 1", tmp_path, monkeypatch)
+def test_an_error_of_squeue_is_no_answer(folder, answer):
+    answer("echo 'Unable to contact slurm controller' >&2; exit 1")
     with pytest.raises(TrackingError, match=r"squeue failed .Unable to contact slurm controller"):
         refuse_held_jobs(folder)
+    refuse_held_jobs(folder.parent)  # which submitted nothing: it is not asked
 
 
-def test_without_squeue_nothing_starts_where_jobs_were_submitted(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_squeue_nothing_starts_where_jobs_were_submitted(folder, monkeypatch):
     monkeypatch.setenv("PATH", "")
     with pytest.raises(TrackingError, match="no squeue to ask for them"):
         refuse_held_jobs(folder)
 
 
-def test_reasons_come_from_the_log_of_slurm(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reasons_come_from_the_log_of_slurm(folder, monkeypatch):
     monkeypatch.chdir(folder)
     logs = folder / ".snakemake/slurm_logs"
     (logs / "5.log").write_text(
@@ -97,7 +90,7 @@ def test_reasons_come_from_the_log_of_slurm(folder: Path, monkeypatch: pytest.Mo
     }
 
 
-def test_a_reason_is_taken_where_the_log_of_the_run_is_silent(tmp_path: Path) -> None:
+def test_a_reason_is_taken_where_the_log_of_the_run_is_silent(tmp_path):
     (tmp_path / "logs").mkdir()
     (tmp_path / "logs/kernels.log").write_text("", encoding="utf-8")
     (tmp_path / "logs/claims.log").write_text("ValueError: no such figure\n", encoding="utf-8")

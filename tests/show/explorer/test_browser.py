@@ -50,7 +50,7 @@ def page(started: Page, url: str) -> Iterator[Page]:
     assert started.errors == []
 
 
-def test_opens_with_the_run_of_python(page: Page) -> None:
+def test_opens_with_the_run_of_python(page):
     run = simulate(STUDY.parameters("fig05"), SETTINGS)
     assert page.results["tau_align"] == pytest.approx(run.tau_align, abs=1e-8)
     assert page.results["tau_inserted"] == pytest.approx(run.tau_inserted, abs=1e-8)
@@ -58,7 +58,7 @@ def test_opens_with_the_run_of_python(page: Page) -> None:
     assert page.evaluate("explorer.run.track.rows") == len(run.time)
 
 
-def test_a_slider_changes_the_run_and_the_address(page: Page) -> None:
+def test_a_slider_changes_the_run_and_the_address(page):
     before = page.results["tau_align"]
     page.slide("press_force", 0.9)
     value = page.evaluate("explorer.state.values.press_force")
@@ -68,7 +68,7 @@ def test_a_slider_changes_the_run_and_the_address(page: Page) -> None:
     assert f"press_force={value:g}" in page.evaluate("location.hash")
 
 
-def test_an_address_restores_the_state(page: Page, url: str) -> None:
+def test_an_address_restores_the_state(page, url):
     page.slide("friction", 0.2)
     page.evaluate("element('vibration').click()")
     address, seen = page.evaluate("location.hash"), page.results
@@ -78,14 +78,14 @@ def test_an_address_restores_the_state(page: Page, url: str) -> None:
     assert page.evaluate("location.hash") == address
 
 
-def test_without_vibration_is_the_run_at_frequency_0(page: Page) -> None:
+def test_without_vibration_is_the_run_at_frequency_0(page):
     page.evaluate("element('vibration').click()")
     still = STUDY.parameters("fig05").replace(frequency=0.0, phase=0.0)
     run = simulate(still, SETTINGS)
     assert page.results["outcome"] == run.outcome
 
 
-def test_the_page_says_what_vibration_changes(page: Page, url: str) -> None:
+def test_the_page_says_what_vibration_changes(page, url):
     page.open(f"{url}#figure=fig06&t=1")
     page.wait_for("window.explorer && element('beside').textContent")
     words = page.text("beside")
@@ -100,7 +100,7 @@ def test_the_page_says_what_vibration_changes(page: Page, url: str) -> None:
 
 
 @pytest.mark.parametrize("given", ["-1", "abc", "", "0,1", "3 N"])
-def test_a_value_outside_its_rule_is_refused_in_words(page: Page, given: str) -> None:
+def test_a_value_outside_its_rule_is_refused_in_words(page, given):
     before, address = page.results, page.evaluate("location.hash")
     page.type_in("friction", given)
     words = "write 0.1" if "," in given else "a ratio, without a unit" if "N" in given else ">= 0"
@@ -121,7 +121,7 @@ def test_a_value_outside_its_rule_is_refused_in_words(page: Page, given: str) ->
     assert "friction=0.1" in page.evaluate("location.hash")
 
 
-def test_what_is_wrong_in_an_address_is_said(page: Page, url: str) -> None:
+def test_what_is_wrong_in_an_address_is_said(page, url):
     page.show(f"{url}#figure=fig99&friction=-1&mass=0&abc&vibration=maybe&t=-1")
     for said in ("figure = fig99", "friction = -1: must be", "mass: is no", "abc:", "vibration ="):
         assert said in page.text("ignored")
@@ -132,19 +132,19 @@ def test_what_is_wrong_in_an_address_is_said(page: Page, url: str) -> None:
     assert "inserted" in page.text("moment")
 
 
-def test_a_part_that_is_in_from_the_start_needs_no_comparison(page: Page) -> None:
+def test_a_part_that_is_in_from_the_start_needs_no_comparison(page):
     page.type_in("half_width", "5")
     assert page.text("verdict") == "In from the start"
     page.evaluate("new Promise((done) => setTimeout(done, 300))")
     assert page.text("beside") == ""
 
 
-def test_vibration_that_changes_nothing_is_called_so(page: Page) -> None:
+def test_vibration_that_changes_nothing_is_called_so(page):
     same = "comparisonWords({tau_align: 1}, {tau_align: 1.001}, NaN, true)"
     assert page.evaluate(same).endswith("vibration changes nothing.")
 
 
-def test_a_long_run_leaves_the_page_usable(page: Page) -> None:
+def test_a_long_run_leaves_the_page_usable(page):
     page.type_in("frequency", "1e7")
     assert page.text("verdict").startswith("Computing")
     page.type_in("frequency", "6.5")
@@ -163,7 +163,7 @@ def test_a_long_run_leaves_the_page_usable(page: Page) -> None:
     assert "The drawing ends at" in page.text("words")
 
 
-def test_events_are_stepped_with_the_keyboard(page: Page) -> None:
+def test_events_are_stepped_with_the_keyboard(page):
     page.evaluate("document.activeElement.blur(); explorer.seek(0)")
     page.press("ArrowRight", 39)
     assert "event: " in page.text("moment")
@@ -174,7 +174,7 @@ def test_events_are_stepped_with_the_keyboard(page: Page) -> None:
     assert page.text("play") == "Pause"
 
 
-def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
+def test_a_map_is_computed_and_chosen_from(page):
     page.wait_for(MAPPED, 300)
     # Every node has an outcome.
     assert page.evaluate("explorer.map.outcome.every((each) => each >= 0)")
@@ -199,7 +199,7 @@ def test_a_map_is_computed_and_chosen_from(page: Page) -> None:
     assert page.evaluate(agrees)
 
 
-def test_a_map_is_computed_near_what_aligns_and_filled_elsewhere(page: Page) -> None:
+def test_a_map_is_computed_near_what_aligns_and_filled_elsewhere(page):
     # A disc and a finger one node wide that begins at it: in truth, and by the page's lattices.
     found = page.evaluate("""(() => {
         const cells = 65, map = emptyMap("x", "y", [0, 1], [0, 1], cells), { outcome } = map;
@@ -224,7 +224,7 @@ def test_a_map_is_computed_near_what_aligns_and_filled_elsewhere(page: Page) -> 
     assert found["rounds"] > 6  # the finger is followed
 
 
-def test_a_node_that_is_filled_does_not_align(page: Page, url: str) -> None:
+def test_a_node_that_is_filled_does_not_align(page, url):
     # A tongue of aligned points, narrower than a coarse cell, is missed. This device has none.
     given = {
         "half_width": 1.018, "half_height": 6.089, "inertia": 27.59, "lateral_stiffness": 0.224,
@@ -246,9 +246,7 @@ def test_a_node_that_is_filled_does_not_align(page: Page, url: str) -> None:
     assert Outcome.ALIGNED not in {node[2] for node in nodes}
 
 
-def test_command_and_device_file_repeat_the_run(
-    page: Page, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_command_and_device_file_repeat_the_run(page, tmp_path, capsys):
     page.slide("press_force", 2.0)
     page.evaluate("element('command').click()")
     page.wait_for("element('copied').textContent")
@@ -261,7 +259,7 @@ def test_command_and_device_file_repeat_the_run(
         assert record["tau_align"] == pytest.approx(page.results["tau_align"], abs=1e-8)
 
 
-def test_every_preset_opens_and_plays_only_where_motion_is_wanted(page: Page, url: str) -> None:
+def test_every_preset_opens_and_plays_only_where_motion_is_wanted(page, url):
     page.prefer_reduced_motion()
     page.show(url)
     assert page.text("play") == "Play"
@@ -273,13 +271,13 @@ def test_every_preset_opens_and_plays_only_where_motion_is_wanted(page: Page, ur
 
 
 @pytest.mark.parametrize("width", [1280, 400])
-def test_nothing_is_wider_than_the_window(page: Page, url: str, width: int, tmp_path: Path) -> None:
+def test_nothing_is_wider_than_the_window(page, url, width, tmp_path):
     page.show(f"{url}#figure=fig13", width)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     (tmp_path / f"explorer-{width}.png").write_bytes(page.picture(whole=True))
 
 
-def test_verdict_and_drawing_stay_in_sight_on_a_small_screen(page: Page, url: str) -> None:
+def test_verdict_and_drawing_stay_in_sight_on_a_small_screen(page, url):
     page.show(f"{url}#figure=fig05&t=1", 400, 800)
     for name in ("s-tilt_stiffness", "command"):
         page.evaluate(f"element('{name}').scrollIntoView({{block: 'center'}})")
@@ -289,20 +287,20 @@ def test_verdict_and_drawing_stay_in_sight_on_a_small_screen(page: Page, url: st
 
 
 @pytest.mark.parametrize(("low", "high"), [(0, 1), (19.87, 20.03), (-3e-4, 0.14), (0, 2.99)])
-def test_an_axis_has_at_least_three_ticks(page: Page, low: float, high: float) -> None:
+def test_an_axis_has_at_least_three_ticks(page, low, high):
     found = page.evaluate(f"ticks({low}, {high}, 3)")
     assert 3 <= len(found) <= 8
     assert all(low <= each <= high for each in found)
 
 
-def test_every_control_has_a_name(page: Page) -> None:
+def test_every_control_has_a_name(page):
     unnamed = """[...document.querySelectorAll("button, input, select, canvas")]
         .filter((each) => !(each.ariaLabel || each.labels?.length || each.textContent.trim()))
         .map((each) => each.id)"""
     assert page.evaluate(unnamed) == []
 
 
-def test_a_run_as_a_page(started: Page, tmp_path: Path) -> None:
+def test_a_run_as_a_page(started, tmp_path):
     parameters, settings = STUDY.parameters("fig05"), STUDY.settings.settings
     model = device_model(parameters, None, "", settings, interface(), ["press_force"])
     file = tmp_path / "run.html"

@@ -13,7 +13,7 @@ from model.events.outcomes import Outcome
 from model.study.config import load_study, study_path
 from model.study.devices.amounts import read_amount
 from model.study.devices.stated import unit_of
-from tests.show.explorer.browser import Page, find_browser
+from tests.show.explorer.browser import find_browser
 
 pytestmark = [
     pytest.mark.browser,
@@ -33,10 +33,7 @@ SETTINGS = replace(load_study(study_path()).settings.settings, scene=INSERTION)
         ("peg", "mass=0.4&axial_stiffness=2500&clearance=0.05"),
     ],
 )
-def test_a_device_and_its_command_agree(
-    started: Page, device_urls: dict[str, str], name: str, address: str,
-    tmp_path: Path, capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+def test_a_device_and_its_command_agree(started, device_urls, name, address, tmp_path, capsys):
     started.open(f"{device_urls[name]}#{address}")
     started.wait_for("window.explorer && element('beside').textContent")
     command = shlex.split(started.evaluate("commandOf(explorer.state, MODEL)"))
@@ -75,9 +72,7 @@ def test_a_device_and_its_command_agree(
         ("inertia", "120 kg mm**2"), ("half_height", "0.4 in"),
     ],
 )  # fmt: skip
-def test_units_are_read_as_in_a_device_file(
-    started: Page, device_urls: dict[str, str], name: str, given: str
-) -> None:
+def test_units_are_read_as_in_a_device_file(started, device_urls, name, given):
     if started.evaluate("location.href").partition("#")[0] != device_urls["shaft"]:
         started.show(device_urls["shaft"])
     read = started.evaluate(f"readAmount(parameters[{json.dumps(name)}], {json.dumps(given)})")
@@ -86,9 +81,7 @@ def test_units_are_read_as_in_a_device_file(
     assert read["value"] == pytest.approx(expected, rel=1e-12)
 
 
-def test_a_device_is_refused_as_by_the_command(
-    started: Page, device_urls: dict[str, str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_device_is_refused_as_by_the_command(started, device_urls, capsys):
     started.show(device_urls["peg"])
     wrong = {"half_width": "50 mm", "press_force": "0 N", "friction": "1 mm", "mass": "1 foo"}
     wrong |= {"clearance": "0,1", "tilt_stiffness": "3 constructor"}
@@ -105,9 +98,7 @@ def test_a_device_is_refused_as_by_the_command(
 
 
 @pytest.mark.parametrize("given", ["15,000 mN", "1,234.5 mN", "1 500 mN", "1.234,5 N", "1'500 mN"])
-def test_grouped_digits_are_refused_as_by_the_command(
-    started: Page, device_urls: dict[str, str], given: str
-) -> None:
+def test_grouped_digits_are_refused_as_by_the_command(started, device_urls, given):
     if started.evaluate("location.href").partition("#")[0] != device_urls["shaft"]:
         started.show(device_urls["shaft"])
     read = started.evaluate(f"readAmount(parameters.press_force, {json.dumps(given)})")
@@ -117,9 +108,7 @@ def test_grouped_digits_are_refused_as_by_the_command(
 
 
 @pytest.mark.parametrize("name", ["mass", "axial_stiffness"])
-def test_a_horizon_in_seconds_holds_in_other_units_of_time(
-    started: Page, tmp_path: Path, name: str
-) -> None:
+def test_a_horizon_in_seconds_holds_in_other_units_of_time(started, tmp_path, name):
     file, seconds = tmp_path / "peg.html", 0.09  # the peg aligns after 97 ms
     device = ["--device", str(PEG), "--horizon", f"{seconds} s"]
     assert cli.main(["explore", *device, "--out", str(file)]) == 0
