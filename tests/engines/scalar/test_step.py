@@ -1,4 +1,4 @@
-"""One step: its error estimate and dense output; test_order.py observes the orders of steps."""
+"""One step: observed orders on smooth motions, error estimate, dense output."""
 
 import numpy as np
 import pytest
@@ -15,11 +15,11 @@ SLIDING = START._replace(edge=RIGHT_EDGE, support_slip=SLIP_POSITIVE)
 BEGIN = np.array([0.2, 4.05, 0.05, 0.3, -0.1, 0.1])
 
 
-def run(p, y, until, count):
-    """The state at ``until`` after ``count`` equal steps in sliding."""
+def run(p, y, until, count, mode=SLIDING):
+    """The state at ``until`` after ``count`` equal steps in one mode."""
     steps, h = Steps(p), until / count
     for i in range(count):
-        y = steps.step(i * h, h, y, SLIDING)
+        y = steps.step(i * h, h, y, mode)
     return y
 
 
@@ -36,6 +36,32 @@ def p(device, constants):
 def slope(sizes, errors):
     """Exponent of errors ~ sizes^slope, by least squares in logarithms."""
     return np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+
+
+# Steps a unit of time, so that errors lie well above rounding and in the asymptotic range. The
+# suspended motion has no fast contact in it and takes steps four times as long.
+COUNTS = [8, 12, 16, 24]
+
+
+@pytest.mark.parametrize(
+    ("mode", "until"), [(FREE, 4.0), (SLIDING, 1.0)], ids=["suspended", "sliding"]
+)
+def test_global_error_falls_with_the_order_of_the_step(p, mode, until):
+    exact = run(p, BEGIN, until, 400, mode)
+    errors = [np.abs(run(p, BEGIN, until, n, mode) - exact).max() for n in COUNTS]
+    assert min(errors) > 1e-14  # else rounding would be measured
+    observed = slope([until / n for n in COUNTS], errors)
+    assert observed > 0.95 * DOP853.order
+    # On the linear suspended motion a method may be better than its order, not on the sliding one.
+    if mode is SLIDING:
+        assert observed < 1.15 * DOP853.order
+
+
+def test_error_estimate_falls_with_its_order(p):
+    # A local error of a method of order p is O(h^(p+1)).
+    sizes = np.array([0.02, 0.03, 0.04, 0.06])
+    errors = [error(Steps(p), BEGIN, h, 1e-3) for h in sizes]
+    assert slope(sizes, errors) == pytest.approx(DOP853.error_order + 1, rel=0.1)
 
 
 @pytest.mark.parametrize("h", [0.02, 0.05])
