@@ -68,18 +68,21 @@ def figure_name(text: str) -> str:
     return name
 
 
-def add_model_options(parser: Any, scene: str = "alignment") -> None:
+def add_model_options(
+    parser: Any, scene: str = "alignment", *, dimensionless: bool = False
+) -> None:
     """Add the options of a device and its run, and end the help with the table of parameters.
 
-    ``scene`` is the default of --scene.
+    ``scene`` is the default of --scene; ``dimensionless`` adds --dimensionless.
     """
     parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     add = parser.add_argument
     words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
     words += "--horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
     add("--device", type=Path, metavar="FILE", help=words)
-    words = "print dimensionless values for a device in SI units, too"
-    add("--dimensionless", action="store_true", help=words)
+    if dimensionless:
+        words = "print dimensionless values for a device in SI units, too"
+        add("--dimensionless", action="store_true", help=words)
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
     words = "variant of all disputed equations of the paper (default: as in the study)"

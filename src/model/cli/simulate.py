@@ -45,7 +45,7 @@ def add(commands: Any) -> None:
         ". With --device, values are read and printed in SI units, else dimensionless.",
         epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
-    add_model_options(parser)
+    add_model_options(parser, dimensionless=True)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
     words = "animate the run into FILE, a page (.html)"

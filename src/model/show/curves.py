@@ -16,33 +16,18 @@ from matplotlib.lines import Line2D
 
 from model.events.outcomes import Outcome
 from model.show import style
-from model.show.style import (
-    FAILED_LABEL,
-    NOT_ALIGNED,
-    NOT_INSERTED,
-    Bools,
-    Floats,
-    axis_label,
-    cell_edges,
-    not_inserted,
-    runs_of,
-    symbol_of,
-)
+from model.show.style import Bools, Floats
 
 if TYPE_CHECKING:
     import xarray as xr
 
 SENSITIVE_LABEL = "sensitive: digits uncertain"
 _ALONE: Mapping[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4.0}
-_RING: Mapping[str, Any] = {"marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
-_CROSS: Mapping[str, Any] = {"marker": "x", "markersize": 3.5}
 _THIN: Mapping[str, Any] = {"markeredgecolor": style.BLACK, "markeredgewidth": 0.7}
-_ARROW: Mapping[str, Any] = {
-    "marker": "^",
-    "markersize": 3.5,
-    "color": style.BLACK,
-    "linestyle": "none",
-}
+_MARK: Mapping[str, Any] = {"color": style.BLACK, "linestyle": "none", "markersize": 3.5}
+_RING: Mapping[str, Any] = {**_MARK, "marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
+_CROSS: Mapping[str, Any] = {**_MARK, "marker": "x"}
+_ARROW: Mapping[str, Any] = {**_MARK, "marker": "^"}
 _NEARLY_ALL = 0.98  # of the points: the rest may lie beyond the axis
 _DURATION = ("tau_align", "alignment duration $τ$")
 # Variable and label of the claims' own runs that are not judged by the duration.
@@ -65,32 +50,32 @@ def curves(dataset: "xr.Dataset") -> Figure:
     gaps = np.isnan(durations)
     with style.context():
         figure, axes, strip = _curve_axes(len(family), bool(gaps.any()))
+        symbol = style.symbol_of(family)
         handles = [
-            _draw_curve(axes, row, swept.values, durations[row], f"{symbol_of(family)} = {value:g}")
+            _draw_curve(axes, row, swept.values, durations[row], f"{symbol} = {value:g}")
             for row, value in enumerate(family.values)
         ]
         notes = []
         for label, look, marked in (
             (SENSITIVE_LABEL, {**_RING, **_THIN}, dataset["sensitive"].values == 1),
-            (NOT_INSERTED, {**_CROSS, **_THIN}, not_inserted(dataset)),
+            (style.NOT_INSERTED, {**_CROSS, **_THIN}, style.not_inserted(dataset)),
         ):
             rows, columns = np.nonzero(marked & ~gaps)
             if rows.size:
                 x, y = swept.values[columns], durations[rows, columns]
-                notes += axes.plot(x, y, linestyle="none", label=label, **look)
+                notes += axes.plot(x, y, label=label, **look)
         if strip is not None:
             failed = dataset["outcome"].values == Outcome.FAILED
             notes += _draw_strip(strip, swept.values, gaps, failed)
-        edges = cell_edges(swept.values)
-        axes.set_xlim(edges[0], edges[-1])
+        axes.set_xlim(*style.cell_edges(swept.values)[[0, -1]])
         top, longest = _end_of_axis(durations[~gaps])
         axes.set_ylim(0.0, top)
         if longest > top:
             label = f"longer than the axis, up to $τ$ = {longest:.0f}"
             notes += axes.plot([], [], label=label, **_ARROW)
-        axes.set_ylabel(axis_label(dataset["tau_align"]))
-        (strip or axes).set_xlabel(axis_label(swept))
-        title, ncols = axis_label(family), min(len(handles), 5)
+        axes.set_ylabel(style.axis_label(dataset["tau_align"]))
+        (strip or axes).set_xlabel(style.axis_label(swept))
+        title, ncols = style.axis_label(family), min(len(handles), 5)
         figure.legend(handles=handles, title=title, loc="outside upper center", ncols=ncols)
         if notes:
             figure.legend(handles=notes, loc="outside lower right", ncols=len(notes))
@@ -123,7 +108,7 @@ def _draw_curve(axes: Axes, index: int, swept: Floats, durations: Floats, name: 
     """Draw one curve, which matplotlib breaks at NaN; return its handle for a legend."""
     look = style.curve(index, len(swept))
     (line,) = axes.plot(swept, durations, label=name, **look)
-    lonely = [first for first, end in runs_of(~np.isnan(durations)) if end - first == 1]
+    lonely = [first for first, end in style.runs_of(~np.isnan(durations)) if end - first == 1]
     if lonely:
         dots = {**_ALONE, "color": look["color"], "label": f"_alone {name}"}
         axes.plot(swept[lonely], durations[lonely], **dots)
@@ -131,14 +116,14 @@ def _draw_curve(axes: Axes, index: int, swept: Floats, durations: Floats, name: 
 
 
 def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[Line2D]:
-    edges = cell_edges(swept)
+    edges = style.cell_edges(swept)
     for row, mask in enumerate(gaps):
         low, high = row - 0.36, row + 0.36
         bars = [
             [(edges[i], low), (edges[j], low), (edges[j], high), (edges[i], high)]
-            for i, j in runs_of(mask)
+            for i, j in style.runs_of(mask)
         ]
-        colour, label = style.curve(row, 1)["color"], f"_{NOT_ALIGNED} {row}"
+        colour, label = style.curve(row, 1)["color"], f"_{style.NOT_ALIGNED} {row}"
         drawn = PolyCollection(bars, facecolor=colour, linewidth=0.0, label=label)
         strip.add_collection(drawn, autolim=False)
     strip.set_ylim(len(gaps) - 0.4, -0.6)
@@ -149,8 +134,7 @@ def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[
     rows, columns = np.nonzero(failed)
     if not rows.size:
         return []
-    look = {"color": style.BLACK, "linestyle": "none", **_CROSS}
-    return strip.plot(swept[columns], rows, label=FAILED_LABEL, **look)
+    return strip.plot(swept[columns], rows, label=style.FAILED_LABEL, **_CROSS)
 
 
 def draw_runs(*datasets: "xr.Dataset") -> Figure:
@@ -173,16 +157,13 @@ def _draw_run(axes: Axes, dataset: "xr.Dataset", variable: str, label: str) -> N
     for row, value in enumerate(family.values):
         values = dataset[variable].values[row]
         look = style.curve(row, values.size, markers=5)
-        axes.plot(swept.values, values, label=f"{symbol_of(family)} = {value:g}", **look)
+        axes.plot(swept.values, values, label=f"{style.symbol_of(family)} = {value:g}", **look)
         aligned = np.isfinite(dataset["tau_align"].values[row])
         if variable != _DURATION[0] and aligned.any():
-            cross = {"color": style.BLACK, "linestyle": "none", **_CROSS}
-            axes.plot(swept.values[aligned], values[aligned], **cross)
-    edges = cell_edges(swept.values)
-    axes.set_xlim(edges[0], edges[-1])
-    low = axes.get_ylim()[0]
-    axes.set_ylim(bottom=max(_LOWEST, min(0.0, low)))
-    axes.set_xlabel(axis_label(swept))
+            axes.plot(swept.values[aligned], values[aligned], **_CROSS)
+    axes.set_xlim(*style.cell_edges(swept.values)[[0, -1]])
+    axes.set_ylim(bottom=max(_LOWEST, min(0.0, axes.get_ylim()[0])))
+    axes.set_xlabel(style.axis_label(swept))
     axes.set_ylabel(label)
     axes.legend(loc="best")
 

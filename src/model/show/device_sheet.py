@@ -3,9 +3,9 @@
 import base64
 import io
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import jinja2
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,6 +16,7 @@ from model.show.history import trajectory
 from model.show.maps import stability_map
 from model.show.schematics.pose import resting_pose
 from model.show.si import display, quantity_of
+from model.show.templates import templates
 from model.study.devices import StatedDevice
 from model.study.devices.base import BASE
 from model.study.devices.stated import unit_of
@@ -52,27 +53,24 @@ def render(
         map_data: stability map of the device, in SI units.
         made_by: the footer: file, changes of its values, version of the program.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("model.show", "."),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
     with style.context():
         pictures = {
             "device": _picture(_drawing(stated)),
             "map": _picture(_map(stated, map_data)),
             "run": _picture(trajectory(run, stated.units)),
         }
-    return environment.get_template("device_sheet.html.j2").render(
-        name=stated.source.stem,
-        verdict=verdict,
-        groups=groups,
-        made_by=made_by,
-        pictures=pictures,
-        quantities=_quantities(stated),
-        limits=MODEL_LIMITS,
+    return (
+        templates(Path(__file__).parent)
+        .get_template("device_sheet.html.j2")
+        .render(
+            name=stated.source.stem,
+            verdict=verdict,
+            groups=groups,
+            made_by=made_by,
+            pictures=pictures,
+            quantities=_quantities(stated),
+            limits=MODEL_LIMITS,
+        )
     )
 
 
