@@ -170,21 +170,17 @@ def _drawn(
     devices: int,
 ) -> tuple["Yield", "FailingDevice | None"]:
     """Return the yield of a device, and the nearest drawn device that fails."""
-    from model.study.assessment.yields import (  # noqa: PLC0415
-        STATISTICAL_TOLERANCE,
-        nearest_failing,
-        yield_of,
-    )
+    from model.study.assessment import yields  # noqa: PLC0415  (scipy)
     from model.study.maps.starts import starts_of  # noqa: PLC0415
 
-    settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
+    settings = replace(settings, tolerance=max(settings.tolerance, yields.STATISTICAL_TOLERANCE))
     starts = starts_of(stated.device.parameters, ensemble)
     if not result.aligned:
         devices = min(devices, _FEW)
-    drawn, results = yield_of(stated, starts, settings, cores, devices=devices)
+    drawn, results = yields.yield_of(stated, starts, settings, cores, devices=devices)
     if result.failing_start is not None:
         return drawn, None
-    return drawn, nearest_failing(stated, results, starts)
+    return drawn, yields.nearest_failing(stated, results, starts)
 
 
 def _verdict(
@@ -369,10 +365,10 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
     for each in (record, *record["bases"]):
         for name in ("tau_best", "tau_worst"):
             each[name] = time * each[name] if each["aligned"] else None
-    record["contact_force_max"] *= si.scale(units, FORCE)
-    record["impact_speed"] = record["impact_speed"] * si.scale(units, SPEED) or None  # never lands
     for each in record["bases"]:
         each["contact_stiffness"] *= stiffness
+    record["contact_force_max"] *= si.scale(units, FORCE)
+    record["impact_speed"] = record["impact_speed"] * si.scale(units, SPEED) or None  # never lands
     if record["rigid_from"] is not None:
         record["rigid_from"] *= stiffness
     return {"units": "1" if units is None else "SI", **record}

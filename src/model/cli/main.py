@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from model.cli import (
-    accept,
     assess,
     claims,
     design,
@@ -23,17 +22,16 @@ from model.cli import (
     export,
     map,  # noqa: A004  (the name of the command)
     new,
+    reference,
     runs,
-    show,
     simulate,
-    verify,
 )
 from model.cli.files import WriteError
 from model.study.version import version
 
-# In the order of the help. The function ``add`` of a module adds its command to the parsers.
+# In the order of the help. The function ``add`` of a module adds its commands to the parsers.
 COMMANDS = (
-    new, simulate, assess, design, map, explore, runs, show, diff, export, verify, accept, claims
+    new, simulate, assess, design, map, explore, runs, diff, export, reference, claims
 )  # fmt: skip
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 

@@ -1,13 +1,22 @@
-"""``vibralign runs``: list the recorded runs and invocations of the study."""
+"""``vibralign runs`` and ``show``: the recorded runs and invocations of the study."""
 
 import argparse
 from typing import Any
 
 from model.cli.arguments import add_command, add_json, add_root, figure_name
-from model.cli.tables import print_json, table
+from model.cli.tables import cell, pairs, print_json, table
 from model.events.outcomes import Outcome
 from model.physics.parameters import check_name
-from model.tracking.history import RUN_STATUS, Record, has_outcome, load_history, load_runs
+from model.tracking import TrackingError
+from model.tracking.history import (
+    RUN_STATUS,
+    Record,
+    find_invocation,
+    find_run,
+    has_outcome,
+    load_history,
+    load_runs,
+)
 
 _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])
@@ -16,7 +25,7 @@ _LONGEST = 120  # characters of a reason in a list
 
 
 def add(commands: Any) -> None:
-    """Add the command to the parsers of ``vibralign``."""
+    """Add the commands to the parsers of ``vibralign``."""
     words = "list the study's runs, failed and interrupted ones included"
     parser = add_command(commands, "runs", _runs, words, ", oldest first.")
     add_root(parser)
@@ -29,6 +38,15 @@ def add(commands: Any) -> None:
     add("--outcome", metavar="OUTCOME", help=words)
     words = "list the invocations of Snakemake instead, by outcome if wanted"
     add("--invocations", action="store_true", help=words)
+    words = "show all that is recorded of a run or an invocation"
+    parser = add_command(commands, "show", _show, words)
+    add_root(parser)
+    add_json(parser)
+    words = (
+        "a run such as merge/fig06 (the latest of that name), merge/fig06@INVOCATION, or an "
+        "invocation: the beginning of its name, or last"
+    )
+    parser.add_argument("what", metavar="RUN", help=words)
 
 
 def _runs(arguments: argparse.Namespace) -> int:
@@ -50,7 +68,7 @@ def _runs(arguments: argparse.Namespace) -> int:
     if arguments.invocations:
         print("\n".join(table([_invocation_line(each) for each in found], _INVOCATION_COLUMNS)))
         return 0
-    print("\n".join(table([run_line(run) for run in found], _RUN_COLUMNS)))
+    print("\n".join(table([_run_line(run) for run in found], _RUN_COLUMNS)))
     print(f"{len(found)} runs")
     return 0
 
@@ -63,7 +81,7 @@ _INVOCATION_COLUMNS = (
 )  # fmt: skip
 
 
-def run_line(run: Record) -> dict[str, Any]:
+def _run_line(run: Record) -> dict[str, Any]:
     """Return a run as a line of a table."""
     counts = run.get("counts", {})
     return {
@@ -74,7 +92,7 @@ def run_line(run: Record) -> dict[str, Any]:
         "trajectories": counts.get("trajectories"),
         "aligned": counts.get("aligned"),
         "sensitive": counts.get("sensitive"),
-        "commit": commit_of(run),
+        "commit": _commit_of(run),
         "": _shortened(run.get("reason", "" if run["current"] else "replaced since")),
     }
 
@@ -92,13 +110,74 @@ def _invocation_line(record: Record) -> dict[str, Any]:
         "seconds": record["wall_seconds"],
         "runs": len(record["runs"]),
         "failed": len(record["failures"]),
-        "commit": commit_of(record),
+        "commit": _commit_of(record),
         "command": " ".join(record["command"]),
         "": _shortened(record.get("reason", "")),
     }
 
 
-def commit_of(record: Record) -> str:
+def _commit_of(record: Record) -> str:
     """Return the beginning of the commit of a record, with + where there were changes."""
     git = record.get("git", {})
     return git.get("commit", "")[:8] + ("+" if git.get("dirty") else "")
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    runs = load_runs(arguments.root)
+    if arguments.what.partition("@")[0] in {run["run"] for run in runs}:
+        record = find_run(runs, arguments.what)
+        lines = _run_lines(record)
+    else:
+        try:
+            record = find_invocation(load_history(arguments.root), arguments.what)
+        except TrackingError:
+            raise TrackingError(
+                f"{arguments.what!r} is neither a run nor an invocation; vibralign runs lists them"
+            ) from None
+        lines = _invocation_lines(record)
+    if arguments.json:
+        print_json(record)
+    else:
+        print("\n".join(lines))
+    return 0
+
+
+_HEAD = ("run", "status", "reason", "log", "current", "started", "wall_seconds", "invocation",
+         "code", "config_hash")  # fmt: skip
+
+
+def _run_lines(run: Record) -> list[str]:
+    head = {name: run[name] for name in _HEAD if run.get(name) not in (None, "")}
+    lines = pairs({**head, "commit": _commit_of(run)})
+    sections = {
+        "counts": run.get("counts"),
+        "parameters": run.get("parameters"),
+        "varied": {
+            axis["parameter"]: axis.get("values")
+            or f"{cell(axis['start'])} to {cell(axis['stop'])}, {axis['count']} values"
+            for axis in run.get("dimensions", [])
+        },
+        "settings": run.get("settings"),
+        "inputs": run.get("inputs"),
+        "outputs": run.get("outputs"),
+        "versions": run.get("versions"),
+    }
+    for name, values in sections.items():
+        if values:
+            lines += ["", f"{name}:", *(f"  {line}" for line in pairs(values))]
+    return lines
+
+
+def _invocation_lines(record: Record) -> list[str]:
+    head = ("invocation", "outcome", "reason", "started", "ended", "wall_seconds", "host",
+            "snakemake_log")  # fmt: skip
+    values = {name: record[name] for name in head if record.get(name) is not None}
+    command = " ".join(record["command"])
+    lines = pairs({**values, "command": command, "commit": _commit_of(record)})
+    for failure in record["failures"]:
+        lines += ["", f"{failure['run']} {failure['status']}: {failure['reason']}"]
+        lines += [f"  {failure['log']}"]
+    lines += ["", f"{len(record['runs'])} runs done"]
+    columns = ("run", "seconds", "trajectories", "aligned", "sensitive")
+    rows = [_run_line({**run, "status": "done", "current": True}) for run in record["runs"]]
+    return lines + table(rows, columns) if rows else lines

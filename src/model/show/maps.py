@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.patheffects import Stroke, withStroke, withTickedStroke
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from model.events.outcomes import Outcome
 from model.show import style
@@ -211,7 +211,7 @@ class _Drawing:
         bar.set_label(f"{label}, logarithmic" if spread else label)
         if spread:
             bar.ax.yaxis.set_major_locator(LogLocator(subs=_DECADE))
-            bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            bar.ax.yaxis.set_major_formatter("{x:g}")
             bar.ax.yaxis.set_minor_formatter(NullFormatter())
 
     def borders(self, cells: Bools) -> None:
