@@ -17,22 +17,18 @@ from model.cli import (
     assess,
     claims,
     design,
-    diff,
     explore,
-    export,
     map,  # noqa: A004  (the name of the command)
     new,
     reference,
-    runs,
     simulate,
+    tracking,
 )
 from model.cli.files import WriteError
 from model.study.version import version
 
 # In the order of the help. The function ``add`` of a module adds its commands to the parsers.
-COMMANDS = (
-    new, simulate, assess, design, map, explore, runs, diff, export, reference, claims
-)  # fmt: skip
+COMMANDS = new, simulate, assess, design, map, explore, tracking, reference, claims
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
 

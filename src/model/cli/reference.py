@@ -32,6 +32,7 @@ def add(commands: Any) -> None:
     words = "only this figure, such as fig06 or 6; may be repeated"
     parser.add_argument("--figure", action="append", default=[], metavar="FIG", help=words)
     add_json(parser)
+
     parser = add_command(
         commands,
         "accept",

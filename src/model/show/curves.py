@@ -6,9 +6,10 @@ marks the gap, so that it is not taken for missing data.
 
 from collections.abc import Mapping
 from string import ascii_lowercase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
@@ -17,9 +18,6 @@ from matplotlib.lines import Line2D
 from model.events.outcomes import Outcome
 from model.show import style
 from model.show.style import Bools, Floats
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SENSITIVE_LABEL = "sensitive: digits uncertain"
 _ALONE: Mapping[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4.0}
@@ -39,7 +37,7 @@ _CLAIMED: Mapping[str, tuple[str, str]] = {
 _LOWEST = -1.5  # end of an axis: a part that turns over moves far away from the slot
 
 
-def curves(dataset: "xr.Dataset") -> Figure:
+def curves(dataset: xr.Dataset) -> Figure:
     """Draw the duration over the swept parameter, a curve for each value of the family parameter.
 
     Where the part does not align, the curve has a gap, and the strip below has a bar in the row of
@@ -137,7 +135,7 @@ def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[
     return strip.plot(swept[columns], rows, label=style.FAILED_LABEL, **_CROSS)
 
 
-def draw_runs(*datasets: "xr.Dataset") -> Figure:
+def draw_runs(*datasets: xr.Dataset) -> Figure:
     """Draw the runs made for the claims alone, a panel for each dataset in the order given."""
     rows = -(-len(datasets) // 2)
     with style.context():
@@ -152,7 +150,7 @@ def draw_runs(*datasets: "xr.Dataset") -> Figure:
         return figure
 
 
-def _draw_run(axes: Axes, dataset: "xr.Dataset", variable: str, label: str) -> None:
+def _draw_run(axes: Axes, dataset: xr.Dataset, variable: str, label: str) -> None:
     family, swept = (dataset[str(name)] for name in dataset["tau_align"].dims)
     for row, value in enumerate(family.values):
         values = dataset[variable].values[row]
@@ -168,7 +166,7 @@ def _draw_run(axes: Axes, dataset: "xr.Dataset", variable: str, label: str) -> N
     axes.legend(loc="best")
 
 
-def draw_front(dataset: "xr.Dataset") -> Figure:
+def draw_front(dataset: xr.Dataset) -> Figure:
     """Draw margin over alignment time for all settings of a design with which every device goes in.
 
     A line joins the Pareto front; a star is the recommended setting.

@@ -4,13 +4,15 @@ import base64
 import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from model.runs.simulate import Trajectory
 from model.show import style
 from model.show.history import trajectory
 from model.show.maps import stability_map
@@ -20,11 +22,6 @@ from model.show.templates import templates
 from model.study.devices import StatedDevice
 from model.study.devices.base import BASE
 from model.study.devices.stated import unit_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from model.runs.simulate import Trajectory
 
 MODEL_LIMITS = (
     "It is a model of one plane: a round part may also turn about the other axis.",
@@ -39,8 +36,8 @@ def render(
     stated: StatedDevice,
     verdict: tuple[str, bool],
     groups: Mapping[str, Sequence[str]],
-    run: "Trajectory",
-    map_data: "xr.Dataset",
+    run: Trajectory,
+    map_data: xr.Dataset,
     made_by: str,
 ) -> str:
     """Return the page; the same bytes for the same contents.
@@ -121,7 +118,7 @@ def _drawing(stated: StatedDevice) -> Figure:
     return figure
 
 
-def _map(stated: StatedDevice, dataset: "xr.Dataset") -> Figure:
+def _map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
     """Draw the map of the device, with a cross at the device and a box of its tolerances."""
     figure = stability_map(dataset)
     axes = figure.axes[0]

@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.contour import QuadContourSet
@@ -20,9 +21,6 @@ from model.events.outcomes import Outcome
 from model.show import style
 from model.show.style import Bools, Floats
 from model.study.vibration import ONLY_VIBRATED, added, success_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Place = tuple[float, float]
 Look = Mapping[str, Any]  # keyword arguments of an artist
@@ -63,7 +61,7 @@ _LEAST = 0.004  # share of the map; a contour around a smaller area is left out
 _APART = 0.04  # share of the map; least distance between numbers
 
 
-def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
+def stability_map(dataset: xr.Dataset, coarse: xr.Dataset | None = None) -> Figure:
     """Draw durations in colour where the part aligns, hatching where it does not.
 
     Dots mark where it aligns and does not go in, by ``insertion`` in the dataset or in ``coarse``,
@@ -105,7 +103,7 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
         return drawing.with_legend()
 
 
-def vibration_map(dataset: "xr.Dataset") -> Figure:
+def vibration_map(dataset: xr.Dataset) -> Figure:
     """Draw where the part aligns only if vibrated, only if not, in both cases, and in neither.
 
     A line, ticked inwards, surrounds the parts that rest on the edge if they are pressed slowly.
@@ -141,7 +139,7 @@ class _Drawing:
     Arrays have the shape (y, x) of the dataset's nodes; a node stands for the cell around it.
     """
 
-    def __init__(self, dataset: "xr.Dataset") -> None:
+    def __init__(self, dataset: xr.Dataset) -> None:
         y, x = (dataset[str(name)] for name in dataset["outcome"].dims)
         self.x, self.y = x, y
         self.edges = style.cell_edges(x.values), style.cell_edges(y.values)
@@ -174,7 +172,7 @@ class _Drawing:
         """Draw the cells where ``cells`` is True as one patch."""
         self.handles.append(self._add_cells(self.edges, cells, label, look))
 
-    def dots(self, dataset: "xr.Dataset") -> None:
+    def dots(self, dataset: xr.Dataset) -> None:
         """Draw dots where parts align and do not go in; ``dataset`` may have another grid."""
         lost = style.not_inserted(dataset)
         if lost.any():

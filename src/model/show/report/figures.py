@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from markupsafe import Markup
 
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
@@ -24,9 +24,6 @@ from model.show.style import Bools, Floats, flagged, runs_of
 from model.show.words import figure_number, figure_title, percent, power, short
 from model.study.config.figures import COMPUTED, MAPS
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 HEAD = MAPS[-1]  # the figure at the head of the page, also in README
 _FEW = 3  # most ranges that are stated one by one
 _CODE = Markup("<code>{}</code>")
@@ -35,7 +32,7 @@ _CODE = Markup("<code>{}</code>")
 class Counts:
     """Outcomes of the runs of a figure; durations and their errors are dimensionless."""
 
-    def __init__(self, dataset: "xr.Dataset") -> None:
+    def __init__(self, dataset: xr.Dataset) -> None:
         self.dataset = dataset
         self.runs = int(dataset["outcome"].size)
         # True for each run that aligns, and that ends differently at another tolerance.
@@ -148,7 +145,7 @@ def article(results: Results, name: str) -> dict[str, object]:
     }
 
 
-def _moment(dataset: "xr.Dataset") -> str:
+def _moment(dataset: xr.Dataset) -> str:
     tau, error = float(dataset["tau_align"]), float(dataset["tau_error"])
     if np.isnan(tau):
         return f"It does not align: {OUTCOME_TEXT[Outcome(int(dataset['outcome']))]}."
@@ -174,7 +171,7 @@ def _result(counts: Counts) -> str:
     return words + (f"; {failed} failed." if failed else ".")
 
 
-def _ranges(dataset: "xr.Dataset") -> Markup:
+def _ranges(dataset: xr.Dataset) -> Markup:
     """Say over which values of the swept parameter each curve aligns."""
     family, swept = (dataset[str(name)] for name in dataset["outcome"].dims)
     own, along = (symbol(FIELDS[str(each.name)].symbol) for each in (family, swept))

@@ -1,6 +1,8 @@
-"""``vibralign runs`` and ``show``: the recorded runs and invocations of the study."""
+"""``vibralign runs``, ``show``, ``diff`` and ``export``: the recorded history of the study."""
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 from model.cli.arguments import add_command, add_json, add_root, figure_name
@@ -8,6 +10,8 @@ from model.cli.tables import cell, pairs, print_json, table
 from model.events.outcomes import Outcome
 from model.physics.parameters import check_name
 from model.tracking import TrackingError
+from model.tracking.compare import Change
+from model.tracking.diff import Comparison, compare, snapshot
 from model.tracking.history import (
     RUN_STATUS,
     Record,
@@ -22,6 +26,7 @@ _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])
 )
 _LONGEST = 120  # characters of a reason in a list
+_LISTED = 12  # lines of a section of differences; --all shows the rest
 
 
 def add(commands: Any) -> None:
@@ -38,6 +43,7 @@ def add(commands: Any) -> None:
     add("--outcome", metavar="OUTCOME", help=words)
     words = "list the invocations of Snakemake instead, by outcome if wanted"
     add("--invocations", action="store_true", help=words)
+
     words = "show all that is recorded of a run or an invocation"
     parser = add_command(commands, "show", _show, words)
     add_root(parser)
@@ -47,6 +53,38 @@ def add(commands: Any) -> None:
         "invocation: the beginning of its name, or last"
     )
     parser.add_argument("what", metavar="RUN", help=words)
+
+    parser = add_command(
+        commands,
+        "diff",
+        _diff,
+        "list the differences between two runs, results folders or commits",
+        ": parameters, metrics, the largest change of every figure's variables, claims.",
+        epilog="exit code: 0 nothing differs; 1 something does; 2 bad input",
+    )
+    add_root(parser)
+    add_json(parser)
+    words = (
+        "a results folder, a run (merge/fig06, merge/fig06@INVOCATION), an invocation, or a commit "
+        "that the study was built at"
+    )
+    parser.add_argument("first", metavar="A", help=words)
+    parser.add_argument("second", metavar="B", help="likewise")
+    parser.add_argument("--all", action="store_true", help="every difference, however many")
+
+    parser = add_command(
+        commands,
+        "export",
+        _export,
+        "write an invocation of the study as an MLflow run",
+        ". Needs the extra: pip install 'vibralign[export]'.",
+    )
+    parser.add_argument("tool", choices=("mlflow",))
+    words = "an MLflow server, or sqlite:///FILE, which may be new"
+    parser.add_argument("--tracking-uri", required=True, metavar="URI", help=words)
+    words = "the beginning of an invocation's name, or last (default: last)"
+    parser.add_argument("--invocation", default="last", metavar="NAME", help=words)
+    add_root(parser, "results root that it belongs to")
 
 
 def _runs(arguments: argparse.Namespace) -> int:
@@ -181,3 +219,68 @@ def _invocation_lines(record: Record) -> list[str]:
     columns = ("run", "seconds", "trajectories", "aligned", "sensitive")
     rows = [_run_line({**run, "status": "done", "current": True}) for run in record["runs"]]
     return lines + table(rows, columns) if rows else lines
+
+
+def _diff(arguments: argparse.Namespace) -> int:
+    root = arguments.root
+    found = compare(snapshot(arguments.first, root), snapshot(arguments.second, root))
+    if arguments.json:
+        print_json(asdict(found))
+    else:
+        print("\n".join(_diff_lines(found, None if arguments.all else _LISTED)))
+    return int(found.differs)
+
+
+def _diff_lines(found: Comparison, listed: int | None) -> list[str]:
+    """Return a comparison in words, at most ``listed`` lines a section."""
+    lines = [f"A: {found.first}", f"B: {found.second}"]
+    columns = ("where", "name", "before", "after")
+    sections = {"parameters": found.parameters, "metrics": found.metrics, "code": found.code}
+    if found.claims is not None:
+        sections["claims"] = found.claims
+    for title, differences in sections.items():
+        lines += _section(title, [asdict(each) for each in differences], columns, listed)
+    data = ("figure", "variable", "points", "differing", "largest", "at", "A", "B", "gaps")
+    lines += _section("data", [_change(each) for each in found.data], data, listed)
+    if found.other_data:
+        lines += ["", "differ, no copies kept to say by how much:"]
+        lines += [f"  {each}" for each in found.other_data]
+    if found.not_compared:
+        lines += ["", "not compared:", *(f"  {each}" for each in found.not_compared)]
+    return lines
+
+
+def _section(
+    title: str, rows: Sequence[dict[str, Any]], columns: Sequence[str], listed: int | None
+) -> list[str]:
+    if not rows:
+        return ["", f"{title}: the same"]
+    shown = rows[:listed]
+    lines = ["", f"{title}: {len(rows)} differ", *(f"  {line}" for line in table(shown, columns))]
+    if len(shown) < len(rows):
+        lines.append(f"  … and {len(rows) - len(shown)} more: --all shows them")
+    return lines
+
+
+def _change(change: Change) -> dict[str, Any]:
+    gaps = f"+{change.appeared} -{change.vanished}" if change.appeared or change.vanished else ""
+    return {
+        "figure": change.figure,
+        "variable": change.variable,
+        "points": change.points,
+        "differing": change.differing,
+        "largest": f"{change.largest:.3g}",
+        "at": change.at,
+        "A": change.before,
+        "B": change.after,
+        "gaps": gaps,
+    }
+
+
+def _export(arguments: argparse.Namespace) -> int:
+    from model.tracking.export import EXPERIMENT, to_mlflow  # noqa: PLC0415  (seldom needed)
+
+    record = find_invocation(load_history(arguments.root), arguments.invocation)
+    run = to_mlflow(record, arguments.root, arguments.tracking_uri)
+    print(f"{arguments.tracking_uri}: run {run} of experiment {EXPERIMENT}")
+    return 0
