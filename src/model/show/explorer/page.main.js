@@ -234,7 +234,7 @@ function stepEvent(way) {
 // ---------------------------------------------------------------- start
 
 async function start() {
-  element("gradient").style.background = gradient();
+  element("gradient").style.background = `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
   makeControls();
   listen();
   writeControls();

@@ -305,8 +305,3 @@ function drawAxes(g, height, map, axes, place) {
   g.fillText(axes.y.label, 0, 0, place.tall);
   g.restore();
 }
-
-/** Return the colours of durations as a CSS gradient. */
-function gradient() {
-  return `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
-}
