@@ -16,15 +16,13 @@ from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
 from model.physics.units import UNITS, Units
-from model.physics.variants import VARIANT_NAMES, Variants
+from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings
 from model.study.config import FIGURES, Study, load_study, study_path
 from model.study.devices import StatedDevice, load_device
 from model.study.devices.amounts import read_amount
 from model.study.devices.base import BASE
 from model.study.devices.holder import RATIOS
-
-_READINGS = ("consistent", "printed")
 
 
 def add_command(
@@ -68,22 +66,25 @@ def figure_name(text: str) -> str:
     return name
 
 
-def add_model_options(parser: Any, scene: str = "alignment") -> None:
+def add_model_options(
+    parser: Any, scene: str = "alignment", *, dimensionless: bool = False
+) -> None:
     """Add the options of a device and its run, and end the help with the table of parameters.
 
-    ``scene`` is the default of --scene.
+    ``scene`` is the default of --scene; ``dimensionless`` adds --dimensionless.
     """
     parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
     add = parser.add_argument
     words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
     words += "--horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
     add("--device", type=Path, metavar="FILE", help=words)
-    words = "print dimensionless values for a device in SI units, too"
-    add("--dimensionless", action="store_true", help=words)
+    if dimensionless:
+        words = "print dimensionless values for a device in SI units, too"
+        add("--dimensionless", action="store_true", help=words)
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
     words = "variant of all disputed equations of the paper (default: as in the study)"
-    add("--readings", choices=_READINGS, help=words)
+    add("--readings", choices=get_args(Variant), help=words)
     names = ", ".join(VARIANT_NAMES)
     words = f"variant of one equation, consistent or printed; may be repeated: {names}"
     metavar = "NAME=READING"

@@ -20,35 +20,25 @@ from model.cli.arguments import (
 from model.cli.files import check_file, check_picture
 from model.cli.progress import ProgressLine
 from model.cli.simulate import unvibrated_record
-from model.cli.tables import in_columns, labelled, print_json
+from model.cli.tables import in_columns, print_json
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.simulate import simulate
 from model.runs.unvibrated import unvibrated_words
-from model.show.assumptions import assumptions, changes_words, lines_of
-from model.show.si import (
-    DIGITS,
-    in_words,
-    named_words,
-    natural_record,
-    natural_words,
-    quantity_of,
-    range_words,
-    scale,
-    si_list,
-    si_words,
-)
+from model.show import si
+from model.show.assumptions import assumptions, lines_of, source_words
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
     from model.study.assessment import Assessment, BaseVerdict, Leeway, Nearest
     from model.study.assessment.yields import FailingDevice, Yield
     from model.study.config import Ensemble
+    from model.study.design_judges import Thorough
     from model.study.devices import StatedDevice
 
-_line = partial(labelled, width=16)
+_line = "{:<16}{}".format
 _FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
 
 
@@ -76,7 +66,7 @@ def add(commands: Any) -> None:
     add("--devices", metavar="N", default="4096", help=words)
     words = "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4"
     add("--sheet", type=Path, metavar="FILE", help=words)
-    add_model_options(parser, scene="insertion")
+    add_model_options(parser, scene="insertion", dimensionless=True)
     add_json(parser)
 
 
@@ -102,24 +92,24 @@ def _assess(arguments: argparse.Namespace) -> int:
             drawn, nearest = _drawn(result, stated, ensemble, settings, cores, devices)
     met = drawn is None or required is None or drawn.low >= required
     assumed = assumptions(device, settings, stated, ensemble)
-    verdict = headline(result, (drawn.going_in, drawn.devices) if drawn else None)
+    verdict = headline(result, drawn)
     if arguments.json:
         print_json(
             _record(result, given.units)
             | {"verdict": verdict}
             | unvibrated_record(device, settings)
-            | natural_record(device, given.units)
-            | {"yield": drawn and _yield_record(drawn, nearest, stated, settings)}
+            | si.natural_record(device, given.units)
+            | {"yield": drawn and stated and _yield_record(drawn, nearest, stated, settings)}
             | {"assumptions": assumed}
         )
         return int(not met)
     units = None if arguments.dimensionless else given.units
     source = "the study's, dimensionless (no --device)"
     if stated is not None:
-        changes = changes_words(stated)
-        source = f"{stated.source}{changes and f', with {changes}'}"
+        source = source_words(stated)
     groups = {"Verdict": _verdict(result, units, stated, device, settings)}
-    groups["Leeways"] = [*_advice(result, stated, units), *_varied(result, stated, units)]
+    value = partial(_value, stated=stated, units=units)
+    groups["Leeways"] = [*_advice(result, value), *_varied(result, value)]
     if drawn is not None and stated is not None:
         groups["Yield"] = _yield_report(result, drawn, nearest, stated, required, settings)
     groups["Assumptions"] = lines_of(assumed)
@@ -135,24 +125,21 @@ def _assess(arguments: argparse.Namespace) -> int:
     return int(not met)
 
 
-def headline(result: "Assessment", drawn: tuple[int, int] | None) -> str:
-    """Return the verdict on a device at its stated values, and within its tolerances.
-
-    ``drawn`` are the numbers of devices within the tolerances that go in, and that were drawn.
-    """
+def headline(result: "Assessment", drawn: "Yield | Thorough | None") -> str:
+    """Return the verdict on a device at its stated values, and within its tolerances."""
     words = f"{'' if result.reliable else 'not '}reliable at the stated values"
     if result.depends_on_base:
         words = "depends on the base: measure it"
     if drawn is None:
         return f"{words}; no tolerances are stated"
-    return f"{words}; yield {_yield_words(*drawn)} under the tolerances"
+    return f"{words}; yield {_yield_words(drawn)} under the tolerances"
 
 
-def _yield_words(going_in: int, devices: int) -> str:
-    """Return a share of drawn devices with its interval and its level of confidence."""
+def _yield_words(drawn: "Yield | Thorough") -> str:
+    """Return the share of drawn devices that go in, its interval and its level of confidence."""
     from model.study.assessment.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
 
-    shares = going_in / devices, *interval(going_in, devices)
+    shares = drawn.going_in / drawn.devices, *interval(drawn.going_in, drawn.devices)
     share, low, high = (f"{100.0 * each:.4g} %" for each in shares)
     return f"{share} ({low} to {high}, {100.0 * CONFIDENCE:.4g} % confidence)"
 
@@ -183,21 +170,17 @@ def _drawn(
     devices: int,
 ) -> tuple["Yield", "FailingDevice | None"]:
     """Return the yield of a device, and the nearest drawn device that fails."""
-    from model.study.assessment.yields import (  # noqa: PLC0415
-        STATISTICAL_TOLERANCE,
-        nearest_failing,
-        yield_of,
-    )
+    from model.study.assessment import yields  # noqa: PLC0415  (scipy)
     from model.study.maps.starts import starts_of  # noqa: PLC0415
 
-    settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
+    settings = replace(settings, tolerance=max(settings.tolerance, yields.STATISTICAL_TOLERANCE))
     starts = starts_of(stated.device.parameters, ensemble)
     if not result.aligned:
         devices = min(devices, _FEW)
-    drawn, results = yield_of(stated, starts, settings, cores, devices=devices)
+    drawn, results = yields.yield_of(stated, starts, settings, cores, devices=devices)
     if result.failing_start is not None:
         return drawn, None
-    return drawn, nearest_failing(stated, results, starts)
+    return drawn, yields.nearest_failing(stated, results, starts)
 
 
 def _verdict(
@@ -213,23 +196,23 @@ def _verdict(
         starts += ", on a base of 100 times the axial stiffness"
     lines = [_line("starts", starts)]
     if result.aligned:
-        times = range_words(result.tau_best, result.tau_worst, TIME, units)
+        times = si.range_words(result.tau_best, result.tau_worst, TIME, units)
         lines.append(_line("alignment time", f"{times}, by the start"))
     fewest, most = result.separations
     hops = f"{fewest} to {most}" if fewest != most else str(fewest)
     if most:
-        speed = in_words(result.impact_speed, SPEED, units)
+        speed = si.in_words(result.impact_speed, SPEED, units)
         landed = f"touches down at up to {speed}" if result.impact_speed else "touches down no more"
         hops = f"{hops}; {landed}"
     lines.append(_line("lift-offs", hops))
-    force = in_words(result.contact_force_max, FORCE, units)
-    tilt = in_words(result.tilt_max, ANGLE, units)
+    force = si.in_words(result.contact_force_max, FORCE, units)
+    tilt = si.in_words(result.tilt_max, ANGLE, units)
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}, over all starts"))
     if result.bases:
         head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
         lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]
         lines.append(_line("stiff bases", _stiff_bases(result, units)))
-    lines += [natural_words(device, units), unvibrated_words(device, settings)]
+    lines += [si.natural_words(device, units), unvibrated_words(device, settings)]
     if result.failing_start is not None:
         run = simulate(device.replace(**result.failing_start), settings)
         start = ", ".join(f"{name} = {value:.4g}" for name, value in result.failing_start.items())
@@ -241,8 +224,8 @@ def _base_row(base: "BaseVerdict", units: Units | None) -> tuple[str, ...]:
     impact = "damping as stated"
     if base.restitution is not None:
         impact = f"restitution {base.restitution:g}"
-    times = range_words(base.tau_best, base.tau_worst, TIME, units) if base.aligned else "-"
-    stiffness = in_words(base.contact_stiffness, STIFFNESS, units)
+    times = si.range_words(base.tau_best, base.tau_worst, TIME, units) if base.aligned else "-"
+    stiffness = si.in_words(base.contact_stiffness, STIFFNESS, units)
     ratio = f"({base.contact_stiffness:,.0f} × axial)"
     return stiffness, ratio, impact, f"{base.aligned} of {base.starts}", times
 
@@ -250,7 +233,7 @@ def _base_row(base: "BaseVerdict", units: Units | None) -> tuple[str, ...]:
 def _stiff_bases(result: "Assessment", units: Units | None) -> str:
     stiffest = result.bases[-1].contact_stiffness
     rigid, decided = (
-        f"from {in_words(each, STIFFNESS, units)} on" if each and each < stiffest else None
+        f"from {si.in_words(each, STIFFNESS, units)} on" if each and each < stiffest else None
         for each in (result.rigid_from, result.decided_from)
     )
     if rigid:
@@ -263,22 +246,20 @@ def _stiff_bases(result: "Assessment", units: Units | None) -> str:
     )
 
 
-def _advice(result: "Assessment", stated: "StatedDevice | None", units: Units | None) -> list[str]:
+def _advice(result: "Assessment", value: Callable[[str, float], str]) -> list[str]:
     if result.failing_start is None:
         return []
     if not result.nearest:
         words = "no single parameter makes it reliable within a factor of four: change two (map)"
         return [_line("what to do", words)]
     lines = ["reliable instead, one parameter at a time, with"]
-    value = partial(_value, stated=stated, units=units)
     return lines + in_columns([_nearest_row(each, value) for each in result.nearest])
 
 
-def _varied(result: "Assessment", stated: "StatedDevice | None", units: Units | None) -> list[str]:
+def _varied(result: "Assessment", value: Callable[[str, float], str]) -> list[str]:
     if not result.leeways:
         return []
     lines = ["stays reliable while, one parameter at a time (ends known to 0.4 %),"]
-    value = partial(_value, stated=stated, units=units)
     return lines + in_columns([_leeway_row(each, value) for each in result.leeways])
 
 
@@ -303,10 +284,10 @@ def _nearest_row(nearest: "Nearest", words: Callable[[str, float], str]) -> tupl
 
 def _value(parameter: str, value: float, stated: "StatedDevice | None", units: Units | None) -> str:
     """Return a value of a device in words; with --dimensionless, without ``units``, in its own."""
-    quantity = quantity_of(parameter)
+    quantity = si.quantity_of(parameter)
     if stated is None or units is not None:
-        return si_words(value, quantity) if stated else in_words(value, quantity, None)
-    return in_words(value / stated.units.of(quantity), quantity, None)
+        return si.si_words(value, quantity) if stated else si.in_words(value, quantity, None)
+    return si.in_words(value / stated.units.of(quantity), quantity, None)
 
 
 def _yield_report(
@@ -317,16 +298,16 @@ def _yield_report(
     required: float | None,
     settings: "Settings",
 ) -> list[str]:
-    words = f"{_yield_words(drawn.going_in, drawn.devices)}: {drawn.going_in} of {drawn.devices} "
+    words = f"{_yield_words(drawn)}: {drawn.going_in} of {drawn.devices} "
     words += "devices within the tolerances go in from every start"
     lines = [_line("yield", words)]
     if required is not None:
         word = "met" if drawn.low >= required else "not met"
         lines.append(_line("required", f"{100.0 * required:.4g} %: {word}"))
-    times = [("alignment time", drawn.time, TIME, DIGITS)] if drawn.going_in else []
+    times = [("alignment time", drawn.time, TIME, si.DIGITS)] if drawn.going_in else []
     # At the tolerance of these runs one in a thousand forces is off by 5 % (docs/measurements.md).
     for name, values, quantity, digits in (*times, ("contact force", drawn.force, FORCE, 2)):
-        lines.append(_line(name, f"{si_list(values, quantity, digits=digits)} (5, 50, 95 %)"))
+        lines.append(_line(name, f"{si.si_list(values, quantity, digits=digits)} (5, 50, 95 %)"))
     if drawn.sobol_indices:
         lines.append("to blame, Sobol' indices: first order and total, of failure and of time")
         rows = [astuple(each) for each in drawn.sobol_indices]
@@ -336,7 +317,7 @@ def _yield_report(
     elif failing is None:
         lines.append(_line("fails nearest", "none of the devices drawn fails"))
     else:
-        words = f"{named_words(failing.quantities)}: fails at "
+        words = f"{si.named_words(failing.quantities)}: fails at "
         words += f"{100.0 * failing.distance:.3g} % of the tolerances"
         lines += [_line("fails nearest", words), f"  {_command(failing, stated, settings)}"]
     return lines
@@ -349,12 +330,10 @@ def _index(value: float) -> str:
 def _yield_record(
     drawn: "Yield",
     failing: "FailingDevice | None",
-    stated: "StatedDevice | None",
+    stated: "StatedDevice",
     settings: "Settings",
 ) -> dict[str, Any]:
-    nearest = None
-    if failing is not None and stated is not None:
-        nearest = asdict(failing) | {"command": _command(failing, stated, settings)}
+    nearest = failing and asdict(failing) | {"command": _command(failing, stated, settings)}
     record = asdict(drawn)
     record["blame"] = record.pop("sobol_indices")
     return record | {"share": drawn.share, "nearest_failing": nearest}
@@ -382,14 +361,14 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
         "depends_on_base": result.depends_on_base,
         "rigid_from": result.rigid_from,
     }
-    time, stiffness = scale(units, TIME), scale(units, STIFFNESS)
+    time, stiffness = si.scale(units, TIME), si.scale(units, STIFFNESS)
     for each in (record, *record["bases"]):
         for name in ("tau_best", "tau_worst"):
             each[name] = time * each[name] if each["aligned"] else None
-    record["contact_force_max"] *= scale(units, FORCE)
-    record["impact_speed"] = record["impact_speed"] * scale(units, SPEED) or None  # never lands
     for each in record["bases"]:
         each["contact_stiffness"] *= stiffness
+    record["contact_force_max"] *= si.scale(units, FORCE)
+    record["impact_speed"] = record["impact_speed"] * si.scale(units, SPEED) or None  # never lands
     if record["rigid_from"] is not None:
         record["rigid_from"] *= stiffness
     return {"units": "1" if units is None else "SI", **record}

@@ -3,8 +3,7 @@
 import argparse
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, replace
-from functools import partial
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +19,9 @@ from model.cli.arguments import (
 from model.cli.assess import headline
 from model.cli.files import check_file, check_picture
 from model.cli.progress import ProgressLine
-from model.cli.tables import in_columns, labelled, print_json
+from model.cli.tables import in_columns, print_json
 from model.physics.quantities import ANGLE, FORCE, TIME
-from model.show.assumptions import as_attribute, assumptions, lines_of
+from model.show.assumptions import as_attribute, assumptions_with, lines_of
 from model.show.si import named_words, si_words
 from model.study.devices.stated import VIBRATION
 
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 
 _MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 _OTHER_FRICTIONS = (2.0 / 3.0, 4.0 / 3.0)  # factors of the stated friction
-_line = partial(labelled, width=23)
+_line = "{:<23}{}".format
 
 
 def add(commands: Any) -> None:
@@ -85,7 +84,10 @@ def _design(arguments: argparse.Namespace) -> int:
 
         line.begin("generation 1")
         design = search.run(generations, population, after)
-        assumed = _assumed(design, search, given)
+        assumed = assumptions_with(
+            search.stated, design.setting, given.settings, given.study.maps.ensemble,
+            tolerances_assumed=search.tolerances_assumed,
+        )  # fmt: skip
         _keep(search, arguments.out, design, assumed)
         line.begin("recommended setting")
         verdict, others = _verdict(design, search, given), []
@@ -124,18 +126,6 @@ def _search(arguments: argparse.Namespace, given: Inputs, seed: int) -> "Search"
     return search
 
 
-def _assumed(design: "Design", search: "Search", given: Inputs) -> dict[str, str]:
-    """Return what the recommendation assumes."""
-    recommended = replace(search.stated.changed(**design.setting), changes=search.stated.changes)
-    return assumptions(
-        recommended.parameters,
-        recommended.run_settings(given.settings, recommended.units),
-        recommended,
-        given.study.maps.ensemble,
-        tolerances_assumed=search.tolerances_assumed,
-    )
-
-
 def _verdict(design: "Design", search: "Search", given: Inputs) -> str:
     """Return what ``assess`` says of the recommended setting."""
     from model.study.assessment import assess  # noqa: PLC0415  (as in _search)
@@ -146,11 +136,8 @@ def _verdict(design: "Design", search: "Search", given: Inputs) -> str:
     result = assess(
         stated.parameters, settings, ensemble, search.judges.cores, stated=stated, vary=False
     )
-    thorough = design.thorough
-    drawn = None
-    if thorough is not None and thorough.devices:
-        drawn = thorough.going_in, thorough.devices
-    return headline(result, drawn)
+    drawn = design.thorough
+    return headline(result, drawn if drawn and drawn.devices else None)
 
 
 def _keep(

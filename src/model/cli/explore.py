@@ -47,7 +47,7 @@ def _explore(arguments: argparse.Namespace) -> int:
         )
     # Imported here: a second that only this command needs.
     from model.runs.in_browser import are_cached, modules  # noqa: PLC0415
-    from model.show.explorer.content import Origin, device_model, study_model  # noqa: PLC0415
+    from model.show.explorer.content import device_model, study_model  # noqa: PLC0415
     from model.show.explorer.page import build_page  # noqa: PLC0415
 
     if sys.stderr.isatty() and not are_cached():
@@ -58,7 +58,7 @@ def _explore(arguments: argparse.Namespace) -> int:
     else:
         file = str(arguments.device or "")
         first = tuple(given.study.operating_point)
-        origin = Origin(**_origin(arguments, given.stated))
+        origin = _origin(arguments, given.stated)
         assumed = assumptions(given.parameters, settings, given.stated)
         model = device_model(
             given.parameters, given.units, file, settings, engines.interface, first, origin, assumed
@@ -70,7 +70,7 @@ def _explore(arguments: argparse.Namespace) -> int:
 
 
 def _origin(arguments: argparse.Namespace, stated: StatedDevice | None) -> dict[str, Any]:
-    """Return the fields of ``Origin``: the options that made the page, and what its file holds."""
+    """Return the options that made the page, and what its file holds (content.py)."""
     options = []
     for name in ("device", "start", "horizon", "tolerance"):
         if (given := getattr(arguments, name)) is not None:

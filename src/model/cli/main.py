@@ -14,27 +14,21 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from model.cli import (
-    accept,
     assess,
     claims,
     design,
-    diff,
     explore,
-    export,
     map,  # noqa: A004  (the name of the command)
     new,
-    runs,
-    show,
+    reference,
     simulate,
-    verify,
+    tracking,
 )
 from model.cli.files import WriteError
 from model.study.version import version
 
-# In the order of the help. The function ``add`` of a module adds its command to the parsers.
-COMMANDS = (
-    new, simulate, assess, design, map, explore, runs, show, diff, export, verify, accept, claims
-)  # fmt: skip
+# In the order of the help. The function ``add`` of a module adds its commands to the parsers.
+COMMANDS = new, simulate, assess, design, map, explore, tracking, reference, claims
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -59,15 +53,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as ending:  # argparse: help, version, a refusal
         return ending.code if isinstance(ending.code, int) else DONE
     except ValueError as refusal:
-        print(f"vibralign: error: {refusal}", file=sys.stderr)
-        return REFUSED
+        return _failed(REFUSED, refusal)
     except ModuleNotFoundError as missing:
         if missing.name is None or missing.name.startswith("model"):
             raise
         remedy = "pip install 'vibralign[study]'"
-        print(f"vibralign: error: needs {missing.name}, which is not installed: {remedy}",
-              file=sys.stderr)  # fmt: skip
-        return REFUSED
+        return _failed(REFUSED, f"needs {missing.name}, which is not installed: {remedy}")
     except KeyboardInterrupt:
         print("vibralign: interrupted", file=sys.stderr)
         return INTERRUPTED
@@ -75,17 +66,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except WriteError as error:
-        print(f"vibralign: error: {error}", file=sys.stderr)
-        return FAILED
+        return _failed(FAILED, error)
     except OSError as error:
         denied = error.errno in (errno.EACCES, errno.EPERM, errno.EROFS)
         remedy = "allow access to it" if denied else "free some space"
-        print(f"vibralign: error: {error}: {remedy} or choose another place and run it again",
-              file=sys.stderr)  # fmt: skip
+        _failed(FAILED, f"{error}: {remedy} or choose another place and run it again")
         # Python writes what is left in the buffer once more at its end, and would fail again.
         with contextlib.suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
+
+
+def _failed(code: int, words: object) -> int:
+    print(f"vibralign: error: {words}", file=sys.stderr)
+    return code
 
 
 def _run(argv: Sequence[str] | None) -> int:

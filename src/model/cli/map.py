@@ -5,7 +5,6 @@ import importlib.util
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,10 +19,9 @@ from model.cli.arguments import (
 )
 from model.cli.files import check_file, check_picture, writing
 from model.cli.progress import ProgressLine
-from model.cli.tables import labelled
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import PARAMETER_NAMES, check_name
-from model.show.assumptions import as_attribute, assumptions, at_corners, lines_of
+from model.show.assumptions import as_attribute, assumptions, assumptions_with, at_corners, lines_of
 from model.study.config import RunSettings, Span, check_plane
 from model.study.devices.amounts import read_amount
 from model.study.devices.stated import QUANTITIES, StatedDevice, unit_of
@@ -128,9 +126,7 @@ def _assumed(given: Inputs, starts: "Ensemble", values: Mapping[str, float]) -> 
     """Return what the answer at one place of the map assumes."""
     if given.stated is None:
         return assumptions(given.parameters.replace(**values), given.settings, None, starts)
-    here = replace(given.stated.changed(**values), changes=given.stated.changes)
-    settings = here.run_settings(given.settings, here.units)
-    return assumptions(here.parameters, settings, here, starts)
+    return assumptions_with(given.stated, values, given.settings, starts)
 
 
 def _resolution(text: str) -> int:
@@ -175,4 +171,4 @@ def _report(dataset: "xr.Dataset") -> list[str]:
         ("computed", f"{100.0 * dataset.attrs['computed_share']:.3g} % of {nodes:,} nodes"),
         ("trajectories", f"{dataset.attrs['trajectories']:,} starts, the ensemble's included"),
     ]
-    return [labelled(name, words, width=14) for name, words in rows]
+    return [f"{name:<14}{words}" for name, words in rows]

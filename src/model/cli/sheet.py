@@ -7,7 +7,7 @@ from pathlib import Path
 
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
-from model.show.assumptions import changes_words
+from model.show.assumptions import source_words
 from model.show.device_sheet import render
 from model.study.config import RunSettings, Study
 from model.study.devices import StatedDevice
@@ -45,8 +45,7 @@ def write_sheet(
     )
     title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
     dataset = map_dataset(plan, MapNodes(plan), title, cores=os.cpu_count() or 1)
-    changes = changes_words(stated)
-    made_by = f"{stated.source}{changes and f', with {changes}'}; vibralign {version()}"
+    made_by = f"{source_words(stated)}; vibralign {version()}"
     run = simulate_once(stated.parameters, settings)
     write_text(render(stated, verdict, groups, run, dataset, made_by), path)
 

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -45,7 +46,7 @@ def add(commands: Any) -> None:
         ". With --device, values are read and printed in SI units, else dimensionless.",
         epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
-    add_model_options(parser)
+    add_model_options(parser, dimensionless=True)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
     words = "animate the run into FILE, a page (.html)"
@@ -71,7 +72,8 @@ def _simulate(arguments: argparse.Namespace) -> int:
         lines.append(natural_words(parameters, units))
         lines += [unvibrated_words(parameters, settings, ENGINE), *lines_of(assumed)]
         if units and arguments.dimensionless:
-            lines += ["", "dimensionless:", *_report(run, None)[1:], _units_line(units)]
+            one = f"one is {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
+            lines += ["", "dimensionless:", *_report(run, None)[1:], one]
         print("\n".join(lines))
     in_units = None if arguments.dimensionless else units
     if arguments.plot is not None:
@@ -82,13 +84,13 @@ def _simulate(arguments: argparse.Namespace) -> int:
 
             write(trajectory(run, in_units), arguments.plot)
     if arguments.animate is not None:
-        page = _page(given, in_units, str(arguments.device or ""))
+        page = _page(given, in_units, str(arguments.device or ""), assumed)
         with writing(f"--animate {arguments.animate}"):
             write_text(page, arguments.animate)
     return int(run.outcome == Outcome.FAILED)
 
 
-def _page(given: Inputs, units: Units | None, file: str) -> str:
+def _page(given: Inputs, units: Units | None, file: str, assumed: Mapping[str, str]) -> str:
     """Return the page that animates the run."""
     # Imported here: modules that only a page needs.
     from model.runs.in_browser import interface  # noqa: PLC0415
@@ -98,7 +100,6 @@ def _page(given: Inputs, units: Units | None, file: str) -> str:
 
     parameters, settings = given.parameters, given.settings
     first, table = tuple(given.study.operating_point), interface(settings.scene)
-    assumed = assumptions(parameters, settings, given.stated)
     model = device_model(parameters, units, file, settings, table, first, assumed=assumed)
     return run_page(model, trace_run(parameters, settings))
 
@@ -165,11 +166,6 @@ def _in_si(run: Trajectory, units: Units) -> dict[str, Any]:
             for name, value in _final_state(run).items()
         },
     }
-
-
-def _units_line(units: Units) -> str:
-    values = units.time, units.amplitude, units.force
-    return "one is {:.4g} s, {:.4g} m, {:.4g} N".format(*values)
 
 
 def _final_state(run: Trajectory) -> dict[str, float]:

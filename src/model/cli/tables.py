@@ -28,8 +28,7 @@ def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> list[str
 
 def pairs(values: Mapping[str, Any]) -> list[str]:
     """Return a line for each name with its value, the values in a column."""
-    width = max((len(name) for name in values), default=0)
-    return [f"{name.ljust(width)}  {cell(value)}".rstrip() for name, value in values.items()]
+    return [line[2:] for line in in_columns([(name, cell(each)) for name, each in values.items()])]
 
 
 def cell(value: Any) -> str:
@@ -55,11 +54,6 @@ def in_columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
     """Return the indented lines of a table without a heading."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
-
-
-def labelled(name: str, words: str, *, width: int) -> str:
-    """Return a line: the name, padded to ``width``, and the words."""
-    return f"{name:<{width}}{words}"
 
 
 def print_json(value: Any) -> None:

@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
@@ -55,6 +56,20 @@ def assumptions(
     return words
 
 
+def assumptions_with(
+    stated: StatedDevice,
+    values: Mapping[str, float],
+    settings: Settings,
+    ensemble: Ensemble,
+    *,
+    tolerances_assumed: bool = False,
+) -> dict[str, str]:
+    """Return what the answer assumes for a device with other ``values`` of its quantities."""
+    here = replace(stated.changed(**values), changes=stated.changes)
+    own = here.run_settings(settings, here.units)
+    return assumptions(here.parameters, own, here, ensemble, tolerances_assumed=tolerances_assumed)
+
+
 def at_corners(corners: Sequence[Mapping[str, str]]) -> dict[str, str]:
     """Return what a map assumes, from the assumptions at its corners; lists numbers that vary."""
     words = dict(corners[0])
@@ -87,6 +102,12 @@ def changes_words(stated: StatedDevice) -> str:
         f"{name}={value}" if isinstance(value, str) else named_words({name: float(str(value))})
         for name, value in stated.changes.items()
     )
+
+
+def source_words(stated: StatedDevice) -> str:
+    """Return the file of a device, and what replaces its values."""
+    changes = changes_words(stated)
+    return f"{stated.source}{changes and f', with {changes}'}"
 
 
 def _touch_down(parameters: Parameters, units: Units | None, ensemble: Ensemble | None) -> str:

@@ -6,9 +6,10 @@ marks the gap, so that it is not taken for missing data.
 
 from collections.abc import Mapping
 from string import ascii_lowercase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
@@ -16,33 +17,15 @@ from matplotlib.lines import Line2D
 
 from model.events.outcomes import Outcome
 from model.show import style
-from model.show.style import (
-    FAILED_LABEL,
-    NOT_ALIGNED,
-    NOT_INSERTED,
-    Bools,
-    Floats,
-    axis_label,
-    cell_edges,
-    not_inserted,
-    runs_of,
-    symbol_of,
-)
-
-if TYPE_CHECKING:
-    import xarray as xr
+from model.show.style import Bools, Floats
 
 SENSITIVE_LABEL = "sensitive: digits uncertain"
 _ALONE: Mapping[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4.0}
-_RING: Mapping[str, Any] = {"marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
-_CROSS: Mapping[str, Any] = {"marker": "x", "markersize": 3.5}
 _THIN: Mapping[str, Any] = {"markeredgecolor": style.BLACK, "markeredgewidth": 0.7}
-_ARROW: Mapping[str, Any] = {
-    "marker": "^",
-    "markersize": 3.5,
-    "color": style.BLACK,
-    "linestyle": "none",
-}
+_MARK: Mapping[str, Any] = {"color": style.BLACK, "linestyle": "none", "markersize": 3.5}
+_RING: Mapping[str, Any] = {**_MARK, "marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
+_CROSS: Mapping[str, Any] = {**_MARK, "marker": "x"}
+_ARROW: Mapping[str, Any] = {**_MARK, "marker": "^"}
 _NEARLY_ALL = 0.98  # of the points: the rest may lie beyond the axis
 _DURATION = ("tau_align", "alignment duration $τ$")
 # Variable and label of the claims' own runs that are not judged by the duration.
@@ -54,7 +37,7 @@ _CLAIMED: Mapping[str, tuple[str, str]] = {
 _LOWEST = -1.5  # end of an axis: a part that turns over moves far away from the slot
 
 
-def curves(dataset: "xr.Dataset") -> Figure:
+def curves(dataset: xr.Dataset) -> Figure:
     """Draw the duration over the swept parameter, a curve for each value of the family parameter.
 
     Where the part does not align, the curve has a gap, and the strip below has a bar in the row of
@@ -65,32 +48,32 @@ def curves(dataset: "xr.Dataset") -> Figure:
     gaps = np.isnan(durations)
     with style.context():
         figure, axes, strip = _curve_axes(len(family), bool(gaps.any()))
+        symbol = style.symbol_of(family)
         handles = [
-            _draw_curve(axes, row, swept.values, durations[row], f"{symbol_of(family)} = {value:g}")
+            _draw_curve(axes, row, swept.values, durations[row], f"{symbol} = {value:g}")
             for row, value in enumerate(family.values)
         ]
         notes = []
         for label, look, marked in (
             (SENSITIVE_LABEL, {**_RING, **_THIN}, dataset["sensitive"].values == 1),
-            (NOT_INSERTED, {**_CROSS, **_THIN}, not_inserted(dataset)),
+            (style.NOT_INSERTED, {**_CROSS, **_THIN}, style.not_inserted(dataset)),
         ):
             rows, columns = np.nonzero(marked & ~gaps)
             if rows.size:
                 x, y = swept.values[columns], durations[rows, columns]
-                notes += axes.plot(x, y, linestyle="none", label=label, **look)
+                notes += axes.plot(x, y, label=label, **look)
         if strip is not None:
             failed = dataset["outcome"].values == Outcome.FAILED
             notes += _draw_strip(strip, swept.values, gaps, failed)
-        edges = cell_edges(swept.values)
-        axes.set_xlim(edges[0], edges[-1])
+        axes.set_xlim(*style.cell_edges(swept.values)[[0, -1]])
         top, longest = _end_of_axis(durations[~gaps])
         axes.set_ylim(0.0, top)
         if longest > top:
             label = f"longer than the axis, up to $τ$ = {longest:.0f}"
             notes += axes.plot([], [], label=label, **_ARROW)
-        axes.set_ylabel(axis_label(dataset["tau_align"]))
-        (strip or axes).set_xlabel(axis_label(swept))
-        title, ncols = axis_label(family), min(len(handles), 5)
+        axes.set_ylabel(style.axis_label(dataset["tau_align"]))
+        (strip or axes).set_xlabel(style.axis_label(swept))
+        title, ncols = style.axis_label(family), min(len(handles), 5)
         figure.legend(handles=handles, title=title, loc="outside upper center", ncols=ncols)
         if notes:
             figure.legend(handles=notes, loc="outside lower right", ncols=len(notes))
@@ -123,7 +106,7 @@ def _draw_curve(axes: Axes, index: int, swept: Floats, durations: Floats, name: 
     """Draw one curve, which matplotlib breaks at NaN; return its handle for a legend."""
     look = style.curve(index, len(swept))
     (line,) = axes.plot(swept, durations, label=name, **look)
-    lonely = [first for first, end in runs_of(~np.isnan(durations)) if end - first == 1]
+    lonely = [first for first, end in style.runs_of(~np.isnan(durations)) if end - first == 1]
     if lonely:
         dots = {**_ALONE, "color": look["color"], "label": f"_alone {name}"}
         axes.plot(swept[lonely], durations[lonely], **dots)
@@ -131,14 +114,14 @@ def _draw_curve(axes: Axes, index: int, swept: Floats, durations: Floats, name: 
 
 
 def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[Line2D]:
-    edges = cell_edges(swept)
+    edges = style.cell_edges(swept)
     for row, mask in enumerate(gaps):
         low, high = row - 0.36, row + 0.36
         bars = [
             [(edges[i], low), (edges[j], low), (edges[j], high), (edges[i], high)]
-            for i, j in runs_of(mask)
+            for i, j in style.runs_of(mask)
         ]
-        colour, label = style.curve(row, 1)["color"], f"_{NOT_ALIGNED} {row}"
+        colour, label = style.curve(row, 1)["color"], f"_{style.NOT_ALIGNED} {row}"
         drawn = PolyCollection(bars, facecolor=colour, linewidth=0.0, label=label)
         strip.add_collection(drawn, autolim=False)
     strip.set_ylim(len(gaps) - 0.4, -0.6)
@@ -149,11 +132,10 @@ def _draw_strip(strip: Axes, swept: Floats, gaps: Bools, failed: Bools) -> list[
     rows, columns = np.nonzero(failed)
     if not rows.size:
         return []
-    look = {"color": style.BLACK, "linestyle": "none", **_CROSS}
-    return strip.plot(swept[columns], rows, label=FAILED_LABEL, **look)
+    return strip.plot(swept[columns], rows, label=style.FAILED_LABEL, **_CROSS)
 
 
-def draw_runs(*datasets: "xr.Dataset") -> Figure:
+def draw_runs(*datasets: xr.Dataset) -> Figure:
     """Draw the runs made for the claims alone, a panel for each dataset in the order given."""
     rows = -(-len(datasets) // 2)
     with style.context():
@@ -168,26 +150,23 @@ def draw_runs(*datasets: "xr.Dataset") -> Figure:
         return figure
 
 
-def _draw_run(axes: Axes, dataset: "xr.Dataset", variable: str, label: str) -> None:
+def _draw_run(axes: Axes, dataset: xr.Dataset, variable: str, label: str) -> None:
     family, swept = (dataset[str(name)] for name in dataset["tau_align"].dims)
     for row, value in enumerate(family.values):
         values = dataset[variable].values[row]
         look = style.curve(row, values.size, markers=5)
-        axes.plot(swept.values, values, label=f"{symbol_of(family)} = {value:g}", **look)
+        axes.plot(swept.values, values, label=f"{style.symbol_of(family)} = {value:g}", **look)
         aligned = np.isfinite(dataset["tau_align"].values[row])
         if variable != _DURATION[0] and aligned.any():
-            cross = {"color": style.BLACK, "linestyle": "none", **_CROSS}
-            axes.plot(swept.values[aligned], values[aligned], **cross)
-    edges = cell_edges(swept.values)
-    axes.set_xlim(edges[0], edges[-1])
-    low = axes.get_ylim()[0]
-    axes.set_ylim(bottom=max(_LOWEST, min(0.0, low)))
-    axes.set_xlabel(axis_label(swept))
+            axes.plot(swept.values[aligned], values[aligned], **_CROSS)
+    axes.set_xlim(*style.cell_edges(swept.values)[[0, -1]])
+    axes.set_ylim(bottom=max(_LOWEST, min(0.0, axes.get_ylim()[0])))
+    axes.set_xlabel(style.axis_label(swept))
     axes.set_ylabel(label)
     axes.legend(loc="best")
 
 
-def draw_front(dataset: "xr.Dataset") -> Figure:
+def draw_front(dataset: xr.Dataset) -> Figure:
     """Draw margin over alignment time for all settings of a design with which every device goes in.
 
     A line joins the Pareto front; a star is the recommended setting.

@@ -3,27 +3,25 @@
 import base64
 import io
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-import jinja2
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from model.runs.simulate import Trajectory
 from model.show import style
 from model.show.history import trajectory
 from model.show.maps import stability_map
 from model.show.schematics.pose import resting_pose
 from model.show.si import display, quantity_of
+from model.show.templates import templates
 from model.study.devices import StatedDevice
 from model.study.devices.base import BASE
 from model.study.devices.stated import unit_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from model.runs.simulate import Trajectory
 
 MODEL_LIMITS = (
     "It is a model of one plane: a round part may also turn about the other axis.",
@@ -38,8 +36,8 @@ def render(
     stated: StatedDevice,
     verdict: tuple[str, bool],
     groups: Mapping[str, Sequence[str]],
-    run: "Trajectory",
-    map_data: "xr.Dataset",
+    run: Trajectory,
+    map_data: xr.Dataset,
     made_by: str,
 ) -> str:
     """Return the page; the same bytes for the same contents.
@@ -52,27 +50,24 @@ def render(
         map_data: stability map of the device, in SI units.
         made_by: the footer: file, changes of its values, version of the program.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("model.show", "."),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
     with style.context():
         pictures = {
             "device": _picture(_drawing(stated)),
             "map": _picture(_map(stated, map_data)),
             "run": _picture(trajectory(run, stated.units)),
         }
-    return environment.get_template("device_sheet.html.j2").render(
-        name=stated.source.stem,
-        verdict=verdict,
-        groups=groups,
-        made_by=made_by,
-        pictures=pictures,
-        quantities=_quantities(stated),
-        limits=MODEL_LIMITS,
+    return (
+        templates(Path(__file__).parent)
+        .get_template("device_sheet.html.j2")
+        .render(
+            name=stated.source.stem,
+            verdict=verdict,
+            groups=groups,
+            made_by=made_by,
+            pictures=pictures,
+            quantities=_quantities(stated),
+            limits=MODEL_LIMITS,
+        )
     )
 
 
@@ -123,7 +118,7 @@ def _drawing(stated: StatedDevice) -> Figure:
     return figure
 
 
-def _map(stated: StatedDevice, dataset: "xr.Dataset") -> Figure:
+def _map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
     """Draw the map of the device, with a cross at the device and a box of its tolerances."""
     figure = stability_map(dataset)
     axes = figure.axes[0]

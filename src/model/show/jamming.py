@@ -1,9 +1,10 @@
 """Figure of jamming: outcomes of parts that fall in, over tilt at entry, friction and loads."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -11,9 +12,6 @@ from model.events.outcomes import Outcome
 from model.show import style
 from model.show.style import Floats, axis_label
 from model.study.jamming import depth_of_two_points, entered, in_jamming_diagram, tilt_at_depth
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 CAPTION = (
     "Every part that falls into the slot, by its tilt at entry and its friction, a panel for each "
@@ -37,7 +35,7 @@ _SQUARE = (-1.0, 1.0, 1.0, -1.0, -1.0), (-1.0, -1.0, 1.0, 1.0, -1.0)
 _LEAST = 1e-3  # rad, at which the lines begin
 
 
-def draw_jamming(dataset: "xr.Dataset") -> Figure:
+def draw_jamming(dataset: xr.Dataset) -> Figure:
     """Draw two panels for each clearance: outcomes as marks, limits in closed form as lines."""
     with style.context():
         figure = style.new_figure(height=15.0 * style.CENTIMETRE)
@@ -73,7 +71,7 @@ def draw_jamming(dataset: "xr.Dataset") -> Figure:
         return figure
 
 
-def _draw_ends(axes: Axes, parts: "xr.Dataset", x: Floats, y: Floats) -> None:
+def _draw_ends(axes: Axes, parts: xr.Dataset, x: Floats, y: Floats) -> None:
     """Mark the outcome of every part that falls in."""
     outcome, others = parts["outcome"].values, entered(parts)
     for end, look in (*_LOOKS.items(), (None, _OTHER)):

@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.contour import QuadContourSet
@@ -14,25 +15,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.patheffects import Stroke, withStroke, withTickedStroke
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from model.events.outcomes import Outcome
 from model.show import style
-from model.show.style import (
-    FAILED_LABEL,
-    NOT_ALIGNED,
-    NOT_INSERTED,
-    Bools,
-    Floats,
-    axis_label,
-    cell_edges,
-    not_inserted,
-    runs_of,
-)
+from model.show.style import Bools, Floats
 from model.study.vibration import ONLY_VIBRATED, added, success_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Place = tuple[float, float]
 Look = Mapping[str, Any]  # keyword arguments of an artist
@@ -66,13 +54,14 @@ _ADDED: tuple[Look, ...] = (
 
 _SPREAD_FOR_LOG = 8.0  # longest over shortest duration beyond which colours are logarithmic
 _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
+_DECADE = (1.0, 2.0, 3.0, 5.0)  # round numbers of a logarithmic scale
 _CONTOURS = 5  # approximate number
 _CONTOUR_NODES = 128  # nodes along a side from which contours are drawn, at most
 _LEAST = 0.004  # share of the map; a contour around a smaller area is left out
 _APART = 0.04  # share of the map; least distance between numbers
 
 
-def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> Figure:
+def stability_map(dataset: xr.Dataset, coarse: xr.Dataset | None = None) -> Figure:
     """Draw durations in colour where the part aligns, hatching where it does not.
 
     Dots mark where it aligns and does not go in, by ``insertion`` in the dataset or in ``coarse``,
@@ -82,7 +71,7 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
     reliable area, and the operating points of other figures.
     """
     durations = np.ma.masked_invalid(dataset["tau_align"].values)
-    outcome, label = dataset["outcome"].values, NOT_ALIGNED
+    outcome, label = dataset["outcome"].values, style.NOT_ALIGNED
     if success_of(dataset) is Outcome.INSERTED:
         durations = np.ma.masked_where(outcome != Outcome.INSERTED, durations)
         label = NOT_IN
@@ -95,10 +84,10 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
             drawing.area(left, LEFT_LABEL, {**_PLAIN, "facecolor": style.BLACK, "alpha": 0.16})
         failed = outcome == Outcome.FAILED
         if failed.any():
-            drawing.area(failed, FAILED_LABEL, {**_PLAIN, "facecolor": style.VERMILLION})
+            drawing.area(failed, style.FAILED_LABEL, {**_PLAIN, "facecolor": style.VERMILLION})
         drawing.dots(dataset if coarse is None else coarse)
         if not gaps.all():
-            drawing.durations(durations, axis_label(dataset["tau_align"]))
+            drawing.durations(durations, style.axis_label(dataset["tau_align"]))
         if drawing.patch.any():
             drawing.area(drawing.patch, PATCH_LABEL, _CROSSED)
         drawing.borders(gaps)
@@ -114,7 +103,7 @@ def stability_map(dataset: "xr.Dataset", coarse: "xr.Dataset | None" = None) -> 
         return drawing.with_legend()
 
 
-def vibration_map(dataset: "xr.Dataset") -> Figure:
+def vibration_map(dataset: xr.Dataset) -> Figure:
     """Draw where the part aligns only if vibrated, only if not, in both cases, and in neither.
 
     A line, ticked inwards, surrounds the parts that rest on the edge if they are pressed slowly.
@@ -135,7 +124,7 @@ def round_levels(values: Floats) -> list[float]:
         return []
     low, high = (float(value) for value in np.quantile(values, [_LEAST, 1.0 - _LEAST]))
     linear = MaxNLocator(_CONTOURS, steps=[1, 2, 5, 10])
-    ticks = (_decades() if _spreads(low, high) else linear).tick_values(low, high)
+    ticks = (LogLocator(subs=_DECADE) if _spreads(low, high) else linear).tick_values(low, high)
     levels = [float(level) for level in ticks if low < level < high]
     return levels[:: max(1, round(len(levels) / _CONTOURS))]
 
@@ -144,20 +133,16 @@ def _spreads(low: float, high: float) -> bool:
     return high > _SPREAD_FOR_LOG * low > 0.0
 
 
-def _decades() -> LogLocator:
-    return LogLocator(subs=(1.0, 2.0, 3.0, 5.0))
-
-
 class _Drawing:
     """A figure with the axes of a dataset's two parameters, and the handles of its legend.
 
     Arrays have the shape (y, x) of the dataset's nodes; a node stands for the cell around it.
     """
 
-    def __init__(self, dataset: "xr.Dataset") -> None:
+    def __init__(self, dataset: xr.Dataset) -> None:
         y, x = (dataset[str(name)] for name in dataset["outcome"].dims)
         self.x, self.y = x, y
-        self.edges = cell_edges(x.values), cell_edges(y.values)
+        self.edges = style.cell_edges(x.values), style.cell_edges(y.values)
         # Where outcomes alternate, no border is drawn.
         self.patch: Bools = np.zeros(dataset["outcome"].shape, dtype=np.bool_)
         if "patch" in dataset:
@@ -169,8 +154,8 @@ class _Drawing:
         self.axes.spines[["top", "right"]].set_visible(True)
         self.axes.set_xlim(self.edges[0][0], self.edges[0][-1])
         self.axes.set_ylim(self.edges[1][0], self.edges[1][-1])
-        self.axes.set_xlabel(axis_label(x))
-        self.axes.set_ylabel(axis_label(y))
+        self.axes.set_xlabel(style.axis_label(x))
+        self.axes.set_ylabel(style.axis_label(y))
 
     def with_legend(self) -> Figure:
         """Return the figure with its legend below."""
@@ -187,14 +172,14 @@ class _Drawing:
         """Draw the cells where ``cells`` is True as one patch."""
         self.handles.append(self._add_cells(self.edges, cells, label, look))
 
-    def dots(self, dataset: "xr.Dataset") -> None:
+    def dots(self, dataset: xr.Dataset) -> None:
         """Draw dots where parts align and do not go in; ``dataset`` may have another grid."""
-        lost = not_inserted(dataset)
+        lost = style.not_inserted(dataset)
         if lost.any():
-            x, y = (cell_edges(dataset[str(axis.name)].values) for axis in (self.x, self.y))
-            self._add_cells((x, y), lost, NOT_INSERTED, _DOTTED)
-            # White dots need a colour behind them in the legend, too.
-            self.handles.append(Patch(label=NOT_INSERTED, **{**_DOTTED, "facecolor": style.BLUE}))
+            x, y = (style.cell_edges(dataset[str(axis.name)].values) for axis in (self.x, self.y))
+            self._add_cells((x, y), lost, style.NOT_INSERTED, _DOTTED)
+            look = {**_DOTTED, "facecolor": style.BLUE}  # white dots need a colour behind them
+            self.handles.append(Patch(label=style.NOT_INSERTED, **look))
 
     def _add_cells(
         self, edges: tuple[Floats, Floats], cells: Bools, label: str, look: Look
@@ -203,7 +188,7 @@ class _Drawing:
         corners: list[Place] = []
         codes: list[np.uint8] = []
         for row, mask in enumerate(cells):
-            for i, j in runs_of(mask):
+            for i, j in style.runs_of(mask):
                 low, high = y[row], y[row + 1]
                 corners += [(x[i], low), (x[j], low), (x[j], high), (x[i], high), (x[i], low)]
                 codes += [Outline.MOVETO, *[Outline.LINETO] * 3, Outline.CLOSEPOLY]
@@ -223,8 +208,8 @@ class _Drawing:
         bar = self.figure.colorbar(mesh, ax=self.axes, pad=0.02, extend=extend)
         bar.set_label(f"{label}, logarithmic" if spread else label)
         if spread:
-            bar.ax.yaxis.set_major_locator(_decades())
-            bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            bar.ax.yaxis.set_major_locator(LogLocator(subs=_DECADE))
+            bar.ax.yaxis.set_major_formatter("{x:g}")
             bar.ax.yaxis.set_minor_formatter(NullFormatter())
 
     def borders(self, cells: Bools) -> None:
@@ -235,7 +220,7 @@ class _Drawing:
             inside, patch = (mask if turned else mask.T for mask in (cells, self.patch))
             differ = (inside[1:] != inside[:-1]) & ~(patch[1:] | patch[:-1])
             for at, mask in zip(across[1:-1], differ, strict=True):
-                for i, j in runs_of(mask):
+                for i, j in style.runs_of(mask):
                     ends = (at, along[i]), (at, along[j])
                     lines.append([end[::-1] if turned else end for end in ends])
         look: Look = {"colors": style.BLACK, "linewidths": 0.7, "label": "_border"}

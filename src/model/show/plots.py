@@ -1,8 +1,8 @@
 """Drawings of datasets: Figs. 5 to 14 and the maps by their ``kind``, and further ones by name."""
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
+import xarray as xr
 from matplotlib.figure import Figure
 
 from model.show.curves import curves, draw_runs
@@ -10,15 +10,12 @@ from model.show.history import history
 from model.show.jamming import draw_jamming
 from model.show.maps import stability_map, vibration_map
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 _DRAW: Mapping[str, Callable[..., Figure]] = {
     "history": history, "curves": curves, "map": stability_map,
 }  # fmt: skip
 
 
-def draw(dataset: "xr.Dataset", *coarse: "xr.Dataset") -> Figure:
+def draw(dataset: xr.Dataset, *coarse: xr.Dataset) -> Figure:
     """Draw the figure of a dataset of the study, by its attribute ``kind``.
 
     ``coarse`` is, for a refined map, the dataset of its figure.

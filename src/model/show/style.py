@@ -106,6 +106,8 @@ def _prefer_own_fonts() -> None:
     for file in sorted(Path(mpl.get_data_path(), "fonts", "ttf").glob("*.ttf")):
         manager.addfont(file)
     manager.ttflist += others
+    # fontTools warns of the date in matplotlib's own fonts, which no user can act on.
+    logging.getLogger("fontTools.ttLib.tables._h_e_a_d").setLevel(logging.ERROR)
 
 
 @contextlib.contextmanager
@@ -192,7 +194,7 @@ def save(figure: Figure, stem: Path) -> tuple[Path, ...]:
 
     Each file appears whole or not at all, so that an interrupted run leaves no half picture.
     """
-    files = tuple(Path(stem).with_name(f"{Path(stem).name}.{kind}") for kind in FORMATS)
+    files = tuple(stem.with_name(f"{stem.name}.{kind}") for kind in FORMATS)
     for file in files:
         write(figure, file)
     return files
@@ -201,17 +203,5 @@ def save(figure: Figure, stem: Path) -> tuple[Path, ...]:
 def write(figure: Figure, target: Path) -> None:
     """Write a figure in the format of the file's extension; the same figure, the same bytes."""
     kind = target.suffix.lower().lstrip(".")
-    with atomic_write(target) as part, part.open("wb") as stream, context(), _quiet_fonts():
+    with atomic_write(target) as part, part.open("wb") as stream, context():
         figure.savefig(stream, format=kind, metadata=_METADATA.get(kind))
-
-
-@contextlib.contextmanager
-def _quiet_fonts() -> Iterator[None]:
-    # fontTools warns of the date in matplotlib's own fonts, which no user can act on.
-    logger = logging.getLogger("fontTools.ttLib.tables._h_e_a_d")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        logger.setLevel(level)

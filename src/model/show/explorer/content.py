@@ -5,7 +5,6 @@ Values are in the page's units: dimensionless for the study, SI for a device.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
@@ -81,34 +80,25 @@ def _event_words(name: str) -> str:
     return _EVENT_WORDS.get(name, name.replace("_", " "))
 
 
-@dataclass(frozen=True)
-class Scales:
-    """Units of a page: those of a device, or none."""
+def _shown(units: Units | None, quantity: Quantity, value: float = 0.0) -> dict[str, Any]:
+    """Return a quantity's powers of the units, its unit, and the unit in which it is shown.
 
-    units: Units | None
+    The unit shown suits ``value``, in the page's unit; if that is 0, one dimensionless unit.
+    """
+    powers = [quantity.length, quantity.time, quantity.force, quantity.factor]
+    if units is None:
+        unit = "rad" if quantity == ANGLE else ""
+        return {"powers": powers, "si": unit, "unit": unit, "one": 1.0}
+    unit, one = display(value or units.of(quantity), quantity)
+    si = "" if quantity == PLAIN else quantity.unit
+    return {"powers": powers, "si": si, "unit": unit, "one": one}
 
-    def of(self, quantity: Quantity) -> float:
-        """Return one dimensionless unit in the page's unit."""
-        return scale(self.units, quantity)
 
-    def shown(self, quantity: Quantity, value: float = 0.0) -> dict[str, Any]:
-        """Return a quantity's powers of the units, its unit, and the unit in which it is shown.
-
-        The unit shown suits ``value``, in the page's unit; if that is 0, one dimensionless unit.
-        """
-        powers = [quantity.length, quantity.time, quantity.force, quantity.factor]
-        if self.units is None:
-            unit = "rad" if quantity == ANGLE else ""
-            return {"powers": powers, "si": unit, "unit": unit, "one": 1.0}
-        unit, one = display(value or self.of(quantity), quantity)
-        si = "" if quantity == PLAIN else quantity.unit
-        return {"powers": powers, "si": si, "unit": unit, "one": one}
-
-    def values(self, parameters: Parameters) -> dict[str, float | None]:
-        """Return the parameters in the page's units, after the units themselves."""
-        if self.units is None:
-            return parameters.given()
-        return vars(self.units) | self.units.in_si(parameters).given()
+def _values(units: Units | None, parameters: Parameters) -> dict[str, float | None]:
+    """Return the parameters in the page's units, after the units themselves."""
+    if units is None:
+        return parameters.given()
+    return vars(units) | units.in_si(parameters).given()
 
 
 def study_model(
@@ -118,33 +108,31 @@ def study_model(
 
     ``maps`` are two paths for each of MAPS: the dataset of the figure, and its refined map.
     """
-    scales = Scales(None)
     presets = {name: _figure(study, name) for name in sorted((*HISTORIES, *CURVES, *MAPS))}
     for name, case in study.hard_cases.cases.items():
         values = study.baseline.replace(**case.at).given()
         presets[f"case_{name}"] = {"group": "Hard cases", "title": case.title, "values": values}
     return {
         **_model(
-            "vibralign explorer", study.baseline, scales, study.settings.settings, interface,
+            "vibralign explorer", study.baseline, None, study.settings.settings, interface,
             assumptions(study.baseline, study.settings.settings),
         ),
-        "parameters": _parameters(study.baseline, scales, [*study.operating_point], _axes(study)),
+        "parameters": _parameters(study.baseline, None, [*study.operating_point], _axes(study)),
         "presets": {name: _DEFAULT_AXES | each for name, each in presets.items()},
         "first": CURVES[0],
         "maps": {name: _stored_map(study, name, *of) for name, of in zip(MAPS, maps, strict=False)},
     }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Origin:
-    """The options that a device's page was made with; the commands that it copies repeat them."""
-
-    options: Sequence[str] = ()  # all except --set, quoted for a shell
-    sets: Mapping[str, str] = field(default_factory=dict)  # the --set options by name, likewise
+# The options that a device's page was made with; the commands that it copies repeat them.
+_NO_ORIGIN: Mapping[str, Any] = {
+    "options": (),  # all except --set, quoted for a shell
+    "sets": {},  # the --set options by name, likewise
     # Parameters that follow from other quantities of the device's file, with these quantities; the
     # page keeps their values while others change.
-    held: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    horizon: float | None = None  # latest time of the runs in s, None if it is in units of 1/p
+    "held": {},
+    "horizon": None,  # latest time of the runs in s, None if it is in units of 1/p
+}
 
 
 def device_model(
@@ -154,23 +142,22 @@ def device_model(
     settings: Settings,
     interface: Mapping[str, Any],
     first: Sequence[str],
-    origin: Origin = Origin(),
+    origin: Mapping[str, Any] = _NO_ORIGIN,
     assumed: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, Any]:
     """Return the content of the page of a device, in SI units if it has ``units``.
 
     ``assumed`` is what its runs assume, in words by name.
     """
-    scales = Scales(units)
     preset = {
         **_DEFAULT_AXES, "group": "Device", "title": file or "the study's device",
-        "words": _held_words(origin.held), "values": scales.values(device),
+        "words": _held_words(origin["held"]), "values": _values(units, device),
     }  # fmt: skip
     return {
-        **_model(f"vibralign explorer: {file}", device, scales, settings, interface, assumed),
-        "origin": vars(origin),
+        **_model(f"vibralign explorer: {file}", device, units, settings, interface, assumed),
+        "origin": origin,
         "name": Path(file).stem or "device",
-        "parameters": _parameters(device, scales, tuple(first), {}),
+        "parameters": _parameters(device, units, first, {}),
         "presets": {"device": preset},
         "first": "device",
         "maps": {},
@@ -180,7 +167,7 @@ def device_model(
 def _model(
     title: str,
     baseline: Parameters,
-    scales: Scales,
+    units: Units | None,
     settings: Settings,
     interface: Mapping[str, Any],
     assumed: Mapping[str, str],
@@ -192,30 +179,30 @@ def _model(
         "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, one run without an "
         "estimate of its error; vibralign simulate gives that."
         + (f" Assumed as the page opens: {said}." if said else ""),
-        "origin": vars(Origin()),
+        "origin": _NO_ORIGIN,
         "name": "",
-        "units": scales.units is not None,
+        "units": units is not None,
         "interface": interface,
         "control": dict(
             zip(interface["control"], (settings.tolerance, *settings.control), strict=True)
         ),
-        "baseline": scales.values(baseline),
+        "baseline": _values(units, baseline),
         "outcomes": {int(each): text for each, text in OUTCOME_TEXT.items()},
         "reasons": {int(each): text for each, text in REASON_TEXT.items()},
         "remedies": {f"{o:d},{r:d}": remedy(o, r) for o, r in product(Outcome, Reason)},
         "events": [_event_words(each) for each in interface["events"]],
         "unvibrated": {int(each): text for each, text in UNVIBRATED_TEXT.items()},
-        "panels": [_panel(panel, scales) for panel in _PANELS],
-        "time": scales.shown(TIME),
+        "panels": [_panel(panel, units) for panel in _PANELS],
+        "time": _shown(units, TIME),
     }
 
 
-def _panel(panel: Mapping[str, str], scales: Scales) -> dict[str, Any]:
+def _panel(panel: Mapping[str, str], units: Units | None) -> dict[str, Any]:
     curves = [
         {"name": name, "label": label or TRACK_VARIABLES[name].symbol}
         for name, label in panel.items()
     ]
-    return {"curves": curves, **scales.shown(TRACK_VARIABLES[next(iter(panel))].quantity)}
+    return {"curves": curves, **_shown(units, TRACK_VARIABLES[next(iter(panel))].quantity)}
 
 
 def _held_words(held: Mapping[str, Sequence[str]]) -> str:
@@ -264,20 +251,16 @@ def _range(
 
 def _parameters(
     device: Parameters,
-    scales: Scales,
+    units: Units | None,
     first: Sequence[str],
     axes: Mapping[str, tuple[float, float]],
 ) -> list[dict[str, Any]]:
     """Return descriptions of the parameters for the page, those in ``first`` at the top."""
-    values, described = scales.values(device), []
-    names = [name for name in values if name in FIELDS]
-    for name in (
-        *sorted(names, key=lambda each: each not in first),
-        *(n for n in values if n in UNITS),
-    ):
+    values, described = _values(units, device), []
+    for name in sorted(values, key=lambda each: (each in UNITS, each not in first)):
         field = (FIELDS | UNITS)[name]  # type: ignore[operator]
         letter, index = symbol_parts(field.symbol)
-        least, most = axes.get(name) or _range(name, field, values, scales.of(field.quantity))
+        least, most = axes.get(name) or _range(name, field, values, scale(units, field.quantity))
         described.append(
             {
                 "name": name,
@@ -291,7 +274,7 @@ def _parameters(
                 "least": least,
                 "most": most,
                 "first": name in (*first, "amplitude"),
-                **scales.shown(field.quantity, values[field.derived or name] or 0.0),
+                **_shown(units, field.quantity, values[field.derived or name] or 0.0),
             }
         )
     return described

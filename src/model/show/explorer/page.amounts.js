@@ -97,9 +97,6 @@ function readAmount(parameter, text) {
 /** Round off the last digits of a number of units: they are due to the conversion. @param {number} value @param {number} one */
 const inOne = (value, one) => Number((value * one).toPrecision(15));
 
-/** Return a value without its unit, with six digits at most. @param {Quantity} quantity @param {number} value */
-const withoutUnit = (quantity, value) => shown(value / quantity.one);
-
 /** Return a number with six digits at most. @param {number} value */
 function shown(value) {
   return Number.isFinite(value) ? String(Number(value.toPrecision(6))) : "–";

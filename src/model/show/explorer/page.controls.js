@@ -41,7 +41,7 @@ function writeControls() {
   for (const { name, derived } of Object.values(parameters)) {
     const value = state.values[name], box = element(`p-${name}`), slider = element(`s-${name}`);
     if (document.activeElement !== slider) slider.value = String(Number.isNaN(value) && derived ? state.values[derived] : value);
-    box.value = entered[name] ?? (Number.isNaN(value) ? "" : withoutUnit(parameters[name], value));
+    box.value = entered[name] ?? (Number.isNaN(value) ? "" : shown(value / parameters[name].one));
     box.setAttribute("aria-invalid", String(name in entered));
   }
   element("preset").value = state.figure;
@@ -65,8 +65,7 @@ function follow() {
 /** Take what fields say. What breaks a rule stays in its field with a message, and nothing is run. @param {Record<string, string>} texts */
 function take(texts) {
   const values = { ...state.values }, asked = { ...entered, ...texts };
-  /** @type {Record<string, string>} */
-  const refused = {};
+  const refused = /** @type {Record<string, string>} */ ({});
   refusal = "";
   for (const [name, text] of Object.entries(asked)) {
     const { value, message } = readAmount(parameters[name], text);

@@ -137,7 +137,6 @@ function drawForces(g, place, frame, device, pose, scale) {
  * @param {Frame} frame @param {any} device parameters, dimensionless @param {Options} options
  */
 function drawScene(g, width, height, frame, device, options) {
-  g.clearRect(0, 0, width, height);
   g.fillStyle = "#ffffff";
   g.fillRect(0, 0, width, height);
   const whole = Math.round(width * 0.4), a = device.half_width, b = device.half_height;

@@ -9,25 +9,16 @@ const CELLS = 65, SLOW_MAP = 150, SLOW_OTHER = 80, MAP_EVALUATIONS = 1e6;
 
 /** @param {string} id @returns {any} */
 const element = (id) => document.getElementById(id);
-/** @type {Record<string, Parameter>} */
-const parameters = Object.fromEntries(MODEL.parameters.map((/** @type {Parameter} */ each) => [each.name, each]));
+const parameters = byName(MODEL.parameters);
 let { state, ignored } = stateOf(location.hash, MODEL);
 /** Texts of the fields that break a rule: nothing is run until they are mended. @type {Record<string, string>} */
 let entered = {};
 let refusal = "";
-/** @type {Runner | null} */
-let runner = null;
-/** @type {Mapper | null} */
-let mapper = null;
+let runner = /** @type {Runner | null} */ (null), mapper = /** @type {Mapper | null} */ (null);
 /** @typedef {Run & {device: any, values: Record<string, number>}} DrawnRun */
-/** @type {DrawnRun | null} */
-let run = null;
-/** @type {Run | null} */
-let other = null;
-/** @type {MapData | null} */
-let map = null;
-/** @type {Record<string, MapData>} */
-const stored = {};
+let run = /** @type {DrawnRun | null} */ (null), other = /** @type {Run | null} */ (null);
+let map = /** @type {MapData | null} */ (null);
+const stored = /** @type {Record<string, MapData>} */ ({});
 let time = 0, slowTilt = NaN, playing = false, lastFrame = 0, mapTimer = 0, otherTimer = 0, mapStarted = 0, mapFrame = 0;
 const measured = { map: 0 };
 
@@ -243,7 +234,7 @@ function stepEvent(way) {
 // ---------------------------------------------------------------- start
 
 async function start() {
-  element("gradient").style.background = gradient();
+  element("gradient").style.background = `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
   makeControls();
   listen();
   writeControls();

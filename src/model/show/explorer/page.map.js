@@ -55,15 +55,11 @@ function alignsNear({ cells, outcome }, row, column, reach) {
  */
 function nodesOf(map, step) {
   const coarse = 2 * step, { cells, outcome } = map;
-  /** @type {number[]} */
-  const edge = [];
-  /** @type {number[]} */
-  const rest = [];
+  const edge = /** @type {number[]} */ ([]), rest = /** @type {number[]} */ ([]);
   for (let row = 0; row < cells; row += step) {
     for (let column = 0; column < cells; column += step) {
       const node = row * cells + column;
-      if (outcome[node] !== UNKNOWN) continue;
-      if (step === 1 && !alignsNear(map, row, column, FILLED_BEYOND)) continue;
+      if (outcome[node] !== UNKNOWN || (step === 1 && !alignsNear(map, row, column, FILLED_BEYOND))) continue;
       const found = new Set();
       if (step < FIRST_STEP) {
         const top = row - (row % coarse), left = column - (column % coarse);
@@ -94,17 +90,13 @@ class Mapper {
     this.changed = changed;
     this.generation = 0;
     this.pending = 0;
-    /** @type {MapData | null} */
-    this.map = null;
-    /** @type {number[]} */
-    this.queue = [];
+    this.map = /** @type {MapData | null} */ (null);
+    this.queue = /** @type {number[]} */ ([]);
     this.step = 0;
     this.url = URL.createObjectURL(new Blob([code], { type: "text/javascript" }));
     this.count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 2));
-    /** @type {Worker[]} */
-    this.idle = [];
-    /** Workers that run a chunk, with its start. @type {Map<Worker, number>} */
-    this.busy = new Map();
+    this.idle = /** @type {Worker[]} */ ([]);
+    this.busy = /** @type {Map<Worker, number>} */ (new Map()); // workers that run a chunk, with its start
     for (let n = 0; n < this.count; n += 1) this.hire();
   }
 
@@ -243,23 +235,27 @@ function drawMap(g, width, height, map, axes, point) {
   g.restore();
   drawAxes(g, height, map, axes, place);
   const [px, py] = [place.x(point[0]), place.y(point[1])];
-  for (const [line, style] of /** @type {[number, string][]} */ ([[5, "#ffffff"], [2.5, "#D55E00"]])) {
-    g.lineWidth = line;
+  g.beginPath();
+  g.arc(px, py, 7, 0, 7);
+  g.moveTo(px - 12, py);
+  g.lineTo(px + 12, py);
+  g.moveTo(px, py - 12);
+  g.lineTo(px, py + 12);
+  strokeOnWhite(g, 5, 2.5, "#D55E00");
+}
+
+/** Stroke the path in a colour, over a broader white. @param {CanvasRenderingContext2D} g @param {number} broad @param {number} fine @param {string} ink */
+function strokeOnWhite(g, broad, fine, ink) {
+  for (const [width, style] of /** @type {[number, string][]} */ ([[broad, "#ffffff"], [fine, ink]])) {
+    g.lineWidth = width;
     g.strokeStyle = style;
-    g.beginPath();
-    g.arc(px, py, 7, 0, 7);
-    g.moveTo(px - 12, py);
-    g.lineTo(px + 12, py);
-    g.moveTo(px, py - 12);
-    g.lineTo(px, py + 12);
     g.stroke();
   }
 }
 
 /** Draw the outline of the nodes that align from every start. @param {CanvasRenderingContext2D} g @param {MapData} map @param {any} place */
 function drawReliable(g, map, place) {
-  const reliable = /** @type {Uint8Array} */ (map.reliable);
-  const n = Math.round(Math.sqrt(reliable.length));
+  const reliable = /** @type {Uint8Array} */ (map.reliable), n = Math.round(Math.sqrt(reliable.length));
   const [dx, dy] = [place.wide / (n - 1), place.tall / (n - 1)];
   g.beginPath();
   for (let row = 0; row < n; row += 1) {
@@ -269,15 +265,10 @@ function drawReliable(g, map, place) {
       if (row + 1 < n && here !== reliable[(row + 1) * n + column]) { g.moveTo(x - dx / 2, y - dy / 2); g.lineTo(x + dx / 2, y - dy / 2); }
     }
   }
-  for (const [width, ink] of /** @type {[number, string][]} */ ([[4, "#ffffff"], [1.75, "#000000"]])) {
-    g.lineWidth = width;
-    g.strokeStyle = ink;
-    g.stroke();
-  }
+  strokeOnWhite(g, 4, 1.75, "#000000");
 }
 
-/** @type {CanvasPattern | null} */
-let pattern = null;
+let pattern = /** @type {CanvasPattern | null} */ (null);
 /** Return the pattern of what does not align. @param {CanvasRenderingContext2D} g @returns {CanvasPattern} */
 function hatching(g) {
   if (pattern) return pattern;
@@ -313,9 +304,4 @@ function drawAxes(g, height, map, axes, place) {
   g.textAlign = "center";
   g.fillText(axes.y.label, 0, 0, place.tall);
   g.restore();
-}
-
-/** Return the colours of durations as a CSS gradient. */
-function gradient() {
-  return `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
 }

@@ -11,8 +11,7 @@ const MARGIN = { left: 62, right: 10, top: 6, bottom: 34 }, BAND = 10;
 
 /** Return a track by columns. @param {Float64Array} numbers @param {string[]} names @param {number} rows @returns {Track} */
 function trackOf(numbers, names, rows) {
-  /** @type {Record<string, Float64Array>} */
-  const columns = {};
+  const columns = /** @type {Record<string, Float64Array>} */ ({});
   names.forEach((name, n) => {
     columns[name] = new Float64Array(rows);
     for (let row = 0; row < rows; row += 1) columns[name][row] = numbers[row * names.length + n];
@@ -34,8 +33,7 @@ function rowAt(track, time) {
 function frameAt(track, time) {
   const row = rowAt(track, time), next = Math.min(row + 1, track.rows - 1);
   const span = track.time[next] - track.time[row], part = span > 0 ? Math.max(0, Math.min(1, (time - track.time[row]) / span)) : 0;
-  /** @type {Record<string, number>} */
-  const frame = {};
+  const frame = /** @type {Record<string, number>} */ ({});
   for (const [name, values] of Object.entries(track.columns)) {
     const whole = name.startsWith("mode_") || name === "event";
     frame[name] = whole ? values[row] : values[row] + part * (values[next] - values[row]);

@@ -20,8 +20,7 @@ class Runner {
     this.about = /** @type {Interface} */ (model.interface);
     this.control = /** @type {Record<string, number>} */ (model.control);
     this.code = URL.createObjectURL(new Blob([model.worker], { type: "text/javascript" }));
-    /** @type {Record<string, Worker>} */
-    this.long = {};
+    this.long = /** @type {Record<string, Worker>} */ ({});
   }
 
   /** Return the run of a set, or null if it takes more than a few evaluations. @param {number[]} set @param {Record<string, number>} control @returns {Run | null} */

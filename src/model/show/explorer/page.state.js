@@ -18,8 +18,7 @@ function misplaced(values, isDevice) {
 /** Return the state that an address asks for, and what of the address is ignored, in words. @param {string} hash @param {any} model @returns {{state: State, ignored: string[]}} */
 function stateOf(hash, model) {
   const asked = new URLSearchParams(hash.replace(/^#/, ""));
-  /** @type {string[]} */
-  const ignored = [];
+  const ignored = /** @type {string[]} */ ([]);
   /** Return the choice of an address, or the usual one. @param {string} key @param {string[]} choices @param {string} usual */
   const choice = (key, choices, usual) => {
     const text = asked.get(key) ?? usual;
@@ -94,7 +93,7 @@ function deviceOf(state, model) {
   const lines = ["# Saved from the explorer; for vibralign simulate, assess and map --device."];
   const values = model.units ? state.values : { mass: 1, axial_stiffness: 1, amplitude: 1, ...state.values };
   if (!model.units) lines.push("# The device has no units: mass, axial stiffness and amplitude are 1, so that its other numbers are dimensionless,", "# except the frequency, which is in Hz.");
-  const quantities = Object.fromEntries(model.parameters.map((/** @type {Parameter} */ each) => [each.name, each]));
+  const quantities = byName(model.parameters);
   for (const [name, value] of Object.entries(values)) {
     if (Number.isNaN(value)) continue;
     const { one = 1, unit = "", powers = [0, 0, 0, 1] } = quantities[name] ?? {};
@@ -102,6 +101,9 @@ function deviceOf(state, model) {
   }
   return `${lines.join("\n")}\n`;
 }
+
+/** Return descriptions of parameters by name. @param {Parameter[]} described @returns {Record<string, Parameter>} */
+const byName = (described) => Object.fromEntries(described.map((each) => [each.name, each]));
 
 /** Return the name of a state's device file. @param {State} state @param {any} model */
 const fileOf = (state, model) => `${model.name || state.figure}.yaml`;

@@ -18,9 +18,6 @@ function inTime(value) {
 /** @param {number} value in units of 1/p */
 const atTime = (value) => `${MODEL.units ? "after" : "at"} ${inTime(value)}`;
 
-/** @param {string} text */
-const capital = (text) => text[0].toUpperCase() + text.slice(1);
-
 /** @param {Record<string, number>} results */
 const aligns = (results) => Number.isFinite(results.tau_align);
 
@@ -76,7 +73,7 @@ function writeOutcome() {
   const lifted = times === 0 ? "It never lifts off." : `It lifts off ${times === 1 ? "once" : `${times} times`}.`;
   const ended = state.vibration || aligned ? outcomeWords(results) : `without vibration it ${stillWords(results, slow)}`;
   const drawn = run && results.tracked > run.track.rows ? ` The drawing ends at ${inTime(run.track.time[run.track.rows - 1])}: the run is longer than the page keeps.` : "";
-  element("words").textContent = `${capital(ended)}. ${aligned ? lifted : ""}${drawn}`;
+  element("words").textContent = `${ended[0].toUpperCase()}${ended.slice(1)}. ${aligned ? lifted : ""}${drawn}`;
   element("remedy").textContent = good || !state.vibration ? "" : `What to do: ${MODEL.remedies[`${results.outcome},${results.reason}`]}.`;
   const both = other && (state.vibration ? [results, other.results] : [other.results, results]);
   const dashed = state.compared ? ` Dashed: the run ${state.vibration ? "without" : "with"} vibration.` : "";

@@ -45,13 +45,16 @@ def section(results: Results) -> Section:
         "When, where and at which commit each file was made: runs.csv and history/ beside this "
         "page, and vibralign runs."
     )
+    packages = [(name, _CODE.format(version)) for name, version in versions().items()]
+    # The hashes do not depend on date, machine or checkout.
+    files = [(place, _CODE.format(file_hash(path)[:16])) for place, path in results.data.items()]
     # Anchor, heading, words and table.
     parts = [
         ("parameters", "The device of all figures", "", device),
         ("points", "Parameters of each figure; varied ones in bold type", "", points),
         ("equations", "How the equations are read", variants, _equations(settings)),
-        ("provenance", "Made with", made, _versions()),
-        ("files", "Made from", "", _files(results)),
+        ("provenance", "Made with", made, Table(("package", "version"), packages)),
+        ("files", "Made from", "", Table(("file", "SHA-256, first 16 digits"), files)),
     ]
     lead = (
         "The paper states only δ, x(0), φ(0), K_a and H_a; the rest was identified from what it "
@@ -93,19 +96,8 @@ def _device(results: Results) -> tuple[Table, Table]:
 
 def _equations(settings: Settings) -> Table:
     """Return the variants of the equations that the figures use."""
-    rows = []
-    for name in VARIANT_NAMES:
-        index, words = VARIANT_WORDS[name]
-        rows.append((index, _CODE.format(name), words, getattr(settings.readings, name)))
+    rows = [
+        (index, _CODE.format(name), words, getattr(settings.readings, name))
+        for name, (index, words) in ((each, VARIANT_WORDS[each]) for each in VARIANT_NAMES)
+    ]
     return Table(("no.", "variant", "what it decides", "in use"), rows)
-
-
-def _versions() -> Table:
-    made = [(name, _CODE.format(version)) for name, version in versions().items()]
-    return Table(("package", "version"), made)
-
-
-def _files(results: Results) -> Table:
-    """Return the data files and their hashes, which do not depend on date, machine or checkout."""
-    data = [(place, _CODE.format(file_hash(path)[:16])) for place, path in results.data.items()]
-    return Table(("file", "SHA-256, first 16 digits"), data)

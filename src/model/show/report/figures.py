@@ -1,14 +1,11 @@
 """Section on the figures: every figure with its result, and a table of all runs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from markupsafe import Markup
-from numpy.typing import NDArray
 
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.physics.parameters import FIELDS
@@ -23,53 +20,28 @@ from model.show.report.section import (
     values_of,
 )
 from model.show.schematics import CAPTIONS
-from model.show.style import flagged, runs_of
+from model.show.style import Bools, Floats, flagged, runs_of
 from model.show.words import figure_number, figure_title, percent, power, short
 from model.study.config.figures import COMPUTED, MAPS
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 HEAD = MAPS[-1]  # the figure at the head of the page, also in README
 _FEW = 3  # most ranges that are stated one by one
 _CODE = Markup("<code>{}</code>")
 
 
-@dataclass(frozen=True)
 class Counts:
     """Outcomes of the runs of a figure; durations and their errors are dimensionless."""
 
-    dataset: "xr.Dataset"
-
-    @property
-    def runs(self) -> int:
-        """Number of runs."""
-        return int(self.dataset["outcome"].size)
-
-    @property
-    def aligned(self) -> NDArray[np.bool_]:
-        """True for each run that aligns, in the shape of the dataset."""
-        return np.asarray(self.dataset["outcome"].values == Outcome.ALIGNED)
-
-    @property
-    def aligned_share(self) -> float:
-        """Share of the runs that align."""
-        return float(self.aligned.mean())
-
-    @property
-    def chaotic(self) -> int:
-        """Number of runs that depend sensitively on the start up to the horizon."""
-        return int((self.dataset["reason"].values == Reason.CHAOTIC).sum())
-
-    @property
-    def sensitive(self) -> NDArray[np.bool_]:
-        """True for each run that ends differently at another tolerance."""
-        return np.asarray(self.dataset["sensitive"].values == 1)
-
-    @cached_property
-    def tau(self) -> NDArray[np.float64]:
-        """Alignment durations of the runs that align, flat."""
-        return np.asarray(self.dataset["tau_align"].values[self.aligned])
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self.dataset = dataset
+        self.runs = int(dataset["outcome"].size)
+        # True for each run that aligns, and that ends differently at another tolerance.
+        self.aligned: Bools = dataset["outcome"].values == Outcome.ALIGNED
+        self.sensitive: Bools = dataset["sensitive"].values == 1
+        self.aligned_share = float(self.aligned.mean())
+        self.tau: Floats = dataset["tau_align"].values[self.aligned]  # of the runs that align, flat
+        # Runs that depend sensitively on the start up to the horizon.
+        self.chaotic = int((dataset["reason"].values == Reason.CHAOTIC).sum())
 
     def number_of(self, outcome: Outcome) -> int:
         """Return the number of runs with an outcome."""
@@ -160,7 +132,6 @@ def article(results: Results, name: str) -> dict[str, object]:
     if name not in COMPUTED:
         return content
     dataset = results.dataset(f"data/{name}.nc")
-    counts = Counts(dataset)
     varied = [str(each) for each in reversed(dataset["outcome"].dims)]
     held = ({*study.operating_point} | {*spec.held}) - {*varied}
     live = (("open this live", f"explorer.html#figure={name}"),) if results.live else ()
@@ -169,12 +140,12 @@ def article(results: Results, name: str) -> dict[str, object]:
         "files": (*live, ("dataset (netCDF)", f"data/{name}.nc")),
         "varied": assignments((each, values_of(dataset, each)) for each in varied),
         "held": assignments((each, values_of(dataset, each)) for each in FIELDS if each in held),
-        "sentence": _moment(dataset) if spec.kind == "history" else _result(counts),
+        "sentence": _moment(dataset) if spec.kind == "history" else _result(Counts(dataset)),
         "ranges": _ranges(dataset) if spec.kind == "curves" else "",
     }
 
 
-def _moment(dataset: "xr.Dataset") -> str:
+def _moment(dataset: xr.Dataset) -> str:
     tau, error = float(dataset["tau_align"]), float(dataset["tau_error"])
     if np.isnan(tau):
         return f"It does not align: {OUTCOME_TEXT[Outcome(int(dataset['outcome']))]}."
@@ -200,7 +171,7 @@ def _result(counts: Counts) -> str:
     return words + (f"; {failed} failed." if failed else ".")
 
 
-def _ranges(dataset: "xr.Dataset") -> Markup:
+def _ranges(dataset: xr.Dataset) -> Markup:
     """Say over which values of the swept parameter each curve aligns."""
     family, swept = (dataset[str(name)] for name in dataset["outcome"].dims)
     own, along = (symbol(FIELDS[str(each.name)].symbol) for each in (family, swept))
@@ -214,8 +185,7 @@ def _ranges(dataset: "xr.Dataset") -> Markup:
             where = _in_words(along, ends)
             parts.append(Markup("at {} = {} {}").format(own, short(value, 3), where))
     if throughout:
-        words = Markup("throughout at {} = {}").format(own, ", ".join(throughout))
-        parts.insert(0, words)
+        parts.insert(0, Markup("throughout at {} = {}").format(own, ", ".join(throughout)))
     return Markup("Aligns {}.").format(Markup("; ").join(parts))
 
 
@@ -224,8 +194,8 @@ def _in_words(along: Markup, ranges: Sequence[tuple[float, float]]) -> Markup:
     if not ranges:
         return Markup("nowhere")
     if len(ranges) > _FEW:
-        outer = (ranges[0][0], ranges[-1][1])
-        words = f"{len(ranges)} ranges between {short(outer[0], 3)} and {short(outer[1], 3)}"
+        low, high = short(ranges[0][0], 3), short(ranges[-1][1], 3)
+        words = f"{len(ranges)} ranges between {low} and {high}"
         return Markup("for {} in {}").format(along, words)
     words = " and ".join(
         short(low, 3) if low == high else f"{short(low, 3)} to {short(high, 3)}"

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from string import ascii_lowercase
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from model.events.outcomes import REASON_TEXT, Outcome, Reason
 from model.show import jamming as jamming_plot
@@ -19,9 +19,6 @@ from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
 from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from model.study.vibration import overshoot_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 VIBRATION_CAPTION = (
     "What vibration adds over tilt stiffness and pressing force. On the ticked side of the line "
@@ -52,7 +49,7 @@ def vibration(results: Results) -> Section:
     return Section("vibration", "What vibration adds", template, content)
 
 
-def _shares(name: str, dataset: "xr.Dataset") -> Sequence[object]:
+def _shares(name: str, dataset: xr.Dataset) -> Sequence[object]:
     regime = regime_of(Data({name: dataset}), name)
     outcome = dataset["outcome"].values
     shares = regime.static, overshoot_of(dataset), regime.not_resting

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from model.show.report import answer, background, figures, findings
 from model.show.report.section import Results, Section, subscripts
 from model.show.style import FORMATS
+from model.show.templates import templates
 from model.show.words import number, percent, power, short
 
 Make = Callable[[Results], Section]
@@ -21,7 +21,6 @@ FINDINGS: tuple[Make, ...] = (
     findings.claims,
     findings.jamming,
 )
-_FOLDER = Path(__file__).parent
 
 
 def render_report(results: Results, more: Sequence[Make] = ()) -> str:
@@ -32,13 +31,7 @@ def render_report(results: Results, more: Sequence[Make] = ()) -> str:
     Links to datasets (``data/fig06.nc``) and figures (``figures/fig06.svg``) are relative to the
     results root, where the page belongs.
     """
-    environment = Environment(
-        loader=FileSystemLoader(_FOLDER),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates(Path(__file__).parent)
     environment.filters.update(
         number=number, power=power, percent=percent, short=short, subscripts=subscripts
     )

@@ -13,17 +13,14 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import xarray as xr
 from markupsafe import Markup, escape
 
 from model.physics.parameters import FIELDS
 from model.show.words import number, symbol_parts
 from model.study.config.study import Study
 from model.study.io import read_dataset
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -74,7 +71,7 @@ class Results:
         path = self.data[place] = self._recorded(place)
         return path
 
-    def dataset(self, place: str) -> "xr.Dataset":
+    def dataset(self, place: str) -> xr.Dataset:
         """Read a netCDF file, named as in ``file``."""
         if place not in self._datasets:
             self._datasets[place] = read_dataset(self.file(place))
@@ -128,7 +125,7 @@ def value_of(name: str, value: float | None) -> str:
     return number(value)
 
 
-def values_of(dataset: "xr.Dataset", name: str) -> str:
+def values_of(dataset: xr.Dataset, name: str) -> str:
     """Return the values of a parameter in a dataset: "5, 7, 10", or "0.25 to 10, 240 values"."""
     values = dataset[name].values
     if values.ndim == 0:

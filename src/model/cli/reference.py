@@ -1,4 +1,4 @@
-"""``vibralign verify``: compare a build of the small study with its accepted reference."""
+"""``vibralign verify`` and ``accept``: a build of the small study and its accepted reference."""
 
 import argparse
 from dataclasses import asdict
@@ -10,7 +10,7 @@ from model.cli.tables import print_json, table
 from model.study.config import COMPUTED, FIGURES
 
 
-def add_folders(parser: Any) -> None:
+def _add_folders(parser: Any) -> None:
     """Add the options for the folders of build and reference."""
     add_root(parser, "results root of the small study", "results-smoke")
     words = "folder of the reference (default: tests/reference)"
@@ -19,7 +19,7 @@ def add_folders(parser: Any) -> None:
 
 
 def add(commands: Any) -> None:
-    """Add the command to the parsers of ``vibralign``."""
+    """Add the commands to the parsers of ``vibralign``."""
     parser = add_command(
         commands,
         "verify",
@@ -28,10 +28,23 @@ def add(commands: Any) -> None:
         ": every figure's data by variable, within their own estimated errors, then the claims.",
         epilog="exit code: 0 all agree; 1 something differs; 2 bad input",
     )
-    add_folders(parser)
+    _add_folders(parser)
     words = "only this figure, such as fig06 or 6; may be repeated"
     parser.add_argument("--figure", action="append", default=[], metavar="FIG", help=words)
     add_json(parser)
+
+    parser = add_command(
+        commands,
+        "accept",
+        _accept,
+        "accept the results of the small study as the reference",
+        "; the reason and the changed numbers are added to accepted.csv beside it.",
+    )
+    _add_folders(parser)
+    words = "a figure, such as fig06 or 6, or all of them; may be repeated"
+    parser.add_argument("--figure", action="append", default=[], metavar="FIG|all", help=words)
+    parser.add_argument("--claims", action="store_true", help="the verdicts on the paper's claims")
+    parser.add_argument("--reason", required=True, help="reason why the change is right")
 
 
 def _verify(arguments: argparse.Namespace) -> int:
@@ -53,3 +66,17 @@ def _verify(arguments: argparse.Namespace) -> int:
     else:
         print(f"{len(computed)} figures agree with {reference}")
     return int(bool(findings))
+
+
+def _accept(arguments: argparse.Namespace) -> int:
+    from model.tracking.reference import accept  # noqa: PLC0415  (as in _verify)
+
+    if "all" in arguments.figure:
+        what = list(FIGURES)
+    else:
+        what = list(dict.fromkeys(figure_name(text) for text in arguments.figure))
+    what += ["claims"] if arguments.claims else []
+    if not what:
+        raise ValueError("name what to accept: --figure N, --figure all or --claims")
+    print("\n".join(accept(arguments.root, arguments.reference, what, arguments.reason)))
+    return 0
