@@ -91,9 +91,9 @@ LINES = [
     (["assess", "--sheet", "ROOT/sheet.html"], ["--sheet needs --device FILE"]),
     (["design"], ["design needs --device FILE"]),
     (["design", "--device", PEG], ["nothing is free"]),
-    (
-        ["design", "--device", PEG, "--generations", "0"],
-        ["generations = 0: must be a whole number"],
+    *(
+        (["design", "--device", PEG, "--generations", n], [f"generations = {n}: must be a whole"])
+        for n in ("0", "nan", "inf")
     ),
     (["explore", "--out", "peg.txt"], ["must end in .html"]),
     (["explore", "--out", "no/such/peg.html"], ["does not exist"]),

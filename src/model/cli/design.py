@@ -169,7 +169,7 @@ def _other_frictions(search: "Search", generations: int, population: int) -> "li
 def _count(name: str, text: str, least: int) -> int:
     rule = f"must be a whole number >= {least}"
     value = number(name, text, rule)
-    if value != int(value) or value < least:
+    if not value.is_integer() or value < least:
         raise ValueError(f"{name} = {text}: {rule}")
     return int(value)
 
