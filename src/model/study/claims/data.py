@@ -190,19 +190,6 @@ class MapGrid:
     regular: Flags
     tau: Array
 
-    @cached_property
-    def largest_area(self) -> float:
-        """Share of the aligning cells that lie in the largest connected area.
-
-        Sensitive cells connect areas and are not counted.
-        """
-        count = int((self.aligned & self.regular).sum())
-        if count == 0:
-            return 0.0
-        areas, number = ndimage.label(self.aligned | ~self.regular)
-        sizes = np.bincount(areas[self.aligned & self.regular], minlength=number + 1)
-        return float(sizes.max() / count)
-
     def safe(self, reach: float) -> Flags:
         """Return flags of the cells around which all cells align, shape (y, x).
 
