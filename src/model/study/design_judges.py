@@ -35,7 +35,7 @@ from model.study.assessment.yields import (
 )
 from model.study.devices import StatedDevice
 from model.study.devices.amounts import SIGMAS
-from model.study.devices.batches import Values, batch_of
+from model.study.devices.batches import Values, devices_of
 from model.study.maps.starts import Starts
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
@@ -197,7 +197,7 @@ class Judges:
         """
         if "vibration" not in self.stated.limits:
             return np.full(shape[0], np.nan)
-        controls = unvibrated(batch_of(self.stated, values), self._statistical, self.cores)
+        controls = unvibrated(devices_of(self.stated, values)[0], self._statistical, self.cores)
         shares: Floats = (controls.outcome != Unvibrated.ALIGNS).reshape(shape).mean(axis=1)
         return shares
 

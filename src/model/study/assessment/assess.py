@@ -147,40 +147,39 @@ class Assessment:
 
 
 def assess(
-    device: Parameters,
+    device: Parameters | StatedDevice,
     settings: Settings,
     ensemble: Ensemble,
     cores: int = 1,
     *,
-    stated: StatedDevice | None = None,
     bases: bool = False,
     vary: bool = True,
 ) -> Assessment:
     """Assess a device by some thousand runs.
 
     Args:
-        device: dimensionless parameters of the device.
+        device: as its file states it, or dimensionless parameters.
         settings: settings of the runs.
         ensemble: the starts.
         cores: number of threads.
-        stated: the same device as its file states it; other bases are tried if it states none.
-        bases: try other bases even if one is stated.
+        bases: try other bases of a device of a file, even if it states one.
         vary: seek the leeways, or the nearest reliable values if a start fails.
     """
-    starts = starts_of(device, ensemble)
-    results = every_start(Batch.stack([device]), starts, settings, cores)
+    parameters = device.parameters if isinstance(device, StatedDevice) else device
+    starts = starts_of(parameters, ensemble)
+    results = every_start(Batch.stack([parameters]), starts, settings, cores)
     aligned, tau = results["goes_in"][0], results["tau_align"][0]
     failing = [start for start, aligns in zip(starts, aligned, strict=True) if not aligns]
     hops = results["separations"][0]
     hopping = [starts[i] for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
-    speeds = [impact_speed(simulate_once(device.replace(**s), settings)) for s in hopping]
-
-    own = stated or device
+    speeds = [impact_speed(simulate_once(parameters.replace(**s), settings)) for s in hopping]
 
     def is_reliable(values: Values) -> NDArray[np.bool_]:
-        return are_reliable(own, values, starts, settings, cores)
+        return are_reliable(device, values, starts, settings, cores)
 
-    varied = stated is not None and (bases or not stated.base_is_stated)
+    others: tuple[BaseVerdict, ...] = ()
+    if isinstance(device, StatedDevice) and (bases or not device.base_is_stated):
+        others = on_bases(device, starts, settings, cores)
     return Assessment(
         starts=len(starts),
         aligned=int(aligned.sum()),
@@ -191,9 +190,9 @@ def assess(
         tilt_max=_of(np.nanmax, results["tilt_max"][0]),
         separations=(int(hops.min()), int(hops.max())),
         impact_speed=max(speeds, default=0.0),
-        leeways=leeways(own, is_reliable) if vary and not failing else (),
-        nearest=nearest(own, is_reliable) if vary and failing else (),
-        bases=on_bases(stated, starts, settings, cores) if stated and varied else (),
+        leeways=leeways(device, is_reliable) if vary and not failing else (),
+        nearest=nearest(device, is_reliable) if vary and failing else (),
+        bases=others,
     )
 
 
