@@ -244,7 +244,8 @@ class Judges:
         for i, (name, tolerance) in enumerate(self.stated.tolerances.items()):
             own = values[name]
             width = np.array([tolerance.end(value) for value in own.tolist()])
-            least = 1e-3 * own if _is_positive(name) else -np.inf
+            positive = name not in FIELDS or FIELDS[name].bound or name == "press_force"
+            least = 1e-3 * own if positive else -np.inf
             values[name] = np.maximum(own + width * offsets[:, i], least)
         _keep_on_edge(self.stated, values)
         return values
@@ -279,10 +280,6 @@ def _joined(parts: Sequence[DeviceResults], order: Ints | None = None) -> Device
         for name in parts[0].values
     }
     return DeviceResults(values=values, times=columns["time"][:, None], **columns)
-
-
-def _is_positive(name: str) -> bool:
-    return name not in FIELDS or bool(FIELDS[name].bound) or name == "press_force"
 
 
 def _keep_on_edge(stated: StatedDevice, values: dict[str, Floats]) -> None:

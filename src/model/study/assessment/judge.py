@@ -55,11 +55,7 @@ def from_every_start(
     settings: Settings,
     cores: int = 1,
 ) -> tuple[dict[str, NDArray[Any]], list[Units]]:
-    """Return ``every_start`` of devices with these values, and the units of those in SI units.
-
-    Raises:
-        ValueError: a value outside its rule.
-    """
+    """Return ``every_start`` of devices with these values, and the units of those in SI units."""
     devices, units = devices_of(device, values)
     if isinstance(device, Parameters):
         return every_start(devices, starts, settings, cores), units
@@ -74,11 +70,7 @@ def from_every_start(
 def run_devices(
     stated: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
 ) -> DeviceResults:
-    """Run devices with these quantities (SI units, each of shape (n,)) from every start.
-
-    Raises:
-        ValueError: a quantity outside its rule.
-    """
+    """Run devices with these quantities (SI units, each of shape (n,)) from every start."""
     results, units = from_every_start(stated, values, starts, settings, cores)
     goes_in = results["goes_in"]
     times = np.where(goes_in, results["tau_align"], np.nan)
@@ -104,9 +96,6 @@ def are_reliable(
     """Return a mask of the devices that go in from all starts, shape (n,).
 
     Most starts are tried only where a few of them succeed.
-
-    Raises:
-        ValueError: a value outside its rule.
     """
 
     def succeed(values: Values, starts: Starts) -> NDArray[np.bool_]:

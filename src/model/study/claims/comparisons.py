@@ -25,13 +25,9 @@ from model.study.claims.measures import (
 Parts = Mapping[str, float]
 
 
-def _spread_of_known(_values: Array, numbers: Array) -> float:
-    return spread(numbers) if int(np.isfinite(numbers).sum()) >= 2 else NAN
-
-
 _ACROSS: Mapping[str, Callable[[Array, Array], float]] = {
     "trend": trend,
-    "spread": _spread_of_known,
+    "spread": lambda _, numbers: spread(numbers) if np.isfinite(numbers).sum() >= 2 else NAN,
 }
 
 
@@ -116,16 +112,15 @@ def relative_slope_elsewhere(
     """
 
     def slope_in(curves: str, x: str) -> float:
-        return mean([_relative_slope(c.within(x)) for c in data.curves(figure, curves)])
+        return mean([
+            ratio(slope(part.x, part.tau), median(part.tau))
+            for part in (curve.within(x) for curve in data.curves(figure, curves))
+        ])  # fmt: skip
 
     here = slope_in(curves, x)
     return {
         f"than for {words}": asymmetry(here, slope_in(**there)) for words, there in than.items()
     }
-
-
-def _relative_slope(curve: Curve) -> float:
-    return ratio(slope(curve.x, curve.tau), median(curve.tau))
 
 
 def tilt_gained(data: Data, figure: str, curve: float, x: str, over: str) -> float:

@@ -63,15 +63,11 @@ class Found:
         kept: list[Array] = []
         for row in np.argsort(self.shortfalls, kind="stable"):
             point = self.points[row]
-            if all(_distance(point, each, places) >= apart for each in kept):
+            if all(np.abs(point - each)[places].max() >= apart for each in kept):
                 kept.append(point)
             if len(kept) == count:
                 break
         return np.array(kept)
-
-
-def _distance(point: Array, other: Array, places: slice) -> float:
-    return float(np.abs(point[places] - other[places]).max())
 
 
 def pool(space: Space, structures: int, stages: Sequence[Stage], part: int) -> Found:
@@ -228,9 +224,6 @@ def final(
     """Return the set with the ``number``-th best structure, and its datasets on the study's grids.
 
     Its operating points are chosen anew on these grids.
-
-    Raises:
-        LookupError: there are fewer structures that differ.
     """
     where, random = space.places["structure"], _random(space, _FINAL, number)
     point = _numbered(found, number, where)
@@ -254,9 +247,6 @@ def polish(
         trials: number of steps.
         number: of the set, from 0.
         found: judged sets.
-
-    Raises:
-        LookupError: there are fewer structures that differ.
     """
     where, random = space.places["structure"], _random(space, _POLISH, number)
     point = _numbered(found, number, where)

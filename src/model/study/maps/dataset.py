@@ -121,11 +121,7 @@ def part_counts(nodes: MapNodes) -> dict[str, int]:
 
 
 def read_parts(plan: MapPlan, paths: Sequence[Path]) -> MapNodes:
-    """Return the nodes of all parts of a map.
-
-    Raises:
-        DatasetError: as ``read_pieces``.
-    """
+    """Return the nodes of all parts of a map."""
     nodes = MapNodes(plan)
     for stored in read_pieces("part", paths, plan.name, plan.identity):
         for step, store in nodes.steps().items():
