@@ -5,7 +5,6 @@ from pydantic import model_validator
 from model.physics.parameters import Parameters, check_name
 from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Strict, Text
-from model.study.config.claims import ClaimRun
 from model.study.config.figures import (
     FIGURES,
     MAPS,
@@ -15,8 +14,8 @@ from model.study.config.figures import (
     Plane,
 )
 from model.study.config.identification import Identification
-from model.study.config.jamming import Jamming
 from model.study.config.methods import HardCases, Precision
+from model.study.config.runs import ClaimRun, Jamming
 from model.study.config.settings import RunSettings
 
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from model.engines.results import RESULTS
 from model.study.config.base import Axis, Family, Plan
-from model.study.config.claims import ClaimRun
 from model.study.config.identification import Grid, Problem
+from model.study.config.runs import ClaimRun
 from model.study.config.settings import RunSettings
 from model.study.sweep import TRACK_QUANTITIES, Sweep, sweep_of
 
