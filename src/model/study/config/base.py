@@ -57,12 +57,7 @@ def _power_of_two(value: int) -> int:
 class Strict(BaseModel):
     """A section that refuses unknown keys and values of another type."""
 
-    model_config = ConfigDict(
-        extra="forbid",
-        frozen=True,
-        strict=True,
-        allow_inf_nan=False,
-    )
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 ParameterName = Annotated[str, AfterValidator(parameter_name)]

@@ -282,11 +282,7 @@ def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choi
 
 
 def costs_alone(
-    space: Space,
-    figure: str,
-    made: Tried,
-    weight: float = 0.0,
-    shared: float = _SHARED_WEIGHT,
+    space: Space, figure: str, made: Tried, weight: float = 0.0, shared: float = _SHARED_WEIGHT
 ) -> Array:
     """Return the cost of each operating point of a figure judged alone, shape (t,), in claims.
 

@@ -185,11 +185,7 @@ def map_dataset(
         for name in [each for each in variables if each.startswith("tau_")]:
             known = variables[name][2] | {"units": TIME.unit}
             variables[name] = (dims, values[name] * time, known)
-    return xr.Dataset(
-        variables,
-        dict(sorted(coordinates.items())),
-        attributes,
-    )
+    return xr.Dataset(variables, dict(sorted(coordinates.items())), attributes)
 
 
 def map_counts(dataset: xr.Dataset) -> dict[str, int]:
