@@ -181,13 +181,11 @@ def assess(
     if isinstance(device, StatedDevice) and (bases or not device.base_is_stated):
         others = on_bases(device, starts, settings, cores)
     return Assessment(
-        starts=len(starts),
-        aligned=int(aligned.sum()),
-        tau_best=_of(np.min, tau[aligned]),
-        tau_worst=_of(np.max, tau[aligned]),
+        len(starts),
+        *_successes(aligned, tau),
         failing_start=failing[0] if failing else None,
-        contact_force_max=_of(np.nanmax, results["contact_force_max"][0]),
-        tilt_max=_of(np.nanmax, results["tilt_max"][0]),
+        contact_force_max=float(np.fmax.reduce(results["contact_force_max"][0])),
+        tilt_max=float(np.fmax.reduce(results["tilt_max"][0])),
         separations=(int(hops.min()), int(hops.max())),
         impact_speed=max(speeds, default=0.0),
         leeways=leeways(device, is_reliable) if vary and not failing else (),
@@ -219,19 +217,18 @@ def on_bases(
     starts = starts[::_BASE_STARTS]
     quick = replace(settings.quickest, tolerance=max(settings.tolerance, 1e-6))
     results = every_start(Batch.stack(devices), starts, quick, cores)
+    runs = zip(tried, results["goes_in"], results["tau_align"], strict=True)
     return tuple(
-        BaseVerdict(
-            ratio,
-            impact,
-            len(starts),
-            int(aligned.sum()),
-            _of(np.min, tau[aligned]),
-            _of(np.max, tau[aligned]),
-        )
-        for (ratio, impact), aligned, tau in zip(
-            tried, results["goes_in"], results["tau_align"], strict=True
-        )
+        BaseVerdict(ratio, impact, len(starts), *_successes(aligned, tau))
+        for (ratio, impact), aligned, tau in runs
     )
+
+
+def _successes(aligned: NDArray[np.bool_], tau: NDArray[np.float64]) -> tuple[int, float, float]:
+    """Return the number of successes, and their shortest and longest time, NaN without any."""
+    times = tau[aligned]
+    ends = (float(times.min()), float(times.max())) if times.size else (math.nan, math.nan)
+    return times.size, *ends
 
 
 def impact_speed(run: Trajectory) -> float:
@@ -246,8 +243,3 @@ def impact_speed(run: Trajectory) -> float:
         point_y_rate = y_rate + tilt_rate * (edge - x)
         rates.append(point_x_rate * math.sin(tilt) - point_y_rate * math.cos(tilt))
     return float(max(rates, default=0.0))
-
-
-def _of(statistic: object, values: NDArray[np.float64]) -> float:
-    finite = values[np.isfinite(values)]
-    return float(statistic(finite)) if finite.size else math.nan  # type: ignore[operator]

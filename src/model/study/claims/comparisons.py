@@ -12,6 +12,7 @@ import numpy as np
 from model.study.claims.data import NAN, Array, Curve, Data, MissingDataError
 from model.study.claims.measures import (
     asymmetry,
+    by_name,
     growth,
     mean,
     median,
@@ -184,11 +185,8 @@ def _shape_distance(first: Curve, second: Curve) -> float:
     return float(np.sqrt((distance**2).mean()))
 
 
-OF_CLAIM: Mapping[str, Callable[..., Parts | float]] = {
-    number.__name__: number
-    for number in (
-        across, motion_of_tilted_part, way_without_asymmetry, decades_by_tilt, reach_over_clearance,
-        aligned_at, growth_by_family, relative_slope_elsewhere, tilt_gained, spread_over_that_of,
-        deepest_minimum, least_distance_in_shape,
-    )
-}  # fmt: skip
+OF_CLAIM: Mapping[str, Callable[..., Parts | float]] = by_name(
+    across, motion_of_tilted_part, way_without_asymmetry, decades_by_tilt, reach_over_clearance,
+    aligned_at, growth_by_family, relative_slope_elsewhere, tilt_gained, spread_over_that_of,
+    deepest_minimum, least_distance_in_shape,
+)  # fmt: skip

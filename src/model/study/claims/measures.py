@@ -274,12 +274,13 @@ def relative_deviation_of_force(run: SampledRun) -> float:
 # --- By name ------------------------------------------------------------------------------------
 
 
-def _by_name(*numbers: Number) -> dict[str, Number]:
+def by_name(*numbers: Callable[..., Any]) -> dict[str, Callable[..., Any]]:
+    """Return functions by their names."""
     return {number.__name__: number for number in numbers}
 
 
 OF_CURVE: Mapping[str, Number] = {
-    **_by_name(
+    **by_name(
         trend_along, usual_ratio, steeper_rise, steeper_fall_at_first, longer_at_first, growth,
         bump, best,
     ),
@@ -292,18 +293,18 @@ OF_CURVE: Mapping[str, Number] = {
     "explained_by_inverse": lambda curve: explained(np.array([1.0 / curve.x]), curve.tau),
 }  # fmt: skip
 _OF_VIEW: Mapping[View, Mapping[str, Number]] = {
-    Data.points: {"share_of_runs": Points.share, **_by_name(usual, smaller_share, usual_delay)},
+    Data.points: {"share_of_runs": Points.share, **by_name(usual, smaller_share, usual_delay)},
     # The share of the points that align, for the curve where it is least.
     Data.drawn: {
         "least_aligned": lambda curves: min(each.share({"aligned": 1}) for each in curves)
     },
     Data.map_grid: {
         "safe_share": lambda grid, reach: float(grid.safe(reach).mean()),
-        **_by_name(largest_area, rows_with_safe_cells, trend_along_rows, shift_of_last_aligned),
+        **by_name(largest_area, rows_with_safe_cells, trend_along_rows, shift_of_last_aligned),
     },
     Data.sampled_run: {
         "fall_of_force": lambda run: run.fall if run.aligned else NAN,
-        **_by_name(trend_over_time, relative_deviation_of_force),
+        **by_name(trend_over_time, relative_deviation_of_force),
     },
 }
 # By name: the view of a dataset that the function takes, and the function.
