@@ -147,7 +147,7 @@ def _of_figures(
 ) -> Parts:
     """Return the number of each figure; without ``needs_all``, figures may lack a dataset."""
     needed = needs_all or len(figures) == 1
-    used = [name for name in figures if needed or data.has(name)]
+    used = [name for name in figures if needed or name in data.datasets]
     if not used:
         raise MissingDataError(f"there is no dataset of {', '.join(figures)}")
     return {

@@ -228,12 +228,8 @@ class Data:
     """
 
     def __init__(self, datasets: "Mapping[str, xr.Dataset]") -> None:
-        self._datasets = datasets
+        self.datasets = datasets
         self._views: dict[tuple[str, str], object] = {}
-
-    def has(self, name: str) -> bool:
-        """Return whether there is a dataset of this name."""
-        return name in self._datasets
 
     def dataset(self, name: str) -> "xr.Dataset":
         """Return a dataset.
@@ -241,9 +237,9 @@ class Data:
         Raises:
             MissingDataError: there is none of this name. The views below raise it as well.
         """
-        if name not in self._datasets:
+        if name not in self.datasets:
             raise MissingDataError(f"there is no dataset {name}")
-        return self._datasets[name]
+        return self.datasets[name]
 
     def _view(self, name: str, make: "Callable[[xr.Dataset], Read]") -> Read:
         key = (name, make.__name__)
