@@ -28,7 +28,7 @@ try:
     study = check_study(config, "config")
 except ConfigError as fault:
     raise WorkflowError(f"the configuration breaks a rule\n{fault}")
-invocation.state(study=study.model_dump(mode="json"))
+invocation.metadata["study"] = study.model_dump(mode="json")
 
 
 pathvars:

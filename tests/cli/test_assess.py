@@ -13,7 +13,7 @@ from model.show.assumptions import assumptions
 from model.show.si import named_words
 from model.study import assessment
 from model.study.assessment import Assessment, BaseVerdict, Leeway
-from model.study.devices import load_device
+from model.study.devices import StatedDevice, load_device
 
 PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
@@ -101,8 +101,8 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
 
 
 def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
-    def found(*_, stated, bases):
-        assert stated is not None
+    def found(stated, *_, bases):
+        assert isinstance(stated, StatedDevice)
         assert not bases
         verdicts = tuple(BaseVerdict(k, 0.5, 8, 8 if k < 1e4 else 3, 2.0, 3.0) for k in (1e3, 1e5))
         return Assessment(32, 32, 2.0, 3.0, None, bases=verdicts)

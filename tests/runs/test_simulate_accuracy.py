@@ -9,7 +9,7 @@ from model.runs.engines import batch_engine, scalar_engine
 from model.study.assessment.yields import drawn
 from model.study.config import load_study, study_path
 from model.study.devices import load_device
-from model.study.devices.batches import batch_of
+from model.study.devices.batches import devices_of
 from model.study.maps.starts import starts_of
 
 # One run for each kind of event; the tests assert the events that it goes through.
@@ -90,7 +90,7 @@ def test_estimated_errors_of_single_runs_hold_on_devices():
     sets, folder = [], study_path().parents[1] / "docs" / "devices"
     for name in ("shaft", "pin", "peg"):
         stated = load_device(folder / f"{name}.yaml")
-        devices = batch_of(stated, drawn(stated, 128))
+        devices = devices_of(stated, drawn(stated, 128))[0]
         starts = starts_of(stated.device.parameters, load_study(study_path()).maps.ensemble)
         sets += [devices[i].replace(**starts[5 * i % len(starts)]) for i in range(len(devices))]
     found = align(sets, horizon=100.0, engine="scalar")  # as `simulate`, without the trajectory

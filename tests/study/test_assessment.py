@@ -14,7 +14,7 @@ from model.study.assessment.judge import are_reliable, run_devices
 from model.study.assessment.leeways import FINEST, STEP, STEPS, VARIED, leeways, nearest
 from model.study.config import Ensemble
 from model.study.devices import load_device
-from model.study.devices.batches import batch_of
+from model.study.devices.batches import devices_of
 from model.study.maps.starts import every_start, starts_of
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
@@ -128,7 +128,7 @@ def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
     for values in asked:  # what follows from others, such as the base, follows still
         some = {name: column[:40:7] for name, column in values.items()}
         own = {**stated.values, **stated.quantities}
-        for i, parameters in enumerate(batch_of(stated, some)):
+        for i, parameters in enumerate(devices_of(stated, some)[0]):
             changes = {n: v[i] for n, v in some.items() if v[i] != own[n]}
             assert parameters == load_device(SHAFT, changes).parameters
 
@@ -136,7 +136,7 @@ def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
 def test_the_nearest_amplitude_is_found_and_holds():
     changes = {"amplitude": 0.5e-3, "contact_stiffness": 3e5}
     stated = load_device(PEG, changes)
-    found = assess(stated.parameters, COARSE, ENSEMBLE, stated=stated)
+    found = assess(stated, COARSE, ENSEMBLE)
     [near] = [each for each in found.nearest if each.parameter == "amplitude"]
     assert near.above is not None
     starts = starts_of(stated.parameters, ENSEMBLE)
@@ -186,12 +186,11 @@ def test_the_rigid_limit_begins_where_nothing_changes_any_more():
 def test_an_open_base_is_tried_over_decades_and_a_stated_one_is_not():
     for changes, count in (({}, 10), ({"contact_stiffness": 3e5}, 0)):
         stated = load_device(PEG, {"tilt_stiffness": 0.3, **changes})
-        found = assess(stated.device.parameters, COARSE, ENSEMBLE, stated=stated)
+        found = assess(stated, COARSE, ENSEMBLE)
         assert len(found.bases) == count
         assert found.reliable
     found = load_device(PEG, {"contact_stiffness": 3e5, "contact_damping": 20.0})
-    device = found.device.parameters
-    bases = assess(device, COARSE, ENSEMBLE, stated=found, bases=True).bases
+    bases = assess(found, COARSE, ENSEMBLE, bases=True).bases
     assert [each.restitution for each in bases] == [None] * 5
 
 

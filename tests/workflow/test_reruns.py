@@ -38,9 +38,8 @@ EDITS = [
     # The study: what a section of the configuration allows, and what makes its datasets
     ("src/model/study/config/methods.py", "gt=0.0", "gt=1e-9",
      {*METHODS, "explorer"}),
-    ("src/model/study/config/jamming.py", *EDIT, {"explorer", *LAST}),
     ("src/model/study/config/accuracy.py", *EDIT, {"explorer", *LAST}),
-    ("src/model/study/config/claims.py", *EDIT, {"explorer", *LAST}),
+    ("src/model/study/config/runs.py", *EDIT, {"explorer", *LAST}),
     ("src/model/study/config/settings.py", *EDIT, COMPUTED),
     ("src/model/study/files.py", "0o666", "0o660", EVERYTHING),
     ("src/model/study/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),

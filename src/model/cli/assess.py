@@ -86,7 +86,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     drawn, nearest = None, None
     with ProgressLine() as line:
         line.begin("starts, bases and leeways")
-        result = assess(device, settings, ensemble, cores, stated=stated, bases=arguments.bases)
+        result = assess(stated or device, settings, ensemble, cores, bases=arguments.bases)
         if stated is not None and stated.tolerances:
             line.begin("devices within the tolerances")
             drawn, nearest = _drawn(result, stated, ensemble, settings, cores, devices)

@@ -133,9 +133,7 @@ def _verdict(design: "Design", search: "Search", given: Inputs) -> str:
     stated = search.stated.changed(**design.setting)
     ensemble = given.study.maps.ensemble
     settings = stated.run_settings(given.settings, stated.units)
-    result = assess(
-        stated.parameters, settings, ensemble, search.judges.cores, stated=stated, vary=False
-    )
+    result = assess(stated, settings, ensemble, search.judges.cores, vary=False)
     drawn = design.thorough
     return headline(result, drawn if drawn and drawn.devices else None)
 

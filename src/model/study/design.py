@@ -213,10 +213,7 @@ class Search:
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def run(
-        self,
-        generations: int,
-        population: int,
-        after: Callable[[int], None] = lambda _: None,
+        self, generations: int, population: int, after: Callable[[int], None] = lambda _: None
     ) -> Design:
         """Search and return the design; call ``after`` with the number of every generation.
 

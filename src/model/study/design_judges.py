@@ -21,21 +21,11 @@ from model.events.outcomes import Unvibrated
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
 from model.runs.unvibrated import unvibrated
-from model.study.assessment.judge import (
-    DeviceResults,
-    Floats,
-    are_reliable,
-    run_devices,
-)
-from model.study.assessment.yields import (
-    DEVICES,
-    STATISTICAL_TOLERANCE,
-    drawn,
-    nearest_failing,
-)
+from model.study.assessment.judge import DeviceResults, Floats, are_reliable, run_devices
+from model.study.assessment.yields import DEVICES, STATISTICAL_TOLERANCE, drawn, nearest_failing
 from model.study.devices import StatedDevice
 from model.study.devices.amounts import SIGMAS
-from model.study.devices.batches import Values, batch_of
+from model.study.devices.batches import Values, devices_of
 from model.study.maps.starts import Starts
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
@@ -197,7 +187,7 @@ class Judges:
         """
         if "vibration" not in self.stated.limits:
             return np.full(shape[0], np.nan)
-        controls = unvibrated(batch_of(self.stated, values), self._statistical, self.cores)
+        controls = unvibrated(devices_of(self.stated, values)[0], self._statistical, self.cores)
         shares: Floats = (controls.outcome != Unvibrated.ALIGNS).reshape(shape).mean(axis=1)
         return shares
 
@@ -244,7 +234,8 @@ class Judges:
         for i, (name, tolerance) in enumerate(self.stated.tolerances.items()):
             own = values[name]
             width = np.array([tolerance.end(value) for value in own.tolist()])
-            least = 1e-3 * own if _is_positive(name) else -np.inf
+            positive = name not in FIELDS or FIELDS[name].bound or name == "press_force"
+            least = 1e-3 * own if positive else -np.inf
             values[name] = np.maximum(own + width * offsets[:, i], least)
         _keep_on_edge(self.stated, values)
         return values
@@ -279,10 +270,6 @@ def _joined(parts: Sequence[DeviceResults], order: Ints | None = None) -> Device
         for name in parts[0].values
     }
     return DeviceResults(values=values, times=columns["time"][:, None], **columns)
-
-
-def _is_positive(name: str) -> bool:
-    return name not in FIELDS or bool(FIELDS[name].bound) or name == "press_force"
 
 
 def _keep_on_edge(stated: StatedDevice, values: dict[str, Floats]) -> None:

@@ -19,10 +19,6 @@ from model.study.files import atomic_write, check_encoding
 from model.study.version import version
 
 _LARGE = 2**16  # number of values above which a grid is stored in pieces
-_SOURCE = (
-    "B. Bakšys, J. Baskutienė: Numerical simulation of parts alignment under kinematical "
-    "excitation, Mechanika, Kaunas (2007)"
-)
 
 
 class DatasetError(ValueError):
@@ -133,12 +129,16 @@ def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:
     }
 
 
-def _of_every_file() -> dict[str, str]:
-    """Return the global attributes of every file: conventions, origin, credit.
+def described(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with the attributes that every file has besides its own.
 
     They hold no time, so that equal runs give equal bytes.
     """
-    return {
+    variables = {
+        name: variable.assign_attrs({"coverage_content_type": "modelResult", **variable.attrs})
+        for name, variable in dataset.data_vars.items()
+    }
+    of_every_file = {
         "Conventions": "CF-1.11, ACDD-1.3",
         "history": f"written by vibralign {version()}",
         "source": "vibralign, numerical integration of the equations of motion",
@@ -147,18 +147,11 @@ def _of_every_file() -> dict[str, str]:
         "creator_name": "vibralign contributors",
         "creator_type": "group",
         "citation": f"vibralign contributors: vibralign, version {version()}",
-        "references": _SOURCE,
+        "references": "B. Bakšys, J. Baskutienė: Numerical simulation of parts alignment under "
+        "kinematical excitation, Mechanika, Kaunas (2007)",
         "license": "MIT",
     }
-
-
-def described(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset with the attributes that every file has besides its own."""
-    variables = {
-        name: variable.assign_attrs({"coverage_content_type": "modelResult", **variable.attrs})
-        for name, variable in dataset.data_vars.items()
-    }
-    return dataset.assign(variables).assign_attrs(_of_every_file() | dataset.attrs)
+    return dataset.assign(variables).assign_attrs(of_every_file | dataset.attrs)
 
 
 def write_dataset(dataset: xr.Dataset, path: Path) -> None:

@@ -165,16 +165,14 @@ def _pairs(
     if len(first.runs) == len(second.runs) == 1:
         yield next(iter(first.runs.values())), next(iter(second.runs.values()))
         return
-    before, after = (_without_parts(each) for each in (first, second))
+    before, after = (
+        replace(each, runs={n: run for n, run in each.runs.items() if not run.get("part")})
+        for each in (first, second)
+    )
     if before.runs and after.runs:
         not_compared.extend(_in_one_only(before, after, "runs"))
         for name in sorted({*before.runs} & {*after.runs}):
             yield before.runs[name], after.runs[name]
-
-
-def _without_parts(state: Snapshot) -> Snapshot:
-    runs = {name: run for name, run in state.runs.items() if not run.get("part")}
-    return replace(state, runs=runs)
 
 
 def _in_one_only(first: Snapshot, second: Snapshot, what: str) -> Iterator[str]:

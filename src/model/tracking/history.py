@@ -18,6 +18,7 @@ import shutil
 import time
 from collections.abc import Mapping, Sequence, Set
 from datetime import UTC, datetime
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,7 @@ COLUMNS = (
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # keys of every sidecar
 _OF_INVOCATION = {"invocation", "outcome", "started", "started_stamp"}
 _KEPT = re.compile(r"data/fig\d\d\.nc|claims\.csv")  # results of which the history keeps copies
+_identity, _place_in_time = itemgetter("run", "started"), itemgetter("started", "run")
 _FULL = 1_000_000  # bytes: a disk with less free space counts as full
 
 
@@ -275,14 +277,6 @@ def load_runs(root: Path) -> list[Record]:
         failed_last = key[0] not in whole and last_failure.get(key[0]) == key[1]
         record["current"] = key in standing if record["status"] == "done" else failed_last
     return sorted(runs.values(), key=_place_in_time)
-
-
-def _identity(record: Record) -> tuple[str, str]:
-    return record["run"], record["started"]
-
-
-def _place_in_time(record: Record) -> tuple[str, str]:
-    return record["started"], record["run"]
 
 
 def find_run(runs: Sequence[Record], name: str) -> Record:

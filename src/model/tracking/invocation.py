@@ -50,14 +50,10 @@ class Invocation:
         self.root = root
         self._begun = datetime.now(UTC)
         self.name = f"{self._begun:%Y%m%dT%H%M%SZ}-{secrets.token_hex(2)}"
-        self._metadata: Record = {}
+        self.metadata: Record = {}  # more to record, such as the study; set before ``start``
         self._record: Record = {}
         self._lock: io.TextIOWrapper | None = None
         self._holds_folder = False
-
-    def state(self, **metadata: Any) -> None:
-        """Add metadata to the record, such as the study's configuration; call before ``start``."""
-        self._metadata |= metadata
 
     def recover(self, patience: float = 0.0) -> None:
         """Lock the folder for this invocation, and delete results damaged by an interruption.
@@ -91,7 +87,7 @@ class Invocation:
             "host": platform.node(),
             "versions": versions(),
             "git": git_state(),
-            **self._metadata,
+            **self.metadata,
         }
         with _or_say("the start of this invocation could not be recorded"):
             (self.root / "history").mkdir(parents=True, exist_ok=True)

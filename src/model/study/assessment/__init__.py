@@ -4,11 +4,4 @@ from model.study.assessment.assess import Assessment, BaseVerdict, assess
 from model.study.assessment.judge import reliable_at
 from model.study.assessment.leeways import Leeway, Nearest
 
-__all__ = [
-    "Assessment",
-    "BaseVerdict",
-    "Leeway",
-    "Nearest",
-    "assess",
-    "reliable_at",
-]
+__all__ = ["Assessment", "BaseVerdict", "Leeway", "Nearest", "assess", "reliable_at"]

@@ -147,53 +147,50 @@ class Assessment:
 
 
 def assess(
-    device: Parameters,
+    device: Parameters | StatedDevice,
     settings: Settings,
     ensemble: Ensemble,
     cores: int = 1,
     *,
-    stated: StatedDevice | None = None,
     bases: bool = False,
     vary: bool = True,
 ) -> Assessment:
     """Assess a device by some thousand runs.
 
     Args:
-        device: dimensionless parameters of the device.
+        device: as its file states it, or dimensionless parameters.
         settings: settings of the runs.
         ensemble: the starts.
         cores: number of threads.
-        stated: the same device as its file states it; other bases are tried if it states none.
-        bases: try other bases even if one is stated.
+        bases: try other bases of a device of a file, even if it states one.
         vary: seek the leeways, or the nearest reliable values if a start fails.
     """
-    starts = starts_of(device, ensemble)
-    results = every_start(Batch.stack([device]), starts, settings, cores)
+    parameters = device.parameters if isinstance(device, StatedDevice) else device
+    starts = starts_of(parameters, ensemble)
+    results = every_start(Batch.stack([parameters]), starts, settings, cores)
     aligned, tau = results["goes_in"][0], results["tau_align"][0]
     failing = [start for start, aligns in zip(starts, aligned, strict=True) if not aligns]
     hops = results["separations"][0]
     hopping = [starts[i] for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
-    speeds = [impact_speed(simulate_once(device.replace(**s), settings)) for s in hopping]
-
-    own = stated or device
+    speeds = [impact_speed(simulate_once(parameters.replace(**s), settings)) for s in hopping]
 
     def is_reliable(values: Values) -> NDArray[np.bool_]:
-        return are_reliable(own, values, starts, settings, cores)
+        return are_reliable(device, values, starts, settings, cores)
 
-    varied = stated is not None and (bases or not stated.base_is_stated)
+    others: tuple[BaseVerdict, ...] = ()
+    if isinstance(device, StatedDevice) and (bases or not device.base_is_stated):
+        others = on_bases(device, starts, settings, cores)
     return Assessment(
-        starts=len(starts),
-        aligned=int(aligned.sum()),
-        tau_best=_of(np.min, tau[aligned]),
-        tau_worst=_of(np.max, tau[aligned]),
+        len(starts),
+        *_successes(aligned, tau),
         failing_start=failing[0] if failing else None,
-        contact_force_max=_of(np.nanmax, results["contact_force_max"][0]),
-        tilt_max=_of(np.nanmax, results["tilt_max"][0]),
+        contact_force_max=float(np.fmax.reduce(results["contact_force_max"][0])),
+        tilt_max=float(np.fmax.reduce(results["tilt_max"][0])),
         separations=(int(hops.min()), int(hops.max())),
         impact_speed=max(speeds, default=0.0),
-        leeways=leeways(own, is_reliable) if vary and not failing else (),
-        nearest=nearest(own, is_reliable) if vary and failing else (),
-        bases=on_bases(stated, starts, settings, cores) if stated and varied else (),
+        leeways=leeways(device, is_reliable) if vary and not failing else (),
+        nearest=nearest(device, is_reliable) if vary and failing else (),
+        bases=others,
     )
 
 
@@ -220,19 +217,18 @@ def on_bases(
     starts = starts[::_BASE_STARTS]
     quick = replace(settings.quickest, tolerance=max(settings.tolerance, 1e-6))
     results = every_start(Batch.stack(devices), starts, quick, cores)
+    runs = zip(tried, results["goes_in"], results["tau_align"], strict=True)
     return tuple(
-        BaseVerdict(
-            ratio,
-            impact,
-            len(starts),
-            int(aligned.sum()),
-            _of(np.min, tau[aligned]),
-            _of(np.max, tau[aligned]),
-        )
-        for (ratio, impact), aligned, tau in zip(
-            tried, results["goes_in"], results["tau_align"], strict=True
-        )
+        BaseVerdict(ratio, impact, len(starts), *_successes(aligned, tau))
+        for (ratio, impact), aligned, tau in runs
     )
+
+
+def _successes(aligned: NDArray[np.bool_], tau: NDArray[np.float64]) -> tuple[int, float, float]:
+    """Return the number of successes, and their shortest and longest time, NaN without any."""
+    times = tau[aligned]
+    ends = (float(times.min()), float(times.max())) if times.size else (math.nan, math.nan)
+    return times.size, *ends
 
 
 def impact_speed(run: Trajectory) -> float:
@@ -247,8 +243,3 @@ def impact_speed(run: Trajectory) -> float:
         point_y_rate = y_rate + tilt_rate * (edge - x)
         rates.append(point_x_rate * math.sin(tilt) - point_y_rate * math.cos(tilt))
     return float(max(rates, default=0.0))
-
-
-def _of(statistic: object, values: NDArray[np.float64]) -> float:
-    finite = values[np.isfinite(values)]
-    return float(statistic(finite)) if finite.size else math.nan  # type: ignore[operator]

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from model.events.insertion import INSERTION
-from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters, check_name
+from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.study.config import load_study, study_path
 from model.study.devices import StatedDevice
-from model.study.devices.batches import Values, devices_of
+from model.study.devices.batches import Values, by_settings, devices_of, rows_of
 from model.study.devices.stated import QUANTITIES
 from model.study.maps.starts import Starts, every_start, starts_of
 
@@ -55,23 +55,13 @@ def from_every_start(
     settings: Settings,
     cores: int = 1,
 ) -> tuple[dict[str, NDArray[Any]], list[Units]]:
-    """Return ``every_start`` of devices with these values, and the units of those in SI units.
-
-    Raises:
-        ValueError: a value outside its rule.
-    """
-    if isinstance(device, Parameters):
-        return every_start(Batch.of(device, **values), starts, settings, cores), []
+    """Return ``every_start`` of devices with these values, and the units of those in SI units."""
     devices, units = devices_of(device, values)
-    # A horizon or depth in SI units differs between devices of different units.
-    alike: dict[tuple[float, float | None], tuple[Settings, list[int]]] = {}
-    for i, each in enumerate(units):
-        own = device.run_settings(settings, each)
-        alike.setdefault((own.horizon, own.insertion_depth), (own, []))[1].append(i)
+    if isinstance(device, Parameters):
+        return every_start(devices, starts, settings, cores), units
     results: dict[str, NDArray[Any]] = {}
-    for own, rows in alike.values():
-        batch = Batch({name: column[rows] for name, column in devices.values.items()})
-        for name, column in every_start(batch, starts, own, cores).items():
+    for own, rows in by_settings(device, settings, units).items():
+        for name, column in every_start(rows_of(devices, rows), starts, own, cores).items():
             whole = results.setdefault(name, np.empty((len(devices), len(starts)), column.dtype))
             whole[rows] = column
     return results, units
@@ -80,11 +70,7 @@ def from_every_start(
 def run_devices(
     stated: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
 ) -> DeviceResults:
-    """Run devices with these quantities (SI units, each of shape (n,)) from every start.
-
-    Raises:
-        ValueError: a quantity outside its rule.
-    """
+    """Run devices with these quantities (SI units, each of shape (n,)) from every start."""
     results, units = from_every_start(stated, values, starts, settings, cores)
     goes_in = results["goes_in"]
     times = np.where(goes_in, results["tau_align"], np.nan)
@@ -110,9 +96,6 @@ def are_reliable(
     """Return a mask of the devices that go in from all starts, shape (n,).
 
     Most starts are tried only where a few of them succeed.
-
-    Raises:
-        ValueError: a value outside its rule.
     """
 
     def succeed(values: Values, starts: Starts) -> NDArray[np.bool_]:

@@ -191,12 +191,7 @@ def interval(successes: int, count: int) -> tuple[float, float]:
 
 
 def sobol_indices_of(
-    stated: StatedDevice,
-    starts: Starts,
-    settings: Settings,
-    cores: int = 1,
-    *,
-    seed: int = 0,
+    stated: StatedDevice, starts: Starts, settings: Settings, cores: int = 1, *, seed: int = 0
 ) -> tuple[SobolIndices, ...]:
     """Return the indices of every quantity with a tolerance, the largest total of failure first.
 

@@ -147,7 +147,7 @@ def _of_figures(
 ) -> Parts:
     """Return the number of each figure; without ``needs_all``, figures may lack a dataset."""
     needed = needs_all or len(figures) == 1
-    used = [name for name in figures if needed or data.has(name)]
+    used = [name for name in figures if needed or name in data.datasets]
     if not used:
         raise MissingDataError(f"there is no dataset of {', '.join(figures)}")
     return {
@@ -216,26 +216,18 @@ def _demanded(must: str | Mapping[str, Any], named: Mapping[str, Limit]) -> Limi
 
 def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Claim:
     (kind,) = set(_KINDS) & set(stated)
-    place, statement = stated.pop(kind), stated.pop("statement")
+    said = (name, stated.pop(kind), _KINDS[kind], stated.pop("statement"))
     if "unmeasured" in stated:
         limit = Limit(math.nan, True, 1.0, stated.pop("unmeasured"))
-        claim = Claim(name, place, _KINDS[kind], statement, (), "", limit, None)
+        claim = Claim(*said, (), "", limit, None)
     else:
         arguments = dict(stated.pop("check"))
         limit = _demanded(arguments.pop("must"), named)
         figures = arguments.pop("figures")
         figures = EVERY_FIGURE if figures == "every figure" else tuple(figures)
-        claim = Claim(
-            id=name,
-            place=place,
-            kind=_KINDS[kind],
-            statement=statement,
-            figures=figures,
-            measure=stated.pop("measure"),
-            limit=limit,
-            compares=arguments["number"] in OF_CLAIM,
-            check=_check_of(arguments.pop("number"), figures, arguments),
-        )
+        number = arguments.pop("number")
+        check = _check_of(number, figures, arguments)
+        claim = Claim(*said, figures, stated.pop("measure"), limit, check, number in OF_CLAIM)
     if stated:
         raise ValueError(f"unknown {', '.join(stated)}")
     return claim

@@ -12,6 +12,7 @@ import numpy as np
 from model.study.claims.data import NAN, Array, Curve, Data, MissingDataError
 from model.study.claims.measures import (
     asymmetry,
+    by_name,
     growth,
     mean,
     median,
@@ -25,13 +26,9 @@ from model.study.claims.measures import (
 Parts = Mapping[str, float]
 
 
-def _spread_of_known(_values: Array, numbers: Array) -> float:
-    return spread(numbers) if int(np.isfinite(numbers).sum()) >= 2 else NAN
-
-
 _ACROSS: Mapping[str, Callable[[Array, Array], float]] = {
     "trend": trend,
-    "spread": _spread_of_known,
+    "spread": lambda _, numbers: spread(numbers) if np.isfinite(numbers).sum() >= 2 else NAN,
 }
 
 
@@ -116,16 +113,15 @@ def relative_slope_elsewhere(
     """
 
     def slope_in(curves: str, x: str) -> float:
-        return mean([_relative_slope(c.within(x)) for c in data.curves(figure, curves)])
+        return mean([
+            ratio(slope(part.x, part.tau), median(part.tau))
+            for part in (curve.within(x) for curve in data.curves(figure, curves))
+        ])  # fmt: skip
 
     here = slope_in(curves, x)
     return {
         f"than for {words}": asymmetry(here, slope_in(**there)) for words, there in than.items()
     }
-
-
-def _relative_slope(curve: Curve) -> float:
-    return ratio(slope(curve.x, curve.tau), median(curve.tau))
 
 
 def tilt_gained(data: Data, figure: str, curve: float, x: str, over: str) -> float:
@@ -189,11 +185,8 @@ def _shape_distance(first: Curve, second: Curve) -> float:
     return float(np.sqrt((distance**2).mean()))
 
 
-OF_CLAIM: Mapping[str, Callable[..., Parts | float]] = {
-    number.__name__: number
-    for number in (
-        across, motion_of_tilted_part, way_without_asymmetry, decades_by_tilt, reach_over_clearance,
-        aligned_at, growth_by_family, relative_slope_elsewhere, tilt_gained, spread_over_that_of,
-        deepest_minimum, least_distance_in_shape,
-    )
-}  # fmt: skip
+OF_CLAIM: Mapping[str, Callable[..., Parts | float]] = by_name(
+    across, motion_of_tilted_part, way_without_asymmetry, decades_by_tilt, reach_over_clearance,
+    aligned_at, growth_by_family, relative_slope_elsewhere, tilt_gained, spread_over_that_of,
+    deepest_minimum, least_distance_in_shape,
+)  # fmt: skip

@@ -190,19 +190,6 @@ class MapGrid:
     regular: Flags
     tau: Array
 
-    @cached_property
-    def largest_area(self) -> float:
-        """Share of the aligning cells that lie in the largest connected area.
-
-        Sensitive cells connect areas and are not counted.
-        """
-        count = int((self.aligned & self.regular).sum())
-        if count == 0:
-            return 0.0
-        areas, number = ndimage.label(self.aligned | ~self.regular)
-        sizes = np.bincount(areas[self.aligned & self.regular], minlength=number + 1)
-        return float(sizes.max() / count)
-
     def safe(self, reach: float) -> Flags:
         """Return flags of the cells around which all cells align, shape (y, x).
 
@@ -241,12 +228,8 @@ class Data:
     """
 
     def __init__(self, datasets: "Mapping[str, xr.Dataset]") -> None:
-        self._datasets = datasets
+        self.datasets = datasets
         self._views: dict[tuple[str, str], object] = {}
-
-    def has(self, name: str) -> bool:
-        """Return whether there is a dataset of this name."""
-        return name in self._datasets
 
     def dataset(self, name: str) -> "xr.Dataset":
         """Return a dataset.
@@ -254,9 +237,9 @@ class Data:
         Raises:
             MissingDataError: there is none of this name. The views below raise it as well.
         """
-        if name not in self._datasets:
+        if name not in self.datasets:
             raise MissingDataError(f"there is no dataset {name}")
-        return self._datasets[name]
+        return self.datasets[name]
 
     def _view(self, name: str, make: "Callable[[xr.Dataset], Read]") -> Read:
         key = (name, make.__name__)

@@ -136,9 +136,5 @@ def ledger_text(lines: Iterable[Line]) -> str:
 
 
 def read_ledger(path: Path) -> list[Line]:
-    """Return the rows of a file ``claims.csv``.
-
-    Raises:
-        TableError: a file that is missing, empty, or not a ledger.
-    """
+    """Return the rows of a file ``claims.csv``."""
     return read_records(path, "claims", Line)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy import ndimage
 
 from model.study.claims.data import NAN, Array, Curve, Data, MapGrid, Points, SampledRun, Where
 
@@ -130,35 +131,10 @@ def trend_along(
     return abs(value) if strength else value
 
 
-def share(curve: Curve, of: Where, among: Where | None = None) -> float:
-    """Return the share of the points in ``among`` that lie in ``of``."""
-    return curve.share(of, among)
-
-
-def share_not_aligned(curve: Curve, among: Where) -> float:
-    """Return the share of the points in ``among`` that do not align."""
-    return 1.0 - curve.share({"aligned": 1}, among)
-
-
-def smaller_share_of_curve(curve: Curve) -> float:
-    """Return the share of the points that align, or that do not, whichever is smaller."""
-    return smaller_share(curve)
-
-
 def usual_ratio(curve: Curve, of: str, among: Where, over: Where) -> float:
     """Return the median of a column over the points in ``among``, over that in ``over``."""
     values = curve.column(of)
     return ratio(median(values[curve.at(among)]), median(values[curve.at(over)]))
-
-
-def spread_along(curve: Curve) -> float:
-    """Return the spread of the duration along x."""
-    return spread(curve.tau)
-
-
-def slope_along(curve: Curve) -> float:
-    """Return the slope of the duration over x."""
-    return slope(curve.x, curve.tau)
 
 
 def steeper_rise(curve: Curve, within: str, than: str) -> float:
@@ -212,16 +188,6 @@ def bump(curve: Curve, begins: str, width: float) -> float:
     return float((size / tau[i]).max())
 
 
-def explained_by_line(curve: Curve) -> float:
-    """Return the share of the variance along x that a straight line explains."""
-    return explained(np.array([np.ones(curve.x.size), curve.x]), curve.tau)
-
-
-def explained_by_inverse(curve: Curve) -> float:
-    """Return the share of the variance along x that a multiple of 1/x explains."""
-    return explained(np.array([1.0 / curve.x]), curve.tau)
-
-
 def best(curve: Curve, reach: float) -> float:
     """Return the median x of the points whose duration is at most ``reach`` times the least."""
     if not curve.aligned.any():
@@ -233,19 +199,9 @@ def best(curve: Curve, reach: float) -> float:
 # --- Of one figure ------------------------------------------------------------------------------
 
 
-def share_of_runs(points: Points, of: Where, among: Where | None = None) -> float:
-    """Return the share of the runs in ``among`` that lie in ``of``."""
-    return points.share(of, among)
-
-
 def usual(points: Points, of: str) -> float:
     """Return the median magnitude of a column over the runs that align."""
     return median(np.abs(points.column(of, aligned=True)))
-
-
-def least_aligned(curves: Sequence[Points]) -> float:
-    """Return the share of the points that align, for the curve where it is least."""
-    return min(points.share({"aligned": 1}) for points in curves)
 
 
 def smaller_share(points: Points) -> float:
@@ -263,13 +219,14 @@ def usual_delay(points: Points) -> float:
 
 
 def largest_area(grid: MapGrid) -> float:
-    """Return the share of the aligning cells that lie in the largest connected area."""
-    return grid.largest_area
+    """Return the share of the aligning cells that lie in the largest connected area.
 
-
-def safe_share(grid: MapGrid, reach: float) -> float:
-    """Return the share of the safe cells; see ``MapGrid.safe``."""
-    return float(grid.safe(reach).mean())
+    Sensitive cells connect areas and are not counted.
+    """
+    sure = grid.aligned & grid.regular
+    areas, number = ndimage.label(grid.aligned | ~grid.regular)
+    sizes = np.bincount(areas[sure], minlength=number + 1)
+    return float(sizes.max() / sizes.sum()) if sure.any() else 0.0
 
 
 def rows_with_safe_cells(grid: MapGrid, reach: float, until: float) -> float:
@@ -314,27 +271,43 @@ def relative_deviation_of_force(run: SampledRun) -> float:
     return float(run.force.std() / mean_force) if mean_force > 0.0 else NAN
 
 
-def fall_of_force(run: SampledRun) -> float:
-    """Return ``SampledRun.fall`` of a run that aligns."""
-    return run.fall if run.aligned else NAN
-
-
 # --- By name ------------------------------------------------------------------------------------
 
-_CURVES = (
-    trend_along, share, share_not_aligned, smaller_share_of_curve, usual_ratio, spread_along,
-    slope_along, steeper_rise, steeper_fall_at_first, longer_at_first, growth, bump,
-    explained_by_line, explained_by_inverse, best,
-)  # fmt: skip
-_FIGURES: Sequence[tuple[View, Sequence[Number]]] = (
-    (Data.points, (share_of_runs, usual, smaller_share, usual_delay)),
-    (Data.drawn, (least_aligned,)),
-    (Data.map_grid, (largest_area, safe_share, rows_with_safe_cells, trend_along_rows,
-                  shift_of_last_aligned)),
-    (Data.sampled_run, (trend_over_time, relative_deviation_of_force, fall_of_force)),
-)  # fmt: skip
-OF_CURVE: Mapping[str, Number] = {number.__name__: number for number in _CURVES}
+
+def by_name(*numbers: Callable[..., Any]) -> dict[str, Callable[..., Any]]:
+    """Return functions by their names."""
+    return {number.__name__: number for number in numbers}
+
+
+OF_CURVE: Mapping[str, Number] = {
+    **by_name(
+        trend_along, usual_ratio, steeper_rise, steeper_fall_at_first, longer_at_first, growth,
+        bump, best,
+    ),
+    "share": Curve.share,
+    "smaller_share_of_curve": smaller_share,
+    "spread_along": lambda curve: spread(curve.tau),
+    "slope_along": lambda curve: slope(curve.x, curve.tau),
+    # Share of the variance along x that a straight line, or a multiple of 1/x, explains.
+    "explained_by_line": lambda curve: explained(np.array([curve.x**0, curve.x]), curve.tau),
+    "explained_by_inverse": lambda curve: explained(np.array([1.0 / curve.x]), curve.tau),
+}  # fmt: skip
+_OF_VIEW: Mapping[View, Mapping[str, Number]] = {
+    Data.points: {"share_of_runs": Points.share, **by_name(usual, smaller_share, usual_delay)},
+    # The share of the points that align, for the curve where it is least.
+    Data.drawn: {
+        "least_aligned": lambda curves: min(each.share({"aligned": 1}) for each in curves)
+    },
+    Data.map_grid: {
+        "safe_share": lambda grid, reach: float(grid.safe(reach).mean()),
+        **by_name(largest_area, rows_with_safe_cells, trend_along_rows, shift_of_last_aligned),
+    },
+    Data.sampled_run: {
+        "fall_of_force": lambda run: run.fall if run.aligned else NAN,
+        **by_name(trend_over_time, relative_deviation_of_force),
+    },
+}
 # By name: the view of a dataset that the function takes, and the function.
 OF_FIGURE: Mapping[str, tuple[View, Number]] = {
-    number.__name__: (view, number) for view, numbers in _FIGURES for number in numbers
+    name: (view, number) for view, numbers in _OF_VIEW.items() for name, number in numbers.items()
 }

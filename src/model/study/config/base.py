@@ -29,22 +29,14 @@ def parameter_name(name: str) -> str:
 
 
 def parameter_names(values: dict[str, Value]) -> dict[str, Value]:
-    """Return values by names of parameters.
-
-    Raises:
-        ValueError: as ``parameter_name``.
-    """
+    """Return values by names of parameters."""
     for name in values:
         parameter_name(name)
     return values
 
 
 def check_rising(low: tuple[str, float], high: tuple[str, float]) -> None:
-    """Refuse two named values unless the first is smaller.
-
-    Raises:
-        ValueError: naming both.
-    """
+    """Refuse two named values unless the first is smaller."""
     if not low[1] < high[1]:
         raise ValueError(f"{low[0]} = {low[1]} must be smaller than {high[0]} = {high[1]}")
 
@@ -65,12 +57,7 @@ def _power_of_two(value: int) -> int:
 class Strict(BaseModel):
     """A section that refuses unknown keys and values of another type."""
 
-    model_config = ConfigDict(
-        extra="forbid",
-        frozen=True,
-        strict=True,
-        allow_inf_nan=False,
-    )
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 ParameterName = Annotated[str, AfterValidator(parameter_name)]

@@ -7,15 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, model_validator
 
-from model.study.config.base import (
-    Axis,
-    Family,
-    ParameterValues,
-    PowerOfTwo,
-    Span,
-    Strict,
-    Text,
-)
+from model.study.config.base import Axis, Family, ParameterValues, PowerOfTwo, Span, Strict, Text
 
 SCHEMATICS = ("fig01", "fig02", "fig03", "fig04")
 HISTORIES = ("fig05",)

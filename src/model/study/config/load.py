@@ -115,11 +115,7 @@ def read_study(path: Path) -> dict[str, Any]:
 
 
 def load_study(path: Path) -> Study:
-    """Return the study in the YAML file ``path`` and those beside it, checked.
-
-    Raises:
-        ConfigError: a file that cannot be read, is not YAML, or breaks a rule.
-    """
+    """Return the study in the YAML file ``path`` and those beside it, checked."""
     return check_study(read_study(path), str(path))
 
 

@@ -5,18 +5,10 @@ from pydantic import model_validator
 from model.physics.parameters import Parameters, check_name
 from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Strict, Text
-from model.study.config.claims import ClaimRun
-from model.study.config.figures import (
-    FIGURES,
-    MAPS,
-    FigureSpec,
-    Map,
-    Maps,
-    Plane,
-)
+from model.study.config.figures import FIGURES, MAPS, FigureSpec, Map, Maps, Plane
 from model.study.config.identification import Identification
-from model.study.config.jamming import Jamming
 from model.study.config.methods import HardCases, Precision
+from model.study.config.runs import ClaimRun, Jamming
 from model.study.config.settings import RunSettings
 
 
@@ -74,11 +66,7 @@ class Study(Strict):
         return self.baseline.replace(**self.figures[figure].held)
 
     def plane(self, name: str) -> Plane | Map:
-        """Return the ranges and wording of a map, which is a figure or one of ``maps.planes``.
-
-        Raises:
-            ValueError: there is no map of this name.
-        """
+        """Return the ranges and wording of a map, which is a figure or one of ``maps.planes``."""
         check_name(name, self.map_names, "map")
         plane = self.maps.planes.get(name) or self.figures[name]
         assert isinstance(plane, (Plane, Map)), name  # noqa: S101  (checked with the figures)

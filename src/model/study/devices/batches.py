@@ -1,26 +1,29 @@
 """Many devices at once: those of a file with some quantities changed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import FIELDS, Batch, Parameters
 from model.physics.units import Units
+from model.runs.settings import Settings
 from model.study.devices.stated import StatedDevice
 
 Values = Mapping[str, NDArray[np.float64]]
 """Quantities that vary together, each of shape (n,)."""
 
 
-def devices_of(stated: StatedDevice, values: Values) -> tuple[Batch, list[Units]]:
-    """Return parameters and units of the devices with these quantities in SI units.
+def devices_of(stated: Parameters | StatedDevice, values: Values) -> tuple[Batch, list[Units]]:
+    """Return parameters of the devices with these quantities, and units of those in SI units.
 
     A value that is the device's own is no change: what is computed from others still is.
 
     Raises:
         ValueError: a quantity outside its rule.
     """
+    if isinstance(stated, Parameters):
+        return Batch.of(stated, **values), []
     nothing_follows = stated.materials is None and "restitution" not in stated.quantities
     if nothing_follows and all(name in FIELDS for name in values):
         units = stated.units
@@ -34,8 +37,19 @@ def devices_of(stated: StatedDevice, values: Values) -> tuple[Batch, list[Units]
     return Batch.stack([one.parameters for one in each]), [one.units for one in each]
 
 
-def batch_of(device: Parameters | StatedDevice, values: Values) -> Batch:
-    """Return the parameters of devices with these values."""
-    if isinstance(device, Parameters):
-        return Batch.of(device, **values)
-    return devices_of(device, values)[0]
+def rows_of(batch: Batch, rows: Sequence[int] | NDArray[np.int64]) -> Batch:
+    """Return the parameter sets in some rows of a batch."""
+    return Batch({name: column[rows] for name, column in batch.values.items()})
+
+
+def by_settings(
+    stated: StatedDevice, settings: Settings, units: Sequence[Units]
+) -> dict[Settings, list[int]]:
+    """Return the rows of the devices with these units by the settings of their runs.
+
+    A horizon or depth in SI units differs between devices of different units.
+    """
+    rows: dict[Settings, list[int]] = {}
+    for row, each in enumerate(units):
+        rows.setdefault(stated.run_settings(settings, each), []).append(row)
+    return rows

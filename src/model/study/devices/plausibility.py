@@ -36,21 +36,13 @@ _FREQUENCIES = {"lateral": (0.033, 3.3), "tilt": (0.1, 8.0)}
 
 
 def check_press(force: float) -> None:
-    """Refuse a press force in N that is not > 0.
-
-    Raises:
-        ValueError: naming the value and the rule.
-    """
+    """Refuse a press force in N that is not > 0."""
     if not force > 0.0:
         raise ValueError(f"press_force = {force!r}: must be > 0, or nothing presses the part")
 
 
 def check_place(quantities: Mapping[str, float]) -> None:
-    """Refuse quantities in SI units with which the part starts inside the hole.
-
-    Raises:
-        ValueError: the misalignment is within the play.
-    """
+    """Refuse quantities in SI units with which the part starts inside the hole."""
     play = quantities["clearance"] * quantities["half_width"]
     if not quantities["misalignment"] > play:
         raise ValueError(

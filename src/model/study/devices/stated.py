@@ -198,11 +198,13 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             quantities={**values, **changed},
             tolerances={**tolerances, **others},
             materials=None if materials is None else str(materials),
-            free=_ranges(mapping.get("free", {})),
-            limits=_limits(mapping.get("limits", {})),
+            free={n: read_range(n, v, unit_of(n)) for n, v in _section("free", mapping)},
+            limits=_limits(mapping),
             changes=dict(changes),
-            start=_start(mapping.get("start")),
+            start=mapping.get("start"),
         )
+        if stated.start is not None:
+            check_name(str(stated.start), get_args(Start), "start")
         # Refuses unknown and missing quantities, before anything is computed from them.
         device(with_damping({n: v for n, v in stated.quantities.items() if n not in BASE}))
         stated.admitted({})
@@ -266,26 +268,16 @@ def _amounts(given: Mapping[str, object]) -> tuple[dict[str, float], dict[str, T
     return {name: each.value for name, each in amounts.items()}, tolerances
 
 
-def _section(name: str, given: object) -> Mapping[str, object]:
+def _section(name: str, mapping: Mapping[str, Any]) -> Iterable[tuple[str, object]]:
+    given = mapping.get(name, {})
     if not isinstance(given, dict):
         raise ValueError(f"{name} = {given!r}: must be lines of NAME: VALUE")  # noqa: TRY004
-    return {str(key): value for key, value in given.items()}
+    return [(str(key), value) for key, value in given.items()]
 
 
-def _ranges(given: object) -> dict[str, tuple[float, float]]:
-    section = _section("free", given)
-    return {name: read_range(name, value, unit_of(name)) for name, value in section.items()}
-
-
-def _start(given: Any) -> Start | None:
-    if given is not None:
-        check_name(str(given), get_args(Start), "start")
-    return given
-
-
-def _limits(given: object) -> dict[str, float]:
+def _limits(mapping: Mapping[str, Any]) -> dict[str, float]:
     limits = {}
-    for name, value in _section("limits", given).items():
+    for name, value in _section("limits", mapping):
         check_name(name, (*LIMITS, "vibration"), "limit of a design")
         if name == "vibration":
             if value not in VIBRATION:

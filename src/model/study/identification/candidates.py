@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS, Batch
@@ -24,6 +23,7 @@ from model.study.claims.data import Data
 from model.study.claims.ledger import Judgement, judge_claim
 from model.study.claims.regime import regime_of
 from model.study.config.identification import Aims, Grid, Problem
+from model.study.devices.batches import rows_of
 from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
 from model.study.sweep import Columns, Sweep, dataset_of, merge, run
 
@@ -112,48 +112,36 @@ def datasets_of(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[xr.Data
     Runs of the claims have no unvibrated controls, which none of their claims reads.
     """
     gridded = [each for each in sweeps if each.dimensions and each.figure not in TRACKED]
-    batches = [each.batch(np.arange(math.prod(each.shape))) for each in gridded]
-    columns = iter(_columns(gridded, batches, figures)) if gridded else iter(())
+    columns = iter(_columns(gridded, figures) if gridded else ())
     return [
-        dataset_of(each, "", next(columns))
-        if each.dimensions and each.figure not in TRACKED
-        else merge(each, "", [run(each)])
+        dataset_of(each, "", next(columns)) if each in gridded else merge(each, "", [run(each)])
         for each in sweeps
     ]
 
 
-def _columns(
-    sweeps: Sequence[Sweep], batches: list[Batch], figures: Sequence[str]
-) -> list[Columns]:
-    ends = np.cumsum([len(batch) for batch in batches])
-    together, settings = _joined(batches), sweeps[0].settings.settings
+def _columns(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[Columns]:
+    batches = [each.batch(np.arange(math.prod(each.shape))) for each in sweeps]
+    ends, settings = np.cumsum([len(each) for each in batches]), sweeps[0].settings.settings
+    together = Batch({n: np.concatenate([each.values[n] for each in batches]) for n in FIELDS})
     # In a drawn order the long runs do not come together, and few lanes idle at the end.
     order = np.random.default_rng(0).permutation(len(together))
-    found = run_once(_rows(together, order), settings)
+    found = run_once(rows_of(together, order), settings)
     back = np.argsort(order)
     columns = {name: found[name][back] for name in found}
-    size = len(together)
-    columns["sensitive"] = np.zeros(size)
+    columns["sensitive"] = np.zeros(len(together))
     of_figures = np.repeat([each.figure in figures for each in sweeps], np.diff(ends, prepend=0))
     needed = np.flatnonzero(of_figures & (columns["outcome"] == Outcome.ALIGNED))
-    columns |= {"unvibrated": np.zeros(size), "unvibrated_tilt": np.full(size, math.nan)}
+    columns["unvibrated"] = np.zeros(len(together))
+    columns["unvibrated_tilt"] = np.full(len(together), math.nan)
     if needed.size:
         still = replace(settings, horizon=REST_HORIZON, tolerance=REST_TOLERANCE)
-        rest = unvibrated(_rows(together, needed), still)
+        rest = unvibrated(rows_of(together, needed), still)
         columns["unvibrated"][needed] = rest.outcome
         columns["unvibrated_tilt"][needed] = rest.tilt
     parts = {name: np.split(column, ends[:-1]) for name, column in columns.items()}
     return [
         {name: parts[name][row] for name in sweep.variables} for row, sweep in enumerate(sweeps)
     ]
-
-
-def _joined(batches: Sequence[Batch]) -> Batch:
-    return Batch({name: np.concatenate([each.values[name] for each in batches]) for name in FIELDS})
-
-
-def _rows(batch: Batch, rows: NDArray[np.int64]) -> Batch:
-    return Batch({name: column[rows] for name, column in batch.values.items()})
 
 
 # --- Judgement of a figure alone ------------------------------------------------------------------
@@ -294,11 +282,7 @@ def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choi
 
 
 def costs_alone(
-    space: Space,
-    figure: str,
-    made: Tried,
-    weight: float = 0.0,
-    shared: float = _SHARED_WEIGHT,
+    space: Space, figure: str, made: Tried, weight: float = 0.0, shared: float = _SHARED_WEIGHT
 ) -> Array:
     """Return the cost of each operating point of a figure judged alone, shape (t,), in claims.
 

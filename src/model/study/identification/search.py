@@ -63,15 +63,11 @@ class Found:
         kept: list[Array] = []
         for row in np.argsort(self.shortfalls, kind="stable"):
             point = self.points[row]
-            if all(_distance(point, each, places) >= apart for each in kept):
+            if all(np.abs(point - each)[places].max() >= apart for each in kept):
                 kept.append(point)
             if len(kept) == count:
                 break
         return np.array(kept)
-
-
-def _distance(point: Array, other: Array, places: slice) -> float:
-    return float(np.abs(point[places] - other[places]).max())
 
 
 def pool(space: Space, structures: int, stages: Sequence[Stage], part: int) -> Found:
@@ -228,14 +224,10 @@ def final(
     """Return the set with the ``number``-th best structure, and its datasets on the study's grids.
 
     Its operating points are chosen anew on these grids.
-
-    Raises:
-        LookupError: there are fewer structures that differ.
     """
-    where, random = space.places["structure"], _random(space, _FINAL, number)
-    point = _numbered(found, number, where)
+    where, point = space.places["structure"], _numbered(space, found, number)
     parents = _nearest(point[where], found.points, where)[:60]
-    made = judged(space, point[where], parents, stages, random)
+    made = judged(space, point[where], parents, stages, _random(space, _FINAL, number))
     assert made is not None  # noqa: S101  (without a limit none is given up)
     return made[0], _datasets(*made)
 
@@ -254,12 +246,9 @@ def polish(
         trials: number of steps.
         number: of the set, from 0.
         found: judged sets.
-
-    Raises:
-        LookupError: there are fewer structures that differ.
     """
     where, random = space.places["structure"], _random(space, _POLISH, number)
-    point = _numbered(found, number, where)
+    point = _numbered(space, found, number)
     unmoved = [stage.model_copy(update={"points": 1}) for stage in stages]
     best = judged(space, point[where], point[None], unmoved, random)
     assert best is not None  # noqa: S101  (without a limit none is given up)
@@ -274,9 +263,9 @@ def polish(
     return best[0], _datasets(*best)
 
 
-def _numbered(found: Found, number: int, where: slice) -> Array:
+def _numbered(space: Space, found: Found, number: int) -> Array:
     """Return the ``number``-th best of the sets whose structures differ, from 0."""
-    best = found.best(number + 1, _DIFFERENT, where)
+    best = found.best(number + 1, _DIFFERENT, space.places["structure"])
     if len(best) <= number:
         raise LookupError(
             f"only {len(best)} structures differ: lower final.sets and polish.sets, or search "

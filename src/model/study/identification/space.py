@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from model.engines.results import RESULTS
 from model.study.config.base import Axis, Family, Plan
-from model.study.config.claims import ClaimRun
 from model.study.config.identification import Grid, Problem
+from model.study.config.runs import ClaimRun
 from model.study.config.settings import RunSettings
-from model.study.sweep import TRACK_QUANTITIES, Sweep
+from model.study.sweep import TRACK_QUANTITIES, Sweep, sweep_of
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
@@ -163,15 +163,7 @@ def space_of(study: "Study") -> Space:
     """Return the search space of a study; another device of the study is no other search."""
     spec = study.identification
     stated = {**study.operating_point, **study.structure}
-    dimensions: dict[str, list[Axis | Family]] = {}
-    for name in spec.operating_points:
-        figure = study.figures[name]
-        dimensions[name] = []
-        if figure.kind == "curves":
-            dimensions[name] = [figure.family, figure.swept]
-        elif figure.kind == "map":
-            dimensions[name] = [figure.y, figure.x]
-    dimensions |= {name: [run.family, run.swept] for name, run in study.claims_runs.items()}
+    names = (*spec.operating_points, *study.claims_runs)
     # In a fixed order: Snakemake compares the texts of parameters, and a set's order changes.
     unknown = sorted({name for point in spec.operating_points.values() for name in point})
     fixed = {name: value for name, value in stated.items() if name not in {*unknown, *DEVICE}}
@@ -179,7 +171,7 @@ def space_of(study: "Study") -> Space:
         problem=Problem(**{name: getattr(spec, name) for name in Problem.model_fields}),
         # A figure sets every unknown, or sweeps it: then no run uses the 1 that stands for it here.
         fixed={**dict.fromkeys(unknown, 1.0), "rest_x": None, "rest_y": None, **fixed},
-        dimensions=dimensions,
+        dimensions={name: sweep_of(study, name).dimensions for name in names},
         runs=study.claims_runs,
         settings=study.settings,
     )

@@ -29,22 +29,14 @@ _SHORTFALL = "shortfall"
 def found_text(space: Space, found: Found) -> str:
     """Return sets as a table: the shortfall, and the value of every unknown."""
     rows = [
-        {_SHORTFALL: f"{short:.6g}"} | _written(space, point)
+        {_SHORTFALL: f"{short:.6g}"} | {name: f"{v:.9g}" for name, v in space.values(point).items()}
         for short, point in zip(found.shortfalls, found.points, strict=True)
     ]
     return csv_text((_SHORTFALL, *space.names), rows)
 
 
-def _written(space: Space, point: Array) -> dict[str, str]:
-    return {name: f"{value:.9g}" for name, value in space.values(point).items()}
-
-
 def read_found(space: Space, paths: Sequence[Path]) -> Found:
-    """Return the sets of tables.
-
-    Raises:
-        TableError: a file that is missing, or not such a table.
-    """
+    """Return the sets of tables."""
 
     def read(row: dict[str, str]) -> tuple[float, Array]:
         values = {name: float(text) for name, text in row.items()}

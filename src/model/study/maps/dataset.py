@@ -121,11 +121,7 @@ def part_counts(nodes: MapNodes) -> dict[str, int]:
 
 
 def read_parts(plan: MapPlan, paths: Sequence[Path]) -> MapNodes:
-    """Return the nodes of all parts of a map.
-
-    Raises:
-        DatasetError: as ``read_pieces``.
-    """
+    """Return the nodes of all parts of a map."""
     nodes = MapNodes(plan)
     for stored in read_pieces("part", paths, plan.name, plan.identity):
         for step, store in nodes.steps().items():
@@ -189,11 +185,7 @@ def map_dataset(
         for name in [each for each in variables if each.startswith("tau_")]:
             known = variables[name][2] | {"units": TIME.unit}
             variables[name] = (dims, values[name] * time, known)
-    return xr.Dataset(
-        variables,
-        dict(sorted(coordinates.items())),
-        attributes,
-    )
+    return xr.Dataset(variables, dict(sorted(coordinates.items())), attributes)
 
 
 def map_counts(dataset: xr.Dataset) -> dict[str, int]:

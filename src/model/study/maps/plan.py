@@ -18,7 +18,7 @@ from model.runs.settings import Settings
 from model.study.config.base import Axis, Plan, Span, check_plane
 from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Ensemble
 from model.study.config.settings import RunSettings
-from model.study.devices.batches import devices_of
+from model.study.devices.batches import by_settings, devices_of, rows_of
 from model.study.devices.stated import QUANTITIES, StatedDevice
 from model.study.maps.lattice import Floats, Ints, Lattice
 from model.study.maps.starts import starts_of
@@ -125,15 +125,11 @@ class MapPlan(Plan):
             yield slice(None), Batch.of(self.baseline, **values, **starts), settings
             return
         nodes, which = np.unique(np.stack([rows, columns]), axis=1, return_inverse=True)
-        which = which.reshape(-1)
         batch, units = devices_of(self.device, self.swept(*nodes))
-        own = [self.device.run_settings(settings, each) for each in units]
-        alike = {(each.horizon, each.insertion_depth): each for each in own}
-        for key, each in alike.items():
-            mine = np.array([(one.horizon, one.insertion_depth) == key for one in own])
-            place = np.flatnonzero(mine[which])
-            chosen = {name: column[which[place]] for name, column in batch.values.items()}
-            yield place, Batch(chosen | {n: v[place] for n, v in starts.items()}), each
+        for own, mine in by_settings(self.device, settings, units).items():
+            place = np.flatnonzero(np.isin(which, mine))
+            chosen = rows_of(batch, which.reshape(-1)[place]).values
+            yield place, Batch({**chosen, **{n: v[place] for n, v in starts.items()}}), own
 
     @property
     def lattice(self) -> Lattice:
@@ -160,11 +156,7 @@ class MapPlan(Plan):
 
 
 def map_plan(study: "Study", name: str) -> MapPlan:
-    """Return the map ``name`` of a study.
-
-    Raises:
-        ValueError: there is no such map.
-    """
+    """Return the map ``name`` of a study."""
     plane = study.plane(name)
     resolution = study.maps.resolution
     return plan_of(
@@ -190,9 +182,6 @@ def plan_of(
 
     The spans of a ``device`` are in SI units. A map over the phase or the initial tilt has no
     ensemble, because the ensemble varies these.
-
-    Raises:
-        ValueError: as ``MapPlan``.
     """
     type_of_axis = Axis if device is None else QuantityAxis
     x, y = (

@@ -1,4 +1,4 @@
-"""Runs that only the claims need."""
+"""Runs besides the figures: those that only the claims need, and jamming in the slot."""
 
 from pydantic import Field
 
@@ -25,3 +25,18 @@ class ClaimRun(Strict):
         """Return the values that differ from the figure's, for a part of these sizes."""
         centred = {"misalignment": half_width * (1.0 + clearance)} if self.centred else {}
         return {**self.held, **centred}
+
+
+class Jamming(Strict):
+    """Runs with the contacts inside the slot; see model/study/sweep.py."""
+
+    title: Text
+    """Title of the figure."""
+    held: ParameterValues = Field(default_factory=dict)
+    """Parameters held at other values than the operating point's."""
+    clearance: Family
+    """Clearances, a panel each."""
+    tilt_stiffness: Axis
+    """Tilt stiffness; it varies the tilt at entry."""
+    friction: Axis
+    """Friction."""
