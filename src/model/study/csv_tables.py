@@ -75,7 +75,11 @@ def records_text(
 
 
 def read_records(path: Path, what: str, kind: type[Row]) -> list[Row]:
-    """Return the records of a file that ``records_text`` made; missing columns take defaults."""
+    """Return the records of a file that ``records_text`` made; missing columns take defaults.
+
+    Raises:
+        TableError: the file is missing or no such table.
+    """
 
     def value(text: str, of: Any) -> Any:
         return of[text.upper()] if issubclass(of, IntEnum) else of(text)

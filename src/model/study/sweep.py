@@ -169,6 +169,9 @@ def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dat
     """Run one chunk of a sweep; return its variables over ``point``, the flat index into the grid.
 
     Variables of a trajectory have the dimension ``sample``.
+
+    Raises:
+        ValueError: ``chunk`` is not below ``chunks``.
     """
     points = points_of_chunk(int(np.prod(sweep.shape)), chunk, chunks)
     found = _computed(sweep, sweep.batch(points), cores)

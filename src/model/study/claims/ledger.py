@@ -136,5 +136,9 @@ def ledger_text(lines: Iterable[Line]) -> str:
 
 
 def read_ledger(path: Path) -> list[Line]:
-    """Return the rows of a file ``claims.csv``."""
+    """Return the rows of a file ``claims.csv``.
+
+    Raises:
+        TableError: a file that is missing, empty, or not a ledger.
+    """
     return read_records(path, "claims", Line)

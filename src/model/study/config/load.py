@@ -115,7 +115,11 @@ def read_study(path: Path) -> dict[str, Any]:
 
 
 def load_study(path: Path) -> Study:
-    """Return the study in the YAML file ``path`` and those beside it, checked."""
+    """Return the study in the YAML file ``path`` and those beside it, checked.
+
+    Raises:
+        ConfigError: a file that cannot be read, is not YAML, or breaks a rule.
+    """
     return check_study(read_study(path), str(path))
 
 

@@ -66,7 +66,11 @@ class Study(Strict):
         return self.baseline.replace(**self.figures[figure].held)
 
     def plane(self, name: str) -> Plane | Map:
-        """Return the ranges and wording of a map, which is a figure or one of ``maps.planes``."""
+        """Return the ranges and wording of a map, which is a figure or one of ``maps.planes``.
+
+        Raises:
+            ValueError: there is no map of this name.
+        """
         check_name(name, self.map_names, "map")
         plane = self.maps.planes.get(name) or self.figures[name]
         assert isinstance(plane, (Plane, Map)), name  # noqa: S101  (checked with the figures)

@@ -135,7 +135,11 @@ class MapNodes:
 
 
 def compute_part(plan: MapPlan, part: int = 0, parts: int = 1, *, cores: int = 1) -> MapNodes:
-    """Compute the nodes of a part that follow from its own cells alone."""
+    """Compute the nodes of a part that follow from its own cells alone.
+
+    Raises:
+        ValueError: ``part`` is not below ``parts``.
+    """
     if not 0 <= part < parts:
         raise ValueError(f"part = {part}: must be 0 to {parts - 1}")
     nodes = MapNodes(plan)

@@ -121,7 +121,11 @@ def part_counts(nodes: MapNodes) -> dict[str, int]:
 
 
 def read_parts(plan: MapPlan, paths: Sequence[Path]) -> MapNodes:
-    """Return the nodes of all parts of a map."""
+    """Return the nodes of all parts of a map.
+
+    Raises:
+        DatasetError: as ``read_pieces``.
+    """
     nodes = MapNodes(plan)
     for stored in read_pieces("part", paths, plan.name, plan.identity):
         for step, store in nodes.steps().items():

@@ -156,7 +156,11 @@ class MapPlan(Plan):
 
 
 def map_plan(study: "Study", name: str) -> MapPlan:
-    """Return the map ``name`` of a study."""
+    """Return the map ``name`` of a study.
+
+    Raises:
+        ValueError: there is no such map.
+    """
     plane = study.plane(name)
     resolution = study.maps.resolution
     return plan_of(
@@ -182,6 +186,9 @@ def plan_of(
 
     The spans of a ``device`` are in SI units. A map over the phase or the initial tilt has no
     ensemble, because the ensemble varies these.
+
+    Raises:
+        ValueError: as ``MapPlan``.
     """
     type_of_axis = Axis if device is None else QuantityAxis
     x, y = (
