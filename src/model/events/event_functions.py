@@ -37,7 +37,10 @@ LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q
 
 
 def on_both_sides(function: Callable[..., Any]) -> tuple[Any, Any]:
-    """Make the kernels that call ``function`` with an edge, RIGHT_EDGE and LEFT_EDGE, in front."""
+    """Make the kernels that call ``function`` with RIGHT_EDGE and with LEFT_EDGE in front.
+
+    numba packs starred arguments: kernels that are traced must not call these.
+    """
 
     def on(edge: float) -> Any:
         @inlined_kernel
@@ -123,7 +126,7 @@ def face_state(_time, q, p, mode):
     """``ContactState`` of the supporting edge on the bottom face."""
     face = edge_on_face(mode.edge, q, p)
     load = contact_load(face.depth, face.closing_rate, q, p)
-    return ContactState(face.depth, load, edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face)
+    return ContactState(face.depth, load, face.along)
 
 
 @inlined_kernel
@@ -143,16 +146,14 @@ def corner_state(_time, q, p, mode):
     corner = corner_on_flat(mode.edge, q, p)
     depth = corner.depth - mode.corner_offset
     load = contact_load(depth, corner.closing_rate, q, p)
-    corner_x, _ = bottom_corner(mode.edge, q.x, q.y, q.tilt, p)
-    return ContactState(depth, load, corner_x)
+    return ContactState(depth, load, -corner.along)
 
 
 @inlined_kernel
 def _wall_state(side, _time, q, p, _mode):
     corner = corner_on_wall(side, q, p)
     load = contact_load(corner.depth, corner.closing_rate, q, p)
-    _, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    return ContactState(corner.depth, load, corner_y)
+    return ContactState(corner.depth, load, side * corner.along)
 
 
 # ``ContactState`` of B1 on the right wall, of B2 on the left one.

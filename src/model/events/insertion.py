@@ -5,8 +5,8 @@ two points at most on either side of the slot: an edge on a side face, and the c
 the wall. Until alignment the two scenes have the same events.
 """
 
+from dataclasses import replace
 from math import sqrt
-from typing import Any
 
 from model.compile.jit import inlined_kernel, kernel
 from model.events import event_functions as functions
@@ -15,7 +15,7 @@ from model.events.event_functions import corner_positions, edge_inside, on_both_
 from model.events.outcomes import OUTCOME, REASON
 from model.events.scenes import CONTACT_NAMES, Scene
 from model.events.table import CONDITIONS, CONTACTS, Event, Source, changed, of_contact, state_is
-from model.events.transitions import decided, edge_enters, ends, touching
+from model.events.transitions import decided, edge_enters, ending, touching
 from model.physics.contacts import corner_on_wall, dot, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.modes import (
@@ -50,14 +50,15 @@ def _has_fallen_in(_p, mode):
     return mode.dropped and not mode.corners_inside
 
 
-def _before_fall(applies: Any) -> Any:
-    """Make the kernel (p, mode): as ``applies``, as long as the part has not fallen in."""
+def _before_fall(event: Event) -> Event:
+    """Return an event of one case so that it applies only before the part has fallen in."""
+    ((applies, function),) = event.function
 
     @inlined_kernel
     def applies_before(p, mode):
         return not mode.dropped and applies(p, mode)
 
-    return applies_before
+    return replace(event, function=((applies_before, function),))
 
 
 @inlined_kernel
@@ -129,11 +130,13 @@ def _right_edge_enters(time, q, p, mode, declared):
 
 
 @kernel
-def _corner_touches(side, time, q, p, mode):
+def _corner_touches(side, time, q, p, mode, _declared):
     """Begin the contact of a bottom corner with the wall on its side.
 
     An edge that passes its corner at a depth d leaves the corner d sin φ behind the wall.
     """
+    if side == RIGHT_EDGE and _stands_on(mode, LEFT_EDGE):
+        return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
     corner = corner_on_wall(side, q, p)
     state = touching(max(corner.depth, 0.0), corner, q, p)
     met = with_wall(mode, state)
@@ -142,18 +145,7 @@ def _corner_touches(side, time, q, p, mode):
     return decided(time, q, p, met, False, False)
 
 
-@inlined_kernel
-def _right_corner_touches(time, q, p, mode, _declared):
-    """``_corner_touches`` of B1."""
-    if _stands_on(mode, LEFT_EDGE):
-        return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
-    return _corner_touches(RIGHT_EDGE, time, q, p, mode)
-
-
-@inlined_kernel
-def _left_corner_touches(time, q, p, mode, _declared):
-    """``_corner_touches`` of B2."""
-    return _corner_touches(LEFT_EDGE, time, q, p, mode)
+_right_corner_touches, _left_corner_touches = on_both_sides(_corner_touches)
 
 
 @kernel
@@ -189,7 +181,7 @@ _AT_LEFT_WALL = transitions.of_contact(_left_wall_depth, with_wall)
 
 TABLE = (
     *CONDITIONS,
-    Event("inserted", table.PLACES, ((_is_in, functions.not_inserted),), ends(OUTCOME.INSERTED)),
+    Event("inserted", table.PLACES, ((_is_in, functions.not_inserted),), ending(OUTCOME.INSERTED)),
     # A bottom corner meets the slot's wall from inside.
     Event(
         "right_corner_touches", table.PLACES,
@@ -233,21 +225,8 @@ TABLE = changed(
     transition=_inside,
 )
 TABLE = changed(TABLE, "right_edge_enters", transition=_right_edge_enters)
-TABLE = changed(
-    TABLE,
-    "right_corner_lands",
-    function=((_before_fall(table.right_corner_is_free), functions.right_corner_above),),
-)
-TABLE = changed(
-    TABLE,
-    "left_corner_lands",
-    function=((_before_fall(table.left_corner_is_free), functions.left_corner_above),),
-)
-TABLE = changed(
-    TABLE,
-    "left_wall",
-    function=((_before_fall(table.left_corner_meets_wall), functions.left_corner_off_wall),),
-)
+_NOT_AFTER_FALL = "right_corner_lands", "left_corner_lands", "left_wall"
+TABLE = tuple(_before_fall(each) if each.name in _NOT_AFTER_FALL else each for each in TABLE)
 
 INSERTION = Scene("insertion", frozenset(CONTACT_NAMES), TABLE)
 """The alignment scene, continued in the slot: edges on both side faces, corners on both walls."""

@@ -62,8 +62,8 @@ class Reason(IntEnum):
     ON_EDGE = 18
 
 
-OUTCOME: Any = numbers("OUTCOME", Outcome.__members__)(*map(int, Outcome))
-REASON: Any = numbers("REASON", Reason.__members__)(*map(int, Reason))
+OUTCOME: Any = numbers("OUTCOME", [*Outcome.__members__])(*map(int, Outcome))
+REASON: Any = numbers("REASON", [*Reason.__members__])(*map(int, Reason))
 """``Outcome`` and ``Reason`` as plain integers by name, for kernels."""
 
 OUTCOME_TEXT: dict[Outcome, str] = {

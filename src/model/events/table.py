@@ -131,8 +131,7 @@ def _right_corner_meets_wall(_p, mode):
 
 
 @inlined_kernel
-def left_corner_meets_wall(_p, mode):
-    """Return whether B2 may run into the slot's wall from inside."""
+def _left_corner_meets_wall(_p, mode):
     return _no_corner(LEFT_EDGE, mode) and _no_face(LEFT_EDGE, mode)
 
 
@@ -197,13 +196,7 @@ def of_contact(
 ) -> Table:
     """Make the events of a contact that overlaps the base: load lost, gap opened, load returned.
 
-    Args:
-        name: name of the contact.
-        field: field of the mode that holds its normal state.
-        source: source of its ``ContactState``.
-        transition: its transitions.
-        force_on: see ``Event``.
-        in_slot: see ``state_is``.
+    ``field`` of the mode holds its normal state. See ``Event`` and, for ``in_slot``, ``state_is``.
     """
     presses, is_released = (state_is(field, state, in_slot) for state in (CLOSED, RELEASED))
     return (
@@ -253,7 +246,7 @@ CONDITIONS: Table = (
         transitions.right_wall, guard=_right_corner_first,
     ),
     Event(
-        "left_wall", PLACES, ((left_corner_meets_wall, functions.left_corner_off_wall),),
+        "left_wall", PLACES, ((_left_corner_meets_wall, functions.left_corner_off_wall),),
         transitions.left_wall, guard=_left_corner_first, start=-START_TOLERANCE,
     ),
 )  # fmt: skip

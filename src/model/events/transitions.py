@@ -51,7 +51,7 @@ def fallen_in(_time, _q, _p, mode, _declared):
     return with_drop(mode), OUTCOME.ALIGNED, REASON.NONE
 
 
-def ends(outcome: int, reason: int = REASON.NONE) -> Any:
+def ending(outcome: int, reason: int = REASON.NONE) -> Any:
     """Make the transition that ends the run."""
 
     @inlined_kernel
@@ -61,8 +61,8 @@ def ends(outcome: int, reason: int = REASON.NONE) -> Any:
     return end
 
 
-inside = ends(OUTCOME.ALIGNED)  # by the paper's corner conditions
-overturned = ends(OUTCOME.LEFT_SCENE, REASON.OVERTURNED)
+inside = ending(OUTCOME.ALIGNED)  # by the paper's corner conditions
+overturned = ending(OUTCOME.LEFT_SCENE, REASON.OVERTURNED)
 
 
 @kernel
@@ -167,11 +167,9 @@ class OfContact(NamedTuple):
 
 
 def of_contact(depth: Any, put: Any) -> OfContact:
-    """Make the transitions of a contact.
+    """Make the transitions of a contact of this ``depth`` (q, p, mode).
 
-    Args:
-        depth: kernel (q, p, mode) of its depth.
-        put: kernel (mode, state) that returns the mode with this normal state of the contact.
+    ``put`` (mode, state) returns the mode with another normal state of the contact.
     """
 
     @inlined_kernel

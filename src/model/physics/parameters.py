@@ -309,24 +309,24 @@ class Batch:
             lengths = ", ".join(f"{name}: {array.size}" for name, array in arrays.items())
             raise ValueError(f"swept parameters must have one common length, got {lengths}")
         size = sizes.pop()
-        values = {
+        columns = {
             name: arrays.get(name, np.full(size, getattr(baseline, name), dtype=np.float64))
             for name in PARAMETER_NAMES
         }
         for name in swept:
-            outside = ~FIELDS[name].admits(values[name])
+            outside = ~FIELDS[name].admits(columns[name])
             if outside.any():
                 row = int(np.argmax(outside))
                 raise ValueError(
-                    f"{name}[{row}] = {float(values[name][row])!r}: {FIELDS[name].rule}"
+                    f"{name}[{row}] = {float(columns[name][row])!r}: {FIELDS[name].rule}"
                 )
-        misplaced = _misplaced(values["half_width"], values["clearance"], values["misalignment"])
+        misplaced = _misplaced(columns["half_width"], columns["clearance"], columns["misalignment"])
         if misplaced.any():
             row = int(np.argmax(misplaced))
             raise ValueError(
-                f"misalignment[{row}] = {float(values['misalignment'][row])!r}: {_MISPLACED_RULE}"
+                f"misalignment[{row}] = {float(columns['misalignment'][row])!r}: {_MISPLACED_RULE}"
             )
-        return cls(values)
+        return cls(columns)
 
     @classmethod
     def stack(cls, parameters: Sequence[Parameters]) -> "Batch":

@@ -116,10 +116,8 @@ def _sliding(s, tilt, direction, share, first, p):
     start, h = tilt, _DIFFERENCE
     for _ in range(_ITERATIONS):
         at = _balance(s, tilt, share, first, p)
-        turned, moved = (
-            _balance(s, tilt + h, share, first, p),
-            _balance(s + h, tilt, share, first, p),
-        )
+        turned = _balance(s, tilt + h, share, first, p)
+        moved = _balance(s + h, tilt, share, first, p)
         slip = _slides_by(at, direction, p)
         m_tilt, m_s = (turned.moment - at.moment) / h, (moved.moment - at.moment) / h
         g_tilt = (_slides_by(turned, direction, p) - slip) / h

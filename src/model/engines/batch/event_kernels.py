@@ -28,7 +28,8 @@ from model.engines.batch.mode_kinds import (
     numbers_of,
 )
 from model.engines.batch.series import EventQuantities
-from model.engines.batch.series_kernels import errors_filler, series_filler, series_sampler
+from model.engines.batch.series_code import ErrorWriter, SeriesWriter
+from model.engines.batch.series_kernels import filler, series_sampler
 from model.engines.batch.series_layout import NODES, ORDER, ROWS, SINES
 from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
 from model.events.event_functions import NEVER, NOTHING
@@ -311,8 +312,8 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
     members = base.members | write.members | numbers
     members |= {
         "mode_of_lane": mode_of_lane,
-        "fill_series": series_filler(kinds, inserts),
-        "fill_errors": errors_filler(kinds, inserts),
+        "fill_series": filler("fill_series", SeriesWriter, kinds, inserts),
+        "fill_errors": filler("fill_errors", ErrorWriter, kinds, inserts),
         "sample_series": series_sampler(len(quantities)),
     }
     return GeneratedKernels(f"{base.name}-lanes", members, write.sources)

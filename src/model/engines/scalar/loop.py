@@ -230,12 +230,8 @@ def advance(scene, method, control, track, history, work, runs, i):
     runs[i, AT.rhs_evaluations] += 1 + (1 + rejected) * method.stages
     runs[i, AT.rejected] += rejected
     if h_step == 0.0:
-        fail(
-            scene,
-            runs,
-            i,
-            REASON.STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else REASON.NOT_FINITE,
-        )
+        reason = REASON.STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else REASON.NOT_FINITE
+        fail(scene, runs, i, reason)
         return
     dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
     runs[i, AT.rhs_evaluations] += method.c.size - method.stages - 1
@@ -261,12 +257,10 @@ def advance(scene, method, control, track, history, work, runs, i):
         sample_step(
             scene.events, time, h_step, part, y, work.dense, p, mode, work.nodes, work.samples
         )
-    force_so_far = (
-        runs[i, AT.contact_force_max] if is_counted(mode, p) else runs[i, AT.side_force_max]
-    )
+    so_far = AT.contact_force_max if is_counted(mode, p) else AT.side_force_max
     tilt, force = largest_in(
         scene.events, part, time, h_step, y, work.dense, p, mode, work.nodes, work.samples,
-        work.scratch, runs[i, AT.tilt_max], force_so_far,
+        work.scratch, runs[i, AT.tilt_max], runs[i, so_far],
     )  # fmt: skip
     note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
 
