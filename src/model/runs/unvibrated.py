@@ -43,16 +43,8 @@ def unvibrated(
 ) -> UnvibratedEnds:
     """Run the sets of ``batch`` without excitation, from the simultaneous start.
 
-    Sets that differ only in their excitation are run once.
-
-    Args:
-        batch: the vibrated runs.
-        settings: of the vibrated runs; within their horizon the part must come to rest.
-        cores: number of threads.
-        engine: "batch" or "scalar"; the fastest that fits by default.
-
-    Raises:
-        ValueError: an engine that does not fit.
+    Sets that differ only in their excitation are run once. ``settings`` are those of the vibrated
+    runs; within their horizon the part must come to rest. ``engine`` as in ``engine_for``.
     """
     still = np.zeros(len(batch))
     controls = Batch({**batch.values, "frequency": still, "phase": still})

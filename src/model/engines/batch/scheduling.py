@@ -330,15 +330,10 @@ def _step_together(events, kind, count, control, memory):
 def integrate_all(rows, tolerances, scene, method, control, queue, results, memory):
     """Run the parameter sets of a queue to their ends, many at a time.
 
-    Args:
-        rows: shape (n, constants), the fields of ``Constants``, consistent variants only.
-        tolerances: tolerance of each run, shape (n,).
-        scene: ``SceneKernels`` of ``in_vector_kernels``.
-        method: ``Method`` of DOP853.
-        control: ``Control``.
-        queue: queue of ``new_queue``; threads that share it share the sets.
-        results: shape (n, len(RunResult._fields)), filled for the sets taken.
-        memory: ``BatchMemory``, overwritten.
+    Shapes: rows (n, constants), the fields of ``Constants``, consistent variants only; tolerances
+    (n,); results (n, len(RunResult._fields)), filled for the sets taken. ``scene`` is made by
+    ``in_vector_kernels``, ``queue`` by ``new_queue``: threads that share it share the sets.
+    ``method`` is that of DOP853, for modes that lanes do not hold; ``memory`` is overwritten.
     """
     counts = memory.waiting.counts
     counts[:] = 0

@@ -295,16 +295,11 @@ def new_scalar_memory(method: Method) -> ScalarMemory:
 def integrate(row, tolerance, scene, method, control, track, memory):
     """Run one parameter set to its end.
 
-    Args:
-        row: shape (constants,), the fields of ``Constants``.
-        tolerance: largest local error of a step, relative to 1 + |state|.
-        scene: ``SceneKernels``.
-        method: ``Method``.
-        control: ``Control``.
-        track: shape (rows, 10), filled with time, state and normal forces of support, left and
-            right side. A track shorter than ``RunResult.tracked``, the number of rows of the whole
-            run, holds the last ones: row n of the run is row n modulo ``rows``.
-        memory: ``ScalarMemory``, overwritten.
+    ``row``, shape (constants,), holds the fields of ``Constants``; ``tolerance`` is the largest
+    local error of a step, relative to 1 + |state|; ``memory``, a ``ScalarMemory``, is overwritten.
+    ``track``, shape (rows, 10), is filled with time, state and normal forces of support, left and
+    right side. If it is shorter than ``RunResult.tracked``, the number of rows of the whole run, it
+    holds the last ones: row n of the run is row n modulo ``rows``.
     """
     runs, history, work = memory.runs, memory.history, memory.work
     i = runs.shape[0] - 1  # 0; as a literal, numba would compile the callees again for it
