@@ -14,7 +14,7 @@ import pytest
 from model import ALIGNMENT, Batch, Parameters, Scene, Variants
 from model.compile.jit import entry_point
 from model.engines.lifecycle import NOISE, Control, begin
-from model.engines.record import MODE, OUTCOME, REASON, STATE, TAU_ALIGN, TIME
+from model.engines.record import AT, MODE, STATE
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory
 from model.engines.scalar.step import interpolate
 from model.engines.scalar.tableaux import DOP853
@@ -73,21 +73,21 @@ class SteppedRun:
         kernels, step = in_kernels(scene), entry_point(advance)
         begin(row, tolerance, kernels, control, runs, 0)
         if state is not None:
-            runs[0, OUTCOME], runs[0, REASON] = CONTINUES, 0.0
+            runs[0, AT.outcome], runs[0, AT.reason] = CONTINUES, 0.0
             runs[0, STATE : STATE + 6] = state
             runs[0, MODE : MODE + len(mode)] = mode
-            runs[0, TAU_ALIGN] = tau_align
-        while runs[0, OUTCOME] == CONTINUES:
-            time, before, mode = runs[0, TIME], runs[0, STATE : STATE + 6].copy(), _mode(runs)
+            runs[0, AT.tau_align] = tau_align
+        while runs[0, AT.outcome] == CONTINUES:
+            time, before, mode = runs[0, AT.time], runs[0, STATE : STATE + 6].copy(), _mode(runs)
             step(kernels, DOP853.method, control, track, single.history, single.work, runs, 0)
             after = runs[0, STATE : STATE + 6].copy()
-            self.steps.append(Step(time, before, mode, runs[0, TIME], after, _mode(runs)))
+            self.steps.append(Step(time, before, mode, runs[0, AT.time], after, _mode(runs)))
             if until(self):
                 break
-        self.outcome, self.reason = runs[0, OUTCOME], Reason(int(runs[0, REASON]))
+        self.outcome, self.reason = runs[0, AT.outcome], Reason(int(runs[0, AT.reason]))
         if self.outcome != CONTINUES:
             self.outcome = Outcome(int(self.outcome))
-        self.tau_align = runs[0, TAU_ALIGN]
+        self.tau_align = runs[0, AT.tau_align]
 
     @property
     def time(self) -> np.ndarray:

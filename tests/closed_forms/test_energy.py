@@ -17,16 +17,7 @@ import pytest
 from model import Batch, Outcome, Parameters, Settings, Variants
 from model.compile.jit import kernel
 from model.engines.lifecycle import begin
-from model.engines.record import (
-    OUTCOME,
-    REASON,
-    STATE,
-    TAU_ALIGN,
-    TIME,
-    constants_in,
-    mode_of,
-    state_in,
-)
+from model.engines.record import AT, STATE, constants_in, mode_of, state_in
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, new_workspace
 from model.engines.scalar.step import (
     dense_output,
@@ -119,11 +110,11 @@ def balance_of(
     y, k, end, trial, dense = apart.y, apart.k, apart.y_end, apart.trial, apart.dense
     done = taken = lost = least = 0.0
     exchanged = start
-    while runs[i, OUTCOME] == CONTINUES and np.isnan(runs[i, TAU_ALIGN]):
-        time, mode = runs[i, TIME], mode_of(runs, i)
+    while runs[i, AT.outcome] == CONTINUES and np.isnan(runs[i, AT.tau_align]):
+        time, mode = runs[i, AT.time], mode_of(runs, i)
         store_in(state_in(runs, STATE, i), y)
         advance(scene, method, control, track, history, work, runs, i)
-        length = runs[i, TIME] - time
+        length = runs[i, AT.time] - time
         if length > 0.0:
             right_hand_side(time, y, p, mode, k[0])
             take_step(time, length, y, p, mode, method, k, end)
@@ -141,7 +132,7 @@ def balance_of(
     gained = stored(state_in(runs, STATE, i), p, mode_of(runs, i)) - start
     return (
         done - gained - taken - lost, 1.0 + exchanged + start + gained, taken, least,
-        runs[i, OUTCOME], runs[i, REASON],
+        runs[i, AT.outcome], runs[i, AT.reason],
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from model import Batch, Reason, Settings, Variants, align
 from model.engines.lifecycle import begin, skip_chatter
-from model.engines.record import EVALUATIONS, EVENTS_AT_ONCE, STATE, TIME
+from model.engines.record import AT, STATE
 from model.engines.scalar.loop import new_scalar_memory
 from model.physics.modes import OPEN, START
 from model.physics.notation import STATE_SIZE
@@ -31,7 +31,7 @@ def standing(device):
         runs = new_scalar_memory(method).runs
         row = Batch.stack([device]).constants(Variants())[0]
         begin(row, settings.tolerance, scene, control, runs, 0)
-        runs[0, EVENTS_AT_ONCE] = at_once
+        runs[0, AT.events_at_once] = at_once
         return runs
 
     return make
@@ -52,6 +52,6 @@ def test_a_moment_passes_if_it_makes_no_difference_which_mode_holds(
     runs = standing(at_once)
     state = runs[0, STATE : STATE + STATE_SIZE].copy()
     skip_chatter(before, runs, 0)
-    assert runs[0, TIME] == pytest.approx(moment, rel=1e-12)
+    assert runs[0, AT.time] == pytest.approx(moment, rel=1e-12)
     assert np.array_equal(runs[0, STATE : STATE + STATE_SIZE], state) is (moment == 0.0)
-    assert runs[0, EVALUATIONS] < 20
+    assert runs[0, AT.rhs_evaluations] < 20

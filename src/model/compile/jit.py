@@ -57,6 +57,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _CACHE_FOLDER = str(cache_folder())
 _FIRST_CALL = threading.Lock()  # of a kernel, which several threads may call at once
+WITHOUT_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # options of a part
 config: Any = numba.config  # its settings are set at import, unseen by type checkers
 
 # --- Parts: kernels that other kernels call -----------------------------------------------------
@@ -133,19 +134,10 @@ class PartCompiler(Compiler):
 
     library: type[JITCodeLibrary] = _PartLibrary
 
-    def __init__(
-        self,
-        typing: Any,
-        target: Any,
-        _library: Any,
-        args: Any,
-        result: Any,
-        flags: Any,
-        *rest: Any,
-    ) -> None:
+    def __init__(self, typing: Any, target: Any, _library: Any, *rest: Any) -> None:
+        _args, _result, flags, *_ = rest
         flags.no_compile = True
-        library = self.library(target.codegen(), "part")
-        super().__init__(typing, target, library, args, result, flags, *rest)
+        super().__init__(typing, target, self.library(target.codegen(), "part"), *rest)
 
 
 class Symbol:
@@ -170,9 +162,8 @@ class _Part(CPUDispatcher):
     """A kernel as other kernels call it; calls from Python go to its ``_Whole``."""
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
-        without_wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         super().__init__(
-            function, targetoptions=options | without_wrappers, pipeline_class=PartCompiler
+            function, targetoptions=options | WITHOUT_WRAPPERS, pipeline_class=PartCompiler
         )
         self._options = options
         self._whole: _Whole | None = None

@@ -22,11 +22,8 @@ _SOURCES = cache_folder() / "sources"
 def defined(name: str, code: str, known: Mapping[str, Any], label: str = "") -> Any:
     """Return the function ``name`` that the Python source ``code`` defines.
 
-    Args:
-        name: name of the function.
-        code: source of the function.
-        known: objects that the source refers to, by name.
-        label: distinguishes functions of the same name.
+    ``known`` holds the objects that the source refers to, by name; ``label`` distinguishes
+    functions of the same name.
     """
     namespace = {"__name__": __name__, **known}
     full_name = f"{label}.{name}" if label else name

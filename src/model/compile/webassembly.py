@@ -168,10 +168,9 @@ def _aim_at_webassembly() -> tuple[Any, Any]:
 
 def _object(function: Function, codegen: Any, machine: Any) -> bytes:
     """Compile one function to LLVM's object for a linker."""
-    options = jit.options_of(forceinline=False)
-    without_wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    options = jit.options_of(forceinline=False) | jit.WITHOUT_WRAPPERS
     dispatcher: Any = CPUDispatcher(
-        function.python, targetoptions=options | without_wrappers, pipeline_class=_Compiler
+        function.python, targetoptions=options, pipeline_class=_Compiler
     )
     dispatcher.add_overload = lambda _: None
     compiled_function = dispatcher._compiler.compile(function.arguments, numba.void)

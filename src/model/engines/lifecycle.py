@@ -10,36 +10,11 @@ import numpy as np
 
 from model.compile.jit import kernel
 from model.engines.record import (
+    AT,
     CLOSEST,
     CONSTANTS,
-    DEADLINE,
-    END_ERROR,
-    EVALUATIONS,
-    EVENT_COUNT,
-    EVENTS_AT_ONCE,
-    FORCE_MAX,
-    LARGEST_ERROR,
-    LIFT_OFFS,
     MADE,
-    NEXT_STEP,
-    OUTCOME,
-    PERIODS,
-    REASON,
-    SETTLED_PERIOD,
-    SIDE_FORCE_MAX,
     STATE,
-    STEPS,
-    STICKING_TIME,
-    STOP,
-    TAU_ALIGN,
-    TAU_CORNERS_INSIDE,
-    TAU_INSERTED,
-    TILT_AT_ALIGNMENT,
-    TILT_MAX,
-    TIME,
-    TIME_ERROR,
-    TOLERANCE,
-    WATCHED_UNTIL,
     constants_of,
     is_watched,
     mode_of,
@@ -52,7 +27,7 @@ from model.events.event_functions import FLAT, NEVER
 from model.events.friction import decide_friction, hold_sticking
 from model.events.insertion import end_in_slot
 from model.events.kernels import MOST_EVENTS
-from model.events.outcomes import Outcome, Reason
+from model.events.outcomes import OUTCOME, REASON
 from model.events.steady_state import (
     HISTORY,
     LONGEST_PERIOD,
@@ -67,19 +42,6 @@ from model.physics.modes import CLOSED, OPEN, START, STICKING, with_corner, with
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.rest import rest_under_press
-
-_ALIGNED = int(Outcome.ALIGNED)
-_SETTLED = int(Outcome.SETTLED)
-_HORIZON_REACHED = int(Outcome.HORIZON_REACHED)
-_LEFT_SCENE = int(Outcome.LEFT_SCENE)
-_FAILED = int(Outcome.FAILED)
-_INSERTED = int(Outcome.INSERTED)
-_NONE = int(Reason.NONE)
-_IMPOSSIBLE_START = int(Reason.IMPOSSIBLE_START)
-_TOO_MANY_EVALUATIONS = int(Reason.TOO_MANY_EVALUATIONS)
-_CHATTER = int(Reason.CHATTER)
-_NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
-_NO_REST = int(Reason.NO_REST)
 
 _FIRST_STEP = 1e-2
 _SHORTEST_STEP = 1e-12  # after an event
@@ -149,7 +111,7 @@ def _start_pressed(scene, p, i, runs):
     """State and mode at τ = 0 at rest on A1 under the press; the run ends if there is no rest."""
     rest = rest_under_press(p)
     if not rest.found:
-        _end(scene, runs, i, _LEFT_SCENE, _NO_REST)
+        _end(scene, runs, i, OUTCOME.LEFT_SCENE, REASON.NO_REST)
     return State(rest.x, rest.y, rest.tilt, 0.0, 0.0, 0.0), with_face(START, RIGHT_EDGE, CLOSED)
 
 
@@ -162,28 +124,28 @@ def period_length(p):
 @kernel
 def _note_end_of_period(runs, i):
     """Set the next stop: the end of the present period or, if earlier, of the run."""
-    next_period = (runs[i, PERIODS] + 1.0) * period_length(constants_of(runs, i))
-    runs[i, STOP] = min(next_period, runs[i, DEADLINE])
+    next_period = (runs[i, AT.periods] + 1.0) * period_length(constants_of(runs, i))
+    runs[i, AT.stop] = min(next_period, runs[i, AT.deadline])
 
 
 @kernel
 def _end(scene, runs, i, outcome, reason):
     """End run ``i``; a run that has aligned is aligned, or ends as its part does in the slot."""
-    if isfinite(runs[i, TAU_ALIGN]):
+    if isfinite(runs[i, AT.tau_align]):
         if scene.events.inserts == 0:
-            outcome, reason = _ALIGNED, _NONE
+            outcome, reason = OUTCOME.ALIGNED, REASON.NONE
         else:
             q, mode = state_in(runs, STATE, i), mode_of(runs, i)
             outcome, reason = end_in_slot(outcome, reason, q, constants_of(runs, i), mode)
-    if outcome == _INSERTED:
-        runs[i, TAU_INSERTED] = runs[i, TIME] - runs[i, TAU_ALIGN]
-    runs[i, OUTCOME], runs[i, REASON] = outcome, reason
+    if outcome == OUTCOME.INSERTED:
+        runs[i, AT.tau_inserted] = runs[i, AT.time] - runs[i, AT.tau_align]
+    runs[i, AT.outcome], runs[i, AT.reason] = outcome, reason
 
 
 @kernel
 def fail(scene, runs, i, reason):
     """End run ``i`` as failed."""
-    _end(scene, runs, i, _FAILED, reason)
+    _end(scene, runs, i, OUTCOME.FAILED, reason)
 
 
 @kernel
@@ -195,32 +157,33 @@ def begin(row, tolerance, scene, control, runs, i):
     for k in range(runs.shape[1]):
         runs[i, k] = row[k] if k < CONSTANTS else 0.0
     p = constants_of(runs, i)
-    runs[i, TOLERANCE], runs[i, DEADLINE] = tolerance, control.horizon
-    runs[i, OUTCOME], runs[i, NEXT_STEP] = CONTINUES, _FIRST_STEP
+    runs[i, AT.tolerance], runs[i, AT.deadline] = tolerance, control.horizon
+    runs[i, AT.outcome], runs[i, AT.next_step] = CONTINUES, _FIRST_STEP
     known = 0.0 if control.carries_error != 0.0 else nan
-    runs[i, TIME_ERROR], runs[i, END_ERROR], runs[i, LARGEST_ERROR] = known, known, known
-    runs[i, TAU_ALIGN], runs[i, TAU_CORNERS_INSIDE], runs[i, TILT_AT_ALIGNMENT] = nan, nan, nan
-    runs[i, TAU_INSERTED], runs[i, SIDE_FORCE_MAX] = nan, nan
+    runs[i, AT.time_error], runs[i, AT.end_error], runs[i, AT.largest_error] = known, known, known
+    runs[i, AT.tau_align], runs[i, AT.tau_corners_inside] = nan, nan
+    runs[i, AT.tilt_at_alignment], runs[i, AT.tau_inserted] = nan, nan
+    runs[i, AT.side_force_max] = nan
     if control.alignment_only != 0.0:
-        runs[i, TILT_MAX], runs[i, FORCE_MAX] = nan, nan  # and stay so; see note_step
+        runs[i, AT.tilt_max], runs[i, AT.contact_force_max] = nan, nan  # and stay so; see note_step
     elif scene.events.inserts == 1:
-        runs[i, SIDE_FORCE_MAX] = 0.0
+        runs[i, AT.side_force_max] = 0.0
     for which in range(scene.events.count):
         runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, scene.declared)
     if control.pressed != 0.0 and not _starts_past_the_end(q, p, mode):
         q, mode = _start_pressed(scene, p, i, runs)
-    runs[i, TILT_MAX] = max(runs[i, TILT_MAX], abs(q.tilt))  # 0 before, or NaN
-    if runs[i, OUTCOME] == CONTINUES and scene.events.start_is_impossible(q, p, mode):
-        fail(scene, runs, i, _IMPOSSIBLE_START)
-    if runs[i, OUTCOME] == CONTINUES:
+    runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], abs(q.tilt))  # 0 before, or NaN
+    if runs[i, AT.outcome] == CONTINUES and scene.events.start_is_impossible(q, p, mode):
+        fail(scene, runs, i, REASON.IMPOSSIBLE_START)
+    if runs[i, AT.outcome] == CONTINUES:
         mode, possible = decide_friction(0.0, q, p, mode, True, True)
         if not possible:
-            fail(scene, runs, i, _NO_FRICTION_SOLUTION)
+            fail(scene, runs, i, REASON.NO_FRICTION_SOLUTION)
     store_state(q, runs, i)
     store_mode(mode, runs, i)
     _note_end_of_period(runs, i)
-    if runs[i, OUTCOME] == CONTINUES and _starts_past_the_end(q, p, mode):
+    if runs[i, AT.outcome] == CONTINUES and _starts_past_the_end(q, p, mode):
         apply_event(scene.events.face_end, 0.0, _FIRST_STEP, scene, control, runs, i)
 
 
@@ -246,14 +209,14 @@ def note_step(length, tilt, force, runs, i):
     first argument if that is NaN: largest values that are not computed stay so.
     """
     mode = mode_of(runs, i)
-    runs[i, STEPS] += 1.0
+    runs[i, AT.steps] += 1.0
     if is_counted(mode, constants_of(runs, i)):
-        runs[i, TILT_MAX] = max(runs[i, TILT_MAX], tilt)
-        runs[i, FORCE_MAX] = max(runs[i, FORCE_MAX], force)
+        runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], tilt)
+        runs[i, AT.contact_force_max] = max(runs[i, AT.contact_force_max], force)
         if mode.support_slip == STICKING and is_supported(mode):
-            runs[i, STICKING_TIME] += length
+            runs[i, AT.sticking_time] += length
     else:
-        runs[i, SIDE_FORCE_MAX] = max(runs[i, SIDE_FORCE_MAX], force)
+        runs[i, AT.side_force_max] = max(runs[i, AT.side_force_max], force)
 
 
 @kernel
@@ -271,16 +234,16 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
     The first instant counts (R8), even if the part is lifted and falls again. In the insertion
     scene the horizon begins anew.
     """
-    time = runs[i, TIME]
+    time = runs[i, AT.time]
     inserts = scene.events.inserts == 1
     if is_inside:
-        runs[i, TAU_CORNERS_INSIDE] = time
-    elif not printed_criterion and isnan(runs[i, TAU_ALIGN]):
-        deadline = min(runs[i, DEADLINE], time + _FALL_TIME)
-        runs[i, DEADLINE] = time + control.horizon if inserts else deadline
+        runs[i, AT.tau_corners_inside] = time
+    elif not printed_criterion and isnan(runs[i, AT.tau_align]):
+        deadline = min(runs[i, AT.deadline], time + _FALL_TIME)
+        runs[i, AT.deadline] = time + control.horizon if inserts else deadline
         _note_end_of_period(runs, i)
-    if printed_criterion == is_inside and isnan(runs[i, TAU_ALIGN]):
-        runs[i, TAU_ALIGN], runs[i, TILT_AT_ALIGNMENT] = time, tilt
+    if printed_criterion == is_inside and isnan(runs[i, AT.tau_align]):
+        runs[i, AT.tau_align], runs[i, AT.tilt_at_alignment] = time, tilt
     ends = is_inside or (control.alignment_only != 0.0 and not printed_criterion)
     return ends and not inserts
 
@@ -294,22 +257,22 @@ def skip_chatter(before, runs, i):
     the two modes differ by more than a step's tolerance, the run stays where it is; it fails after
     too many events.
     """
-    time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
-    q, tolerance = state_in(runs, STATE, i), runs[i, TOLERANCE]
-    moment = _SHORTEST_STEP * 2.0 ** (runs[i, EVENTS_AT_ONCE] - _SEVERAL_AT_ONCE)
-    if time + moment >= runs[i, STOP]:
+    time, p, mode = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    q, tolerance = state_in(runs, STATE, i), runs[i, AT.tolerance]
+    moment = _SHORTEST_STEP * 2.0 ** (runs[i, AT.events_at_once] - _SEVERAL_AT_ONCE)
+    if time + moment >= runs[i, AT.stop]:
         return
     here = short_step(time, moment, q, p, mode)
     there = short_step(time, moment, q, p, before)
     half = short_step(time, 0.5 * moment, q, p, mode)
     halves = short_step(time + 0.5 * moment, 0.5 * moment, half, p, mode)
-    runs[i, EVALUATIONS] += 16.0
+    runs[i, AT.rhs_evaluations] += 16.0
     for n in range(STATE_SIZE):
         admitted = tolerance * (1.0 + abs(q[n]))
         if not (abs(there[n] - here[n]) <= admitted and abs(halves[n] - here[n]) <= admitted):
             return
     store_state(hold_sticking(here, p, mode), runs, i)
-    runs[i, TIME] = time + moment
+    runs[i, AT.time] = time + moment
 
 
 @kernel
@@ -318,28 +281,28 @@ def apply_event(which, length, step, scene, control, runs, i):
 
     ``length`` is the time from the last step to the event, ``step`` the length of the whole step.
     """
-    time, p, before = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
-    runs[i, EVENT_COUNT] += 1.0
+    time, p, before = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    runs[i, AT.events] += 1.0
     runs[i, MADE + which] = 1.0
     at_once = length <= 1e-13 * max(1.0, time)
-    runs[i, EVENTS_AT_ONCE] = runs[i, EVENTS_AT_ONCE] + 1.0 if at_once else 0.0
+    runs[i, AT.events_at_once] = runs[i, AT.events_at_once] + 1.0 if at_once else 0.0
     # If no time passes, the step was too long for the accuracy of its dense output (for instance
     # where the friction force only just reaches its limit).
-    runs[i, NEXT_STEP] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
+    runs[i, AT.next_step] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
     q = scene.events.reset(which, state_in(runs, STATE, i), p, before)
     mode, outcome, reason = scene.events.transition(which, time, q, p, before, scene.declared)
     if outcome == CONTINUES and is_counted(before, p) and _is_lift_off(before, mode):
-        runs[i, LIFT_OFFS] += 1.0
+        runs[i, AT.separations] += 1.0
     store_state(hold_sticking(q, p, mode), runs, i)
     store_mode(mode, runs, i)
-    if outcome == _ALIGNED:
+    if outcome == OUTCOME.ALIGNED:
         printed_criterion = p.printed_alignment_criterion != 0.0
         inside = which == scene.events.corners_inside
         if not _note_alignment(scene, inside, q.tilt, printed_criterion, control, runs, i):
             outcome = CONTINUES
     if outcome != CONTINUES:
         _end(scene, runs, i, outcome, reason)
-    elif runs[i, EVENTS_AT_ONCE] > _SEVERAL_AT_ONCE:
+    elif runs[i, AT.events_at_once] > _SEVERAL_AT_ONCE:
         skip_chatter(before, runs, i)
 
 
@@ -350,19 +313,19 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
         return
     states, lowest = history.states[i], history.lowest[i]
     record_state(periods, runs[i, STATE : STATE + STATE_SIZE], states)
-    if periods <= runs[i, WATCHED_UNTIL]:
+    if periods <= runs[i, AT.watched_until]:
         for which in range(scene.events.count):  # events that happened need no distance
             if runs[i, MADE + which] != 0.0:
                 runs[i, CLOSEST + which] = NEVER
         record_closest(periods, runs[i, CLOSEST : CLOSEST + scene.events.count], lowest)
-    noise = max(settling_noise, NOISE * runs[i, TOLERANCE])
+    noise = max(settling_noise, NOISE * runs[i, AT.tolerance])
     p = constants_of(runs, i)
     length = period_length(p)
     period = settled_period(scene.events, periods, length, states, lowest, p, noise)
     if period > 0:
-        runs[i, SETTLED_PERIOD] = period
-        _end(scene, runs, i, _SETTLED, _NONE)
-    runs[i, WATCHED_UNTIL] = max(runs[i, WATCHED_UNTIL], watched_until(periods, states))
+        runs[i, AT.period] = period
+        _end(scene, runs, i, OUTCOME.SETTLED, REASON.NONE)
+    runs[i, AT.watched_until] = max(runs[i, AT.watched_until], watched_until(periods, states))
     if is_watched(runs, i):
         for which in range(scene.events.count):
             runs[i, CLOSEST + which], runs[i, MADE + which] = NEVER, 0.0
@@ -371,8 +334,8 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
 @kernel
 def end_period(scene, history, settling_noise, runs, i):
     """Count a completed period; end the run if it may settle and its motion is periodic."""
-    periods = int(runs[i, PERIODS]) + 1
-    runs[i, PERIODS] = periods
+    periods = int(runs[i, AT.periods]) + 1
+    runs[i, AT.periods] = periods
     _note_end_of_period(runs, i)
     if settling_noise > 0.0:
         _compare_periods(scene, periods, history, settling_noise, runs, i)
@@ -381,13 +344,13 @@ def end_period(scene, history, settling_noise, runs, i):
 @kernel
 def end_step(scene, reached_stop, history, control, runs, i):
     """End a step: check the limits of the run, and count its periods."""
-    if runs[i, OUTCOME] != CONTINUES:
+    if runs[i, AT.outcome] != CONTINUES:
         return
-    if runs[i, EVENTS_AT_ONCE] > _MOST_EVENTS_AT_ONCE:
-        fail(scene, runs, i, _CHATTER)
-    elif runs[i, EVALUATIONS] > control.max_evaluations:
-        fail(scene, runs, i, _TOO_MANY_EVALUATIONS)
-    elif runs[i, TIME] >= runs[i, DEADLINE]:
-        _end(scene, runs, i, _HORIZON_REACHED, _NONE)
+    if runs[i, AT.events_at_once] > _MOST_EVENTS_AT_ONCE:
+        fail(scene, runs, i, REASON.CHATTER)
+    elif runs[i, AT.rhs_evaluations] > control.max_evaluations:
+        fail(scene, runs, i, REASON.TOO_MANY_EVALUATIONS)
+    elif runs[i, AT.time] >= runs[i, AT.deadline]:
+        _end(scene, runs, i, OUTCOME.HORIZON_REACHED, REASON.NONE)
     elif reached_stop:
         end_period(scene, history, control.settling_noise, runs, i)

@@ -1,15 +1,16 @@
 """The record of a run: one row of numbers, so that a batch of runs is an array.
 
-A batch is an array ``runs`` of shape (runs, SIZE): ``runs[i, TIME]`` is the time that run ``i`` has
-reached. Counts and flags are whole numbers stored as floats. The columns are the fields of
+A batch is an array ``runs`` of shape (runs, SIZE): ``runs[i, AT.time]`` is the time that run ``i``
+has reached. Counts and flags are whole numbers stored as floats. The columns are the fields of
 ``Constants`` and ``RunResult``, working numbers, the state, the mode and, for every event, its
 closest approach (lowest level) in this period and whether it happened.
 """
 
 from math import isnan
+from typing import Any
 
 from model.compile.jit import inlined_kernel, kernel
-from model.compile.views import reader, writer
+from model.compile.views import numbers, reader, writer
 from model.engines.results import RunResult
 from model.events.kernels import MOST_EVENTS
 from model.physics.modes import CLOSED, OPEN, Mode
@@ -36,42 +37,13 @@ def column(name: str) -> int:
     return _COLUMNS.index(name)
 
 
+AT: Any = numbers("Columns", _COLUMNS)(*range(len(_COLUMNS)))
+"""The columns by name."""
+
 CONSTANTS = len(Constants._fields)  # the first columns
 _FIRST_RESULT, _RESULT_COUNT = CONSTANTS, len(RunResult._fields)
 
-TIME = column("time")
-OUTCOME = column("outcome")
-REASON = column("reason")
-TAU_ALIGN = column("tau_align")
-TAU_CORNERS_INSIDE = column("tau_corners_inside")
-TAU_INSERTED = column("tau_inserted")
-SIDE_FORCE_MAX = column("side_force_max")
-TILT_AT_ALIGNMENT = column("tilt_at_alignment")
-TILT_MAX = column("tilt_max")
-FORCE_MAX = column("contact_force_max")
-LIFT_OFFS = column("separations")
-EVALUATIONS = column("rhs_evaluations")
-STEPS = column("steps")
-REJECTED = column("rejected")
-EVENT_COUNT = column("events")
-SETTLED_PERIOD = column("period")
-TRACKED = column("tracked")
-END_TILT = column("end_tilt")
-END_ON_EDGE = column("end_on_edge")
-NEXT_STEP = column("next_step")
-TOLERANCE = column("tolerance")
-DEADLINE = column("deadline")
-STOP = column("stop")
-PERIODS = column("periods")
-WATCHED_UNTIL = column("watched_until")
-STICKING_TIME = column("sticking_time")
-EVENTS_AT_ONCE = column("events_at_once")
-ROW_OF_BATCH = column("row_of_batch")
-TIME_ERROR = column("time_error")
-END_ERROR = column("end_error")
-LARGEST_ERROR = column("largest_error")
 ERROR = column(f"error_{State._fields[0]}")
-_STICKING_SHARE = column("sticking_share")
 
 STATE = len(_COLUMNS)
 MODE = STATE + STATE_SIZE
@@ -92,7 +64,7 @@ store_mode = writer(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
 @inlined_kernel
 def is_watched(runs, i):
     """Return whether closest approaches in the present period may decide if the run settles."""
-    return runs[i, PERIODS] < runs[i, WATCHED_UNTIL]
+    return runs[i, AT.periods] < runs[i, AT.watched_until]
 
 
 @inlined_kernel
@@ -110,12 +82,12 @@ def store_state(q, runs, i):
 @kernel
 def store_result(runs, i, results, row):
     """Write the ``RunResult`` of run ``i``, which has ended, into ``results[row]``."""
-    tau_align = runs[i, TAU_ALIGN]
-    until = runs[i, TIME] if isnan(tau_align) else tau_align
-    runs[i, _STICKING_SHARE] = runs[i, STICKING_TIME] / until if until > 0.0 else 0.0
+    tau_align = runs[i, AT.tau_align]
+    until = runs[i, AT.time] if isnan(tau_align) else tau_align
+    runs[i, AT.sticking_share] = runs[i, AT.sticking_time] / until if until > 0.0 else 0.0
     mode = mode_of(runs, i)
     alone = mode.edge == RIGHT_EDGE and mode.corner == OPEN and mode.side == OPEN
-    runs[i, END_ON_EDGE] = 1.0 if alone and mode.face == CLOSED else 0.0
-    runs[i, END_TILT] = state_in(runs, STATE, i).tilt
+    runs[i, AT.end_on_edge] = 1.0 if alone and mode.face == CLOSED else 0.0
+    runs[i, AT.end_tilt] = state_in(runs, STATE, i).tilt
     for field in range(_RESULT_COUNT):
         results[row, field] = runs[i, _FIRST_RESULT + field]

@@ -12,8 +12,9 @@ samples. The index of the largest quantity is therefore sampled with it: where t
 the event location searches every quantity.
 """
 
+from collections.abc import Callable
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from model.compile.jit import inlined_kernel
 from model.physics.contacts import (
@@ -33,6 +34,22 @@ NOTHING = -1e300  # in place of quantities, where a condition has fewer than fou
 ON_AN_EVENT = 1e-8  # an event function below this counts as zero
 FLAT = 1e-8  # a part tilted by less is flat: it rests on its edge
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
+
+
+def on_both_sides(function: Callable[..., Any]) -> tuple[Any, Any]:
+    """Make the kernels that call ``function`` with RIGHT_EDGE and with LEFT_EDGE in front.
+
+    numba packs starred arguments: kernels that are traced must not call these.
+    """
+
+    def on(edge: float) -> Any:
+        @inlined_kernel
+        def of_edge(*arguments):
+            return function(edge, *arguments)
+
+        return of_edge
+
+    return on(RIGHT_EDGE), on(LEFT_EDGE)
 
 
 @inlined_kernel
@@ -109,20 +126,18 @@ def face_state(_time, q, p, mode):
     """``ContactState`` of the supporting edge on the bottom face."""
     face = edge_on_face(mode.edge, q, p)
     load = contact_load(face.depth, face.closing_rate, q, p)
-    return ContactState(face.depth, load, edge_place(mode.edge, q.x, q.y, q.tilt, p).along_face)
+    return ContactState(face.depth, load, face.along)
 
 
 @inlined_kernel
-def _edge_state(edge, q, p):
+def _side_state(edge, _time, q, p, _mode):
     side = edge_on_side(edge, q, p)
     load = contact_load(side.depth, side.closing_rate, q, p)
     return ContactState(side.depth, load, edge_place(edge, q.x, q.y, q.tilt, p).along_axis)
 
 
-@inlined_kernel
-def side_state(_time, q, p, _mode):
-    """``ContactState`` of A2 on the left side face."""
-    return _edge_state(LEFT_EDGE, q, p)
+# ``ContactState`` of A1 on the right side face, of A2 on the left one.
+right_side_state, side_state = on_both_sides(_side_state)
 
 
 @inlined_kernel
@@ -131,34 +146,18 @@ def corner_state(_time, q, p, mode):
     corner = corner_on_flat(mode.edge, q, p)
     depth = corner.depth - mode.corner_offset
     load = contact_load(depth, corner.closing_rate, q, p)
-    corner_x, _ = bottom_corner(mode.edge, q.x, q.y, q.tilt, p)
-    return ContactState(depth, load, corner_x)
+    return ContactState(depth, load, -corner.along)
 
 
 @inlined_kernel
-def right_side_state(_time, q, p, _mode):
-    """``ContactState`` of A1 on the right side face."""
-    return _edge_state(RIGHT_EDGE, q, p)
-
-
-@inlined_kernel
-def _wall_state(side, q, p):
+def _wall_state(side, _time, q, p, _mode):
     corner = corner_on_wall(side, q, p)
     load = contact_load(corner.depth, corner.closing_rate, q, p)
-    _, corner_y = bottom_corner(side, q.x, q.y, q.tilt, p)
-    return ContactState(corner.depth, load, corner_y)
+    return ContactState(corner.depth, load, side * corner.along)
 
 
-@inlined_kernel
-def right_wall_state(_time, q, p, _mode):
-    """``ContactState`` of B1 on the right wall."""
-    return _wall_state(RIGHT_EDGE, q, p)
-
-
-@inlined_kernel
-def left_wall_state(_time, q, p, _mode):
-    """``ContactState`` of B2 on the left wall."""
-    return _wall_state(LEFT_EDGE, q, p)
+# ``ContactState`` of B1 on the right wall, of B2 on the left one.
+right_wall_state, left_wall_state = on_both_sides(_wall_state)
 
 
 # ------------------------------------------------------------- modes in which the quantities exist
@@ -225,34 +224,48 @@ def not_inserted(at, p, _mode):
 
 
 @inlined_kernel
-def _off_wall(beside, corner_y):
-    return -beside, beside + corner_y, NOTHING, NOTHING
+def _corner(side, at):
+    """(X counted outward, Y, dY/dτ) of the bottom corner on a side."""
+    if side == RIGHT_EDGE:
+        return at.right_corner_x, at.right_corner_y, at.right_corner_rise
+    return -at.left_corner_x, at.left_corner_y, at.left_corner_rise
 
 
 @inlined_kernel
-def right_corner_in_slot(at, p, _mode):
-    """Negative once B1 has come behind the right wall, less far than it is below the plane."""
-    return _off_wall(at.right_corner_x - p.slot_half_width, at.right_corner_y)
+def corner_in_slot(side, at, p, _mode):
+    """Negative once a corner has come behind its wall, less far than it is below the plane."""
+    x, y, _ = _corner(side, at)
+    beside = x - p.slot_half_width
+    return -beside, beside + y, NOTHING, NOTHING
 
 
 @inlined_kernel
-def left_corner_in_slot(at, p, _mode):
-    """``right_corner_in_slot`` for B2."""
-    return _off_wall(-at.left_corner_x - p.slot_half_width, at.left_corner_y)
+def corner_above(side, at, p, _mode):
+    """Negative once a corner presses on the flat base beside the slot.
+
+    It is then below the plane, the lower corner, and moving down. Otherwise the edge carries the
+    bottom face.
+    """
+    x, y, rise = _corner(side, at)
+    return p.slot_half_width - x, y, side * at.tilt + FLAT, rise
 
 
 @inlined_kernel
-def right_corner_over_flat(at, p, _mode):
-    """``right_corner_above``, negative only if B1 is less far below the plane than in the wall."""
-    _, below, tilt, rise = right_corner_above(at, p, _mode)
-    return p.slot_half_width - at.right_corner_x - at.right_corner_y, below, tilt, rise
+def corner_over_flat(side, at, p, mode):
+    """``corner_above``, but only where the corner is less far below the plane than in the wall."""
+    beside, below, tilt, rise = corner_above(side, at, p, mode)
+    return beside - below, below, tilt, rise
 
 
 @inlined_kernel
-def left_corner_over_flat(at, p, _mode):
-    """``right_corner_over_flat`` for B2."""
-    _, below, tilt, rise = left_corner_above(at, p, _mode)
-    return p.slot_half_width + at.left_corner_x - at.left_corner_y, below, tilt, rise
+def corner_off_wall(side, at, p, _mode):
+    """Negative once a corner, not being the lower one, has run into the slot's wall from inside.
+
+    Also negative once the whole part has come down beside the slot; in any other pose the part
+    meets the edge before this corner.
+    """
+    x, y, _ = _corner(side, at)
+    return p.slot_half_width - x, y, -side * at.tilt - FLAT, NOTHING
 
 
 @inlined_kernel
@@ -269,56 +282,17 @@ def edge_inside(edge, at, p):
 
 
 @inlined_kernel
-def edge_outside(edge, at, p):
+def edge_outside(edge, at, p, _mode):
     """Negative once an edge has entered the part."""
     bottom, left, right, top = edge_inside(edge, at, p)
     return -bottom, -left, -right, -top
 
 
-@inlined_kernel
-def right_edge_outside(at, p, _mode):
-    """``edge_outside`` of A1."""
-    return edge_outside(RIGHT_EDGE, at, p)
-
-
-@inlined_kernel
-def left_edge_outside(at, p, _mode):
-    """``edge_outside`` of A2."""
-    return edge_outside(LEFT_EDGE, at, p)
-
-
-@inlined_kernel
-def right_corner_above(at, p, _mode):
-    """Negative once B1 presses on the flat base beside the slot.
-
-    B1 is then below the plane, the lower corner, and moving down. Otherwise the edge carries the
-    bottom face.
-    """
-    beside = p.slot_half_width - at.right_corner_x
-    return beside, at.right_corner_y, at.tilt + FLAT, at.right_corner_rise
-
-
-@inlined_kernel
-def left_corner_above(at, p, _mode):
-    """``right_corner_above`` for B2."""
-    beside = p.slot_half_width + at.left_corner_x
-    return beside, at.left_corner_y, -at.tilt + FLAT, at.left_corner_rise
-
-
-@inlined_kernel
-def right_corner_off_wall(at, p, _mode):
-    """Negative once B1, not being the lower corner, has run into the slot's wall from inside.
-
-    Also negative once the whole part has come down beside the slot; in any other pose the part
-    meets the edge before this corner.
-    """
-    return p.slot_half_width - at.right_corner_x, at.right_corner_y, -at.tilt - FLAT, NOTHING
-
-
-@inlined_kernel
-def left_corner_off_wall(at, p, _mode):
-    """``right_corner_off_wall`` for B2."""
-    return p.slot_half_width + at.left_corner_x, at.left_corner_y, at.tilt - FLAT, NOTHING
+right_corner_in_slot, left_corner_in_slot = on_both_sides(corner_in_slot)
+right_corner_above, left_corner_above = on_both_sides(corner_above)
+right_corner_over_flat, left_corner_over_flat = on_both_sides(corner_over_flat)
+right_corner_off_wall, left_corner_off_wall = on_both_sides(corner_off_wall)
+right_edge_outside, left_edge_outside = on_both_sides(edge_outside)
 
 
 @inlined_kernel

@@ -5,16 +5,17 @@ two points at most on either side of the slot: an edge on a side face, and the c
 the wall. Until alignment the two scenes have the same events.
 """
 
+from dataclasses import replace
 from math import sqrt
 
 from model.compile.jit import inlined_kernel, kernel
 from model.events import event_functions as functions
 from model.events import table, transitions
-from model.events.event_functions import corner_positions, edge_inside
-from model.events.outcomes import Outcome, Reason
+from model.events.event_functions import corner_positions, edge_inside, on_both_sides
+from model.events.outcomes import OUTCOME, REASON
 from model.events.scenes import CONTACT_NAMES, Scene
 from model.events.table import CONDITIONS, CONTACTS, Event, Source, changed, of_contact, state_is
-from model.events.transitions import decided, edge_enters, touching
+from model.events.transitions import decided, edge_enters, ending, touching
 from model.physics.contacts import corner_on_wall, dot, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.modes import (
@@ -29,16 +30,6 @@ from model.physics.modes import (
 )
 from model.physics.motion import is_beside, is_supported, side_contact, support_contact
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-
-_ALIGNED, _INSERTED = int(Outcome.ALIGNED), int(Outcome.INSERTED)
-_JAMMED, _CLIMBED_OUT = int(Outcome.JAMMED), int(Outcome.CLIMBED_OUT)
-_SETTLED, _LEFT_SCENE = int(Outcome.SETTLED), int(Outcome.LEFT_SCENE)
-_HORIZON_REACHED = int(Outcome.HORIZON_REACHED)
-_NONE, _BOTH_SIDES = int(Reason.NONE), int(Reason.BOTH_SIDES)
-_EDGE_ON_OTHER_FACE = int(Reason.EDGE_ON_OTHER_FACE)
-_WEDGED, _LACK_OF_FORCE = int(Reason.WEDGED), int(Reason.LACK_OF_FORCE)
-_ON_EDGE = int(Reason.ON_EDGE)
-
 
 # ----------------------------------------------------------------------------- where events apply
 
@@ -59,19 +50,15 @@ def _has_fallen_in(_p, mode):
     return mode.dropped and not mode.corners_inside
 
 
-@inlined_kernel
-def _left_corner_meets_wall(p, mode):
-    return not mode.dropped and table.left_corner_meets_wall(p, mode)
+def _before_fall(event: Event) -> Event:
+    """Return an event of one case so that it applies only before the part has fallen in."""
+    ((applies, function),) = event.function
 
+    @inlined_kernel
+    def applies_before(p, mode):
+        return not mode.dropped and applies(p, mode)
 
-@inlined_kernel
-def _right_corner_lands(p, mode):
-    return not mode.dropped and table.right_corner_is_free(p, mode)
-
-
-@inlined_kernel
-def _left_corner_lands(p, mode):
-    return not mode.dropped and table.left_corner_is_free(p, mode)
+    return replace(event, function=((applies_before, function),))
 
 
 @inlined_kernel
@@ -107,13 +94,7 @@ _on_left_wall = state_is("wall", OPEN, negated=True)
 @inlined_kernel
 def _inside(_time, _q, _p, mode, _declared):
     """Record, once, that the paper's corner conditions hold."""
-    return with_corners_inside(mode), _ALIGNED, _NONE
-
-
-@inlined_kernel
-def _inserted(_time, _q, _p, mode, _declared):
-    """End with the part inserted."""
-    return mode, _INSERTED, _NONE
+    return with_corners_inside(mode), OUTCOME.ALIGNED, REASON.NONE
 
 
 @inlined_kernel
@@ -141,19 +122,21 @@ def _right_edge_enters(time, q, p, mode, declared):
     if not mode.dropped or bottom <= min(left, min(right, top)):
         return edge_enters(RIGHT_EDGE, time, q, p, mode, declared)
     if right > min(left, top):
-        return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
+        return mode, OUTCOME.LEFT_SCENE, REASON.EDGE_ON_OTHER_FACE
     if _stands_on(mode, LEFT_EDGE):
-        return mode, _LEFT_SCENE, _BOTH_SIDES
+        return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
     state = touching(0.0, edge_on_side(RIGHT_EDGE, q, p), q, p)
     return decided(time, q, p, _right_side(_against_right(mode), state), False, False)
 
 
 @kernel
-def _corner_touches(side, time, q, p, mode):
+def _corner_touches(side, time, q, p, mode, _declared):
     """Begin the contact of a bottom corner with the wall on its side.
 
     An edge that passes its corner at a depth d leaves the corner d sin φ behind the wall.
     """
+    if side == RIGHT_EDGE and _stands_on(mode, LEFT_EDGE):
+        return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
     corner = corner_on_wall(side, q, p)
     state = touching(max(corner.depth, 0.0), corner, q, p)
     met = with_wall(mode, state)
@@ -162,18 +145,7 @@ def _corner_touches(side, time, q, p, mode):
     return decided(time, q, p, met, False, False)
 
 
-@inlined_kernel
-def _right_corner_touches(time, q, p, mode, _declared):
-    """``_corner_touches`` of B1."""
-    if _stands_on(mode, LEFT_EDGE):
-        return mode, _LEFT_SCENE, _BOTH_SIDES
-    return _corner_touches(RIGHT_EDGE, time, q, p, mode)
-
-
-@inlined_kernel
-def _left_corner_touches(time, q, p, mode, _declared):
-    """``_corner_touches`` of B2."""
-    return _corner_touches(LEFT_EDGE, time, q, p, mode)
+_right_corner_touches, _left_corner_touches = on_both_sides(_corner_touches)
 
 
 @kernel
@@ -181,20 +153,8 @@ def _right_side_ends(time, q, p, mode, _declared):
     """Open the contact at the corner of the side face, or leave the scene over its top."""
     bottom, _, _, top = edge_inside(RIGHT_EDGE, corner_positions(q, p), p)
     if top < bottom:
-        return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
+        return mode, OUTCOME.LEFT_SCENE, REASON.EDGE_ON_OTHER_FACE
     return decided(time, q, p, _right_side(mode, OPEN), False, False)
-
-
-@inlined_kernel
-def _right_wall_ends(time, q, p, mode, _declared):
-    """Open the contact of a corner that has risen to the plane."""
-    return decided(time, q, p, _right_wall(mode, OPEN), False, False)
-
-
-@inlined_kernel
-def _left_wall_ends(time, q, p, mode, _declared):
-    """Open the contact of a corner that has risen to the plane."""
-    return decided(time, q, p, with_wall(mode, OPEN), False, False)
 
 
 @inlined_kernel
@@ -203,13 +163,11 @@ def _right_side_depth(q, p, _mode):
 
 
 @inlined_kernel
-def _right_wall_depth(q, p, _mode):
-    return corner_on_wall(RIGHT_EDGE, q, p).depth
+def _wall_depth(side, q, p, _mode):
+    return corner_on_wall(side, q, p).depth
 
 
-@inlined_kernel
-def _left_wall_depth(q, p, _mode):
-    return corner_on_wall(LEFT_EDGE, q, p).depth
+_right_wall_depth, _left_wall_depth = on_both_sides(_wall_depth)
 
 
 # ---------------------------------------------------------------------------------------- the table
@@ -217,10 +175,13 @@ def _left_wall_depth(q, p, _mode):
 RIGHT_SIDE = Source(functions.right_side_state, _on_right_side)
 RIGHT_WALL = Source(functions.right_wall_state, _on_right_wall)
 LEFT_WALL = Source(functions.left_wall_state, _on_left_wall)
+_AT_RIGHT_SIDE = transitions.of_contact(_right_side_depth, _right_side)
+_AT_RIGHT_WALL = transitions.of_contact(_right_wall_depth, _right_wall)
+_AT_LEFT_WALL = transitions.of_contact(_left_wall_depth, with_wall)
 
 TABLE = (
     *CONDITIONS,
-    Event("inserted", table.PLACES, ((_is_in, functions.not_inserted),), _inserted),
+    Event("inserted", table.PLACES, ((_is_in, functions.not_inserted),), ending(OUTCOME.INSERTED)),
     # A bottom corner meets the slot's wall from inside.
     Event(
         "right_corner_touches", table.PLACES,
@@ -242,25 +203,20 @@ TABLE = (
         transitions.left_corner_lands,
     ),
     *CONTACTS,
-    *of_contact(
-        "right_side", "face", RIGHT_SIDE,
-        transitions.of_contact(_right_side_depth, _right_side), "right", in_slot=True,
-    ),
+    *of_contact("right_side", "face", RIGHT_SIDE, _AT_RIGHT_SIDE, "right", in_slot=True),
     Event(
         "right_side_end", RIGHT_SIDE, ((_on_right_side, functions.before_side_end),),
         _right_side_ends,
     ),
-    *of_contact(
-        "right_wall", "corner", RIGHT_WALL,
-        transitions.of_contact(_right_wall_depth, _right_wall), "right", in_slot=True,
-    ),
+    *of_contact("right_wall", "corner", RIGHT_WALL, _AT_RIGHT_WALL, "right", in_slot=True),
     Event(
-        "right_wall_end", RIGHT_WALL, ((_on_right_wall, functions.below_plane),), _right_wall_ends
+        "right_wall_end", RIGHT_WALL, ((_on_right_wall, functions.below_plane),),
+        _AT_RIGHT_WALL.ends,
     ),
-    *of_contact(
-        "left_wall", "wall", LEFT_WALL, transitions.of_contact(_left_wall_depth, with_wall), "side"
+    *of_contact("left_wall", "wall", LEFT_WALL, _AT_LEFT_WALL, "side"),
+    Event(
+        "left_wall_end", LEFT_WALL, ((_on_left_wall, functions.below_plane),), _AT_LEFT_WALL.ends
     ),
-    Event("left_wall_end", LEFT_WALL, ((_on_left_wall, functions.below_plane),), _left_wall_ends),
 )  # fmt: skip
 TABLE = changed(
     TABLE,
@@ -269,15 +225,8 @@ TABLE = changed(
     transition=_inside,
 )
 TABLE = changed(TABLE, "right_edge_enters", transition=_right_edge_enters)
-TABLE = changed(
-    TABLE, "right_corner_lands", function=((_right_corner_lands, functions.right_corner_above),)
-)
-TABLE = changed(
-    TABLE, "left_corner_lands", function=((_left_corner_lands, functions.left_corner_above),)
-)
-TABLE = changed(
-    TABLE, "left_wall", function=((_left_corner_meets_wall, functions.left_corner_off_wall),)
-)
+_NOT_AFTER_FALL = "right_corner_lands", "left_corner_lands", "left_wall"
+TABLE = tuple(_before_fall(each) if each.name in _NOT_AFTER_FALL else each for each in TABLE)
 
 INSERTION = Scene("insertion", frozenset(CONTACT_NAMES), TABLE)
 """The alignment scene, continued in the slot: edges on both side faces, corners on both walls."""
@@ -317,19 +266,19 @@ def end_in_slot(outcome, reason, q, p, mode):
     A part is at rest if its motion has settled, or if it sticks at two points at the horizon. It
     has climbed out if a bottom corner is above the plane, even while it bounces.
     """
-    if outcome == _LEFT_SCENE:
-        return _CLIMBED_OUT, reason
-    if outcome not in (_SETTLED, _HORIZON_REACHED):
+    if outcome == OUTCOME.LEFT_SCENE:
+        return OUTCOME.CLIMBED_OUT, reason
+    if outcome not in (OUTCOME.SETTLED, OUTCOME.HORIZON_REACHED):
         return outcome, reason
     _, right_y = bottom_corner(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     _, left_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
     is_out = max(right_y, left_y) > 0.0
     if is_out or _stands_on(mode, RIGHT_EDGE) or _stands_on(mode, LEFT_EDGE):
-        return _CLIMBED_OUT, _ON_EDGE
+        return OUTCOME.CLIMBED_OUT, REASON.ON_EDGE
     at_two_points = mode.in_slot and is_supported(mode) and is_beside(mode)
     held = at_two_points and mode.support_slip == STICKING and mode.side_slip == STICKING
-    if outcome == _HORIZON_REACHED and not held:
+    if outcome == OUTCOME.HORIZON_REACHED and not held:
         return outcome, reason
     if at_two_points and is_wedged(q, p, mode):
-        return _JAMMED, _WEDGED
-    return _JAMMED, _LACK_OF_FORCE
+        return OUTCOME.JAMMED, REASON.WEDGED
+    return OUTCOME.JAMMED, REASON.LACK_OF_FORCE

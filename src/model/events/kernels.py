@@ -1,7 +1,7 @@
 """Kernels generated from a table of events: samples, single event functions, transitions."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import groupby
 from pathlib import Path
@@ -217,32 +217,20 @@ def kernels_of(table: Table) -> GeneratedKernels:
     write.write(kernel, "start_is_impossible(q, p, mode)", _start(table))
     for place in PLACES_OF_FORCES:
         write.write(inlined_kernel, f"{place}_force(sample)", _force(table, place))
-    corners = write.name(functions.corner_positions)
-    write.choose(
-        "guard(which, time, q, p, mode)",
-        (
-            (k, f"{write.name(each.guard)}({corners}(q, p), p, mode)")
-            for k, each in events
-            if each.guard
-        ),
-        "True",
-    )
-    write.choose(
-        "is_conditional(which)", ((k, "True") for k, each in events if each.guard), "False"
-    )
-    write.choose(
-        "reset(which, q, p, mode)",
-        ((k, f"{write.name(each.reset)}(q, p, mode)") for k, each in events if each.reset),
-        "q",
-    )
-    write.choose(
-        "transition(which, time, q, p, mode, declared)",
-        (
-            (k, f"{write.name(each.transition)}(time, q, p, mode, declared)")
-            for k, each in events[:-1]
-        ),
-        f"{write.name(table[-1].transition)}(time, q, p, mode, declared)",
-    )
+
+    def calls(part: str, arguments: str) -> Iterator[tuple[int, str]]:
+        for k, event in enumerate(table):
+            if function := getattr(event, part):
+                yield k, f"{write.name(function)}({arguments})"
+
+    at = f"{write.name(functions.corner_positions)}(q, p)"
+    write.choose("guard(which, time, q, p, mode)", calls("guard", f"{at}, p, mode"), "True")
+    guarded = ((k, "True") for k, each in events if each.guard)
+    write.choose("is_conditional(which)", guarded, "False")
+    write.choose("reset(which, q, p, mode)", calls("reset", "q, p, mode"), "q")
+    arguments = "time, q, p, mode, declared"
+    *others, (_, last) = calls("transition", arguments)
+    write.choose(f"transition(which, {arguments})", iter(others), last)
     write.choose("kind(which)", ((k, str(each.kind)) for k, each in events if each.kind), "0")
     names = [each.name for each in table]
     numbers = {

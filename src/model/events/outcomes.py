@@ -1,6 +1,9 @@
 """Outcomes of runs, their reasons, and their remedies."""
 
 from enum import IntEnum
+from typing import Any
+
+from model.compile.views import numbers
 
 
 class Outcome(IntEnum):
@@ -58,6 +61,10 @@ class Reason(IntEnum):
     LACK_OF_FORCE = 17
     ON_EDGE = 18
 
+
+OUTCOME: Any = numbers("OUTCOME", [*Outcome.__members__])(*map(int, Outcome))
+REASON: Any = numbers("REASON", [*Reason.__members__])(*map(int, Reason))
+"""``Outcome`` and ``Reason`` as plain integers by name, for kernels."""
 
 OUTCOME_TEXT: dict[Outcome, str] = {
     Outcome.ALIGNED: "the part fell into the slot",

@@ -81,49 +81,39 @@ FORCES = Source(functions.forces, functions.rubs)
 
 
 @inlined_kernel
-def _no_right_face(mode):
-    return not (mode.edge == RIGHT_EDGE and mode.face != OPEN)
+def _no_face(edge, mode):
+    return not (mode.edge == edge and mode.face != OPEN)
 
 
 @inlined_kernel
-def _no_left_face(mode):
-    return not (mode.edge == LEFT_EDGE and mode.face != OPEN)
-
-
-@inlined_kernel
-def _no_right_corner(mode):
-    return not (mode.edge == RIGHT_EDGE and mode.corner != OPEN)
-
-
-@inlined_kernel
-def _no_left_corner(mode):
-    return not (mode.edge == LEFT_EDGE and mode.corner != OPEN)
+def _no_corner(edge, mode):
+    return not (mode.edge == edge and mode.corner != OPEN)
 
 
 @inlined_kernel
 def _falls_in(_p, mode):
-    return _no_right_face(mode) and not mode.dropped
+    return _no_face(RIGHT_EDGE, mode) and not mode.dropped
 
 
 @inlined_kernel
 def _has_fallen_in(_p, mode):
-    return _no_right_face(mode) and mode.dropped
+    return _no_face(RIGHT_EDGE, mode) and mode.dropped
 
 
 @inlined_kernel
 def _right_edge_is_free(_p, mode):
-    return _no_right_face(mode)
+    return _no_face(RIGHT_EDGE, mode)
 
 
 @inlined_kernel
 def _left_edge_is_free(_p, mode):
-    return _no_left_face(mode) and mode.side == OPEN
+    return _no_face(LEFT_EDGE, mode) and mode.side == OPEN
 
 
 @inlined_kernel
 def right_corner_is_free(_p, mode):
     """Return whether B1 does not press on the flat base."""
-    return _no_right_corner(mode)
+    return _no_corner(RIGHT_EDGE, mode)
 
 
 @inlined_kernel
@@ -132,18 +122,17 @@ def left_corner_is_free(_p, mode):
 
     While A2 is behind the side face, B2 can be beside the slot only through the slot's wall.
     """
-    return _no_left_corner(mode) and mode.side == OPEN
+    return _no_corner(LEFT_EDGE, mode) and mode.side == OPEN
 
 
 @inlined_kernel
 def _right_corner_meets_wall(_p, mode):
-    return _no_right_corner(mode) and _no_right_face(mode) and not mode.dropped
+    return _no_corner(RIGHT_EDGE, mode) and _no_face(RIGHT_EDGE, mode) and not mode.dropped
 
 
 @inlined_kernel
-def left_corner_meets_wall(_p, mode):
-    """Return whether B2 may run into the slot's wall from inside."""
-    return _no_left_corner(mode) and _no_left_face(mode)
+def _left_corner_meets_wall(_p, mode):
+    return _no_corner(LEFT_EDGE, mode) and _no_face(LEFT_EDGE, mode)
 
 
 @inlined_kernel
@@ -170,24 +159,17 @@ def _side_slides(p, mode):
 
 
 @inlined_kernel
-def _in_front_of_edge(edge, above, at, p):
+def _corner_first(edge, at, p, mode):
     """Return whether a corner has met the wall before its part has met the edge.
 
     A part that is flat, to ``FLAT``, meets both together: then the edge carries it.
     """
-    _, place = functions.largest(above)
-    gap, _ = functions.largest(functions.edge_outside(edge, at, p))
+    _, place = functions.largest(functions.corner_off_wall(edge, at, p, mode))
+    gap, _ = functions.largest(functions.edge_outside(edge, at, p, mode))
     return place == 0.0 or gap > functions.ON_AN_EVENT + 2.0 * functions.FLAT * p.half_width
 
 
-@inlined_kernel
-def _right_corner_first(at, p, mode):
-    return _in_front_of_edge(RIGHT_EDGE, functions.right_corner_off_wall(at, p, mode), at, p)
-
-
-@inlined_kernel
-def _left_corner_first(at, p, mode):
-    return _in_front_of_edge(LEFT_EDGE, functions.left_corner_off_wall(at, p, mode), at, p)
+_right_corner_first, _left_corner_first = functions.on_both_sides(_corner_first)
 
 
 # ----------------------------------------------------------------------------- events of a contact
@@ -214,13 +196,7 @@ def of_contact(
 ) -> Table:
     """Make the events of a contact that overlaps the base: load lost, gap opened, load returned.
 
-    Args:
-        name: name of the contact.
-        field: field of the mode that holds its normal state.
-        source: source of its ``ContactState``.
-        transition: its transitions.
-        force_on: see ``Event``.
-        in_slot: see ``state_is``.
+    ``field`` of the mode holds its normal state. See ``Event`` and, for ``in_slot``, ``state_is``.
     """
     presses, is_released = (state_is(field, state, in_slot) for state in (CLOSED, RELEASED))
     return (
@@ -270,7 +246,7 @@ CONDITIONS: Table = (
         transitions.right_wall, guard=_right_corner_first,
     ),
     Event(
-        "left_wall", PLACES, ((left_corner_meets_wall, functions.left_corner_off_wall),),
+        "left_wall", PLACES, ((_left_corner_meets_wall, functions.left_corner_off_wall),),
         transitions.left_wall, guard=_left_corner_first, start=-START_TOLERANCE,
     ),
 )  # fmt: skip

@@ -7,9 +7,9 @@ and the contacts that the scene declares.
 from typing import Any, NamedTuple
 
 from model.compile.jit import inlined_kernel, kernel
-from model.events.event_functions import corner_positions, edge_inside
+from model.events.event_functions import corner_positions, edge_inside, on_both_sides
 from model.events.friction import decide_friction, sign
-from model.events.outcomes import Outcome, Reason
+from model.events.outcomes import OUTCOME, REASON
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.modes import (
@@ -29,18 +29,6 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 # Plain integers for kernels; CONTINUES: the run continues in the returned mode.
 CONTINUES = -1
-_ALIGNED = int(Outcome.ALIGNED)
-_LEFT_SCENE = int(Outcome.LEFT_SCENE)
-_FAILED = int(Outcome.FAILED)
-_NONE = int(Reason.NONE)
-_MOVED_AWAY = int(Reason.MOVED_AWAY)
-_OVERSHOT = int(Reason.OVERSHOT)
-_CORNER_ON_WALL = int(Reason.CORNER_ON_WALL)
-_EDGE_ON_OTHER_FACE = int(Reason.EDGE_ON_OTHER_FACE)
-_BOTH_SIDES = int(Reason.BOTH_SIDES)
-_OVERTURNED = int(Reason.OVERTURNED)
-_UNDECLARED_CONTACT = int(Reason.UNDECLARED_CONTACT)
-_NO_FRICTION_SOLUTION = int(Reason.NO_FRICTION_SOLUTION)
 
 
 @inlined_kernel
@@ -50,8 +38,8 @@ def decided(time, q, p, mode, support_at_rest, side_at_rest):
     at_rest = bool(support_at_rest), bool(side_at_rest)
     found, possible = decide_friction(time, q, p, mode, at_rest[0], at_rest[1])
     if possible:
-        return found, CONTINUES, _NONE
-    return mode, _FAILED, _NO_FRICTION_SOLUTION
+        return found, CONTINUES, REASON.NONE
+    return mode, OUTCOME.FAILED, REASON.NO_FRICTION_SOLUTION
 
 
 # ------------------------------------------------------------------------------------- ends of runs
@@ -60,52 +48,44 @@ def decided(time, q, p, mode, support_at_rest, side_at_rest):
 @inlined_kernel
 def fallen_in(_time, _q, _p, mode, _declared):
     """Align in flight: A1 is past B1, B2 in the slot."""
-    return with_drop(mode), _ALIGNED, _NONE
+    return with_drop(mode), OUTCOME.ALIGNED, REASON.NONE
 
 
-@inlined_kernel
-def inside(_time, _q, _p, mode, _declared):
-    """Align by the paper's corner conditions."""
-    return mode, _ALIGNED, _NONE
+def ending(outcome: int, reason: int = REASON.NONE) -> Any:
+    """Make the transition that ends the run."""
+
+    @inlined_kernel
+    def end(_time, _q, _p, mode, _declared):
+        return mode, outcome, reason
+
+    return end
+
+
+inside = ending(OUTCOME.ALIGNED)  # by the paper's corner conditions
+overturned = ending(OUTCOME.LEFT_SCENE, REASON.OVERTURNED)
 
 
 @kernel
 def _passed(edge):
     """Reason for leaving the scene with the whole part beyond an edge."""
-    return _MOVED_AWAY if edge == RIGHT_EDGE else _OVERSHOT
+    return REASON.MOVED_AWAY if edge == RIGHT_EDGE else REASON.OVERSHOT
 
 
 @inlined_kernel
 def far_end(_time, _q, _p, mode, _declared):
     """Leave the scene over the far end of the face."""
-    return mode, _LEFT_SCENE, _passed(mode.edge)
+    return mode, OUTCOME.LEFT_SCENE, _passed(mode.edge)
 
 
-@kernel
-def _is_beside(edge, q, p):
-    """Return whether the whole bottom face is beyond an edge, beside the slot."""
+@inlined_kernel
+def meets_wall(edge, _time, q, p, mode, _declared):
+    """Leave the scene with a corner on the wall, or with the whole part beside the slot."""
     corner_x, _ = bottom_corner(-edge, q.x, q.y, q.tilt, p)
-    return edge * corner_x > p.slot_half_width
+    is_beside = edge * corner_x > p.slot_half_width
+    return mode, OUTCOME.LEFT_SCENE, _passed(edge) if is_beside else REASON.CORNER_ON_WALL
 
 
-@inlined_kernel
-def right_wall(_time, q, p, mode, _declared):
-    """Leave the scene with B1 on the wall, or with the whole part beside the slot."""
-    reason = _passed(RIGHT_EDGE) if _is_beside(RIGHT_EDGE, q, p) else _CORNER_ON_WALL
-    return mode, _LEFT_SCENE, reason
-
-
-@inlined_kernel
-def left_wall(_time, q, p, mode, _declared):
-    """Leave the scene with B2 on the wall, or with the whole part beside the slot."""
-    reason = _passed(LEFT_EDGE) if _is_beside(LEFT_EDGE, q, p) else _CORNER_ON_WALL
-    return mode, _LEFT_SCENE, reason
-
-
-@inlined_kernel
-def overturned(_time, _q, _p, mode, _declared):
-    """Leave the scene upside down."""
-    return mode, _LEFT_SCENE, _OVERTURNED
+right_wall, left_wall = on_both_sides(meets_wall)
 
 
 # ------------------------------------------------------------------------------ contacts that begin
@@ -134,53 +114,35 @@ def edge_enters(edge, time, q, p, mode, declared):
     bottom, left, right, top = edge_inside(edge, corner_positions(q, p), p)
     if bottom <= min(left, min(right, top)):
         if not declared.edge_on_face:
-            return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
+            return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
         if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
-            return mode, _LEFT_SCENE, _BOTH_SIDES
+            return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
         state = touching(0.0, edge_on_face(edge, q, p), q, p)
         return decided(time, q, p, with_face(_on_edges(mode), edge, state), False, False)
     if edge == LEFT_EDGE and left <= min(right, top):
         if not declared.edge_on_side:
-            return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
+            return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
         state = touching(0.0, edge_on_side(LEFT_EDGE, q, p), q, p)
         return decided(time, q, p, with_side(mode, state), False, False)
-    return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
+    return mode, OUTCOME.LEFT_SCENE, REASON.EDGE_ON_OTHER_FACE
 
 
-@inlined_kernel
-def right_edge_enters(time, q, p, mode, declared):
-    """``edge_enters`` of A1."""
-    return edge_enters(RIGHT_EDGE, time, q, p, mode, declared)
-
-
-@inlined_kernel
-def left_edge_enters(time, q, p, mode, declared):
-    """``edge_enters`` of A2."""
-    return edge_enters(LEFT_EDGE, time, q, p, mode, declared)
+right_edge_enters, left_edge_enters = on_both_sides(edge_enters)
 
 
 @kernel
 def corner_lands(edge, time, q, p, mode, declared):
     """Begin the contact of a bottom corner with the flat base, from its depth at the event."""
     if not declared.corner_on_flat:
-        return mode, _LEFT_SCENE, _UNDECLARED_CONTACT
+        return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
     if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
-        return mode, _LEFT_SCENE, _BOTH_SIDES
+        return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
     corner = corner_on_flat(edge, q, p)
     landed = with_corner(_on_edges(mode), edge, touching(0.0, corner, q, p), corner.depth)
     return decided(time, q, p, landed, False, False)
 
 
-@inlined_kernel
-def right_corner_lands(time, q, p, mode, declared):
-    """``corner_lands`` of B1."""
-    return corner_lands(RIGHT_EDGE, time, q, p, mode, declared)
-
-
-@inlined_kernel
-def left_corner_lands(time, q, p, mode, declared):
-    """``corner_lands`` of B2."""
-    return corner_lands(LEFT_EDGE, time, q, p, mode, declared)
+right_corner_lands, left_corner_lands = on_both_sides(corner_lands)
 
 
 # ----------------------------------------------------------------- loads that end and return, gaps
@@ -196,19 +158,18 @@ def without_load(depth, p):
 
 
 class OfContact(NamedTuple):
-    """Transitions where a contact loses its load, where the load returns, and where a gap opens."""
+    """Transitions of a contact: its load ends, returns, a gap opens, the touched surface ends."""
 
     unloaded: Any
     reloaded: Any
     opens: Any
+    ends: Any
 
 
 def of_contact(depth: Any, put: Any) -> OfContact:
-    """Make the transitions of a contact.
+    """Make the transitions of a contact of this ``depth`` (q, p, mode).
 
-    Args:
-        depth: kernel (q, p, mode) of its depth.
-        put: kernel (mode, state) that returns the mode with this normal state of the contact.
+    ``put`` (mode, state) returns the mode with another normal state of the contact.
     """
 
     @inlined_kernel
@@ -225,9 +186,14 @@ def of_contact(depth: Any, put: Any) -> OfContact:
     @inlined_kernel
     def opens(_time, _q, _p, mode, _declared):
         """Open the released contact."""
-        return put(mode, OPEN), CONTINUES, _NONE
+        return put(mode, OPEN), CONTINUES, REASON.NONE
 
-    return OfContact(unloaded, reloaded, opens)
+    @inlined_kernel
+    def ends(time, q, p, mode, _declared):
+        """Open the contact, which may press."""
+        return decided(time, q, p, put(mode, OPEN), False, False)
+
+    return OfContact(unloaded, reloaded, opens, ends)
 
 
 @inlined_kernel
@@ -279,8 +245,8 @@ def face_ends(time, q, p, mode, _declared):
     """Align, or fall freely: the edge has passed the corner on its own side."""
     opened = with_face(mode, mode.edge, OPEN)
     if mode.edge == RIGHT_EDGE and _is_in_slot(time, q, p, opened):
-        return with_drop(mode), _ALIGNED, _NONE
-    return opened, CONTINUES, _NONE
+        return with_drop(mode), OUTCOME.ALIGNED, REASON.NONE
+    return opened, CONTINUES, REASON.NONE
 
 
 @kernel
@@ -288,7 +254,7 @@ def side_ends(time, q, p, mode, _declared):
     """Open the contact at the corner of the side face, or leave the scene over its top."""
     bottom, _, _, top = edge_inside(LEFT_EDGE, corner_positions(q, p), p)
     if top < bottom:
-        return mode, _LEFT_SCENE, _EDGE_ON_OTHER_FACE
+        return mode, OUTCOME.LEFT_SCENE, REASON.EDGE_ON_OTHER_FACE
     return decided(time, q, p, with_side(mode, OPEN), False, False)
 
 
@@ -298,7 +264,7 @@ def corner_slides_in(time, q, p, mode, _declared):
     opened = with_corner(mode, mode.edge, OPEN, 0.0)
     place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     if mode.edge == LEFT_EDGE and not mode.dropped and place.along_face >= p.half_width:
-        return with_drop(opened), _ALIGNED, _NONE
+        return with_drop(opened), OUTCOME.ALIGNED, REASON.NONE
     return decided(time, q, p, opened, False, False)
 
 
@@ -311,7 +277,7 @@ def support_turns(time, q, p, mode, _declared):
     if mode.support_slip != STICKING:
         return decided(time, q, p, mode, True, False)
     at = motion(time, q, p, mode)
-    return with_friction(mode, -sign(at.support_friction), mode.side_slip), CONTINUES, _NONE
+    return with_friction(mode, -sign(at.support_friction), mode.side_slip), CONTINUES, REASON.NONE
 
 
 @inlined_kernel
@@ -320,4 +286,4 @@ def side_turns(time, q, p, mode, _declared):
     if mode.side_slip != STICKING:
         return decided(time, q, p, mode, False, True)
     at = motion(time, q, p, mode)
-    return with_friction(mode, mode.support_slip, -sign(at.side_friction)), CONTINUES, _NONE
+    return with_friction(mode, mode.support_slip, -sign(at.side_friction)), CONTINUES, REASON.NONE

@@ -309,13 +309,24 @@ class Batch:
             lengths = ", ".join(f"{name}: {array.size}" for name, array in arrays.items())
             raise ValueError(f"swept parameters must have one common length, got {lengths}")
         size = sizes.pop()
-        return cls._checked(
-            {
-                name: arrays.get(name, np.full(size, _or_nan(getattr(baseline, name))))
-                for name in PARAMETER_NAMES
-            },
-            swept=tuple(swept),
-        )
+        columns = {
+            name: arrays.get(name, np.full(size, getattr(baseline, name), dtype=np.float64))
+            for name in PARAMETER_NAMES
+        }
+        for name in swept:
+            outside = ~FIELDS[name].admits(columns[name])
+            if outside.any():
+                row = int(np.argmax(outside))
+                raise ValueError(
+                    f"{name}[{row}] = {float(columns[name][row])!r}: {FIELDS[name].rule}"
+                )
+        misplaced = _misplaced(columns["half_width"], columns["clearance"], columns["misalignment"])
+        if misplaced.any():
+            row = int(np.argmax(misplaced))
+            raise ValueError(
+                f"misalignment[{row}] = {float(columns['misalignment'][row])!r}: {_MISPLACED_RULE}"
+            )
+        return cls(columns)
 
     @classmethod
     def stack(cls, parameters: Sequence[Parameters]) -> "Batch":
@@ -333,23 +344,6 @@ class Batch:
         rows = np.frombuffer(b"".join([each._row for each in given]))
         columns = rows.reshape((-1, len(PARAMETER_NAMES))).T.copy()
         return cls(dict(zip(PARAMETER_NAMES, columns, strict=True)))
-
-    @classmethod
-    def _checked(cls, values: dict[str, NDArray[np.float64]], swept: Sequence[str]) -> "Batch":
-        for name in swept:
-            outside = ~FIELDS[name].admits(values[name])
-            if outside.any():
-                row = int(np.argmax(outside))
-                raise ValueError(
-                    f"{name}[{row}] = {float(values[name][row])!r}: {FIELDS[name].rule}"
-                )
-        misplaced = _misplaced(values["half_width"], values["clearance"], values["misalignment"])
-        if misplaced.any():
-            row = int(np.argmax(misplaced))
-            raise ValueError(
-                f"misalignment[{row}] = {float(values['misalignment'][row])!r}: {_MISPLACED_RULE}"
-            )
-        return cls(values)
 
     def __len__(self) -> int:
         return int(self.values["half_width"].size)
@@ -393,7 +387,3 @@ def _as_float(value: Any) -> float:
         return float(value)
     except OverflowError:  # an integer beyond all floats
         return math.inf
-
-
-def _or_nan(value: float | None) -> float:
-    return math.nan if value is None else value

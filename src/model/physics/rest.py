@@ -60,13 +60,6 @@ class _Balance(NamedTuple):
 
 
 @kernel
-def _unloaded_height(s, p):
-    """Ordinate of the mass centre at the tilt φ_st of the relaxed spring, with A1 at ``s``."""
-    sine, cosine = sine_cosine(p.rest_tilt)
-    return -s * sine + p.half_height * cosine
-
-
-@kernel
 def _suspension(x, y, tilt, share, first, p):
     """(x, y, moment) of the forces without contact, excitation excluded.
 
@@ -123,10 +116,8 @@ def _sliding(s, tilt, direction, share, first, p):
     start, h = tilt, _DIFFERENCE
     for _ in range(_ITERATIONS):
         at = _balance(s, tilt, share, first, p)
-        turned, moved = (
-            _balance(s, tilt + h, share, first, p),
-            _balance(s + h, tilt, share, first, p),
-        )
+        turned = _balance(s, tilt + h, share, first, p)
+        moved = _balance(s + h, tilt, share, first, p)
         slip = _slides_by(at, direction, p)
         m_tilt, m_s = (turned.moment - at.moment) / h, (moved.moment - at.moment) / h
         g_tilt = (_slides_by(turned, direction, p) - slip) / h
@@ -164,7 +155,7 @@ def rest_under_press(p):
     sine, cosine = sine_cosine(p.rest_tilt)
     s = (p.slot_half_width - p.misalignment - p.half_height * sine) / cosine
     tilt = p.rest_tilt
-    y = _unloaded_height(s, p)
+    y = -s * sine + p.half_height * cosine  # without load
     _, first, _ = _suspension(p.misalignment, y, tilt, 1.0, 0.0, p)
     share, step, rests = 0.0, _LONGEST_STEP, abs(s) < p.half_width
     while rests and share < 1.0:

@@ -72,13 +72,9 @@ class Estimate(NamedTuple):
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return all results by name, each of shape (n,)."""
-        return {
-            **RunResult(*self.results.T)._asdict(),
-            "tau_error": self.tau_error,
-            "insertion_error": self.insertion_error,
-            "sensitive": self.sensitive,
-            "rhs_evaluations": self.rhs_evaluations,
-        }
+        own = self._asdict()
+        del own["tolerance"]
+        return RunResult(*own.pop("results").T)._asdict() | own
 
 
 def estimate(run: Run, rows: Array, tolerance: float, carrying: Run | None = None) -> Estimate:

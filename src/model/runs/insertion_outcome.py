@@ -17,14 +17,8 @@ def insertion_outcomes(
 ) -> NDArray[np.int8]:
     """Return how the aligned runs of ``batch`` end in the insertion scene, shape (n,).
 
-    Args:
-        batch: the parameter sets.
-        outcome: outcomes of their runs in the alignment scene, shape (n,).
-        settings: settings of these runs.
-        cores: number of threads.
-
-    Returns:
-        Values of ``InsertionOutcome``, from one run each without an estimate of its error.
+    ``outcome``, shape (n,), and ``settings`` are those of its runs in the alignment scene. Returns
+    values of ``InsertionOutcome``, from one run each without an estimate of its error.
     """
     found = np.full(outcome.shape, InsertionOutcome.NOT_ALIGNED, dtype=np.int8)
     aligned = np.flatnonzero(outcome == Outcome.ALIGNED)

@@ -7,15 +7,7 @@ import numpy as np
 from model.compile.jit import kernel
 from model.compile.views import numbers, reader, writer
 from model.engines.lifecycle import begin
-from model.engines.record import (
-    EVENT_COUNT,
-    MADE,
-    OUTCOME,
-    TRACKED,
-    constants_of,
-    mode_of,
-    store_result,
-)
+from model.engines.record import AT, MADE, constants_of, mode_of, store_result
 from model.engines.results import TRACK_VARIABLES, RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, track_run
 from model.events.kernels import MOST_EVENTS
@@ -82,12 +74,12 @@ def integrate_trace(row, tolerance, scene, method, control, track, memory):
     track_run(scene.events, track, work.scratch, runs, i)
     p = constants_of(runs, i)
     _note_modes(mode_of(runs, i), 0.0, track, 0, 1, p)
-    while runs[i, OUTCOME] == CONTINUES:
-        first, events, before = int(runs[i, TRACKED]), runs[i, EVENT_COUNT], mode_of(runs, i)
+    while runs[i, AT.outcome] == CONTINUES:
+        first, events, before = int(runs[i, AT.tracked]), runs[i, AT.events], mode_of(runs, i)
         _mark_events(runs, i)
         advance(scene, method, control, track, history, work, runs, i)
-        end = int(runs[i, TRACKED])
-        if runs[i, EVENT_COUNT] != events:
+        end = int(runs[i, AT.tracked])
+        if runs[i, AT.events] != events:
             end -= 1
             _note_modes(mode_of(runs, i), _next_event(runs, i), track, end, end + 1, p)
         _note_modes(before, 0.0, track, first, end, p)

@@ -20,10 +20,8 @@ from model.events.scenes import ALIGNMENT
 from model.physics.parameters import Batch, Parameters
 from model.physics.rest import rest_under_press
 from model.physics.variants import Variants
-from model.runs.engines import Engine, engine_for
+from model.runs.engines import Array, Engine, engine_for
 from model.runs.settings import Settings
-
-Array = NDArray[np.float64]
 
 
 class UnvibratedEnds(NamedTuple):
@@ -45,16 +43,8 @@ def unvibrated(
 ) -> UnvibratedEnds:
     """Run the sets of ``batch`` without excitation, from the simultaneous start.
 
-    Sets that differ only in their excitation are run once.
-
-    Args:
-        batch: the vibrated runs.
-        settings: of the vibrated runs; within their horizon the part must come to rest.
-        cores: number of threads.
-        engine: "batch" or "scalar"; the fastest that fits by default.
-
-    Raises:
-        ValueError: an engine that does not fit.
+    Sets that differ only in their excitation are run once. ``settings`` are those of the vibrated
+    runs; within their horizon the part must come to rest. ``engine`` as in ``engine_for``.
     """
     still = np.zeros(len(batch))
     controls = Batch({**batch.values, "frequency": still, "phase": still})
@@ -71,27 +61,14 @@ def unvibrated(
     return UnvibratedEnds(ends[which], np.where(rests, found.end_tilt, np.nan)[which])
 
 
-def slow_tilt(batch: Batch, settings: Settings) -> Array:
-    """Return the tilts at which parts rest under a slow press, shape (n,); NaN without rest.
-
-    NaN as well for printed variants of the equations, which physics/rest.py does not have.
-    """
-    tilts = np.full(len(batch), np.nan)
-    if settings.readings == Variants.consistent():
-        _rest_of_each(batch.constants(settings.readings), tilts)
-    return tilts
-
-
 def unvibrated_results(
     batch: Batch, settings: Settings, cores: int = 1, engine: Engine | None = None
 ) -> dict[str, NDArray[Any]]:
     """Return the results in ``UNVIBRATED_CONTROL`` of the sets of ``batch``, each of shape (n,)."""
-    found = unvibrated(batch, settings, cores, engine)
-    return {
-        "unvibrated": found.outcome,
-        "unvibrated_tilt": found.tilt,
-        "slow_tilt": slow_tilt(batch, settings),
-    }
+    found, tilts = unvibrated(batch, settings, cores, engine), np.full(len(batch), np.nan)
+    if settings.readings == Variants.consistent():  # physics/rest.py has no printed variants
+        _rest_of_each(batch.constants(settings.readings), tilts)
+    return {"unvibrated": found.outcome, "unvibrated_tilt": found.tilt, "slow_tilt": tilts}
 
 
 def unvibrated_words(

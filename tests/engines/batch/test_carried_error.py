@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from model.engines.batch.carried_error import apply_saltation, error_of_time
 from model.engines.batch.event_kernels import in_vector_kernels
-from model.engines.record import ERROR, LARGEST_ERROR, MODE, SIZE, TIME
+from model.engines.record import AT, ERROR, MODE, SIZE
 from model.engines.scalar.step import rates_of
 from model.events.friction import hold_sticking
 from model.events.scenes import ALIGNMENT
@@ -71,9 +71,9 @@ def test_an_error_passes_an_event_as_a_displaced_run_does(event, before, after, 
     expected = flow(at_event, NOW + late, NOW, p, after) - start
 
     runs = np.zeros((1, SIZE))
-    runs[0, : len(p)], runs[0, TIME], runs[0, ERROR : ERROR + 6] = p, NOW, error
+    runs[0, : len(p)], runs[0, AT.time], runs[0, ERROR : ERROR + 6] = p, NOW, error
     runs[0, MODE : MODE + len(after)] = after
-    runs[0, LARGEST_ERROR] = np.abs(error).max()  # as the step before the event noted it
+    runs[0, AT.largest_error] = np.abs(error).max()  # as the step before the event noted it
     bound = error_of_time(KERNELS, which, State(*start), before, runs, 0)
     alone = [
         brentq(level, -1e-4, 1e-4, args=(start + each,), xtol=1e-15) for each in np.diag(error)
@@ -86,4 +86,4 @@ def test_an_error_passes_an_event_as_a_displaced_run_does(event, before, after, 
     # Accelerations jump where a slip changes, and are continuous where a load vanishes.
     jumps = np.abs(found - error).max() > 1e-3 * np.abs(error).max()
     assert jumps == (event == "support_slip")
-    assert runs[0, LARGEST_ERROR] == max(np.abs(error).max(), np.abs(found).max())
+    assert runs[0, AT.largest_error] == max(np.abs(error).max(), np.abs(found).max())

@@ -31,7 +31,8 @@ from model.engines.batch.series import (
     LANE_CONSTANTS,
     EventQuantities,
 )
-from model.engines.batch.series_kernels import series_filler
+from model.engines.batch.series_code import SeriesWriter
+from model.engines.batch.series_kernels import filler
 from model.engines.batch.series_layout import (
     ERROR_ORDER,
     FRACTIONS,
@@ -213,7 +214,8 @@ def test_a_mode_has_the_number_of_its_kind():
 
 @pytest.mark.parametrize("kind", INSERTION_KINDS)
 def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
-    rng, fill = np.random.default_rng(kind), series_filler(INSERTION_KINDS, True)
+    rng = np.random.default_rng(kind)
+    fill = filler("fill_series", SeriesWriter, INSERTION_KINDS, True)
     flat = new_workspace(workspace.EVENT_ROWS)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))

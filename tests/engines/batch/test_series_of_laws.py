@@ -19,8 +19,8 @@ def test_a_law_may_multiply_positions(monkeypatch):
 
     monkeypatch.setattr(series_kernels, "recurrences", cubic)
     # Finished code is kept by its name, so that of another law has another.
-    kinds, places = [ModeKind(ON_RIGHT_EDGE, FREE, FREE)], "coefficients, given, last"
-    fill = series_kernels._filler("fill_cubic", series_kernels.SeriesWriter, kinds, False, places)
+    kinds = [ModeKind(ON_RIGHT_EDGE, FREE, FREE)]
+    fill = series_kernels.filler("fill_cubic", series_kernels.SeriesWriter, kinds, False)
     flat = new_workspace(workspace.EVENT_ROWS)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = 1.0

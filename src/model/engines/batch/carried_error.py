@@ -16,15 +16,7 @@ from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
 from model.engines.batch.series_layout import ERROR_ORDER, ORDER, REMAINDER, ROWS
 from model.engines.batch.workspace import COEFFICIENTS
-from model.engines.record import (
-    ERROR,
-    LARGEST_ERROR,
-    TIME,
-    constants_of,
-    mode_of,
-    state_in,
-    store_state_in,
-)
+from model.engines.record import AT, ERROR, constants_of, mode_of, state_in, store_state_in
 from model.engines.scalar.step import moved, rates_of
 from model.events.friction import hold_sticking
 from model.events.table import LENGTH
@@ -61,7 +53,7 @@ def carry_error(length, w, lane, runs, i):
         omitted = w[(COEFFICIENTS + (ORDER + REMAINDER) * ROWS + n) * WIDTH + lane]
         runs[i, ERROR + n] = error + power * omitted
     size = _size(state_in(runs, ERROR, i))
-    runs[i, LARGEST_ERROR] = max(runs[i, LARGEST_ERROR], size)
+    runs[i, AT.largest_error] = max(runs[i, AT.largest_error], size)
 
 
 @kernel
@@ -106,7 +98,7 @@ def apply_saltation(events, which, q, before, runs, i):
 
     ``q`` and ``before`` are its state at the event and its mode before it.
     """
-    time, p, after = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
+    time, p, after = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
     size = _size(error)
     if not 0.0 < size < inf or _is_continuous(events.kind(which), before, after):
@@ -121,7 +113,7 @@ def apply_saltation(events, which, q, before, runs, i):
     jump = moved(held, -1.0, hold_sticking(q, p, after))
     error = moved(moved(_ORIGIN, 1.0 / factor, jump), -late, rates_after)
     store_state_in(error, runs, ERROR, i)
-    runs[i, LARGEST_ERROR] = max(runs[i, LARGEST_ERROR], _size(error))
+    runs[i, AT.largest_error] = max(runs[i, AT.largest_error], _size(error))
 
 
 @kernel
@@ -131,7 +123,7 @@ def error_of_time(events, which, q, before, runs, i):
     Contributions of the components of the state are summed by size: their errors are estimates, and
     need not cancel.
     """
-    time, p, error = runs[i, TIME], constants_of(runs, i), state_in(runs, ERROR, i)
+    time, p, error = runs[i, AT.time], constants_of(runs, i), state_in(runs, ERROR, i)
     across = 0.0
     for n in range(STATE_SIZE):
         unit = State(

@@ -18,7 +18,7 @@ from model.compile.jit import inlined_kernel, kernel, python_of
 from model.compile.source import Lines, Writer
 from model.compile.vector_code import WIDTH
 from model.engines.batch import step, workspace
-from model.engines.batch.level_forms import LinearForm, P, forms_of, is_nothing, rendered
+from model.engines.batch.level_forms import LinearForm, P, forms_of, rendered
 from model.engines.batch.mode_kinds import (
     MODES_OF_A_KIND,
     kind_in,
@@ -28,7 +28,8 @@ from model.engines.batch.mode_kinds import (
     numbers_of,
 )
 from model.engines.batch.series import EventQuantities
-from model.engines.batch.series_kernels import errors_filler, series_filler, series_sampler
+from model.engines.batch.series_code import ErrorWriter, SeriesWriter
+from model.engines.batch.series_kernels import filler, series_sampler
 from model.engines.batch.series_layout import NODES, ORDER, ROWS, SINES
 from model.engines.batch.workspace import COEFFICIENTS, EVENT_ROWS, ROW, VALUES
 from model.events.event_functions import NEVER, NOTHING
@@ -58,7 +59,7 @@ class LaneEvent:
     Attributes:
         number: index in the event table.
         cases: cases of its level.
-        places: places of the modes in which it applies; see ``LaneMode``.
+        places: places of the modes in which it applies; see ``lane_modes``.
     """
 
     def __init__(self, number: int, event: Event, inserts: bool) -> None:
@@ -128,7 +129,7 @@ def _in_loops(events: list[LaneEvent]) -> Iterator[tuple[str, list[LaneEvent]]]:
         yield f"applicable & {sum(1 << each.number for each in group)}", group
 
 
-_LANE = ("p, mode = constants_of_lane(w, i), mode_of_lane(w, i)",)
+_LANE = "p, mode = constants_of_lane(w, i), mode_of_lane(w, i)"
 
 
 def _sample_lines(singles: list[LaneEvent], samples: int, count: int, write: Writer) -> Lines:
@@ -138,7 +139,7 @@ def _sample_lines(singles: list[LaneEvent], samples: int, count: int, write: Wri
     """
     for number, (condition, events) in enumerate(_in_loops(singles)):
         lines = [f"for i in range({WIDTH}):"]
-        lines += [f"    {each}" for each in (*_LANE, *_load_lines(_all_forms(events), "row"))]
+        lines += [f"    {each}" for each in (_LANE, *_load_lines(_all_forms(events), "row"))]
         for event in events:
             values = [_value(case.forms[0]) for case in event.cases]
             selected = _selected(event, values, "NEVER", write)
@@ -156,7 +157,7 @@ def _bound_lines(singles: list[LaneEvent], bounds: int, write: Writer) -> Lines:
     for condition, events in _in_loops(singles):
         yield f"if {condition}:"
         yield f"    for i in range({WIDTH}):"
-        lines = [*_LANE, *_load_lines(_all_forms(events), row, _BOUND_SCALE)]
+        lines = [_LANE, *_load_lines(_all_forms(events), row, _BOUND_SCALE)]
         for event in events:
             values = [_bound(case.forms[0]) for case in event.cases]
             selected = _selected(event, values, "0.0", write)
@@ -164,16 +165,12 @@ def _bound_lines(singles: list[LaneEvent], bounds: int, write: Writer) -> Lines:
         yield from (f"        {each}" for each in lines)
 
 
-def _quantity_lines(
-    combined: list[LaneEvent], row: str, scale: str, text: Any, missing: str
-) -> Lines:
+def _quantity_lines(combined: list[LaneEvent], row: str, scale: str, text: Any) -> Lines:
     """Lines that return the four quantities of the event ``which``, or their bounds."""
-    yield "p, mode = constants_of_lane(w, i), mode_of_lane(w, i)"
+    yield _LANE
     for event in combined:
         forms = event.cases[0].forms
-        values = [
-            missing if is_nothing(form) or not form.is_known else text(form) for form in forms
-        ]
+        values = map(text, forms)
         last = event is combined[-1]
         yield "if True:" if last else f"if which == {event.number}:"
         yield from (f"    {each}" for each in _load_lines(forms, row, scale))
@@ -264,17 +261,16 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
         screen_single=step.screen_single, screen_combined=step.screen_combined,
         find_single=step.find_single, find_combined=step.find_combined,
     )  # fmt: skip
-    write.write(
-        kernel, "sample_lanes(applicable, w)", _sample_lines(singles, samples, count, write)
-    )
+    sampled = _sample_lines(singles, samples, count, write)
+    write.write(kernel, "sample_lanes(applicable, w)", sampled)
     write.write(kernel, "enter_bounds(applicable, w)", _bound_lines(singles, bounds, write))
     write.write(
         inlined_kernel, "quantities_in(which, row, w, i)",
-        _quantity_lines(several, "row", "", _value, "NOTHING"),
+        _quantity_lines(several, "row", "", _value),
     )  # fmt: skip
     write.write(
         inlined_kernel, "bounds_of(which, w, i)",
-        _quantity_lines(several, str(VALUES + NODES * SINES), _BOUND_SCALE, _bound, "0.0"),
+        _quantity_lines(several, str(VALUES + NODES * SINES), _BOUND_SCALE, _bound),
     )  # fmt: skip
     write.choose(
         "applies(which, p, mode)",
@@ -316,8 +312,8 @@ def vector_kernels_of(table: Table) -> GeneratedKernels:
     members = base.members | write.members | numbers
     members |= {
         "mode_of_lane": mode_of_lane,
-        "fill_series": series_filler(kinds, inserts),
-        "fill_errors": errors_filler(kinds, inserts),
+        "fill_series": filler("fill_series", SeriesWriter, kinds, inserts),
+        "fill_errors": filler("fill_errors", ErrorWriter, kinds, inserts),
         "sample_series": series_sampler(len(quantities)),
     }
     return GeneratedKernels(f"{base.name}-lanes", members, write.sources)

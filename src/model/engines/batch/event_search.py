@@ -24,7 +24,7 @@ from model.engines.batch.workspace import (
     constants_of_lane,
     lowest_bit,
 )
-from model.engines.record import STATE, TIME, constants_of, mode_of
+from model.engines.record import AT, STATE, constants_of, mode_of
 from model.engines.scalar import location
 from model.engines.scalar.location import NO_EVENT, sample_step
 from model.engines.scalar.location import NODES as SAMPLED
@@ -307,7 +307,7 @@ def crossing(events, which, until, series, w, lane):
 @kernel
 def _search_dense_output(events, w, lane, runs, search, i):
     """(which, θ) of the first event, by the reference engine's location on the dense output."""
-    time, h = runs[i, TIME], w[LENGTH * WIDTH + lane]
+    time, h = runs[i, AT.time], w[LENGTH * WIDTH + lane]
     p, mode = constants_of(runs, i), mode_of(runs, i)
     for n in range(STATE_SIZE):
         search.y[n] = runs[i, STATE + n]

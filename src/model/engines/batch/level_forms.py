@@ -10,7 +10,7 @@ from operator import mul
 from typing import Any
 
 from model.compile.jit import Symbol, python_of
-from model.events.event_functions import NOTHING, ContactState, CornerPositions
+from model.events.event_functions import ContactState, CornerPositions
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
 from model.physics.modes import CLOSED, Mode
@@ -206,8 +206,3 @@ def forms_of(
     mode = MODE if inserts else MODE._replace(edge=RIGHT_EDGE)
     forms = python_of(level)(QUANTITIES[inserts][source], P, mode)
     return tuple(map(_as_form, forms if isinstance(forms, tuple) else (forms,)))
-
-
-def is_nothing(form: LinearForm) -> bool:
-    """Return whether the form stands for a quantity that its level lacks."""
-    return form.tree == ("constant", NOTHING)

@@ -138,16 +138,12 @@ def mode_in_kind(mode):
     return right + 4 * left + 16 * int(mode.dropped)
 
 
-class LaneMode(NamedTuple):
-    """A mode that lanes hold, and its place: the number of its kind, and its number in the kind."""
-
-    mode: Mode
-    place: tuple[int, int]
-
-
 @cache
-def lane_modes(inserts: bool) -> list[LaneMode]:
-    """Enumerate every mode that lanes hold, with slips of one sign: no event depends on it."""
+def lane_modes(inserts: bool) -> list[tuple[Mode, tuple[int, int]]]:
+    """Enumerate every mode that lanes hold, with slips of one sign: no event depends on it.
+
+    With each its place: the number of its kind, and its number in the kind.
+    """
     within = _STATES if inserts else (OPEN,)
     edges = (RIGHT_EDGE, LEFT_EDGE) if inserts else (RIGHT_EDGE,)
     modes = [
@@ -167,4 +163,4 @@ def lane_modes(inserts: bool) -> list[LaneMode]:
     numbers = numbers_of(kinds_of(inserts))
     kind_of, mode_in = python_of(kind_in), python_of(mode_in_kind)
     places = ((kind_of(numbers, mode), mode_in(mode)) for mode in modes)
-    return [LaneMode(*each) for each in zip(modes, places, strict=True) if each[1][0] >= 0]
+    return [each for each in zip(modes, places, strict=True) if each[1][0] >= 0]

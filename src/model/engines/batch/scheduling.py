@@ -36,27 +36,12 @@ from model.engines.lifecycle import (
 )
 from model.engines.queue import fair_share, next_in
 from model.engines.record import (
+    AT,
     CLOSEST,
-    DEADLINE,
-    END_ERROR,
     ERROR,
-    EVALUATIONS,
-    EVENTS_AT_ONCE,
-    FORCE_MAX,
-    LARGEST_ERROR,
     MODE,
-    NEXT_STEP,
-    OUTCOME,
-    ROW_OF_BATCH,
-    SIDE_FORCE_MAX,
     SIZE,
     STATE,
-    STOP,
-    TAU_ALIGN,
-    TILT_MAX,
-    TIME,
-    TIME_ERROR,
-    TOLERANCE,
     constants_of,
     is_watched,
     mode_of,
@@ -71,14 +56,12 @@ from model.engines.scalar.tableaux import DOP853
 from model.events.event_functions import NEVER, ON_AN_EVENT
 from model.events.friction import hold_sticking
 from model.events.kernels import SceneKernels
-from model.events.outcomes import Reason
+from model.events.outcomes import REASON
 from model.events.transitions import CONTINUES
 from model.physics.modes import Mode
 from model.physics.notation import STATE_SIZE
 
 POOL = 128  # largest number of runs that a thread has at once
-_STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
-_NOT_FINITE = int(Reason.NOT_FINITE)
 _FIRST_LONGEST = 1.0  # bound of a run's first step
 
 
@@ -87,10 +70,10 @@ _FIRST_LONGEST = 1.0  # bound of a run's first step
 _GATHERED = (
     (SUPPORT_SIGN, MODE + Mode._fields.index("support_slip")),
     (SIDE_SIGN, MODE + Mode._fields.index("side_slip")),
-    (workspace.TIME, TIME),
-    (workspace.DEADLINE, DEADLINE),
-    (workspace.TOLERANCE, TOLERANCE),
-    (workspace.LONGEST, NEXT_STEP),
+    (workspace.TIME, AT.time),
+    (workspace.DEADLINE, AT.deadline),
+    (workspace.TOLERANCE, AT.tolerance),
+    (workspace.LONGEST, AT.next_step),
 )
 
 
@@ -132,16 +115,16 @@ def _record_periods(scene, until, history, control, w, lane, runs, i):
     The run may end with one of them. Closest approaches of a step that lies in two periods count in
     both.
     """
-    start, length = runs[i, TIME], w[workspace.LENGTH * WIDTH + lane]
+    start, length = runs[i, AT.time], w[workspace.LENGTH * WIDTH + lane]
     p, mode = constants_of_lane(w, lane), scene.events.mode_of_lane(w, lane)
     while (
-        runs[i, OUTCOME] == CONTINUES
-        and runs[i, STOP] <= start + until * length
-        and runs[i, STOP] < runs[i, DEADLINE]
+        runs[i, AT.outcome] == CONTINUES
+        and runs[i, AT.stop] <= start + until * length
+        and runs[i, AT.stop] < runs[i, AT.deadline]
     ):
-        q = state_at((runs[i, STOP] - start) / length, w, lane)
+        q = state_at((runs[i, AT.stop] - start) / length, w, lane)
         store_state(hold_sticking(q, p, mode), runs, i)
-        runs[i, TIME] = runs[i, STOP]
+        runs[i, AT.time] = runs[i, AT.stop]
         end_period(scene, history, control.settling_noise, runs, i)
         if is_watched(runs, i):
             _note_closest(scene.events, until, w, lane, runs, i)
@@ -150,36 +133,36 @@ def _record_periods(scene, until, history, control, w, lane, runs, i):
 @inlined_kernel
 def _carries_error(scene, control, runs, i):
     """Return whether run ``i`` carries its error: without insertion, only until it aligns."""
-    needed = scene.events.inserts == 1 or isnan(runs[i, TAU_ALIGN])
+    needed = scene.events.inserts == 1 or isnan(runs[i, AT.tau_align])
     return control.carries_error != 0.0 and needed
 
 
 @inlined_kernel
 def _advance(scene, until, history, control, w, lane, runs, i):
     """Advance by a step, or its fraction ``until`` an event; return whether the run continues."""
-    length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, TIME]
+    length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, AT.time]
     if is_watched(runs, i):
         _note_closest(scene.events, until, w, lane, runs, i)
     _record_periods(scene, until, history, control, w, lane, runs, i)
-    continues = runs[i, OUTCOME] == CONTINUES
+    continues = runs[i, AT.outcome] == CONTINUES
     if not continues:
-        until = (runs[i, TIME] - start) / length
+        until = (runs[i, AT.time] - start) / length
     tilt, force = 0.0, 0.0
     counted = is_counted(scene.events.mode_of_lane(w, lane), constants_of_lane(w, lane))
     if counted and control.alignment_only == 0.0:
         tilt, force = largest_until(
-            scene.events, runs[i, TILT_MAX], runs[i, FORCE_MAX], until, w, lane
+            scene.events, runs[i, AT.tilt_max], runs[i, AT.contact_force_max], until, w, lane
         )
     elif scene.events.inserts == 1:
-        _, force = largest_until(scene.events, inf, runs[i, SIDE_FORCE_MAX], until, w, lane)
+        _, force = largest_until(scene.events, inf, runs[i, AT.side_force_max], until, w, lane)
     note_step(until * length, tilt, force, runs, i)
     if not continues:
         return False
     if _carries_error(scene, control, runs, i):
         carry_error(until * length, w, lane, runs, i)
-    at_deadline = until == 1.0 and length == runs[i, DEADLINE] - start
-    runs[i, TIME] = runs[i, DEADLINE] if at_deadline else start + until * length
-    runs[i, NEXT_STEP] = MOST_GROWTH * length
+    at_deadline = until == 1.0 and length == runs[i, AT.deadline] - start
+    runs[i, AT.time] = runs[i, AT.deadline] if at_deadline else start + until * length
+    runs[i, AT.next_step] = MOST_GROWTH * length
     return True
 
 
@@ -198,18 +181,18 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
     if _advance(scene, theta, history, control, w, lane, runs, i):
         q, before = state_at(theta, w, lane), mode_of(runs, i)
         carries = _carries_error(scene, control, runs, i)
-        had_aligned = not isnan(runs[i, TAU_ALIGN])
+        had_aligned = not isnan(runs[i, AT.tau_align])
         store_state(q, runs, i)
         step = w[workspace.LENGTH * WIDTH + lane]
         apply_event(which, theta * step, step, scene, control, runs, i)
         if carries:
-            aligns = not (had_aligned or isnan(runs[i, TAU_ALIGN]))
-            if aligns or runs[i, OUTCOME] != CONTINUES:
+            aligns = not (had_aligned or isnan(runs[i, AT.tau_align]))
+            if aligns or runs[i, AT.outcome] != CONTINUES:
                 error = error_of_time(scene.events, which, q, before, runs, i)
-                runs[i, TIME_ERROR if aligns else END_ERROR] = error
+                runs[i, AT.time_error if aligns else AT.end_error] = error
             apply_saltation(scene.events, which, q, before, runs, i)
-        if runs[i, EVENTS_AT_ONCE] == 0.0:
-            runs[i, NEXT_STEP] *= MOST_GROWTH
+        if runs[i, AT.events_at_once] == 0.0:
+            runs[i, AT.next_step] *= MOST_GROWTH
         end_step(scene, False, history, control, runs, i)
 
 
@@ -217,15 +200,15 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
 def _continue(scene, method, control, memory, lane, i):
     """Continue run ``i`` after the step of its lane."""
     w, runs, history = memory.w, memory.runs, memory.history
-    runs[i, EVALUATIONS] += ORDER
+    runs[i, AT.rhs_evaluations] += ORDER
     length = w[workspace.LENGTH * WIDTH + lane]
     if scene.events.inserts == 1 and isnan(length):  # shares of loads that begin at zero: 0 / 0
-        runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
+        runs[i, AT.largest_error] = nan  # the reference engine does not carry it
         advance(scene, method, control, memory.work.nodes[:0], history, memory.work, runs, i)
-    elif isnan(length) or is_too_short(length, runs[i, TIME]):
+    elif isnan(length) or is_too_short(length, runs[i, AT.time]):
         q = state_in(runs, STATE, i)
-        rates = rates_of(runs[i, TIME], q, constants_of(runs, i), mode_of(runs, i))
-        fail(scene, runs, i, _STEP_TOO_SMALL if are_finite(rates) else _NOT_FINITE)
+        rates = rates_of(runs[i, AT.time], q, constants_of(runs, i), mode_of(runs, i))
+        fail(scene, runs, i, REASON.STEP_TOO_SMALL if are_finite(rates) else REASON.NOT_FINITE)
     else:
         which, theta = -1, NO_EVENT
         if w[workspace.CANDIDATES * WIDTH + lane] != 0.0:
@@ -282,13 +265,13 @@ def _enqueue(scene, method, control, memory, results, i):
     """
     runs, waiting = memory.runs, memory.waiting
     kind = scene.events.kind_of(mode_of(runs, i))
-    while runs[i, OUTCOME] == CONTINUES and kind < 0:
+    while runs[i, AT.outcome] == CONTINUES and kind < 0:
         if _carries_error(scene, control, runs, i):
-            runs[i, LARGEST_ERROR] = nan  # the reference engine does not carry it
+            runs[i, AT.largest_error] = nan  # the reference engine does not carry it
         advance(scene, method, control, memory.work.nodes[:0], memory.history, memory.work, runs, i)
         kind = scene.events.kind_of(mode_of(runs, i))
-    if runs[i, OUTCOME] != CONTINUES:
-        store_result(runs, i, results, int(runs[i, ROW_OF_BATCH]))
+    if runs[i, AT.outcome] != CONTINUES:
+        store_result(runs, i, results, int(runs[i, AT.row_of_batch]))
         return False
     waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
     waiting.counts[kind] += 1
@@ -304,7 +287,7 @@ def _begin_next(rows, tolerances, queue, scene, method, control, memory, results
         if row >= rows.shape[0]:
             return
         begin(rows[row], tolerances[row], scene, control, memory.runs, i)
-        memory.runs[i, ROW_OF_BATCH], memory.runs[i, NEXT_STEP] = row, _FIRST_LONGEST
+        memory.runs[i, AT.row_of_batch], memory.runs[i, AT.next_step] = row, _FIRST_LONGEST
         waits = _enqueue(scene, method, control, memory, results, i)
 
 
@@ -347,15 +330,10 @@ def _step_together(events, kind, count, control, memory):
 def integrate_all(rows, tolerances, scene, method, control, queue, results, memory):
     """Run the parameter sets of a queue to their ends, many at a time.
 
-    Args:
-        rows: shape (n, constants), the fields of ``Constants``, consistent variants only.
-        tolerances: tolerance of each run, shape (n,).
-        scene: ``SceneKernels`` of ``in_vector_kernels``.
-        method: ``Method`` of DOP853.
-        control: ``Control``.
-        queue: queue of ``new_queue``; threads that share it share the sets.
-        results: shape (n, len(RunResult._fields)), filled for the sets taken.
-        memory: ``BatchMemory``, overwritten.
+    Shapes: rows (n, constants), the fields of ``Constants``, consistent variants only; tolerances
+    (n,); results (n, len(RunResult._fields)), filled for the sets taken. ``scene`` is made by
+    ``in_vector_kernels``, ``queue`` by ``new_queue``: threads that share it share the sets.
+    ``method`` is that of DOP853, for modes that lanes do not hold; ``memory`` is overwritten.
     """
     counts = memory.waiting.counts
     counts[:] = 0

@@ -18,10 +18,13 @@ _SUMS_PER_LOOP = 14  # sums in a loop
 class SeriesWriter(VectorWriter):
     """Writes the function (coefficients, given, last) that fills coefficients of a kind of mode.
 
-    ``last`` holds the last order of the states. Coefficients in registers: ``ahead`` of rows of
-    positions alone, one order ahead, and ``value`` of all others; ``terms`` holds the sums of
-    ``_sum_known``.
+    ``coefficients`` are ROWS vectors for each order, the states and sines of the first order given,
+    ``given`` GIVEN constants and signs, and ``last`` is the last order of the states. Coefficients
+    in registers: ``ahead`` of rows of positions alone, one order ahead, and ``value`` of all
+    others; ``terms`` holds the sums of ``_sum_known``.
     """
+
+    places = "coefficients, given, last"
 
     def __init__(self, name: str, layout: Layout) -> None:
         super().__init__(name, 3)
@@ -210,9 +213,11 @@ class SeriesWriter(VectorWriter):
 class ErrorWriter(SeriesWriter):
     """Writes the function (errors, given, coefficients): the series of the linearised motion.
 
-    ``errors`` has the layout of ``coefficients``. The errors of the states are given at order 0;
-    errors of their coefficients are filled in up to ERROR_ORDER.
+    ``errors`` has the layout of ``coefficients``, which are filled already. The errors of the
+    states are given at order 0; errors of their coefficients are filled in up to ERROR_ORDER.
     """
+
+    places = "errors, given, coefficients"
 
     def __init__(self, name: str, layout: Layout) -> None:
         super().__init__(name, layout.for_accelerations())

@@ -12,7 +12,7 @@ from model.compile.source import defined
 from model.compile.vector_code import VectorWriter, vector_function
 from model.engines.batch.mode_kinds import ModeKind
 from model.engines.batch.series import recurrences
-from model.engines.batch.series_code import ErrorWriter, SeriesWriter
+from model.engines.batch.series_code import SeriesWriter
 from model.engines.batch.series_layout import (
     FRACTIONS,
     NODES,
@@ -78,10 +78,12 @@ class _SamplesWriter(VectorWriter):
         return ()
 
 
-def _filler(
-    name: str, writer: type[SeriesWriter], kinds: Sequence[ModeKind], inserts: bool, places: str
-) -> Any:
-    """Make the kernel (kind, block, ``places``) that calls the function written for a kind."""
+def filler(name: str, writer: type[SeriesWriter], kinds: Sequence[ModeKind], inserts: bool) -> Any:
+    """Make the kernel ``name`` (kind, block, *places) that calls the function written for a kind.
+
+    ``kind`` is an index of ``kinds``; ``inserts`` as in ``recurrences``. ``block`` holds vectors,
+    aligned to cache lines; the ``places`` in it are the arguments of the function of ``writer``.
+    """
 
     def written(kind: ModeKind) -> Any:
         def write(label: str) -> VectorWriter:
@@ -89,32 +91,11 @@ def _filler(
 
         return vector_function("_".join(map(str, (name, inserts, *kind))), write)
 
-    known, lines = {}, [f"def {name}(kind, block, {places}):"]
+    known, lines = {}, [f"def {name}(kind, block, {writer.places}):"]
     for number, kind in enumerate(kinds):
         known[f"series_{number}"] = written(kind)
-        lines.append(f"    if kind == {number}: series_{number}(block, ({places}))")
+        lines.append(f"    if kind == {number}: series_{number}(block, ({writer.places}))")
     return kernel(defined(name, "\n".join(lines), known, f"{len(kinds)}_kinds"))
-
-
-def series_filler(kinds: Sequence[ModeKind], inserts: bool) -> Any:
-    """Make the kernel (kind, block, coefficients, given, last) that fills the coefficients of runs.
-
-    ``kind`` is an index of ``kinds``; ``inserts`` as in ``recurrences``. ``block`` holds vectors,
-    aligned to cache lines; the others are places in it. At ``coefficients`` stand ROWS vectors for
-    each order, the states and sines of the first order given; at ``given``, GIVEN constants and
-    signs; at ``last``, the last order of the states.
-    """
-    places = "coefficients, given, last"
-    return _filler("fill_series", SeriesWriter, kinds, inserts, places)
-
-
-def errors_filler(kinds: Sequence[ModeKind], inserts: bool) -> Any:
-    """Make the kernel (kind, block, errors, given, coefficients) that fills the series of errors.
-
-    ``errors``, ``given`` and ``coefficients``, which are filled already, are places in ``block``;
-    see ``ErrorWriter``.
-    """
-    return _filler("fill_errors", ErrorWriter, kinds, inserts, "errors, given, coefficients")
 
 
 def series_sampler(count: int) -> Any:

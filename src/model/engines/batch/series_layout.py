@@ -47,6 +47,7 @@ class Layout:
 
     Attributes:
         series: the ``Recurrences``.
+        terms: rows in the sums of the accelerations.
         quantities: rows of the event quantities.
         sines: sine and cosine of the tilt, and of the excitation's angle.
         turning: products of the tilt rate with sine and cosine of the tilt.
@@ -58,15 +59,13 @@ class Layout:
 
     def __init__(self, series: Recurrences) -> None:
         self.series = series
+        self.terms = [row for total in series.accelerations for row in total.terms]
         self.quantities = [each.as_row() for each in series.quantities]
         self.sines = self._sine_rows()
         self.place = {row: n for n, row in enumerate((*STATES, *self.quantities))}
         self.place |= {row: SINES + n for n, row in enumerate(self.sines)}
         self.stage: dict[TaylorSeries, int] = {}
-        for total in self.series.accelerations:
-            for row in total.terms:
-                self._assign_stage(row)
-        for row in self.quantities:
+        for row in (*self.terms, *self.quantities):
             self._assign_stage(row)
         for row in self.stage:
             if row.rule in ("product", "quotient"):
@@ -75,9 +74,8 @@ class Layout:
             if not self.is_ahead(row):
                 for each in filter(self.is_ahead, _inputs(row)):
                     self.place.setdefault(each, self._next_place())
-        for total in self.series.accelerations:
-            for each in filter(self.is_ahead, total.terms):
-                self.place.setdefault(each, self._next_place())
+        for each in filter(self.is_ahead, self.terms):
+            self.place.setdefault(each, self._next_place())
         if self._next_place() > ROWS + FURTHER_ROWS:
             raise AssertionError(
                 f"ROWS = {ROWS} and FURTHER_ROWS = {FURTHER_ROWS}: must be at least "
@@ -89,9 +87,8 @@ class Layout:
         """Return the layout without rows that only event quantities need; places stay."""
         layout = copy(self)
         layout.stage = {}
-        for total in self.series.accelerations:
-            for row in total.terms:
-                layout._assign_stage(row)
+        for row in self.terms:
+            layout._assign_stage(row)
         return layout
 
     def _next_place(self) -> int:
@@ -104,8 +101,7 @@ class Layout:
         self.turning = [
             TaylorSeries("product", tuple(sorted((STATES[5], each), key=repr))) for each in pair
         ]
-        terms = [row for total in self.series.accelerations for row in total.terms]
-        (sine,) = [row for row in terms if row.rule == "sine" and row != pair[0]]
+        (sine,) = [row for row in self.terms if row.rule == "sine" and row != pair[0]]
         self.rate = sine.operands[1][0][1]  # of the excitation's angle
         return [*pair, sine, TaylorSeries("cosine", sine.operands)]
 

@@ -34,6 +34,7 @@ from model.engines.batch.workspace import (
     constants_of_lane,
     loads_of,
     state_in_lane,
+    store_state_in_lane,
 )
 from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT, largest
 from model.events.friction import REST_SLIP, hold_sticking
@@ -280,10 +281,7 @@ def _end_steps(events, w):
     for i in range(WIDTH):
         end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
         end = hold_sticking(end, constants_of_lane(w, i), events.mode_of_lane(w, i))
-        n = WIDTH
-        w[END * n + i], w[(END + 1) * n + i], w[(END + 2) * n + i] = end.x, end.y, end.tilt
-        w[(END + 3) * n + i], w[(END + 4) * n + i] = end.x_rate, end.y_rate
-        w[(END + 5) * n + i] = end.tilt_rate
+        store_state_in_lane(end, w, END, i)
 
 
 @kernel

@@ -17,7 +17,7 @@ import numpy as np
 
 from model.compile.jit import inlined_kernel
 from model.compile.vector_code import WIDTH
-from model.compile.views import reader
+from model.compile.views import reader, writer
 from model.engines.batch.series import GIVEN, LANE_CONSTANTS, EventQuantities
 from model.engines.batch.series_layout import FURTHER_ROWS, NODES, ORDERS, ROWS, SINES, TILT
 from model.engines.scalar.tableaux import Array
@@ -81,8 +81,9 @@ constants_of_lane = reader(
     lambda n: f"w[{_PLACES[n]} * WIDTH + i]" if n in _PLACES else "0.0",
     WIDTH=WIDTH,
 )
-# (w, row, i): the ``State`` of lane ``i`` from ``row`` on.
+# (w, row, i): the ``State`` of lane ``i`` from ``row`` on; (q, w, row, i) writes it.
 state_in_lane = reader(State, "w, row, i", "w[(row + {}) * WIDTH + i]".format, WIDTH=WIDTH)
+store_state_in_lane = writer(State, "w, row, i", "w[(row + {}) * WIDTH + i]".format, WIDTH=WIDTH)
 
 
 # Fields of ``Mode`` that lanes hold in the alignment scene, and those that they hold as well in the

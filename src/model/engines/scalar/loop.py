@@ -18,20 +18,10 @@ from model.engines.lifecycle import (
 )
 from model.engines.queue import next_in
 from model.engines.record import (
+    AT,
     CLOSEST,
-    EVALUATIONS,
-    FORCE_MAX,
-    NEXT_STEP,
-    OUTCOME,
-    REJECTED,
-    SIDE_FORCE_MAX,
     SIZE,
     STATE,
-    STOP,
-    TILT_MAX,
-    TIME,
-    TOLERANCE,
-    TRACKED,
     constants_of,
     is_watched,
     mode_of,
@@ -62,13 +52,10 @@ from model.engines.scalar.tableaux import Method
 from model.events.event_functions import NEVER, ON_AN_EVENT
 from model.events.friction import hold_sticking
 from model.events.kernels import MOST_SAMPLES
-from model.events.outcomes import Reason
+from model.events.outcomes import REASON
 from model.events.transitions import CONTINUES
 from model.physics.motion import contact_rate
 from model.physics.notation import STATE_SIZE
-
-_STEP_TOO_SMALL = int(Reason.STEP_TOO_SMALL)
-_NOT_FINITE = int(Reason.NOT_FINITE)
 
 TRACK_COLUMNS = 1 + len(TRACK_VARIABLES)  # time and the variables
 _MOST_SECANTS = 6
@@ -193,8 +180,8 @@ def _step_to_event(events, which, theta, time, h, y, p, mode, method, resolution
 @kernel
 def track_sample(events, track, time, q, sample, runs, i):
     """Append a row to the track; a full track overwrites its oldest row."""
-    row, rows = int(runs[i, TRACKED]), track.shape[0]
-    runs[i, TRACKED] = row + 1
+    row, rows = int(runs[i, AT.tracked]), track.shape[0]
+    runs[i, AT.tracked] = row + 1
     if rows > 0:
         row = row % rows if row >= rows else row
         track[row, 0] = time
@@ -207,7 +194,7 @@ def track_sample(events, track, time, q, sample, runs, i):
 @kernel
 def track_run(events, track, scratch, runs, i):
     """Write the present state of a run into its track, with the forces of its mode."""
-    time, q = runs[i, TIME], state_in(runs, STATE, i)
+    time, q = runs[i, AT.time], state_in(runs, STATE, i)
     if track.shape[0] > 0:
         events.sample_into(time, q, constants_of(runs, i), mode_of(runs, i), scratch)
     track_sample(events, track, time, q, scratch, runs, i)
@@ -231,22 +218,23 @@ def note_closest(events, samples, last, runs, i):
 @kernel
 def advance(scene, method, control, track, history, work, runs, i):
     """Advance run ``i`` by one step, or up to the first event in it."""
-    time, p, mode = runs[i, TIME], constants_of(runs, i), mode_of(runs, i)
-    y, tolerance, h = work.y, runs[i, TOLERANCE], runs[i, NEXT_STEP]
+    time, p, mode = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    y, tolerance, h = work.y, runs[i, AT.tolerance], runs[i, AT.next_step]
     store_in(state_in(runs, STATE, i), y)
-    stop, rate = runs[i, STOP], contact_rate(p, mode)
+    stop, rate = runs[i, AT.stop], contact_rate(p, mode)
     if tolerance * rate > _LOOSE:
         h = min(h, _MOST_RADIANS / rate)
     h_try = stop - time if time + 1.0001 * h >= stop else h
     right_hand_side(time, y, p, mode, work.k[0])
     h_step, h_next, rejected = _accepted_step(time, h_try, y, p, mode, method, tolerance, work)
-    runs[i, EVALUATIONS] += 1 + (1 + rejected) * method.stages
-    runs[i, REJECTED] += rejected
+    runs[i, AT.rhs_evaluations] += 1 + (1 + rejected) * method.stages
+    runs[i, AT.rejected] += rejected
     if h_step == 0.0:
-        fail(scene, runs, i, _STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else _NOT_FINITE)
+        reason = REASON.STEP_TOO_SMALL if are_finite(state_of(work.k[0])) else REASON.NOT_FINITE
+        fail(scene, runs, i, reason)
         return
     dense_output(time, h_step, y, p, mode, method, work.k, work.trial, work.dense)
-    runs[i, EVALUATIONS] += method.c.size - method.stages - 1
+    runs[i, AT.rhs_evaluations] += method.c.size - method.stages - 1
     sample_step(scene.events, time, h_step, 1.0, y, work.dense, p, mode, work.nodes, work.samples)
     which, theta = first_event(scene.events, time, h_step, y, work.dense, p, mode, work.samples)
     found = theta != NO_EVENT
@@ -258,7 +246,7 @@ def advance(scene, method, control, track, history, work, runs, i):
         length, taken = _step_to_event(
             scene.events, which, theta, time, h_step, y, p, mode, method, resolution, work
         )
-        runs[i, EVALUATIONS] += taken * method.stages
+        runs[i, AT.rhs_evaluations] += taken * method.stages
     if is_watched(runs, i):
         note_closest(scene.events, work.samples, last, runs, i)
     for node in range(1, last + (0 if found else 1)):
@@ -269,18 +257,18 @@ def advance(scene, method, control, track, history, work, runs, i):
         sample_step(
             scene.events, time, h_step, part, y, work.dense, p, mode, work.nodes, work.samples
         )
-    force_so_far = runs[i, FORCE_MAX] if is_counted(mode, p) else runs[i, SIDE_FORCE_MAX]
+    so_far = AT.contact_force_max if is_counted(mode, p) else AT.side_force_max
     tilt, force = largest_in(
         scene.events, part, time, h_step, y, work.dense, p, mode, work.nodes, work.samples,
-        work.scratch, runs[i, TILT_MAX], force_so_far,
+        work.scratch, runs[i, AT.tilt_max], runs[i, so_far],
     )  # fmt: skip
     note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
 
     store_state(state_of(work.y_end), runs, i)
     reached_stop = not found and h_step == h_try and h_try == stop - time
-    runs[i, TIME] = stop if reached_stop else time + length
+    runs[i, AT.time] = stop if reached_stop else time + length
     # A step shortened by a stop is no reason for a shorter next step.
-    runs[i, NEXT_STEP] = max(h, h_next) if h_step == h_try and h_try != h else h_next
+    runs[i, AT.next_step] = max(h, h_next) if h_step == h_try and h_try != h else h_next
     if found:
         track_run(scene.events, track, work.scratch, runs, i)
         apply_event(which, length, h_step, scene, control, runs, i)
@@ -307,22 +295,17 @@ def new_scalar_memory(method: Method) -> ScalarMemory:
 def integrate(row, tolerance, scene, method, control, track, memory):
     """Run one parameter set to its end.
 
-    Args:
-        row: shape (constants,), the fields of ``Constants``.
-        tolerance: largest local error of a step, relative to 1 + |state|.
-        scene: ``SceneKernels``.
-        method: ``Method``.
-        control: ``Control``.
-        track: shape (rows, 10), filled with time, state and normal forces of support, left and
-            right side. A track shorter than ``RunResult.tracked``, the number of rows of the whole
-            run, holds the last ones: row n of the run is row n modulo ``rows``.
-        memory: ``ScalarMemory``, overwritten.
+    ``row``, shape (constants,), holds the fields of ``Constants``; ``tolerance`` is the largest
+    local error of a step, relative to 1 + |state|; ``memory``, a ``ScalarMemory``, is overwritten.
+    ``track``, shape (rows, 10), is filled with time, state and normal forces of support, left and
+    right side. If it is shorter than ``RunResult.tracked``, the number of rows of the whole run, it
+    holds the last ones: row n of the run is row n modulo ``rows``.
     """
     runs, history, work = memory.runs, memory.history, memory.work
     i = runs.shape[0] - 1  # 0; as a literal, numba would compile the callees again for it
     begin(row, tolerance, scene, control, runs, i)
     track_run(scene.events, track, work.scratch, runs, i)
-    while runs[i, OUTCOME] == CONTINUES:
+    while runs[i, AT.outcome] == CONTINUES:
         advance(scene, method, control, track, history, work, runs, i)
 
 

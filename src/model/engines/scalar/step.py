@@ -3,6 +3,7 @@
 from math import isfinite, sqrt
 
 from model.compile.jit import inlined_kernel, kernel
+from model.compile.views import reader, writer
 from model.physics.motion import motion
 from model.physics.notation import STATE_SIZE, State
 
@@ -16,17 +17,9 @@ def is_too_short(h, time):
     return h <= 1e-14 * max(1.0, time)
 
 
-@inlined_kernel
-def state_of(y):
-    """The state vector as a ``State``."""
-    return State(y[0], y[1], y[2], y[3], y[4], y[5])
-
-
-@inlined_kernel
-def store_in(q, out):
-    """Write the state ``q``, or its rates, into ``out``, shape (6,)."""
-    out[0], out[1], out[2] = q.x, q.y, q.tilt
-    out[3], out[4], out[5] = q.x_rate, q.y_rate, q.tilt_rate
+# (y): the state vector, shape (6,), as a ``State``; (q, out) writes a state, or its rates.
+state_of = reader(State, "y", "y[{}]".format)
+store_in = writer(State, "out", "out[{}]".format)
 
 
 @inlined_kernel
