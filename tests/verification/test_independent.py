@@ -102,7 +102,7 @@ IN_SLOT_RUNS = {
 
 
 def ends_as(run, ending: str) -> bool:
-    """Whether an ending of the independent solution agrees with outcome and reason."""
+    """Return whether an ending of the independent solution agrees with outcome and reason."""
     if run.outcome is Outcome.INSERTED:
         return ending == "inserted"
     if run.outcome is Outcome.JAMMED:
