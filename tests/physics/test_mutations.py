@@ -1,7 +1,7 @@
 """An error of 1 % in any one force is caught: by a unit test, and by the figures where it acts.
 
-Each mutation is written into a copy of the package. The unit tests run on the copy without being
-compiled; the figures are computed with kernels that hold all of the errors, compiled once.
+The unit tests run on each mutation without being compiled; the figures are computed from a copy of
+the package whose kernels hold all of the errors, compiled once.
 """
 
 import json
@@ -47,61 +47,71 @@ EVERYWHERE = {
 FIGURES = list(COMPUTED)
 
 
-def mutated(folder: Path, mutation: str) -> Path:
-    """Copy of the sources with one error in it."""
-    source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
-    file, before, force = MUTATIONS[mutation]
-    path = source / "model" / "physics" / file
-    replace(path, before + force, f"{before}1.01 * {force}")
-    return source
-
-
-def replace(path: Path, old: str, new: str) -> None:
+def replaced(path: Path, old: str, new: str) -> str:
+    """Return the text of a file with ``new`` in place of ``old``."""
     text = path.read_text(encoding="utf-8")
     assert text.count(old) == 1, f"{old!r} must stand once in {path.name}: adapt the mutation"
-    path.write_text(text.replace(old, new), encoding="utf-8")
+    return text.replace(old, new)
 
 
-# Runs the unit tests on each copy in a process of its own. What they import from elsewhere is
-# loaded once, before these processes are forked.
+# Collects the unit tests once; a fork for each mutation puts the wrong code in place of the right
+# and runs them.
 RUN_EACH = """
-import json, os, sys
-import netCDF4, numba, pydantic, pytest, scipy, xarray
+import importlib, json, os, sys
+from types import FunctionType
+import pytest
 
-sources, options = json.loads(sys.argv[1]), json.loads(sys.argv[2])
-codes = {}
-for mutation, source in sources.items():
-    child = os.fork()
-    if not child:
-        written = os.open(f"{source}/log", os.O_WRONLY | os.O_CREAT)
-        os.dup2(written, 1), os.dup2(written, 2)
-        code = pytest.main([*options, "-o", f"pythonpath={source}"])
-        sys.stdout.flush()  # an exit without cleaning up loses what is buffered
-        os._exit(code)
-    codes[mutation] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+def put(module, code):
+    wrong = dict(vars(module))
+    exec(compile(code, module.__file__, "exec"), wrong)
+    for name, function in vars(module).items():
+        if isinstance(function, FunctionType) and function.__module__ == module.__name__:
+            function.__code__ = wrong[name].__code__
+
+class Mutations:
+    def pytest_collection_finish(self, session):
+        for mutation, (module, code) in mutations.items():
+            if child := os.fork():
+                codes[mutation] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+                continue
+            os.dup2(os.open(f"{logs}/{mutation}", os.O_WRONLY | os.O_CREAT), 1)
+            put(importlib.import_module(module), code)
+            return
+
+logs, (mutations, options), codes = sys.argv[1], map(json.loads, sys.argv[2:]), {}
+codes["none"] = pytest.main(options, [Mutations()])
+if len(codes) <= len(mutations):
+    sys.stdout.flush()  # an exit without cleaning up loses what is buffered
+    os._exit(codes["none"])
 print(json.dumps(codes))
 """
+
+
+def mutated(mutation: str) -> tuple[str, str]:
+    """Return the name of a module of the package, and its source with one error in it."""
+    file, before, force = MUTATIONS[mutation]
+    path = PROJECT / "src/model/physics" / file
+    return f"model.physics.{path.stem}", replaced(path, before + force, f"{before}1.01 * {force}")
 
 
 @pytest.fixture(scope="module")
 def tried(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]]:
     """(exit code, output) of the unit tests, uncompiled, on each mutation and on none."""
     folder = tmp_path_factory.mktemp("mutated")
-    sources = {name: str(mutated(folder / str(i), name)) for i, name in enumerate(MUTATIONS)}
-    right = shutil.copytree(PROJECT / "src", folder / "right")
-    options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:hypothesispytest", *UNIT_TESTS]
+    mutations = {name: mutated(name) for name in MUTATIONS}
+    options = ["-x", "-q", "-s", "-p", "no:cacheprovider", *UNIT_TESTS]
     run = subprocess.run(
-        [sys.executable, "-c", RUN_EACH, json.dumps({**sources, "none": str(right)})]
-        + [json.dumps(options)],
+        [sys.executable, "-c", RUN_EACH, folder, json.dumps(mutations), json.dumps(options)],
         cwd=PROJECT,
         env={**os.environ, "NUMBA_DISABLE_JIT": "1", "VIBRALIGN_CACHE": str(folder / "kernels")},
         capture_output=True,
         text=True,
         check=True,
     )
-    sources["none"] = str(right)
-    logs = {name: Path(source, "log").read_text("utf-8") for name, source in sources.items()}
-    return {name: (code, logs[name]) for name, code in json.loads(run.stdout).items()}
+    told = {name: (folder / name).read_text(encoding="utf-8") for name in MUTATIONS}
+    told["none"] = run.stdout
+    codes = json.loads(run.stdout.splitlines()[-1])
+    return {name: (codes[name], told[name]) for name in told}
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS)
@@ -150,7 +160,8 @@ def switchable(folder: Path) -> Path:
             new = f"        stick *= {SWITCHED.format(number)}\n{old}"
         edits.append((f"physics/{file}", old, new))
     for file, old, new in edits:
-        replace(source / "model" / file, old, new)
+        path = source / "model" / file
+        path.write_text(replaced(path, old, new), encoding="utf-8")
     return source
 
 

@@ -70,10 +70,12 @@ BUILT_TWICE = os.environ.get("VIBRALIGN_STUDY", "tiny")
 PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snakemake fails the test
 
 # Runs Snakemake and the scripts of its jobs as forks of one process, which has loaded what they
-# import from elsewhere: most of their time. Each fork imports the package by its own PYTHONPATH.
+# import: most of their time. A fork with another PYTHONPATH imports the project from there.
 PRELOADED = """
 import json, os, runpy, select, signal, socket, sys
-import netCDF4, numba, pydantic, scipy.ndimage, scipy.special, snakemake.cli, xarray
+import matplotlib.pyplot, netCDF4, scipy.ndimage, scipy.special, smart_open, xarray
+import snakemake.cli, snakemake.report.html_reporter
+import model.study.claims, model.study.config, model.study.maps
 
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts
 listener = socket.socket(socket.AF_UNIX)
@@ -101,8 +103,11 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
     folder, environment, (name, *arguments) = json.loads(told)
     os.dup2(written[0], 1), os.dup2(written[1], 2)
     os.chdir(folder)
+    if environment["PYTHONPATH"] != os.environ["PYTHONPATH"]:
+        sys.path[:0] = environment["PYTHONPATH"].split(os.pathsep)
+        for each in [each for each in sys.modules if each.split(".")[0] == "model"]:
+            del sys.modules[each]
     os.environ.clear(), os.environ.update(environment)
-    sys.path[:0] = environment["PYTHONPATH"].split(os.pathsep)
     code = 1
     try:
         if name == "-m":
@@ -298,6 +303,7 @@ def _preloaded() -> Iterator[None]:
         with subprocess.Popen(
             [sys.executable, "-c", PRELOADED],
             cwd=folder,
+            env={**os.environ, "PYTHONPATH": f"{PROJECT / 'src'}{os.pathsep}{PROJECT}"},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         ) as server:

@@ -1,15 +1,10 @@
 """Snakemake's own linter."""
 
-import subprocess
-from pathlib import Path
-
-PROJECT = Path(__file__).resolve().parents[2]
+from typing import Any
 
 
-def test_the_linter_asks_for_nothing():
-    run = subprocess.run(
-        ["snakemake", "--lint"], cwd=PROJECT, check=False, capture_output=True, text=True
-    )
+def test_the_linter_asks_for_nothing(workspace: Any) -> None:
+    run = workspace.forked("--lint")
     told = run.stdout + run.stderr
     assert run.returncode == 0, told
     assert "your workflow is in a good condition" in told
