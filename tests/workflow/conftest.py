@@ -153,11 +153,7 @@ class Workspace:
         "tiny/data/maps/fig13.nc",
     )
     BESIDE = ("tiny/data/precision.csv",)
-    PICTURES = tuple(
-        f"tiny/figures/{name}.{kind}"
-        for name in ("fig01", "fig11", "precision")
-        for kind in ("png", "svg", "pdf")
-    )
+    PICTURES = tuple(f"tiny/figures/fig11.{kind}" for kind in ("png", "svg", "pdf"))
 
     def __init__(self, folder: Path, profile: str = "default", **added: str) -> None:
         self.folder = folder
@@ -227,10 +223,11 @@ class Workspace:
         """As ``snakemake``, by PRELOADED and in a fraction of the time."""
         return self._run(self.preloaded, *self.command(*arguments, cores=cores)[1:])
 
-    def start(self, *arguments: str) -> subprocess.Popen[bytes]:
-        """Start Snakemake in a process group of its own."""
+    def start(self, *arguments: str, forked: bool = False) -> subprocess.Popen[bytes]:
+        """Start Snakemake in a process group of its own, or by PRELOADED, which outlives it."""
+        python, *words = self.command(*arguments)
         return subprocess.Popen(
-            self.command(*arguments),
+            [self.preloaded if forked else python, *words],
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.DEVNULL,

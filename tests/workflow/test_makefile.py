@@ -34,8 +34,11 @@ def test_each_file_of_tests_runs_in_one_process(tmp_path: Path) -> None:
     (options,) = re.findall(r'PATH".* pytest (.*)', printed)
     for name in ("test_a.py", "test_b.py"):
         (tmp_path / name).write_text(NOTES, encoding="utf-8")
-    run = [sys.executable, "-m", "pytest", "-c", os.devnull, *options.split(), "--rootdir=.", "."]
-    subprocess.run(run, cwd=tmp_path, capture_output=True, check=True)
+    run = [sys.executable, "-m", "pytest", "-p", "xdist", "-c", os.devnull, *options.split()]
+    bare = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    subprocess.run(
+        [*run, "--rootdir=.", "."], cwd=tmp_path, env=bare, capture_output=True, check=True
+    )
     assert len(list(tmp_path.glob("test_a gw*"))) == len(list(tmp_path.glob("test_b gw*"))) == 1
 
 
