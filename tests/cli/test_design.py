@@ -57,6 +57,7 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     assert record["feasible"]
 
 
+@pytest.mark.usefixtures("_no_leeways")
 def test_assess_says_of_the_recommended_setting_what_design_says(capsys, peg):
     device = peg("time: 0.2 s", friction="0.15 ± 0.03")
     assert cli.main(["design", "--device", device, *QUICK, *BASE, "--json"]) == cli.DONE

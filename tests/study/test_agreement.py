@@ -5,7 +5,6 @@ questions are whether it goes in from every start, how fast it aligns from one s
 devices within its tolerances go in.
 """
 
-import importlib
 import json
 import math
 from dataclasses import replace
@@ -60,11 +59,8 @@ def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 
 
 @pytest.fixture
-def _no_advice(monkeypatch: pytest.MonkeyPatch) -> None:
+def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
     """Leave out what is not asked here: leeways, Sobol' indices, and the engines of the page."""
-    for name in ("leeways", "nearest"):
-        module = importlib.import_module("model.study.assessment.assess")  # not the function
-        monkeypatch.setattr(module, name, lambda *_: ())
     monkeypatch.setattr(yields, "sobol_indices_of", lambda *_, **__: ())
     monkeypatch.setattr(in_browser, "modules", lambda: Modules(b"one", b"many", interface()))
     monkeypatch.setattr(sheet, "_RESOLUTION", 2)
