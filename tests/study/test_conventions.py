@@ -25,7 +25,7 @@ from model.study.sweep import Sweep, merge, run, sweep_of
 from model.study.version import version
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
-# The checker seeks the coordinates of a file anew for each of its variables: five sixths of its time.
+# The checker seeks the coordinates of a file anew for each variable: five sixths of its time.
 CHECKER = """
 import sys
 from functools import cache
