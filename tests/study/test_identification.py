@@ -32,7 +32,7 @@ def study() -> Study:
     """The study with a tiny grid of the search."""
     stated = read_study(study_path())
     counts = {**dict.fromkeys(FIGURES[4:], 4), "fig05": 1, "rubbing": 3, "by_frequency": 3}
-    tiny = {"counts": counts, "horizon": 30.0, "tolerance": 1e-6}
+    tiny = {"counts": counts, "horizon": 10.0, "tolerance": 1e-5}
     stated["identification"]["grids"]["tiny"] = tiny
     return check_study(stated)
 
