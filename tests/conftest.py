@@ -1,5 +1,6 @@
 """Shared fixtures. Floating-point accidents are errors: no test may pass on a silent NaN."""
 
+import importlib
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
@@ -124,6 +125,14 @@ def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
         return fixed_study.model_copy(update={"figures": small})
 
     return make
+
+
+@pytest.fixture
+def _no_leeways(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the leeways, or nearest reliable values: most runs of an assessment."""
+    module = importlib.import_module("model.study.assessment.assess")  # not the function
+    for name in ("leeways", "nearest"):
+        monkeypatch.setattr(module, name, lambda *_: ())
 
 
 # --- A study that has been run --------------------------------------------------------------

@@ -12,7 +12,7 @@ from model.cli import main as cli
 from model.show.assumptions import assumptions
 from model.show.si import named_words
 from model.study import assessment
-from model.study.assessment import Assessment, BaseVerdict, Leeway
+from model.study.assessment import Assessment, BaseVerdict, Leeway, leeways
 from model.study.devices import StatedDevice, load_device
 
 PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
@@ -36,7 +36,9 @@ def given(monkeypatch, **changed) -> None:
     monkeypatch.setattr(assessment, "assess", lambda *_, **__: found)
 
 
-def test_a_device_in_si_units_is_assessed_in_si_units(capsys):
+def test_a_device_in_si_units_is_assessed_in_si_units(capsys, monkeypatch):
+    monkeypatch.setattr(leeways, "VARIED", ("press_force",))
+    monkeypatch.setattr(leeways, "UNITS", ())
     lines = said(capsys, "--device", PEG, *IN_SECONDS, *BASE).splitlines()
     assert lines[0] == f"device          {PEG}, with contact_stiffness=300 kN/m"
     words = "verdict         reliable at the stated values; no tolerances are stated"
@@ -83,9 +85,11 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
     assert lines[example + 1].startswith(("reliable instead", "what to do"))
 
 
+@pytest.mark.usefixtures("_no_leeways")
 def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices(capsys):
     device = str(Path(PEG).parent / "devices" / "peg.yaml")
-    lines = said(capsys, "--device", device, *IN_SECONDS, "--set", "tilt_stiffness=30").splitlines()
+    line = ["--device", device, *IN_SECONDS, "--horizon", "20 ms", "--set", "tilt_stiffness=30"]
+    lines = said(capsys, *line).splitlines()
     share = "yield 0 % (0 % to 1.478 %, 95 % confidence)"
     words = f"not reliable at the stated values; {share} under the tolerances"
     assert lines[1] == f"verdict         {words}"
@@ -127,6 +131,7 @@ def test_what_a_stiffer_base_still_changes_is_said(capsys, monkeypatch):
     assert "neither verdict nor time changes from 3 MN/m on" in stiff(times | {1e4: 2.51})
 
 
+@pytest.mark.usefixtures("_no_leeways")
 def test_a_yield_is_required_with_confidence(capsys, tmp_path):
     path = tmp_path / "peg.yaml"
     text = Path(PEG).read_text(encoding="utf-8").replace("friction: 0.15", "friction: 0.15 ± 0.02")

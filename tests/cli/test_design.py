@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from model.cli import main as cli
+from model.study import design_judges
 
 PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
 QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]
@@ -15,7 +16,9 @@ BASE = ["--horizon", "600 ms", "--set", "contact_stiffness=300 kN/m"]
 
 
 @pytest.fixture
-def peg(tmp_path):
+def peg(tmp_path, monkeypatch):
+    monkeypatch.setattr(design_judges, "POINTS", 4)  # devices and lines of the quick judge
+
     def write(limits, friction="0.15"):
         path = tmp_path / "peg.yaml"
         more = f"free: {{tilt_stiffness: 0.2 to 0.4 N m/rad}}\nlimits: {{{limits}}}\n"
@@ -57,6 +60,7 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     assert record["feasible"]
 
 
+@pytest.mark.usefixtures("_no_leeways")
 def test_assess_says_of_the_recommended_setting_what_design_says(capsys, peg):
     device = peg("time: 0.2 s", friction="0.15 ± 0.03")
     assert cli.main(["design", "--device", device, *QUICK, *BASE, "--json"]) == cli.DONE

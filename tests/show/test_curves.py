@@ -117,7 +117,7 @@ def test_a_family_that_never_aligns_is_drawn_too(family, tmp_path):
     family["tau_align"][:] = NAN
     figure = curves(family)
     assert all(not segments(line) for line in figure.axes[0].lines)
-    style.save(figure, tmp_path / "never")
+    style.write(figure, tmp_path / "never.pdf")
 
 
 # --- Runs made for the claims alone -------------------------------------------------------------

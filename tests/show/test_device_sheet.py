@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from model.cli.sheet import write_sheet
+from model.cli import sheet
 from model.runs.settings import Settings
 from model.study.config import load_study, study_path
 from model.study.devices import load_device
@@ -17,7 +17,8 @@ GROUPS = {
 }
 
 
-def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
+def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path, monkeypatch):
+    monkeypatch.setattr(sheet, "_RESOLUTION", 8)
     study = load_study(study_path())
     stated, settings = (
         load_device(PEG, {"press_force": "12 N"}),
@@ -25,7 +26,7 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path):
     )
     pages = []
     for name in ("one.html", "two.html"):
-        write_sheet(tmp_path / name, stated, VERDICT, GROUPS, study, settings)
+        sheet.write_sheet(tmp_path / name, stated, VERDICT, GROUPS, study, settings)
         pages.append((tmp_path / name).read_bytes())
     assert pages[0] == pages[1]
     page = pages[0].decode()

@@ -130,7 +130,7 @@ def test_a_map_of_200_by_200_cells_with_islands_stays_small(tmp_path):
 @pytest.mark.parametrize("value", [NAN, 3.0])
 def test_a_map_may_align_nowhere_or_everywhere(area, value, tmp_path):
     area["tau_align"][:] = value
-    style.save(stability_map(area), tmp_path / "map")
+    style.write(stability_map(area), tmp_path / "map.pdf")
 
 
 def test_a_patch_is_hatched_and_has_no_border(area):

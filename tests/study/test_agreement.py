@@ -5,7 +5,6 @@ questions are whether it goes in from every start, how fast it aligns from one s
 devices within its tolerances go in.
 """
 
-import importlib
 import json
 import math
 from dataclasses import replace
@@ -23,6 +22,7 @@ from model.events.outcomes import Outcome
 from model.physics.units import device as device_of
 from model.runs import in_browser
 from model.runs.in_browser import Modules, interface
+from model.show import device_sheet
 from model.study.assessment import yields
 from model.study.config import load_study, study_path
 from model.study.design import Search, as_printed
@@ -60,14 +60,12 @@ def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 
 
 @pytest.fixture
-def _no_advice(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave out what is not asked here: leeways, Sobol' indices, and the engines of the page."""
-    for name in ("leeways", "nearest"):
-        module = importlib.import_module("model.study.assessment.assess")  # not the function
-        monkeypatch.setattr(module, name, lambda *_: ())
+def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
+    """Leave out what is not asked here: leeways, Sobol' indices, pictures, the page's engines."""
     monkeypatch.setattr(yields, "sobol_indices_of", lambda *_, **__: ())
     monkeypatch.setattr(in_browser, "modules", lambda: Modules(b"one", b"many", interface()))
     monkeypatch.setattr(sheet, "_RESOLUTION", 2)
+    monkeypatch.setattr(device_sheet, "_picture", lambda _: "")
 
 
 @pytest.mark.usefixtures("_no_advice")

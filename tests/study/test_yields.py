@@ -118,6 +118,7 @@ def test_no_device_is_named_where_nothing_fails(monkeypatch):
     assert nearest_failing(stated, known, STARTS) is None
 
 
+@pytest.mark.usefixtures("_no_leeways")
 def test_the_nearest_failing_device_of_the_peg_fails_when_its_command_is_run(capsys):
     device = ["--device", str(PEG)]
     device += ["--set", "friction=0.15 ± 0.08", "--set", "contact_stiffness=3e5"]

@@ -75,43 +75,39 @@ class _Scan:
     Attributes:
         parameter: name of the parameter.
         values: values to try, the device's own first.
-        reliable: number of leading values known to be reliable.
-        failed: True once a value is not reliable.
+        alike: number of leading values known to have the verdict of the device.
+        ended: True once a value has the other verdict.
     """
 
     parameter: str
     values: list[float]
-    reliable: int = 1
-    failed: bool = False
+    alike: int = 1
+    ended: bool = False
 
     @property
     def pending(self) -> list[float]:
         """The values to try next."""
-        return [] if self.failed else self.values[self.reliable : self.reliable + _AT_ONCE]
+        return [] if self.ended else self.values[self.alike : self.alike + _AT_ONCE]
 
-    def learn(self, reliable: Sequence[bool]) -> None:
+    def learn(self, alike: Sequence[bool]) -> None:
         """Enter the results of the pending values."""
-        self.failed = self.failed or not all(reliable)
-        self.reliable += [*reliable, False].index(False)
+        self.ended = self.ended or not all(alike)
+        self.alike += [*alike, False].index(False)
 
 
 def leeways(device: Stated, is_reliable: IsReliable) -> tuple[Leeway, ...]:
     """Return the leeways of a reliable device."""
-    scans = _scans(device)
-    while pending := [(scan.parameter, value) for scan in scans for value in scan.pending]:
-        reliable = iter(_try(device, pending, is_reliable))
-        for scan in scans:
-            scan.learn([next(reliable) for _ in scan.pending])
-    ends = [scan.values[scan.reliable - 1] for scan in scans]
+    scans = _scanned(device, is_reliable)
+    ends = [scan.values[scan.alike - 1] for scan in scans]
     brackets = [
-        (scan.parameter, end, scan.values[scan.reliable])
+        (scan.parameter, end, scan.values[scan.alike])
         for scan, end in zip(scans, ends, strict=True)
-        if scan.failed
+        if scan.ended
     ]
     refined = iter(_halved(device, brackets, is_reliable))
-    ends = [next(refined) if scan.failed else end for scan, end in zip(scans, ends, strict=True)]
+    ends = [next(refined) if scan.ended else end for scan, end in zip(scans, ends, strict=True)]
     return tuple(
-        Leeway(down.parameter, down.values[0], low, high, down.failed, up.failed)
+        Leeway(down.parameter, down.values[0], low, high, down.ended, up.ended)
         for down, up, low, high in zip(scans[::2], scans[1::2], ends[::2], ends[1::2], strict=True)
     )
 
@@ -121,20 +117,14 @@ def nearest(device: Stated, is_reliable: IsReliable) -> tuple[Nearest, ...]:
 
     A parameter of which no value tried is reliable is left out.
     """
-    scans = _scans(device)
-    tried = [(scan.parameter, value) for scan in scans for value in scan.values[1:]]
-    reliable = iter(_try(device, tried, is_reliable))
-    firsts = []  # index of the first reliable value of a scan, 0 without any
-    for scan in scans:
-        results = [False, *(next(reliable) for _ in scan.values[1:])]
-        firsts.append(results.index(True) if any(results) else 0)
+    scans = _scanned(device, lambda values: ~is_reliable(values))
     brackets = [
-        (scan.parameter, scan.values[first], scan.values[first - 1])
-        for scan, first in zip(scans, firsts, strict=True)
-        if first
+        (scan.parameter, scan.values[scan.alike], scan.values[scan.alike - 1])
+        for scan in scans
+        if scan.ended
     ]
     refined = iter(_halved(device, brackets, is_reliable))
-    ends = [next(refined) if first else None for first in firsts]
+    ends = [next(refined) if scan.ended else None for scan in scans]
     return tuple(
         Nearest(scan.parameter, scan.values[0], below, above)
         for scan, below, above in zip(scans[::2], ends[::2], ends[1::2], strict=True)
@@ -148,6 +138,16 @@ def _own(device: Stated) -> dict[str, float]:
         return {name: getattr(device, name) for name in VARIED}
     values = device.values
     return {name: values[name] for name in (*UNITS, *VARIED)}
+
+
+def _scanned(device: Stated, are_alike: IsReliable) -> list[_Scan]:
+    """Return the scans, each tried until a value has not the verdict of the device."""
+    scans = _scans(device)
+    while pending := [(scan.parameter, value) for scan in scans for value in scan.pending]:
+        alike = iter(_try(device, pending, are_alike))
+        for scan in scans:
+            scan.learn([next(alike) for _ in scan.pending])
+    return scans
 
 
 def _scans(device: Stated) -> list[_Scan]:
