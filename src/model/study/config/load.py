@@ -2,7 +2,6 @@
 
 import difflib
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
@@ -118,17 +117,9 @@ def read_study(path: Path) -> dict[str, Any]:
 def load_study(path: Path) -> Study:
     """Return the study in the YAML file ``path`` and those beside it, checked.
 
-    The last one is kept until one of its files changes.
-
     Raises:
         ConfigError: a file that cannot be read, is not YAML, or breaks a rule.
     """
-    stats = [(file, file.stat()) for file in study_files(path) if file.is_file()]
-    return _kept(path, tuple((file, s.st_mtime_ns, s.st_ino, s.st_size) for file, s in stats))
-
-
-@lru_cache(maxsize=1)
-def _kept(path: Path, _state: tuple[object, ...]) -> Study:
     return check_study(read_study(path), str(path))
 
 
