@@ -11,6 +11,7 @@ from model.physics.quantities import ANGLE, DAMPING, LENGTH, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.show.si import in_words, named_words, quantity_of, si_words
+from model.study.assessment.judge import STATISTICAL_TOLERANCE
 from model.study.config import Ensemble
 from model.study.devices import StatedDevice
 
@@ -160,8 +161,6 @@ def _horizon(settings: Settings, units: Units | None) -> str:
 
 def _precision(settings: Settings, *, counted: bool) -> str:
     """Return the tolerance of runs; if devices are ``counted``, the tolerance of these as well."""
-    from model.study.assessment.yields import STATISTICAL_TOLERANCE  # noqa: PLC0415  (scipy)
-
     words = f"local error of a step {settings.tolerance:g}"
     if counted and settings.tolerance < STATISTICAL_TOLERANCE:
         words += f", {STATISTICAL_TOLERANCE:g} for devices within the tolerances"

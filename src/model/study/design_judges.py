@@ -21,8 +21,14 @@ from model.events.outcomes import Unvibrated
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
 from model.runs.unvibrated import unvibrated
-from model.study.assessment.judge import DeviceResults, Floats, are_reliable, run_devices
-from model.study.assessment.yields import DEVICES, STATISTICAL_TOLERANCE, drawn, nearest_failing
+from model.study.assessment.judge import (
+    STATISTICAL_TOLERANCE,
+    DeviceResults,
+    Floats,
+    are_reliable,
+    run_devices,
+)
+from model.study.assessment.yields import DEVICES, drawn, nearest_failing
 from model.study.devices import StatedDevice
 from model.study.devices.amounts import SIGMAS
 from model.study.devices.batches import Values, devices_of

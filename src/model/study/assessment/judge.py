@@ -22,6 +22,7 @@ from model.study.devices.stated import QUANTITIES
 from model.study.maps.starts import Starts, every_start, starts_of
 
 Floats = NDArray[np.float64]
+STATISTICAL_TOLERANCE = 1e-6  # local error of a step for a yield, the same as at 1e-10
 _FEW = 12  # every twelfth start is tried first: most failing devices fail from many starts
 
 

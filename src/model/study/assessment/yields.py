@@ -24,7 +24,6 @@ QUANTILES = (0.05, 0.5, 0.95)
 DEVICES = 4096  # a power of two
 INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
 INDEX_STARTS = 4  # the indices take every fourth start
-STATISTICAL_TOLERANCE = 1e-6  # local error of a step; the yield is the same as at 1e-10
 
 
 @dataclass(frozen=True)
