@@ -12,6 +12,7 @@ coefficients ``Mode``.
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numba
@@ -244,6 +245,7 @@ def _device_of(p):
     )  # fmt: skip
 
 
+@cache
 def rates_in(mode: int):
     """Return a compiled ``f(t, y, p) -> dy/dt`` for a mode."""
     coefficients = MODES[mode]
@@ -257,6 +259,7 @@ def rates_in(mode: int):
     return rates_of_mode
 
 
+@cache
 def event_in(mode: int, which: int):
     """Return a compiled ``g(t, y, p) -> float``, the event function ``which`` of a mode."""
     coefficients = MODES[mode]

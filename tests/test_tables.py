@@ -20,7 +20,7 @@ from model.engines.results import RESULTS
 from model.physics.parameters import PARAMETER_NAMES
 
 PROJECT = Path(__file__).resolve().parents[1]
-SOURCES = sorted((PROJECT / "src" / "model").rglob("*.py"))
+SOURCES = PROJECT / "src" / "model"
 
 # file under src/model, text there, what is inserted behind it
 EDITS = [
@@ -53,6 +53,15 @@ EDITS = [
 ]
 
 
+@pytest.fixture(scope="module")
+def trees() -> dict[str, ast.Module]:
+    """Every file of the package, parsed."""
+    return {
+        path.relative_to(SOURCES).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
+        for path in sorted(SOURCES.rglob("*.py"))
+    }
+
+
 def collected(tree: ast.AST) -> Iterator[tuple[int, set[str]]]:
     """Lines of literal collections, calls and classes, with the names that each states."""
     for node in ast.walk(tree):
@@ -73,22 +82,22 @@ def collected(tree: ast.AST) -> Iterator[tuple[int, set[str]]]:
     ("table", "stated_in"),
     [(PARAMETER_NAMES, "physics/parameters.py"), (tuple(RESULTS), "engines/results.py")],
 )
-def test_no_other_place_in_the_package_lists_half_of_the_table(table, stated_in):
+def test_no_other_place_in_the_package_lists_half_of_the_table(trees, table, stated_in):
     places = {
-        path.relative_to(PROJECT / "src" / "model").as_posix()
-        for path in SOURCES
-        for _, names in collected(ast.parse(path.read_text(encoding="utf-8")))
+        path
+        for path, tree in trees.items()
+        for _, names in collected(tree)
         if len(names & set(table)) > len(table) / 2
     }
     # Those that an engineer adjusts or measures are chosen for the leeways, and are over a half.
     assert places - {"study/assessment/leeways.py"} == {stated_in}
 
 
-def test_constants_and_results_are_never_made_by_position():
+def test_constants_and_results_are_never_made_by_position(trees):
     by_position = [
-        f"{path.name}:{node.lineno}"
-        for path in SOURCES
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        f"{path}:{node.lineno}"
+        for path, tree in trees.items()
+        for node in ast.walk(tree)
         if isinstance(node, ast.Call)
         and isinstance(node.func, ast.Name)
         and node.func.id in ("Constants", "RunResult")

@@ -6,6 +6,7 @@ with a constant force.
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -77,11 +78,12 @@ class SteppedRun:
             runs[0, STATE : STATE + 6] = state
             runs[0, MODE : MODE + len(mode)] = mode
             runs[0, AT.tau_align] = tau_align
+        begun = _present(runs)
         while runs[0, AT.outcome] == CONTINUES:
-            time, before, mode = runs[0, AT.time], runs[0, STATE : STATE + 6].copy(), _mode(runs)
             step(kernels, DOP853.method, control, track, single.history, single.work, runs, 0)
-            after = runs[0, STATE : STATE + 6].copy()
-            self.steps.append(Step(time, before, mode, runs[0, AT.time], after, _mode(runs)))
+            ended = _present(runs)
+            self.steps.append(Step(*begun, *ended))
+            begun = ended
             if until(self):
                 break
         self.outcome, self.reason = runs[0, AT.outcome], Reason(int(runs[0, AT.reason]))
@@ -122,10 +124,14 @@ class SteppedRun:
         ]
 
 
-def _mode(runs) -> Mode:
-    kinds = zip(
-        Mode.__annotations__.values(), runs[0, MODE : MODE + len(Mode._fields)], strict=True
-    )
+def _present(runs) -> tuple[float, np.ndarray, Mode]:
+    mode = runs[0, MODE : MODE + len(Mode._fields)]
+    return runs[0, AT.time], runs[0, STATE : STATE + 6].copy(), _mode(mode.tobytes())
+
+
+@lru_cache
+def _mode(stored: bytes) -> Mode:
+    kinds = zip(Mode.__annotations__.values(), np.frombuffer(stored), strict=True)
     return Mode(*(kind(value) for kind, value in kinds))
 
 

@@ -88,7 +88,7 @@ def test_wedging_limit(stepped_run, constants, peg, friction, clearance, factor)
     assert possible
     slips = sorted(abs(slip) for slip in (held.support_slip, held.side_slip))
     assert slips == ([0, 0] if factor > 1.0 else [0, 1])  # STICKING is 0
-    run = stepped_run(device, state, mode, horizon=60.0, scene=INSERTION, tau_align=0.0, **NEVER)
+    run = stepped_run(device, state, mode, horizon=20.0, scene=INSERTION, tau_align=0.0, **NEVER)
     if factor > 1.0:
         assert (run.outcome, run.reason) == (Outcome.JAMMED, Reason.WEDGED)
         assert run.state[-1] == pytest.approx(state, abs=1e-10)

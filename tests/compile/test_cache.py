@@ -7,15 +7,21 @@ import pytest
 from model.compile import cache
 
 
-def test_changed_code_opens_another_folder_and_changed_words_do_not(tmp_path, monkeypatch):
+@pytest.fixture
+def source(tmp_path, monkeypatch):
+    """The only file of a package with a cache of its own."""
     for layer in cache.KERNEL_LAYERS:
         assert (cache.PACKAGE / layer).is_dir()
         (tmp_path / layer).mkdir()
-    source = tmp_path / "engines" / "scalar" / "step.py"
-    source.parent.mkdir()
+    path = tmp_path / "engines" / "scalar" / "step.py"
+    path.parent.mkdir()
+    path.write_text("x = 1\n", encoding="utf-8")
     monkeypatch.setattr(cache, "PACKAGE", tmp_path)
     monkeypatch.setenv("VIBRALIGN_CACHE", str(tmp_path / "kept"))
+    return path
 
+
+def test_changed_code_opens_another_folder_and_changed_words_do_not(source):
     def fingerprint(text):
         source.write_text(text)
         return cache.kernel_fingerprint()
@@ -28,6 +34,7 @@ def test_changed_code_opens_another_folder_and_changed_words_do_not(tmp_path, mo
     assert cache.kernel_fingerprint() != first
 
 
+@pytest.mark.usefixtures("source")
 @pytest.mark.parametrize(
     ("variable", "below"), [("VIBRALIGN_CACHE", ""), ("XDG_CACHE_HOME", "vibralign")]
 )
@@ -39,6 +46,7 @@ def test_the_folder_can_be_moved(tmp_path, monkeypatch, variable, below):
     assert expected.is_dir()
 
 
+@pytest.mark.usefixtures("source")
 def test_a_temporary_folder_replaces_one_that_cannot_be_created(tmp_path, monkeypatch):
     blocked = tmp_path / "file"
     blocked.write_text("")
@@ -49,10 +57,10 @@ def test_a_temporary_folder_replaces_one_that_cannot_be_created(tmp_path, monkey
     assert Path(tmp_path / "temp") in folder.parents
 
 
+@pytest.mark.usefixtures("source")
 @pytest.mark.parametrize("damage", [b"", b"0123", bytes(16), b"no name of files", b"\xff" * 16])
-def test_a_damaged_name_of_the_folder_is_worked_out_again(tmp_path, monkeypatch, damage):
-    monkeypatch.setenv("VIBRALIGN_CACHE", str(tmp_path))
+def test_a_damaged_name_of_the_folder_is_worked_out_again(tmp_path, damage):
     whole = cache.kernel_fingerprint()
-    (kept,) = (tmp_path / "fingerprints").iterdir()
+    (kept,) = (tmp_path / "kept" / "fingerprints").iterdir()
     kept.write_bytes(damage)
     assert cache.kernel_fingerprint() == whole == kept.read_text(encoding="ascii")

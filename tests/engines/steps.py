@@ -3,10 +3,17 @@
 import numpy as np
 
 from model import ALIGNMENT
-from model.engines.scalar.location import NODES, first_event, sample_step
-from model.engines.scalar.step import dense_output, right_hand_side, state_of, take_step
+from model.compile.jit import entry_point
+from model.engines.scalar import location, step
+from model.engines.scalar.location import NODES
 from model.engines.scalar.tableaux import DOP853
 from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
+
+first_event, sample_step = entry_point(location.first_event), entry_point(location.sample_step)
+dense_output, interpolate, right_hand_side, state_of, take_step = map(
+    entry_point,
+    (step.dense_output, step.interpolate, step.right_hand_side, step.state_of, step.take_step),
+)
 
 
 class Steps:

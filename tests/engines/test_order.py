@@ -5,23 +5,26 @@ it repeats the step up to the event and continues from there in the next mode.
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
+from model.compile.jit import entry_point
 from model.engines.scalar.location import NO_EVENT
-from model.engines.scalar.step import error_estimate, interpolate, state_of
+from model.engines.scalar.step import error_estimate
 from model.engines.scalar.tableaux import DOP853
-from model.events.friction import decide_friction, hold_sticking
+from model.events import friction
 from model.events.kernels import ALIGNMENT_EVENTS
 from model.events.table import EVENTS
 from model.events.transitions import CONTINUES
 from model.physics.geometry import resting_height
 from model.physics.modes import START, Mode
-from tests.engines.steps import Steps
+from tests.engines.steps import Steps, interpolate, state_of
 
 NAMES = [event.name.upper() for event in EVENTS]
+hold_sticking = entry_point(friction.hold_sticking)
 
 
 class Met(NamedTuple):
@@ -82,7 +85,7 @@ class FixedSteps(Steps):
         """State and mode at rest, touching the edge."""
         y = np.zeros(6)
         y[0], y[1], y[2] = self.p.misalignment, resting_height(self.p), self.p.initial_tilt
-        return y, decide_friction(0.0, state_of(y), self.p, START, True, True)[0]
+        return y, friction.decide_friction(0.0, state_of(y), self.p, START, True, True)[0]
 
 
 HOPS = {"frequency": 10.0}
@@ -123,6 +126,7 @@ def kinds(met):
 def begun(device, constants):
     """(constants, τ, state, mode) where a stretch begins, from a run at rest."""
 
+    @lru_cache
     def make(stretch):
         changes, begin, *_ = STRETCHES[stretch]
         p = constants(device.replace(**changes))

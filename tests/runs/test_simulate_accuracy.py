@@ -87,16 +87,17 @@ def test_a_short_release_is_met_at_every_tolerance(device):
 def test_estimated_errors_of_single_runs_hold_on_devices():
     # The rule of `make accuracy`, on devices with ringing bases, within their tolerances and from
     # many starts: 95 % of the errors below their estimates, 99.9 % below ten times.
+    # A run of the shaft rings for 20 times as many steps as the others'.
     sets, folder = [], study_path().parents[1] / "docs" / "devices"
-    for name in ("shaft", "pin", "peg"):
+    for name, count in ("shaft", 32), ("pin", 256), ("peg", 128):
         stated = load_device(folder / f"{name}.yaml")
-        devices = devices_of(stated, drawn(stated, 128))[0]
+        devices = devices_of(stated, drawn(stated, count))[0]
         starts = starts_of(stated.device.parameters, load_study(study_path()).maps.ensemble)
         sets += [devices[i].replace(**starts[5 * i % len(starts)]) for i in range(len(devices))]
     found = align(sets, horizon=100.0, engine="scalar")  # as `simulate`, without the trajectory
     exact = align(sets, horizon=100.0, tolerance=1e-13)
     sure = np.isfinite(found.tau_align) & ~(found.sensitive | exact.sensitive)
     error = np.abs(found.tau_align - exact.tau_align)[sure]
-    assert sure.sum() > 300
+    assert sure.sum() > 400
     assert np.mean(error <= found.tau_error[sure]) >= 0.95
     assert np.mean(error <= 10.0 * found.tau_error[sure]) >= 0.999

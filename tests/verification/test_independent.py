@@ -14,7 +14,7 @@ from verification.independent.motion import Device, Mode
 from verification.independent.solution import MOMENT, Run
 
 # Without an end by settling: in the independent solution a part rests if both sides stick.
-SETTINGS = replace(IN_SLOT, may_settle=False, max_evaluations=1_000_000)
+SETTINGS = replace(IN_SLOT, horizon=12.0, may_settle=False, max_evaluations=1_000_000)
 
 # Parameters that differ from the device, and events that the run must meet.
 RUNS = {

@@ -170,11 +170,10 @@ def _drawn(
     devices: int,
 ) -> tuple["Yield", "FailingDevice | None"]:
     """Return the yield of a device, and the nearest drawn device that fails."""
-    from model.study.assessment import yields  # noqa: PLC0415  (scipy)
-    from model.study.assessment.judge import STATISTICAL_TOLERANCE  # noqa: PLC0415
+    from model.study.assessment import judge, yields  # noqa: PLC0415  (scipy)
     from model.study.maps.starts import starts_of  # noqa: PLC0415
 
-    settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
+    settings = replace(settings, tolerance=max(settings.tolerance, judge.STATISTICAL_TOLERANCE))
     starts = starts_of(stated.device.parameters, ensemble)
     if not result.aligned:
         devices = min(devices, _FEW)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.polynomial.polynomial import polyval
 
 from model import Settings
 from model.compile.vector_code import WIDTH
@@ -11,7 +12,6 @@ from model.engines.batch.event_search import (
     QUANTITIES,
     crossing,
     first_crossing,
-    values_at,
 )
 from model.engines.batch.mode_kinds import (
     ALIGNMENT_KINDS,
@@ -135,9 +135,9 @@ class Step:
         applies = self.w[EVENTS.samples + which, lane] != NEVER
         return bool(applies and self.applicable & 1 << which)
 
-    def at(self, time: float, lane: int) -> np.ndarray:
+    def at(self, time: float | np.ndarray, lane: int) -> np.ndarray:
         """States and event quantities at ``time`` after the start of the step."""
-        return time ** np.arange(len(self.series)) @ self.series[:, :SINES, lane]
+        return np.power.outer(time, np.arange(len(self.series))) @ self.series[:, :SINES, lane]
 
     def rates(self, time: float, lane: int) -> np.ndarray:
         """Time derivatives of the states at ``time`` after the start of the step."""
@@ -318,7 +318,7 @@ def sampled(
     for sign in (1.0, -1.0):
         EVENTS.enter_series(which, sign, series, w, lane)
         series.reshape(QUANTITIES, TERMS)[:, last + 1 :] = 0.0
-        functions.append([max(values_at(count, place, series)) for place in places])
+        functions.append(polyval(places, series.reshape(QUANTITIES, TERMS)[:count].T).max(axis=0))
     return np.min(functions, axis=0)
 
 
@@ -350,9 +350,7 @@ def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> Non
     for lane in range(WIDTH):
         length = step.w[workspace.LENGTH, lane]
         for until in (1.0, 0.6, 0.1):
-            course = np.array(
-                [step.at(theta * length, lane) for theta in np.linspace(0, until, 3001)]
-            )
+            course = step.at(np.linspace(0, until, 3001) * length, lane)
             presses = [step.w[row, lane] == CLOSED for row in (FACE, SIDE)]
             forces = course[:, [CONTACTS_AT, CONTACTS_AT + 2]] * presses
             tilt, force = largest_until(EVENTS, 0.0, 0.0, until, step.w.reshape(-1), lane)
