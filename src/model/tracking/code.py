@@ -23,7 +23,6 @@ _BESIDE = ("verification", "benchmarks")  # packages of the checkout
 _RECORDS = "tracking"  # not hashed: recording a job changes none of its results
 
 
-@cache
 def _module_file(name: str) -> Path | None:
     """Return the source of a module of this package or of one beside it, or None."""
     top, *rest = name.split(".")
