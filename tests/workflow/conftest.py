@@ -70,13 +70,15 @@ BUILT_TWICE = os.environ.get("VIBRALIGN_STUDY", "tiny")
 PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snakemake fails the test
 
 # Runs Snakemake and the scripts of its jobs as forks of one process, which has loaded what they
-# import: most of their time. A fork with another PYTHONPATH imports the project from there.
+# import: most of their time. A fork with another PYTHONPATH or folder of caches imports the project
+# anew.
 PRELOADED = """
 import json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
 import model.study.claims, model.study.config, model.study.maps
 
+READ_AT_IMPORT = "PYTHONPATH", "XDG_CACHE_HOME"
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts
 listener = socket.socket(socket.AF_UNIX)
 listener.bind("socket")
@@ -103,7 +105,7 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
     folder, environment, (name, *arguments) = json.loads(told)
     os.dup2(written[0], 1), os.dup2(written[1], 2)
     os.chdir(folder)
-    if environment["PYTHONPATH"] != os.environ["PYTHONPATH"]:
+    if any(environment.get(each) != os.environ.get(each) for each in READ_AT_IMPORT):
         sys.path[:0] = environment["PYTHONPATH"].split(os.pathsep)
         for each in [each for each in sys.modules if each.split(".")[0] == "model"]:
             del sys.modules[each]
@@ -175,10 +177,11 @@ class Workspace:
         (self.folder / "config" / "tiny.yaml").write_text(text, encoding="utf-8")
 
     def _make_environment(self) -> None:
-        """Make a stand-in for .venv with the Python of the tests, and the package."""
+        """Make a stand-in for .venv with CLIENT, or on a cluster this Python, and the package."""
         tools = self.folder / ".venv" / "bin"
         tools.mkdir(parents=True)
-        run = f'PYTHONPATH="{self.sources}" exec "{sys.executable}"'
+        python = sys.executable if self.profile == "slurm" else self.preloaded
+        run = f'PYTHONPATH="{self.sources}" exec "{python}"'
         for name, words in {"python": "", "snakemake": "-m snakemake"}.items():
             tool = tools / name
             tool.write_text(f'#!/bin/sh\n{run} {words} "$@"\n', encoding="utf-8")

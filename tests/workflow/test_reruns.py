@@ -3,10 +3,12 @@
 The outputs are empty files that Snakemake takes for made, so that every case is one dry run.
 """
 
+import contextlib
 import copy
 import os
 import re
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -71,11 +73,11 @@ OF_NO_JOB = [
 ]
 
 
-@pytest.fixture
-def project(touched: Any, tmp_path: Path) -> Any:
-    """A copy of the made study, and of the package, that a test may edit."""
+@pytest.fixture(scope="module")
+def project(touched: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A copy of the made study, and of the package; all tests but the last leave it as it was."""
     made = copy.copy(touched)
-    made.folder = shutil.copytree(touched.folder, tmp_path / "project")
+    made.folder = shutil.copytree(touched.folder, tmp_path_factory.mktemp("edited") / "project")
     for part in ("src", "verification", "benchmarks"):  # with their bytecode, if there is any
         shutil.copytree(PROJECT / part, made.folder / part)
     made.checkout = made.folder
@@ -86,49 +88,36 @@ def rules(planned: set[tuple[str, str]]) -> set[str]:
     return {rule for rule, _ in planned}
 
 
-def edit(path: Path, old: str, new: str) -> None:
+@contextlib.contextmanager
+def edited(project: Any, file: str, old: str, new: str) -> Iterator[None]:
+    path = project.folder / file
     text = path.read_text(encoding="utf-8")
     assert old in text
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
-
-
-def test_nothing_runs_again_after_touch_comment_and_reformat(project: Any) -> None:
-    places = ("src", "verification", "benchmarks", "workflow")
-    sources = [path for place in places for path in (project.folder / place).rglob("*.py")]
-    assert len(sources) > 100
-    for path in sources:
-        text = path.read_text(encoding="utf-8")
-        text = text.replace("\n\n\n", "\n\n\n# a comment\n\n\n").replace(
-            "\n    return ", "\n\n    return "
-        )
-        path.write_text(f"{text}\n# the end\n", encoding="utf-8")
-        os.utime(path)
-    forces = project.folder / "src/model/physics/forces.py"
-    reformatted = "return -(\n        p.press_force\n    )"
-    text = forces.read_text(encoding="utf-8")
-    assert "return -p.press_force" in text
-    forces.write_text(text.replace("return -p.press_force", reformatted), encoding="utf-8")
-    assert project.planned() == set()
+    try:
+        yield
+    finally:
+        path.write_text(text, encoding="utf-8")
 
 
 @pytest.mark.parametrize(("file", "old", "new", "expected"), EDITS, ids=[each[0] for each in EDITS])
 def test_an_edit_runs_again_what_depends_on_it_and_nothing_else(
     project: Any, file: str, old: str, new: str, expected: set[str]
 ) -> None:
-    edit(project.folder / file, old, new)
-    assert rules(project.planned()) == expected
+    with edited(project, file, old, new):
+        assert rules(project.planned()) == expected
 
 
 def test_no_job_runs_again_after_edits_on_which_none_depends(project: Any) -> None:
-    for file, old, new in OF_NO_JOB:
-        edit(project.folder / file, old, new)
-    assert project.planned() == set()
+    with contextlib.ExitStack() as edits:
+        for each in OF_NO_JOB:
+            edits.enter_context(edited(project, *each))
+        assert project.planned() == set()
 
 
 def test_the_reason_of_a_rerun_names_the_file(project: Any) -> None:
-    path = project.folder / "workflow/scripts/plot.py"
-    path.write_text(f"{path.read_text(encoding='utf-8')}\nEDITED = True\n", encoding="utf-8")
-    run = project.dry_run("tiny/figures/fig11.png", "--quiet", "host")
+    with edited(project, "workflow/scripts/plot.py", *EDIT):
+        run = project.dry_run("tiny/figures/fig11.png", "--quiet", "host")
     (reason,) = [line for line in run.stdout.splitlines() if "Params have changed" in line]
     before, now = (re.findall(rf"{when}: '(\S+) \w+'", reason) for when in ("before", "now"))
     assert before == now == ["workflow/scripts/plot.py"]
@@ -163,9 +152,11 @@ def test_a_change_of_the_configuration_runs_again_what_it_is_about(
             else:
                 under[name] = value
 
+    before = copy.deepcopy(tiny)
     lay(stated, tiny)
     project.configure(tiny)
     planned = project.planned()
+    project.configure(before)
     assert rules(planned) == expected
     if figures := stated.get("figures"):
         (figure,) = figures
@@ -175,7 +166,28 @@ def test_a_change_of_the_configuration_runs_again_what_it_is_about(
 
 
 def test_a_lost_file_is_made_again(project: Any) -> None:
-    (project.folder / "tiny/figures/fig07.svg").unlink()
+    lost = project.folder / "tiny/figures/fig07.svg"
+    kept = lost.rename(lost.with_suffix(".kept"))
     planned = project.planned()
+    kept.rename(lost)
     assert rules(planned) == {"plot", *LAST}
     assert all("fig07" in output or rule in LAST for rule, output in planned)
+
+
+def test_nothing_runs_again_after_touch_comment_and_reformat(project: Any) -> None:
+    places = ("src", "verification", "benchmarks", "workflow")
+    sources = [path for place in places for path in (project.folder / place).rglob("*.py")]
+    assert len(sources) > 100
+    for path in sources:
+        text = path.read_text(encoding="utf-8")
+        text = text.replace("\n\n\n", "\n\n\n# a comment\n\n\n").replace(
+            "\n    return ", "\n\n    return "
+        )
+        path.write_text(f"{text}\n# the end\n", encoding="utf-8")
+        os.utime(path)
+    forces = project.folder / "src/model/physics/forces.py"
+    reformatted = "return -(\n        p.press_force\n    )"
+    text = forces.read_text(encoding="utf-8")
+    assert "return -p.press_force" in text
+    forces.write_text(text.replace("return -p.press_force", reformatted), encoding="utf-8")
+    assert project.planned() == set()
