@@ -43,12 +43,7 @@ EDITS = [
     (
         "engines/lifecycle.py",
         "    q, mode = start(p, scene.declared)\n",
-        "    runs[i, FIRST_HEIGHT] = q.y\n",
-    ),
-    (
-        "engines/lifecycle.py",
-        "\n_FIRST_STEP = 1e-2\n",
-        'from model.engines.record import column\nFIRST_HEIGHT = column("first_height")\n',
+        "    runs[i, AT.first_height] = q.y\n",
     ),
 ]
 

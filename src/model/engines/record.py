@@ -31,20 +31,13 @@ _WORKING = (
 )
 _COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)
 
-
-def column(name: str) -> int:
-    """Return the column of a field of ``Constants`` or ``RunResult``, or of a working number."""
-    return _COLUMNS.index(name)
-
-
 AT: Any = numbers("Columns", _COLUMNS)(*range(len(_COLUMNS)))
 """The columns by name."""
 
 CONSTANTS = len(Constants._fields)  # the first columns
 _FIRST_RESULT, _RESULT_COUNT = CONSTANTS, len(RunResult._fields)
 
-ERROR = column(f"error_{State._fields[0]}")
-
+ERROR = AT.error_x  # the first of them
 STATE = len(_COLUMNS)
 MODE = STATE + STATE_SIZE
 CLOSEST = MODE + len(Mode._fields)  # lowest levels of the events in this period
