@@ -185,7 +185,7 @@ def test_the_choice_is_near_the_best_of_all_combinations(space):
 
 @pytest.fixture(scope="module")
 def found(space: Space) -> search.Found:
-    """What the first part of a search over two structures finds."""
+    """The first part of a search over two structures."""
     return search.pool(space, 2, [COARSE], 0)
 
 

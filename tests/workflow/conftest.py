@@ -142,6 +142,11 @@ sys.exit(int(code or 1))
 """
 
 
+def sources_of(checkout: Path) -> str:
+    """Return the PYTHONPATH by which a checkout is imported."""
+    return f"{checkout / 'src'}{os.pathsep}{checkout}"
+
+
 class Workspace:
     """A copy of the workflow with the tiny study; the package is the project's own."""
 
@@ -190,7 +195,7 @@ class Workspace:
     @property
     def sources(self) -> str:
         """Folder from which the package, verification and benchmarks are imported."""
-        return f"{self.checkout / 'src'}{os.pathsep}{self.checkout}"
+        return sources_of(self.checkout)
 
     @property
     def environment(self) -> dict[str, str]:
@@ -303,7 +308,7 @@ def _preloaded() -> Iterator[None]:
         with subprocess.Popen(
             [sys.executable, "-c", PRELOADED],
             cwd=folder,
-            env={**os.environ, "PYTHONPATH": f"{PROJECT / 'src'}{os.pathsep}{PROJECT}"},
+            env={**os.environ, "PYTHONPATH": sources_of(PROJECT)},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         ) as server:

@@ -37,7 +37,7 @@ AT: Any = numbers("Columns", _COLUMNS)(*range(len(_COLUMNS)))
 CONSTANTS = len(Constants._fields)  # the first columns
 _FIRST_RESULT, _RESULT_COUNT = CONSTANTS, len(RunResult._fields)
 
-ERROR = AT.error_x  # the first of them
+ERROR = AT.error_x  # first of the errors that the run carries
 STATE = len(_COLUMNS)
 MODE = STATE + STATE_SIZE
 CLOSEST = MODE + len(Mode._fields)  # lowest levels of the events in this period

@@ -1,4 +1,4 @@
-"""What an answer assumes, as commands, files and pages print it alike."""
+"""The assumptions of an answer, as commands, files and pages print them alike."""
 
 import json
 import re
