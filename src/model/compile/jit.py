@@ -50,8 +50,9 @@ from numba.core.caching import (  # noqa: E402
     _CacheLocator,
 )
 from numba.core.codegen import JITCodeLibrary, ll  # type: ignore[attr-defined]  # noqa: E402
-from numba.core.compiler import Compiler  # noqa: E402
 from numba.core.registry import CPUDispatcher  # noqa: E402
+
+from model.compile.passes import KernelCompiler  # noqa: E402
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -129,7 +130,7 @@ def link_finished(module: Any, libraries: list[Any]) -> None:
             module.link_in(each, preserve=True)
 
 
-class PartCompiler(Compiler):
+class PartCompiler(KernelCompiler):
     """numba's compiler, up to the intermediate code, which it keeps in a ``library``."""
 
     library: type[JITCodeLibrary] = _PartLibrary
@@ -249,7 +250,7 @@ def _wide_machine(codegen: Any) -> Any:
     return target.create_target_machine(opt=config.OPT, **options)
 
 
-class _WholeCompiler(Compiler):
+class _WholeCompiler(KernelCompiler):
     """numba's compiler, into a ``_WholeLibrary``."""
 
     def __init__(self, typing: Any, target: Any, _library: Any, *rest: Any) -> None:
