@@ -23,6 +23,7 @@ def peg(tmp_path, monkeypatch):
         path = tmp_path / "peg.yaml"
         more = f"free: {{tilt_stiffness: 0.2 to 0.4 N m/rad}}\nlimits: {{{limits}}}\n"
         text = PEG.read_text(encoding="utf-8").replace("friction: 0.15", f"friction: {friction}")
+        text = text.replace("tilt_stiffness: 0.5", "tilt_stiffness: 1.2")  # does not go in
         path.write_text(text + more, encoding="utf-8")
         return str(path)
 
