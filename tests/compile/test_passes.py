@@ -10,17 +10,17 @@ from model.compile.passes import KernelCompiler
 from model.physics.trigonometry import sine_cosine
 
 
-def branched(pair, count):
+def branched(pair, count, factor):
     if count == 0:
         return None
     total = 0.0
     for i in range(count):
         first, second = pair
-        if i % 2 == 0:
+        if i % len(pair) == 0:
             sine, total = sine_cosine(first + total)
         else:
             total -= second * sine
-    return total
+    return total * pair[0] if factor is None else total * factor
 
 
 def of_a_list(values):
@@ -37,7 +37,7 @@ def of_a_function(x):
 def code(compiler):
     """Return the LLVM code of ``branched``, without numba's count of functions in the names."""
     made = numba.njit(branched, pipeline_class=compiler)
-    made((8.0, 2.0), 3)
+    made((8.0, 2.0), 3, None)
     (text,) = made.inspect_llvm().values()
     return re.sub(r"(branchedB)\d+v\d+", r"\1", text)
 
