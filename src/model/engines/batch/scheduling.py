@@ -50,7 +50,7 @@ from model.engines.record import (
     store_state,
 )
 from model.engines.scalar.location import NO_EVENT
-from model.engines.scalar.loop import Workspace, advance, new_workspace
+from model.engines.scalar.loop import TRACK_COLUMNS, Workspace, advance, new_workspace
 from model.engines.scalar.step import MOST_GROWTH, are_finite, is_too_short, rates_of
 from model.engines.scalar.tableaux import DOP853
 from model.events.event_functions import NEVER, ON_AN_EVENT
@@ -204,7 +204,7 @@ def _continue(scene, method, control, memory, lane, i):
     length = w[workspace.LENGTH * WIDTH + lane]
     if scene.events.inserts == 1 and isnan(length):  # shares of loads that begin at zero: 0 / 0
         runs[i, AT.largest_error] = nan  # the reference engine does not carry it
-        advance(scene, method, control, memory.work.nodes[:0], history, memory.work, runs, i)
+        advance(scene, method, control, memory.track, history, memory.work, runs, i)
     elif isnan(length) or is_too_short(length, runs[i, AT.time]):
         q = state_in(runs, STATE, i)
         rates = rates_of(runs[i, AT.time], q, constants_of(runs, i), mode_of(runs, i))
@@ -243,6 +243,7 @@ class BatchMemory(NamedTuple):
     search: SearchMemory
     waiting: Waiting
     together: np.ndarray  # shape (WIDTH,), the runs of the step
+    track: np.ndarray  # shape (0, columns): runs of a batch have none
 
 
 def new_batch_memory(scene: SceneKernels, may_settle: bool = True) -> BatchMemory:
@@ -253,7 +254,8 @@ def new_batch_memory(scene: SceneKernels, may_settle: bool = True) -> BatchMemor
     together = np.zeros(WIDTH, np.int64)
     history = new_history(POOL if may_settle else 1, scene.events.count)
     return BatchMemory(
-        w, np.zeros((POOL, SIZE)), history, work, new_search_memory(), waiting, together
+        w, np.zeros((POOL, SIZE)), history, work, new_search_memory(), waiting, together,
+        np.zeros((0, TRACK_COLUMNS)),
     )
 
 
@@ -268,7 +270,7 @@ def _enqueue(scene, method, control, memory, results, i):
     while runs[i, AT.outcome] == CONTINUES and kind < 0:
         if _carries_error(scene, control, runs, i):
             runs[i, AT.largest_error] = nan  # the reference engine does not carry it
-        advance(scene, method, control, memory.work.nodes[:0], memory.history, memory.work, runs, i)
+        advance(scene, method, control, memory.track, memory.history, memory.work, runs, i)
         kind = scene.events.kind_of(mode_of(runs, i))
     if runs[i, AT.outcome] != CONTINUES:
         store_result(runs, i, results, int(runs[i, AT.row_of_batch]))

@@ -1,0 +1,90 @@
+"""Machine code: LLVM optimises a module's text and writes an object, which is loaded.
+
+Kernels may use the widest vectors of the processor. LLVM prefers 256 bits on processors with 512,
+which may then run at a higher clock; the loops of the batch engine gain more from the width.
+"""
+
+import functools
+import threading
+from typing import Any
+
+import llvmlite.binding as llvm
+
+_LOADED: dict[str, tuple[int, Any]] = {}  # address and owner of the machine code, by name
+_LOADING = threading.Lock()
+
+
+@functools.cache
+def _features() -> str:
+    features = str(llvm.get_host_cpu_features().flatten())
+    # Another processor may not know the preference.
+    return features + (",-prefer-256-bit" if "+avx512f" in features else "")
+
+
+@functools.cache
+def processor() -> str:
+    """Return what machine code depends on besides its text."""
+    return f"LLVM {llvm.llvm_version_info}, {llvm.get_process_triple()}, {llvm.get_host_cpu_name()}, {_features()}"
+
+
+def _machine() -> Any:
+    """Return LLVM's target machine of this processor; each thread needs one of its own."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_triple(llvm.get_process_triple())
+    return target.create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=_features(), opt=3, jit=True
+    )
+
+
+def object_of(text: str, is_finished: bool) -> bytes:
+    """Return the object for a module's text, optimised unless it ``is_finished``.
+
+    Finished code is vectorised and ordered already: only instructions are combined.
+    """
+    machine = _machine()
+    module = optimised(text, machine, is_finished)
+    written: bytes = machine.emit_object(module)
+    return written
+
+
+def optimised(text: str, machine: Any, is_finished: bool) -> Any:
+    """Return LLVM's module for a text, optimised for a target machine."""
+    module = llvm.parse_assembly(text, llvm.create_context())
+    module.triple, module.data_layout = machine.triple, str(machine.target_data)
+    options = llvm.create_pipeline_tuning_options(speed_level=3)
+    options.loop_vectorization, options.slp_vectorization = True, False
+    builder = llvm.create_pass_builder(machine, options)
+    if is_finished:
+        passes = llvm.create_new_function_pass_manager()
+        passes.add_instruction_combine_pass()
+        for each in module.functions:
+            passes.run(each, builder)
+    else:
+        builder.getModulePassManager().run(module, builder)
+    return module
+
+
+def load(name: str, machine_code: bytes) -> int:
+    """Load an object and return the address of its function ``name``, which others may then call.
+
+    What it calls in other objects must have been loaded before.
+    """
+    with _LOADING:
+        if name not in _LOADED:
+            machine = _machine()
+            engine = llvm.create_mcjit_compiler(
+                llvm.parse_assembly("", llvm.create_context()), machine
+            )  # fmt: skip
+            engine.add_object_file(llvm.ObjectFileRef.from_data(machine_code))
+            engine.finalize_object()
+            address = engine.get_function_address(name)
+            llvm.add_symbol(name, address)
+            _LOADED[name] = address, engine
+        return _LOADED[name][0]
+
+
+def loaded(name: str) -> int | None:
+    """Return the address of a function that has been loaded, else None."""
+    found = _LOADED.get(name)
+    return None if found is None else found[0]
