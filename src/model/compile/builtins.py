@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.code import Code
+from model.compile.code import PYTHON_KINDS, Code
 from model.compile.values import (
     BOOLEAN,
     DOUBLE,
@@ -129,8 +129,12 @@ def _getattr(caller: Caller, value: Value, name: Value) -> Value:
 
 
 def _isinstance(_caller: Caller, value: Value, kind: Value) -> Value:
-    made_by = value.made_by if isinstance(value, Group) else None
-    return Static(isinstance(kind, Static) and made_by is not None and made_by is kind.object)
+    if not isinstance(kind, Static):
+        raise Refusal("isinstance of a class that is not known", "name the class")
+    if isinstance(value, Number):
+        return Static(PYTHON_KINDS[value.kind] is kind.object)
+    made_by = value.made_by or tuple if isinstance(value, Group) else np.ndarray
+    return Static(issubclass(made_by, kind.object))
 
 
 def fetch_add(numbers: NDArray[np.int64], by: int) -> int:

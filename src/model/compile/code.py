@@ -38,7 +38,7 @@ _CONVERSIONS = {
     (DOUBLE, BOOLEAN): "fcmp une double {}, 0.0",
     (INTEGER, BOOLEAN): "icmp ne i64 {}, 0",
 }
-_PYTHON_KINDS = {BOOLEAN: bool, INTEGER: int, DOUBLE: float}
+PYTHON_KINDS = {BOOLEAN: bool, INTEGER: int, DOUBLE: float}
 
 
 class Code:
@@ -142,7 +142,7 @@ class Code:
         if number.kind == kind:
             return number
         if (known := known_number(number)) is not None:
-            return constant(_PYTHON_KINDS[kind](known))
+            return constant(PYTHON_KINDS[kind](known))
         return Number(kind, self.do(_CONVERSIONS[number.kind, kind].format(number.name)))
 
     def of_type(self, value: Value, type_: Type) -> Value:
@@ -262,5 +262,3 @@ def aggregate(kinds: list[str]) -> str:
     """Return the type of a function's result with these leaves."""
     return "void" if not kinds else kinds[0] if len(kinds) == 1 else f"{{{', '.join(kinds)}}}"
 
-
-__all__ = ["POINTER", "Code", "Places", "Static", "aggregate"]

@@ -493,10 +493,14 @@ class Expressions:
             return Group(None, ())
         if marks_of(function) is not None:
             return self.scope.call(function, arguments, named)
-        if is_builtin(function) and not named:
-            if all(isinstance(each, Static) for each in arguments):
-                return _static_result(function, [each.object for each in arguments])  # type: ignore[union-attr]
+        if is_builtin(function) and not named and _known(arguments) is None:
             return call_builtin(function, arguments, self)
+        known = _known([*arguments, *named.values()])
+        if known is not None and callable(function):
+            names = known[len(arguments) :]
+            return _static_result(
+                function, known[: len(arguments)], dict(zip(named, names, strict=True))
+            )
         name = getattr(function, "__name__", repr(function))
         raise Refusal(f"{name!r} is no kernel", "mark it with @kernel, or use another function")
 
@@ -602,8 +606,19 @@ def _made(made_by: type[Any], arguments: list[Value], named: dict[str, Value]) -
     return Group(made_by, tuple(found))
 
 
-def _static_result(function: Callable[..., Any], arguments: list[Any]) -> Static:
+def _known(values: list[Value]) -> list[Any] | None:
+    """Return the objects of values that are all static; None if one is not."""
+    if all(isinstance(each, Static) for each in values):
+        return [each.object for each in values]  # type: ignore[union-attr]
+    return None
+
+
+def _static_result(
+    function: Callable[..., Any], arguments: list[Any], named: dict[str, Any]
+) -> Static:
+    """Call a function of Python, when the kernel is compiled."""
     try:
-        return Static(function(*arguments))
-    except (ArithmeticError, TypeError, ValueError, AttributeError) as error:
-        raise Refusal(f"{function.__name__}: {error}", "pass what it takes") from None
+        return Static(function(*arguments, **named))
+    except (ArithmeticError, TypeError, ValueError, LookupError, AttributeError) as error:
+        name = getattr(function, "__name__", repr(function))
+        raise Refusal(f"{name}: {error}", "pass what it takes") from None

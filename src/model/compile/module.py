@@ -141,8 +141,8 @@ class Module:
         made = Function(self, name, function, [*types], linkage)
         self._texts.append(made.text(rest))
         self._functions[key] = name, made.result
-        if is_outside(made.source.file):
-            self.files.add(made.source.file)
+        if is_outside(made.file):
+            self.files.add(made.file)
         return name, made.result
 
     def array(self, known: NDArray[Any]) -> Array:

@@ -8,8 +8,11 @@ way to its use is an error.
 import ast
 import builtins
 import inspect
-import textwrap
+import linecache
+from collections import Counter
 from collections.abc import Callable
+from functools import cache
+from types import CodeType
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from model.compile.code import Code, Places, aggregate
@@ -61,28 +64,61 @@ class Module(Protocol):
 
 
 class Source(NamedTuple):
-    """Source of a kernel: its syntax tree, its file, and the line before its first."""
+    """Source of a kernel: its syntax tree, and the names that are assigned at one place only."""
 
     tree: ast.FunctionDef
-    file: str
-    line: int
+    unchanging: frozenset[str]
 
 
-def source_of(function: Callable[..., Any]) -> Source:
-    """Return the source of a function.
+@cache
+def _functions_in(file: str) -> dict[int, ast.FunctionDef]:
+    """Return the functions that a file defines, by the line on which each begins."""
+    tree = ast.parse("".join(linecache.getlines(file)), file)
+    functions = (each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef))
+    return {(each.decorator_list or [each])[0].lineno: each for each in functions}
+
+
+@cache
+def source_of(code: CodeType) -> Source:
+    """Return the source of a function, by its code: closures of the same function share it.
 
     Raises:
-        KernelError: it has none, or it is no plain function.
+        KernelError: it has none, or it is no function of a ``def`` statement.
     """
-    python = python_of(function)
-    try:
-        lines, first = inspect.getsourcelines(python)
-    except (OSError, TypeError) as error:
-        raise KernelError(f"{python!r} has no source: define the kernel in a file") from error
-    tree = ast.parse(textwrap.dedent("".join(lines))).body[0]
-    if not isinstance(tree, ast.FunctionDef):
-        raise KernelError(f"{python.__code__.co_filename}:{first}: a kernel must be a function")
-    return Source(tree, python.__code__.co_filename, first - 1)
+    tree = _functions_in(code.co_filename).get(code.co_firstlineno)
+    if tree is None or tree.name != code.co_name:
+        raise KernelError(
+            f"{code.co_filename}:{code.co_firstlineno}: kernel {code.co_name!r} has no source; "
+            "define it by a def statement in a file"
+        )
+    return Source(tree, _assigned_once(tree))
+
+
+@cache
+def parameters_of(function: Callable[..., Any]) -> inspect.Signature:
+    """Return the parameters of a function of Python."""
+    return inspect.signature(function)
+
+
+def _assigned_once(tree: ast.FunctionDef) -> frozenset[str]:
+    """Return the names that are assigned at one place, which is translated once.
+
+    The body of a loop over items is translated for each of them.
+    """
+    counts = Counter(each.arg for each in ast.walk(tree.args) if isinstance(each, ast.arg))
+    counts.update(_assigned(tree))
+    for loop in ast.walk(tree):
+        if isinstance(loop, (ast.For, ast.comprehension)):
+            counts.update(_assigned(loop))
+    return frozenset(name for name, count in counts.items() if count == 1)
+
+
+def _assigned(tree: ast.AST) -> list[str]:
+    return [
+        each.id
+        for each in ast.walk(tree)
+        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
+    ]
 
 
 def _is_range(value: Value) -> bool:
@@ -90,10 +126,11 @@ def _is_range(value: Value) -> bool:
 
 
 class Variable(NamedTuple):
-    """A variable: its type, and where its leaves are."""
+    """A variable: its type, and where it is on the stack or, if it never changes, its value."""
 
     type: Type
     places: Places
+    value: Value | None = None
 
 
 Names = dict[str, Variable]
@@ -132,7 +169,8 @@ class Function:
     ) -> None:
         self.module, self.name, self.linkage = module, name, linkage
         self.function, self.types = python_of(function), types
-        self.source = source_of(function)
+        self.source, self.file = source_of(self.function.__code__), self.function.__code__.co_filename
+        self.at: ast.stmt = self.source.tree
         self._result: Type | None = None
         self._wider: dict[str, Type] = {}
         while True:
@@ -154,8 +192,7 @@ class Function:
 
     def _error(self, refusal: Refusal) -> KernelError:
         node: Any = getattr(refusal, "node", None) or self.at
-        line = self.source.line + getattr(node, "lineno", 1)
-        where = f"{self.source.file}:{line}: in kernel {self.function.__name__!r}"
+        where = f"{self.file}:{getattr(node, 'lineno', 1)}: in kernel {self.function.__name__!r}"
         return KernelError(f"{where}: {refusal.problem}; {refusal.remedy}")
 
     def _translate(self) -> None:
@@ -185,6 +222,8 @@ class Function:
         """Return the value of a name: a variable, or an object outside the function."""
         if name in self.names:
             variable = self.names[name]
+            if variable.value is not None:
+                return variable.value
             return self.code.load(variable.type, variable.places)
         code = self.function.__code__
         if name in code.co_varnames or name in code.co_cellvars:
@@ -211,7 +250,7 @@ class Function:
 
     def call(self, function: Any, arguments: list[Value], named: dict[str, Value]) -> Value:
         """Call a kernel."""
-        parameters = inspect.signature(python_of(function))
+        parameters = parameters_of(python_of(function))
         try:
             bound = parameters.bind(*arguments, **named)
         except TypeError as error:
@@ -226,14 +265,16 @@ class Function:
         try:
             return self.module.call(self.code, function, [at_run_time(each) for each in given])
         except KernelError as error:
-            line = self.source.line + getattr(self.at, "lineno", 1)
-            error.add_note(f"called at {self.source.file}:{line}")
+            error.add_note(f"called at {self.file}:{self.at.lineno}")
             raise
 
     def _assign(self, name: str, value: Value, keep_static: bool = False) -> None:
         if not keep_static:
             value = at_run_time(value)
         type_ = type_of(value)
+        if name in self.source.unchanging:
+            self.names[name] = Variable(type_, [], value)
+            return
         if name in self._wider:
             type_ = joined(self._wider[name], type_) or type_
             value = self.code.of_type(value, type_)

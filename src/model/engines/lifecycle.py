@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.jit import kernel
+from model.compile.kernels import kernel
+from model.engines.rates import short_step
 from model.engines.record import (
     AT,
     CLOSEST,
@@ -22,11 +23,10 @@ from model.engines.record import (
     store_mode,
     store_state,
 )
-from model.engines.scalar.step import short_step
 from model.events.event_functions import FLAT, NEVER
 from model.events.friction import decide_friction, hold_sticking
 from model.events.insertion import end_in_slot
-from model.events.kernels import MOST_EVENTS
+from model.events.kernels import MOST_EVENTS, reset, start_is_impossible, transition
 from model.events.outcomes import OUTCOME, REASON
 from model.events.steady_state import (
     HISTORY,
@@ -38,7 +38,7 @@ from model.events.steady_state import (
 )
 from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place, resting_height
-from model.physics.modes import CLOSED, OPEN, START, STICKING, with_corner, with_face
+from model.physics.modes import CLOSED, OPEN, START, STICKING
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.rest import rest_under_press
@@ -100,9 +100,9 @@ def start(p, declared):
     corner_x, corner_y = bottom_corner(RIGHT_EDGE, x, y, tilt, p)
     if tilt < -FLAT and corner_x > p.slot_half_width:
         standing = CLOSED if declared.corner_on_flat else OPEN
-        mode = with_corner(with_face(START, RIGHT_EDGE, OPEN), RIGHT_EDGE, standing, 0.0)
+        mode = START._replace(face=OPEN, corner=standing)
         return State(x, y - corner_y, tilt, 0.0, 0.0, 0.0), mode
-    mode = with_face(START, RIGHT_EDGE, CLOSED if declared.edge_on_face else OPEN)
+    mode = START._replace(face=CLOSED if declared.edge_on_face else OPEN)
     return State(x, y, tilt, 0.0, 0.0, 0.0), mode
 
 
@@ -112,7 +112,7 @@ def _start_pressed(scene, p, i, runs):
     rest = rest_under_press(p)
     if not rest.found:
         _end(scene, runs, i, OUTCOME.LEFT_SCENE, REASON.NO_REST)
-    return State(rest.x, rest.y, rest.tilt, 0.0, 0.0, 0.0), with_face(START, RIGHT_EDGE, CLOSED)
+    return State(rest.x, rest.y, rest.tilt, 0.0, 0.0, 0.0), START
 
 
 @kernel
@@ -132,7 +132,7 @@ def _note_end_of_period(runs, i):
 def _end(scene, runs, i, outcome, reason):
     """End run ``i``; a run that has aligned is aligned, or ends as its part does in the slot."""
     if isfinite(runs[i, AT.tau_align]):
-        if scene.events.inserts == 0:
+        if not scene.events.inserts:
             outcome, reason = OUTCOME.ALIGNED, REASON.NONE
         else:
             q, mode = state_in(runs, STATE, i), mode_of(runs, i)
@@ -166,7 +166,7 @@ def begin(row, tolerance, scene, control, runs, i):
     runs[i, AT.side_force_max] = nan
     if control.alignment_only != 0.0:
         runs[i, AT.tilt_max], runs[i, AT.contact_force_max] = nan, nan  # and stay so; see note_step
-    elif scene.events.inserts == 1:
+    elif scene.events.inserts:
         runs[i, AT.side_force_max] = 0.0
     for which in range(scene.events.count):
         runs[i, CLOSEST + which] = NEVER
@@ -174,7 +174,7 @@ def begin(row, tolerance, scene, control, runs, i):
     if control.pressed != 0.0 and not _starts_past_the_end(q, p, mode):
         q, mode = _start_pressed(scene, p, i, runs)
     runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], abs(q.tilt))  # 0 before, or NaN
-    if runs[i, AT.outcome] == CONTINUES and scene.events.start_is_impossible(q, p, mode):
+    if runs[i, AT.outcome] == CONTINUES and start_is_impossible(scene.events, q, p, mode):
         fail(scene, runs, i, REASON.IMPOSSIBLE_START)
     if runs[i, AT.outcome] == CONTINUES:
         mode, possible = decide_friction(0.0, q, p, mode, True, True)
@@ -235,7 +235,7 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
     scene the horizon begins anew.
     """
     time = runs[i, AT.time]
-    inserts = scene.events.inserts == 1
+    inserts = scene.events.inserts
     if is_inside:
         runs[i, AT.tau_corners_inside] = time
     elif not printed_criterion and isnan(runs[i, AT.tau_align]):
@@ -289,8 +289,8 @@ def apply_event(which, length, step, scene, control, runs, i):
     # If no time passes, the step was too long for the accuracy of its dense output (for instance
     # where the friction force only just reaches its limit).
     runs[i, AT.next_step] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
-    q = scene.events.reset(which, state_in(runs, STATE, i), p, before)
-    mode, outcome, reason = scene.events.transition(which, time, q, p, before, scene.declared)
+    q = reset(scene.events, which, state_in(runs, STATE, i), p, before)
+    mode, outcome, reason = transition(scene.events, which, time, q, p, before, scene.declared)
     if outcome == CONTINUES and is_counted(before, p) and _is_lift_off(before, mode):
         runs[i, AT.separations] += 1.0
     store_state(hold_sticking(q, p, mode), runs, i)
@@ -309,7 +309,7 @@ def apply_event(which, length, step, scene, control, runs, i):
 @kernel
 def _compare_periods(scene, periods, history, settling_noise, runs, i):
     """Record the state and the closest approaches of a period; end a run that has settled."""
-    if mode_of(runs, i).dropped and scene.events.inserts == 0:
+    if mode_of(runs, i).dropped and not scene.events.inserts:
         return
     states, lowest = history.states[i], history.lowest[i]
     record_state(periods, runs[i, STATE : STATE + STATE_SIZE], states)

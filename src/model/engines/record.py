@@ -6,14 +6,14 @@ has reached. Counts and flags are whole numbers stored as floats. The columns ar
 closest approach (lowest level) in this period and whether it happened.
 """
 
+from collections import namedtuple
 from math import isnan
 from typing import Any
 
-from model.compile.jit import inlined_kernel, kernel
-from model.compile.views import numbers, reader, writer
+from model.compile.kernels import inlined_kernel, kernel
 from model.engines.results import RunResult
 from model.events.kernels import MOST_EVENTS
-from model.physics.modes import CLOSED, OPEN, Mode
+from model.physics.modes import CLOSED, MODE_KINDS, OPEN, Mode
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
 
@@ -26,12 +26,12 @@ _WORKING = (
     "watched_until",  # last period whose closest approaches are noted
     "sticking_time",
     "events_at_once",  # number of events without time passing between them
-    "row_of_batch",
+    "number_in_batch",
     *(f"error_{name}" for name in State._fields),  # that the run carries
 )
 _COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)
 
-AT: Any = numbers("Columns", _COLUMNS)(*range(len(_COLUMNS)))
+AT: Any = namedtuple("Columns", _COLUMNS)(*range(len(_COLUMNS)))
 """The columns by name."""
 
 CONSTANTS = len(Constants._fields)  # the first columns
@@ -44,14 +44,38 @@ CLOSEST = MODE + len(Mode._fields)  # lowest levels of the events in this period
 MADE = CLOSEST + MOST_EVENTS  # 1 for events that happened in this period
 SIZE = MADE + MOST_EVENTS
 
-# (runs, i): the ``Constants`` of run ``i``.
-constants_of = reader(Constants, "runs, i", "runs[i, {}]".format)
-# (runs, row, i): the ``State`` of run ``i`` from column ``row`` on; (q, runs, row, i) writes it.
-state_in = reader(State, "runs, row, i", "runs[i, row + {}]".format)
-store_state_in = writer(State, "runs, row, i", "runs[i, row + {}]".format)
-# (runs, i): the ``Mode`` of run ``i``; (mode, runs, i) writes it.
-mode_of = reader(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
-store_mode = writer(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
+
+
+@inlined_kernel
+def constants_of(runs, i):
+    """Return the ``Constants`` of run ``i``."""
+    return Constants(*(runs[i, n] for n in range(CONSTANTS)))
+
+
+@inlined_kernel
+def state_in(runs, first, i):
+    """Return the ``State`` of run ``i`` from column ``first`` on."""
+    return State(*(runs[i, first + n] for n in range(STATE_SIZE)))
+
+
+@inlined_kernel
+def store_state_in(q, runs, first, i):
+    """Write a ``State`` of run ``i`` from column ``first`` on."""
+    for n, value in enumerate(q):
+        runs[i, first + n] = value
+
+
+@inlined_kernel
+def mode_of(runs, i):
+    """Return the ``Mode`` of run ``i``."""
+    return Mode(*(kind(runs[i, MODE + n]) for n, kind in enumerate(MODE_KINDS)))
+
+
+@inlined_kernel
+def store_mode(mode, runs, i):
+    """Write the ``Mode`` of run ``i``."""
+    for n, value in enumerate(mode):
+        runs[i, MODE + n] = value
 
 
 @inlined_kernel
@@ -63,7 +87,7 @@ def is_watched(runs, i):
 @inlined_kernel
 def constants_in(row):
     """Return the ``Constants`` in ``row``, shape (constants,)."""
-    return constants_of(row.reshape((1, CONSTANTS)), 0)
+    return Constants(*(row[n] for n in range(CONSTANTS)))
 
 
 @inlined_kernel

@@ -9,6 +9,7 @@ reference. To add a result, add a field here, and compute it in a kernel or with
 """
 
 import math
+from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from enum import IntEnum
@@ -16,7 +17,6 @@ from typing import Any, Generic, NamedTuple, TypeVar, dataclass_transform
 
 import numpy as np
 
-from model.compile.views import numbers
 from model.engines.tolerances import (
     Tolerance,
     by_error,
@@ -226,7 +226,7 @@ _ENGINE_ONLY = (
 
 
 class RunResult(
-    numbers(  # type: ignore[misc]
+    namedtuple(  # type: ignore[misc]
         "RunResult", [*(name for name in RESULTS if not RESULTS[name].estimated), *_ENGINE_ONLY]
     )
 ):

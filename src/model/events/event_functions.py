@@ -16,7 +16,7 @@ from collections.abc import Callable
 from math import pi
 from typing import Any, NamedTuple
 
-from model.compile.jit import inlined_kernel
+from model.compile.kernels import inlined_kernel
 from model.physics.contacts import (
     contact_load,
     corner_on_flat,
@@ -30,17 +30,14 @@ from model.physics.motion import is_beside, is_supported, motion, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 NEVER = 1e300  # value of an event function that does not apply
-NOTHING = -1e300  # in place of quantities, where a condition has fewer than four
+ABSENT = -1e300  # in place of quantities, where a condition has fewer than four
 ON_AN_EVENT = 1e-8  # an event function below this counts as zero
 FLAT = 1e-8  # a part tilted by less is flat: it rests on its edge
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
 
 
 def on_both_sides(function: Callable[..., Any]) -> tuple[Any, Any]:
-    """Make the kernels that call ``function`` with RIGHT_EDGE and with LEFT_EDGE in front.
-
-    numba packs starred arguments: kernels that are traced must not call these.
-    """
+    """Make the kernels that call ``function`` with RIGHT_EDGE and with LEFT_EDGE in front."""
 
     def on(edge: float) -> Any:
         @inlined_kernel
@@ -206,7 +203,7 @@ def forces(time, q, p, mode):
 def not_fallen_in(at, p, _mode):
     """Negative once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
     past = p.half_width - at.right_along_face
-    return past, -at.left_corner_x - p.slot_half_width, at.left_corner_y, NOTHING
+    return past, -at.left_corner_x - p.slot_half_width, at.left_corner_y, ABSENT
 
 
 @inlined_kernel
@@ -220,7 +217,7 @@ def corners_outside(at, p, _mode):
 def not_inserted(at, p, _mode):
     """Negative once both bottom corners are deeper than the insertion depth."""
     depth = p.insertion_depth
-    return at.right_corner_y + depth, at.left_corner_y + depth, NOTHING, NOTHING
+    return at.right_corner_y + depth, at.left_corner_y + depth, ABSENT, ABSENT
 
 
 @inlined_kernel
@@ -236,7 +233,7 @@ def corner_in_slot(side, at, p, _mode):
     """Negative once a corner has come behind its wall, less far than it is below the plane."""
     x, y, _ = _corner(side, at)
     beside = x - p.slot_half_width
-    return -beside, beside + y, NOTHING, NOTHING
+    return -beside, beside + y, ABSENT, ABSENT
 
 
 @inlined_kernel
@@ -265,7 +262,7 @@ def corner_off_wall(side, at, p, _mode):
     meets the edge before this corner.
     """
     x, y, _ = _corner(side, at)
-    return p.slot_half_width - x, y, -side * at.tilt - FLAT, NOTHING
+    return p.slot_half_width - x, y, -side * at.tilt - FLAT, ABSENT
 
 
 @inlined_kernel

@@ -1,13 +1,13 @@
 """Friction states at an instant, and removal of residual slip where contacts stick."""
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.physics.modes import STICKING, with_friction, with_slip_place
 from model.physics.motion import (
     forces_without_friction,
     is_beside,
     is_supported,
     mobility,
-    motion,
+    motion_at,
     never_sticks,
     side_contact,
     sticking_friction,
@@ -108,7 +108,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
             if side_unloaded:
                 holds = holds and _may_begin(side, at.side_friction, begins.side_drive, least)
             if no_load:
-                at = motion(time + _MOMENT, _advanced(q, at), p, trial)
+                at = motion_at(time + _MOMENT, _advanced(q, at), p, trial)
             if support_at_rest:
                 holds = holds and _friction_holds(
                     support, at.support_friction, at.support_load, at.support_drive, p
@@ -127,7 +127,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
 
 
 @inlined_kernel
-def hold_sticking(q, p, mode):
+def without_slip(q, p, mode):
     """Return ``q`` with the slip of sticking contacts removed by friction impulses."""
     support_sticks = is_supported(mode) and mode.support_slip == STICKING
     side_sticks = is_beside(mode) and mode.side_slip == STICKING
@@ -146,6 +146,12 @@ def hold_sticking(q, p, mode):
         q.y_rate + impulse * t[1] + side_impulse * u[1],
         q.tilt_rate + turning(impulse * t[2] + side_impulse * u[2], p),
     )  # fmt: skip
+
+
+@kernel
+def hold_sticking(q, p, mode):
+    """Return ``without_slip`` by a call: for code that runs once a step, so that it stays small."""
+    return without_slip(q, p, mode)
 
 
 @inlined_kernel

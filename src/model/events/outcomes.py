@@ -1,9 +1,8 @@
 """Outcomes of runs, their reasons, and their remedies."""
 
+from collections import namedtuple
 from enum import IntEnum
 from typing import Any
-
-from model.compile.views import numbers
 
 
 class Outcome(IntEnum):
@@ -62,8 +61,8 @@ class Reason(IntEnum):
     ON_EDGE = 18
 
 
-OUTCOME: Any = numbers("OUTCOME", [*Outcome.__members__])(*map(int, Outcome))
-REASON: Any = numbers("REASON", [*Reason.__members__])(*map(int, Reason))
+OUTCOME: Any = namedtuple("OUTCOME", [*Outcome.__members__])(*map(int, Outcome))
+REASON: Any = namedtuple("REASON", [*Reason.__members__])(*map(int, Reason))
 """``Outcome`` and ``Reason`` as plain integers by name, for kernels."""
 
 OUTCOME_TEXT: dict[Outcome, str] = {

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from model.compile.jit import inlined_kernel
-from model.compile.source import defined
+from model.compile.kernels import inlined_kernel
 from model.events import event_functions as functions
 from model.events import friction, transitions
 from model.physics.modes import CLOSED, OPEN, RELEASED, STICKING
@@ -180,10 +179,13 @@ def state_is(field: str, state: int, in_slot: bool | None = None, negated: bool 
 
     With ``in_slot``, only if the support is, or is not, the right side of the slot.
     """
-    condition = {None: "", True: " and mode.in_slot", False: " and not mode.in_slot"}[in_slot]
-    is_it = "!=" if negated else "=="
-    code = f"def applies(_p, mode):\n    return mode.{field} {is_it} {state}{condition}\n"
-    return inlined_kernel(defined("applies", code, {}))
+
+    @inlined_kernel
+    def applies(_p, mode):
+        here = getattr(mode, field) != state if negated else getattr(mode, field) == state
+        return here and (in_slot is None or mode.in_slot == in_slot)
+
+    return applies
 
 
 def of_contact(

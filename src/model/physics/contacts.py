@@ -13,7 +13,7 @@ point along the force (virtual work). In printed variants rows of forces differ 
 from math import sqrt
 from typing import NamedTuple
 
-from model.compile.jit import inlined_kernel
+from model.compile.kernels import inlined_kernel, operation
 from model.physics.geometry import bottom_corner, edge_place, face_coordinate
 from model.physics.notation import LEFT_EDGE
 
@@ -50,7 +50,7 @@ def dot(row, x, y, moment):
     return row[0] * x + row[1] * y + row[2] * moment
 
 
-@inlined_kernel
+@operation
 def edge_on_face(side, q, p):
     """Return the contact of edge A1 (``side`` = +1) or A2 (-1) with the bottom face in state ``q``.
 
@@ -75,7 +75,7 @@ def edge_on_face(side, q, p):
     return Contact(depth, closing_rate, place.along_face, slip, drift, normal, tangent, slip_row)
 
 
-@inlined_kernel
+@operation
 def edge_on_side(edge, q, p):
     """Return the contact of A2 with the left side face, or of A1 with the right one.
 
@@ -128,7 +128,7 @@ def corner_on_flat(side, q, p):
     return Contact(-corner_y, closing_rate, -corner_x, slip, drift, normal, tangent, tangent)
 
 
-@inlined_kernel
+@operation
 def corner_on_wall(side, q, p):
     """Return the contact of corner B1 (``side`` = +1) or B2 (-1) with the slot's wall on that side.
 

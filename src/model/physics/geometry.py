@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from model.compile.jit import inlined_kernel
+from model.compile.kernels import inlined_kernel
 from model.physics.parameters import Constants
 from model.physics.trigonometry import sine_cosine
 

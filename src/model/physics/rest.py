@@ -17,7 +17,7 @@ as long as the edge sticks,
 from math import isfinite
 from typing import Literal, NamedTuple
 
-from model.compile.jit import kernel
+from model.compile.kernels import kernel
 from model.physics.forces import applied_forces, excitation
 from model.physics.geometry import edge_place
 from model.physics.notation import LEFT_EDGE, State

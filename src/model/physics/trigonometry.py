@@ -7,7 +7,7 @@ Functions (1980), ch. 8; minimax polynomials on [-π/4, π/4] from fdlibm (Sun M
 
 from math import floor
 
-from model.compile.jit import inlined_kernel
+from model.compile.kernels import operation
 
 _TWO_OVER_PI = 6.36619772367581382433e-01
 # π/2 in parts of 33 bits: n times each of the first two is exact for |n| < 2^20.
@@ -16,7 +16,7 @@ _HALF_PI_2 = 6.07710050630396597660e-11
 _HALF_PI_3 = 2.02226624879595063154e-21
 
 
-@inlined_kernel
+@operation
 def sine_cosine(angle):
     """Return (sin, cos) of ``angle`` in radians, to 3e-16 below 1e6; beyond, the error grows."""
     n = floor(angle * _TWO_OVER_PI + 0.5)

@@ -8,13 +8,14 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.jit import config
-from model.engines.batch.event_kernels import in_vector_kernels
-from model.engines.batch.scheduling import integrate_all, new_batch_memory
+from model.compile.entries import COMPILES, compiled
+from model.engines.batch import scheduling
+from model.engines.batch.lane_events import lane_events_of
+from model.engines.batch.scheduling import new_batch_memory
 from model.engines.queue import Queue, new_queue
 from model.engines.results import RunResult
-from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_scalar_memory
-from model.engines.scalar.tableaux import DOP853
+from model.engines.scalar import loop
+from model.engines.scalar.loop import TRACK_COLUMNS, new_scalar_memory
 from model.physics.variants import Variants
 from model.runs.settings import Settings
 
@@ -28,26 +29,32 @@ _PAUSE = 0.5  # s, between two messages
 
 NO_TRACK = np.empty((0, TRACK_COLUMNS))
 
+_integrate_each = compiled(loop.integrate_each)
+_begin_all, _integrate_all = compiled(scheduling.begin_all), compiled(scheduling.integrate_all)
+
 
 def scalar_engine(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
     """Return the reference engine, one run at a time; it fills ``track`` as ``integrate`` does."""
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
-        memory = new_scalar_memory(DOP853.method)
-        integrate_each(rows, tolerances, *settings.for_kernels, track, queue, results, memory)
+        memory = new_scalar_memory()
+        _integrate_each(rows, tolerances, *settings.for_kernels, track, queue, results, memory)
 
     return _on_cores(fill, cores)
 
 
 def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = False) -> Run:
     """Return the batch engine: many runs at a time, each with its error if ``carries_error``."""
-    _, method, control = settings.for_kernels
+    scene, control = settings.for_kernels
     control = control._replace(carries_error=float(carries_error))
-    scene = in_vector_kernels(settings.scene)
+    lanes = lane_events_of(settings.scene.events)
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
-        memory = new_batch_memory(scene, settings.may_settle)
-        integrate_all(rows, tolerances, scene, method, control, queue, results, memory)
+        memory = new_batch_memory(lanes, settings.may_settle)
+        arguments = rows, tolerances, scene, lanes, control, queue, results, memory
+        _begin_all(*arguments)
+        while (missing := _integrate_all(*arguments)) >= 0:
+            lanes.series.load(missing)
 
     return _on_cores(fill, cores)
 
@@ -57,7 +64,7 @@ def batch_engine_fits(settings: Settings) -> bool:
 
     It has the consistent variants only, and cannot run as Python without compilation.
     """
-    return settings.readings == Variants.consistent() and not config.DISABLE_JIT
+    return settings.readings == Variants.consistent() and COMPILES
 
 
 def error_carrying_engine(
@@ -88,7 +95,7 @@ def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -
     if not batch_fits:
         raise ValueError(
             f"engine = {name!r}: needs the consistent readings and compilation (no "
-            "NUMBA_DISABLE_JIT); choose 'scalar', or None for the fastest one that fits"
+            "VIBRALIGN_NO_COMPILATION); choose 'scalar', or None for the fastest one that fits"
         )
     return batch_engine(settings, cores)
 

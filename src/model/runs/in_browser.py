@@ -21,7 +21,7 @@ from numba import types
 
 from model.compile.cache import cache_folder
 from model.compile.generated_kernels import GeneratedKernels
-from model.compile.jit import kernel
+from model.compile.kernels import kernel
 from model.compile.source import defined
 from model.compile.views import reader, writer
 from model.compile.webassembly import NUMBERS, Function, array_at, compile_modules, whole_numbers

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.lifecycle import NOISE, Control
-from model.engines.scalar.tableaux import DOP853, Method
 from model.events.insertion import INSERTION
-from model.events.kernels import SceneKernels, in_kernels
+from model.events.kernels import SceneEvents, in_kernels
 from model.events.outcomes import Outcome
 from model.events.scenes import ALIGNMENT, Scene
 from model.physics.parameters import Batch, Parameters, check_name
@@ -114,9 +113,9 @@ class Settings:
         return batch.constants(self.readings, self.insertion_depth)
 
     @property
-    def for_kernels(self) -> tuple[SceneKernels, Method, Control]:
-        """Scene, method and control in the form that kernels take."""
-        return in_kernels(self.scene), DOP853.method, self.control
+    def for_kernels(self) -> tuple[SceneEvents, Control]:
+        """Scene and control in the form that kernels take."""
+        return in_kernels(self.scene), self.control
 
     @property
     def control(self) -> Control:

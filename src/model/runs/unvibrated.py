@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.jit import kernel
+from model.compile.entries import compiled
+from model.compile.kernels import kernel
 from model.engines.record import constants_in
 from model.engines.results import RunResult
 from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
@@ -67,7 +68,7 @@ def unvibrated_results(
     """Return the results in ``UNVIBRATED_CONTROL`` of the sets of ``batch``, each of shape (n,)."""
     found, tilts = unvibrated(batch, settings, cores, engine), np.full(len(batch), np.nan)
     if settings.readings == Variants.consistent():  # physics/rest.py has no printed variants
-        _rest_of_each(batch.constants(settings.readings), tilts)
+        _rests(batch.constants(settings.readings), tilts)
     return {"unvibrated": found.outcome, "unvibrated_tilt": found.tilt, "slow_tilt": tilts}
 
 
@@ -92,3 +93,6 @@ def _rest_of_each(rows, tilts):
         rest = rest_under_press(constants_in(rows[row]))
         if rest.found:
             tilts[row] = rest.tilt
+
+
+_rests = compiled(_rest_of_each)

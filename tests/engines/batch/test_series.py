@@ -39,7 +39,7 @@ from model.engines.batch.series_layout import (
     NODES,
     ORDER,
     ORDERS,
-    ROWS,
+    LINES,
     SINES,
     SUMMED_ORDERS,
     TILT,
@@ -115,8 +115,8 @@ class Step:
         kind = kind_of(support, side)
         self.applicable = EVENTS.applicable(kind, self.mode(0))
         step_all(EVENTS, kind, self.applicable, control, flat)
-        coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * ROWS]
-        self.further = coefficients.reshape(ORDERS, ROWS, WIDTH)
+        coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * LINES]
+        self.further = coefficients.reshape(ORDERS, LINES, WIDTH)
         self.series = self.further[: ORDER + 1]
 
     def constants(self, lane: int) -> Constants:
@@ -162,7 +162,7 @@ def test_a_carried_error_is_the_derivative_of_the_series(support, side):
     # some hundred displacements.
     error = 1e-8 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
     more, less = (Step(support, side, 0.1, displacement=each) for each in (error, -error))
-    errors = more.w[workspace.ERROR : workspace.ERROR + ORDERS * ROWS].reshape(ORDERS, ROWS, WIDTH)
+    errors = more.w[workspace.ERROR : workspace.ERROR + ORDERS * LINES].reshape(ORDERS, LINES, WIDTH)
     found = errors[: ERROR_ORDER + 1, :6]
     expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
     size = np.abs(expected).max(axis=1, keepdims=True)
@@ -216,7 +216,7 @@ def test_a_mode_has_the_number_of_its_kind():
 def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
     rng = np.random.default_rng(kind)
     fill = filler("fill_series", SeriesWriter, INSERTION_KINDS, True)
-    flat = new_workspace(workspace.EVENT_ROWS)
+    flat = new_workspace(workspace.EVENT_LINES)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
     row = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
@@ -236,7 +236,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
     w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
     w[LAST_ORDER] = ORDER
     fill(INSERTION_KINDS.index(kind), flat, COEFFICIENTS, 0, LAST_ORDER)
-    series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * ROWS].reshape(ORDER + 1, ROWS, WIDTH)
+    series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * LINES].reshape(ORDER + 1, LINES, WIDTH)
     time, orders = 1e-3, np.arange(1, ORDER + 1)
     for lane in range(WIDTH):
         values = np.zeros(len(Constants._fields))

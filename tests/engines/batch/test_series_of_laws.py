@@ -7,7 +7,7 @@ from model.compile.vector_code import WIDTH
 from model.engines.batch import series_kernels, workspace
 from model.engines.batch.mode_kinds import FREE, ON_RIGHT_EDGE, ModeKind
 from model.engines.batch.series import GIVEN, STATES, Sum, recurrences
-from model.engines.batch.series_layout import ORDER, ROWS
+from model.engines.batch.series_layout import ORDER, LINES
 from model.engines.batch.workspace import COEFFICIENTS, LAST_ORDER, new_workspace
 
 
@@ -21,7 +21,7 @@ def test_a_law_may_multiply_positions(monkeypatch):
     # Finished code is kept by its name, so that of another law has another.
     kinds = [ModeKind(ON_RIGHT_EDGE, FREE, FREE)]
     fill = series_kernels.filler("fill_cubic", series_kernels.SeriesWriter, kinds, False)
-    flat = new_workspace(workspace.EVENT_ROWS)
+    flat = new_workspace(workspace.EVENT_LINES)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = 1.0
     start = np.linspace(0.5, 1.5, WIDTH)
@@ -30,4 +30,4 @@ def test_a_law_may_multiply_positions(monkeypatch):
     fill(0, flat, COEFFICIENTS, 0, LAST_ORDER)
     orders = np.arange(ORDER + 1)
     expected = start * (start / np.sqrt(2.0)) ** orders[:, None]
-    assert w[COEFFICIENTS + ROWS * orders] == pytest.approx(expected, rel=1e-13)
+    assert w[COEFFICIENTS + LINES * orders] == pytest.approx(expected, rel=1e-13)

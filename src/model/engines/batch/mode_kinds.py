@@ -1,7 +1,7 @@
 """The modes that lanes hold, and their kinds: modes of a kind have the same series.
 
 The batch engine begins here. Input: the fields of ``Mode``. Output: the kinds of modes, for which
-series.py derives series; all modes that lanes hold, for which event_kernels.py selects events; and
+series.py derives series; all modes that lanes hold, for which lane_events.py selects events; and
 kernels that number the mode of a run. For lanes to hold a further contact, add its modes here.
 """
 
@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.jit import inlined_kernel, python_of
-from model.engines.batch.level_forms import MODE
+from model.compile.kernels import inlined_kernel
 from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, START, STICKING, Mode
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
@@ -147,8 +146,7 @@ def lane_modes(inserts: bool) -> list[tuple[Mode, tuple[int, int]]]:
     within = _STATES if inserts else (OPEN,)
     edges = (RIGHT_EDGE, LEFT_EDGE) if inserts else (RIGHT_EDGE,)
     modes = [
-        # The symbol in an unused field makes kernels called with it run as Python.
-        MODE._replace(
+        START._replace(
             edge=edge, face=face, corner=corner, side=side, wall=wall, support_slip=slip,
             side_slip=side_slip, slip_at_corner=at_corner, slip_at_wall=at_wall,
             dropped=dropped, in_slot=in_slot, corners_inside=inside,
@@ -161,6 +159,5 @@ def lane_modes(inserts: bool) -> list[tuple[Mode, tuple[int, int]]]:
         for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
     ]  # fmt: skip
     numbers = numbers_of(kinds_of(inserts))
-    kind_of, mode_in = python_of(kind_in), python_of(mode_in_kind)
-    places = ((kind_of(numbers, mode), mode_in(mode)) for mode in modes)
+    places = ((int(kind_in(numbers, mode)), mode_in_kind(mode)) for mode in modes)
     return [each for each in zip(modes, places, strict=True) if each[1][0] >= 0]

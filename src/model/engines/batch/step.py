@@ -6,23 +6,31 @@ and samples, the candidates for events with their subintervals, and the state at
 Let g(θ) be a level, θ the fraction of the step. Between two samples it lies below their line by no
 more than its curvature bound: an eighth of the squared distance times the largest |g''|, which
 follows from the coefficients of the series. If the line stays above zero by more than this bound,
-there is no event in between. Kernels that loop over events come from event_kernels.py.
+there is no event in between.
 """
 
 from math import floor
 
 import numpy as np
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
-from model.engines.batch.series_layout import FRACTIONS, NODES, ORDER, REMAINDER, ROWS, SINES, TILT
+from model.engines.batch.lane_events import (
+    CURVATURE,
+    bounds_of,
+    enter_bounds,
+    nodes_of,
+    quantities_in,
+    sample_lanes,
+)
+from model.engines.batch.series_kernels import fill_errors, fill_series, sample_series
+from model.engines.batch.series_layout import LINES, NODES, ORDER, REMAINDER, SINES, TILT
 from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
     DEADLINE,
     END,
-    ERROR,
     LAST_ORDER,
     LENGTH,
     LONGEST,
@@ -33,11 +41,12 @@ from model.engines.batch.workspace import (
     VALUES,
     constants_of_lane,
     loads_of,
+    mode_of_lane,
     state_in_lane,
     store_state_in_lane,
 )
 from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT, largest
-from model.events.friction import REST_SLIP, hold_sticking
+from model.events.friction import REST_SLIP, without_slip
 from model.physics.modes import CLOSED
 from model.physics.trigonometry import sine_cosine
 
@@ -45,8 +54,6 @@ ALL_SUBINTERVALS = 15  # mask
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
 # Below this level of a landing corner, whose rise lanes do not hold, the reference engine decides.
 TOO_FLAT_TO_TELL = 10.0 * FLAT
-# The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
-CURVATURE = FRACTIONS[0] ** 2 / 8.0
 
 
 @kernel
@@ -62,7 +69,7 @@ def _set_sines(w):
 
 
 @inlined_kernel
-def _root(value, order):
+def nth_root(value, order):
     """Return ``value``^(1/``order``) of a positive value, to half a percent.
 
     The bits of a float, exponent before mantissa, approximate its logarithm.
@@ -85,12 +92,12 @@ def _step_of(order, admitted, w, i):
     """
     largest_size, its_scale = 1e-200, 1.0
     for n in range(CONTACTS_AT):
-        size = abs(w[(COEFFICIENTS + order * ROWS + n) * WIDTH + i])
+        size = abs(w[(COEFFICIENTS + order * LINES + n) * WIDTH + i])
         scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
         is_larger = size * its_scale > largest_size * scale
         largest_size = size if is_larger else largest_size
         its_scale = scale if is_larger else its_scale
-    return _root(admitted * its_scale / largest_size, order)
+    return nth_root(admitted * its_scale / largest_size, order)
 
 
 @kernel
@@ -105,9 +112,9 @@ def _set_lengths(w):
 
 
 @inlined_kernel
-def curvature_bound(row, w, i):
-    """Return the bound of a row's distance from the line through two of its samples."""
-    return CURVATURE * w[(VALUES + NODES * SINES + row) * WIDTH + i]
+def curvature_bound(line, w, i):
+    """Return the bound of a quantity's distance from the line through two of its samples."""
+    return CURVATURE * w[(VALUES + NODES * SINES + line) * WIDTH + i]
 
 
 @inlined_kernel
@@ -147,10 +154,9 @@ def _subintervals(first, second, third, fourth):
 
 
 @inlined_kernel
-def _samples_of(events, which, w, i):
+def _samples_of(lanes, which, w, i):
     """Return a level at each node."""
-    at, n = (events.samples + which) * WIDTH + i, events.count * WIDTH
-    return w[at], w[at + n], w[at + 2 * n], w[at + 3 * n], w[at + 4 * n]
+    return tuple(w[(sample + which) * WIDTH + i] for _, sample in nodes_of(lanes))
 
 
 @inlined_kernel
@@ -160,157 +166,171 @@ def _lowest_of(samples):
 
 
 @inlined_kernel
-def screen_single(events, which, w, i):
-    """Return the bit of an event whose level, of one quantity, may reach zero; else 0."""
-    above = _lowest_of(_samples_of(events, which, w, i)) - w[(events.bounds + which) * WIDTH + i]
-    return 0.0 if above > 0.0 else float(1 << which)
+def _screen_singles(lanes, loop, w):
+    """Add the bits of the events whose levels, of one quantity, may reach zero."""
+    for i in range(WIDTH):
+        bits = 0.0
+        for event in loop:
+            lowest = _lowest_of(_samples_of(lanes, event.number, w, i))
+            above = lowest - w[(lanes.bounds + event.number) * WIDTH + i]
+            bits += 0.0 if above > 0.0 else float(1 << event.number)
+        w[CANDIDATES * WIDTH + i] += bits
 
 
 @inlined_kernel
-def _set_subintervals(events, which, mask, w, i):
-    w[(events.subintervals + which) * WIDTH + i] = mask
+def _set_subintervals(lanes, which, mask, w, i):
+    w[(lanes.subintervals + which) * WIDTH + i] = mask
     w[CANDIDATES * WIDTH + i] += float(1 << which) if mask > 0.0 else 0.0
 
 
 @inlined_kernel
-def find_single(events, which, candidates, w):
+def _find_single(lanes, which, w):
     """Write the subintervals that may contain a down-crossing of a level of one quantity."""
-    if candidates & (1 << which) == 0:
-        return
     for i in range(WIDTH):
-        g = _samples_of(events, which, w, i)
-        bound = w[(events.bounds + which) * WIDTH + i]
+        g = _samples_of(lanes, which, w, i)
+        bound = w[(lanes.bounds + which) * WIDTH + i]
         mask = _subintervals(
             stays_above(g[0], g[1], bound), stays_above(g[1], g[2], bound),
             stays_above(g[2], g[3], bound), stays_above(g[3], g[4], bound),
         )  # fmt: skip
-        _set_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
+        _set_subintervals(lanes, which, 0.0 if g[0] == NEVER else mask, w, i)
 
 
 @inlined_kernel
-def _quantities(events, which, w, i):
+def _quantities(lanes, event, w, i):
     """Return the quantities of a level at each node."""
-    return (
-        events.quantities_in(which, VALUES, w, i),
-        events.quantities_in(which, VALUES + SINES, w, i),
-        events.quantities_in(which, VALUES + 2 * SINES, w, i),
-        events.quantities_in(which, VALUES + 3 * SINES, w, i),
-        events.quantities_in(which, VALUES + 4 * SINES, w, i),
-    )
+    return tuple(quantities_in(event, first, w, i) for first, _ in nodes_of(lanes))
 
 
 @inlined_kernel
-def screen_combined(events, which, w):
+def _screen_combined(lanes, event, w):
     """Sample the largest of several quantities, and screen it.
 
     It stays above zero if one of the quantities does.
     """
-    n, node = WIDTH, events.count * WIDTH
-    first = (events.samples + which) * n
-    least = TOO_FLAT_TO_TELL if events.is_partial(which) else 0.0
+    least = TOO_FLAT_TO_TELL if event.is_partial else 0.0
     for i in range(WIDTH):
-        applies = events.applies(which, constants_of_lane(w, i), events.mode_of_lane(w, i))
-        bounds = events.bounds_of(which, w, i)
-        q0, q1, q2, q3, q4 = _quantities(events, which, w, i)
-        g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
-        g3, g4 = largest(q3)[0], largest(q4)[0]
-        w[first + i] = g0 if applies else NEVER
-        w[first + node + i], w[first + 2 * node + i] = g1, g2
-        w[first + 3 * node + i], w[first + 4 * node + i] = g3, g4
+        applies = event.cases[0].applies(constants_of_lane(w, i), mode_of_lane(lanes, w, i))
+        bounds = bounds_of(event, w, i)
+        q0, q1, q2, q3, q4 = _quantities(lanes, event, w, i)
+        for (_, sample), q in zip(nodes_of(lanes), (q0, q1, q2, q3, q4)):
+            w[(sample + event.number) * WIDTH + i] = largest(q)[0]
+        first = (lanes.samples + event.number) * WIDTH + i
+        w[first] = w[first] if applies else NEVER
         is_clear = (
             (_lowest_of((q0[0], q1[0], q2[0], q3[0], q4[0])) > max(least, bounds[0]))
             | (_lowest_of((q0[1], q1[1], q2[1], q3[1], q4[1])) > max(least, bounds[1]))
             | (_lowest_of((q0[2], q1[2], q2[2], q3[2], q4[2])) > max(least, bounds[2]))
             | (_lowest_of((q0[3], q1[3], q2[3], q3[3], q4[3])) > max(least, bounds[3]))
         )
-        bit = 0.0 if is_clear else float(1 << which)
-        w[CANDIDATES * n + i] += bit if applies else 0.0
+        bit = 0.0 if is_clear else float(1 << event.number)
+        w[CANDIDATES * WIDTH + i] += bit if applies else 0.0
 
 
 @inlined_kernel
-def find_combined(events, which, candidates, w):
+def _find_combined(lanes, event, w):
     """Write the subintervals that may contain a down-crossing of the largest of quantities."""
-    if candidates & (1 << which) == 0:
-        return
     for i in range(WIDTH):
-        bounds = events.bounds_of(which, w, i)
-        q0, q1, q2, q3, q4 = _quantities(events, which, w, i)
+        bounds = bounds_of(event, w, i)
+        q0, q1, q2, q3, q4 = _quantities(lanes, event, w, i)
         mask = _subintervals(
             one_stays_above(q0, q1, bounds), one_stays_above(q1, q2, bounds),
             one_stays_above(q2, q3, bounds), one_stays_above(q3, q4, bounds),
         )  # fmt: skip
         # In a nearly flat part, a level at zero to rounding may already be negative.
-        g = _samples_of(events, which, w, i)
-        flat = events.is_partial(which) & (_lowest_of(g) < TOO_FLAT_TO_TELL)
-        mask = float(ALL_SUBINTERVALS) if flat else mask
-        _set_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
+        g = _samples_of(lanes, event.number, w, i)
+        if event.is_partial:
+            mask = float(ALL_SUBINTERVALS) if _lowest_of(g) < TOO_FLAT_TO_TELL else mask
+        _set_subintervals(lanes, event.number, 0.0 if g[0] == NEVER else mask, w, i)
+
+
+@kernel
+def _screen(lanes, applicable, w):
+    """Write the candidates of each lane among the events that may apply."""
+    for i in range(WIDTH):
+        w[CANDIDATES * WIDTH + i] = 0.0
+    for mask, loop in lanes.loops:
+        if applicable & mask != 0:
+            _screen_singles(lanes, loop, w)
+    for event in lanes.combined:
+        if applicable & (1 << event.number) != 0:
+            _screen_combined(lanes, event, w)
+
+
+@kernel
+def _find(lanes, w):
+    """Write the candidates that remain, with their subintervals."""
+    candidates = 0
+    for i in range(WIDTH):
+        candidates |= int(w[CANDIDATES * WIDTH + i])
+        w[CANDIDATES * WIDTH + i] = 0.0
+    for event in lanes.all:
+        if candidates & (1 << event.number) != 0:
+            if event.is_combined:
+                _find_combined(lanes, event, w)
+            else:
+                _find_single(lanes, event.number, w)
 
 
 @inlined_kernel
-def _at_most(row, w, i):
-    """Upper bound of |row| in the step, from its samples and its curvature bound."""
-    first, node = (VALUES + row) * WIDTH + i, SINES * WIDTH
+def _at_most(line, w, i):
+    """Upper bound of a quantity's size in the step, from its samples and its curvature bound."""
+    first, node = (VALUES + line) * WIDTH + i, SINES * WIDTH
     ends, inner = max(abs(w[first]), abs(w[first + 4 * node])), abs(w[first + 2 * node])
     inner = max(inner, max(abs(w[first + node]), abs(w[first + 3 * node])))
-    return max(ends, inner) + curvature_bound(row, w, i)
+    return max(ends, inner) + curvature_bound(line, w, i)
 
 
 @inlined_kernel
-def _force_at_most(events, loads, w, i):
+def _force_at_most(lanes, loads, w, i):
     """Upper bound of the normal force on support or side in the step; see ``loads_of``."""
     (edge_load, edge), (corner_load, corner) = loads
     force = _at_most(edge_load, w, i) if edge == CLOSED else 0.0
-    if events.inserts == 1:
+    if lanes.events.inserts:
         force += _at_most(corner_load, w, i) if corner == CLOSED else 0.0
     return force
 
 
 @kernel
-def _set_largest(events, w):
+def _set_largest(lanes, w):
     """Write upper bounds of |tilt| and of normal forces in the step."""
     for i in range(WIDTH):
-        support, side = loads_of(events.mode_of_lane(w, i))
+        support, side = loads_of(mode_of_lane(lanes, w, i))
         w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
-        forces = _force_at_most(events, support, w, i), _force_at_most(events, side, w, i)
+        forces = _force_at_most(lanes, support, w, i), _force_at_most(lanes, side, w, i)
         w[STEP_FORCE * WIDTH + i] = max(forces[0], forces[1])
 
 
 @kernel
-def _end_steps(events, w):
+def _end_steps(lanes, w):
     """Write the state at the end of every step, with sticking contacts at rest."""
     for i in range(WIDTH):
         end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
-        end = hold_sticking(end, constants_of_lane(w, i), events.mode_of_lane(w, i))
+        end = without_slip(end, constants_of_lane(w, i), mode_of_lane(lanes, w, i))
         store_state_in_lane(end, w, END, i)
 
 
 @kernel
-def step_all(events, kind, applicable, control, w):
+def step_all(lanes, kind, applicable, control, addresses, w):
     """Make one step in every lane, and find the candidates for events in it.
 
-    ``applicable`` is the mask of the events that may apply in any lane. Upper bounds of tilt and
-    forces are written unless ``control`` asks for alignment only.
+    ``applicable`` is the mask of the events that may apply in any lane; ``addresses`` are those of
+    ``Series``. Upper bounds of tilt and forces are written unless ``control`` asks for alignment
+    only.
     """
     _set_sines(w)
     carries_error = control.carries_error != 0.0
     for i in range(WIDTH):
         w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
-    events.fill_series(kind, w, COEFFICIENTS, 0, LAST_ORDER)
+    fill_series(lanes, kind, addresses, w)
     if carries_error:
-        events.fill_errors(kind, w, ERROR, 0, COEFFICIENTS)
+        fill_errors(lanes, kind, addresses, w)
     _set_lengths(w)
-    events.sample_series(w, COEFFICIENTS, LENGTH, VALUES)
-    events.sample_lanes(applicable, w)
-    events.enter_bounds(applicable, w)
-    for i in range(WIDTH):
-        w[CANDIDATES * WIDTH + i] = 0.0
-    events.screen(events, applicable, w)
-    candidates = 0
-    for i in range(WIDTH):
-        candidates |= int(w[CANDIDATES * WIDTH + i])
-    for i in range(WIDTH):
-        w[CANDIDATES * WIDTH + i] = 0.0
-    events.find(events, candidates, w)
+    sample_series(lanes, w)
+    sample_lanes(lanes, applicable, w)
+    enter_bounds(lanes, applicable, w)
+    _screen(lanes, applicable, w)
+    _find(lanes, w)
     if control.alignment_only == 0.0:
-        _set_largest(events, w)
-    _end_steps(events, w)
+        _set_largest(lanes, w)
+    _end_steps(lanes, w)

@@ -1,8 +1,9 @@
 """Largest tilt and normal force inside a step, on its dense output."""
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.engines.scalar.location import NODE_PLACES, NODES
 from model.engines.scalar.step import interpolate
+from model.events.kernels import force_on, sample_into
 
 _ITERATIONS = 20
 _CLOSE = 1e-5  # last correction of a peak's place, in steps: the error left is of its square
@@ -12,8 +13,8 @@ _NEGLIGIBLE = 1e-7  # rise above the largest value so far that is not looked for
 @inlined_kernel
 def _sizes(events, tilt, sample):
     """|tilt|, and the normal forces on support, left and right side; forces may be negative."""
-    support, side = events.support_force(sample), events.side_force(sample)
-    return abs(tilt), support, side, events.right_force(sample)
+    support, side = force_on(events, "support", sample), force_on(events, "side", sample)
+    return abs(tilt), support, side, force_on(events, "right", sample)
 
 
 @kernel
@@ -39,7 +40,7 @@ def _peak(
             break
         theta = middle + move
         q = interpolate(theta, h, y, dense)
-        events.sample_into(time + theta * h, q, p, mode, scratch)
+        sample_into(events, time + theta * h, q, p, mode, scratch)
         f = _sizes(events, q.tilt, scratch)[which]
         at, value = (theta, f) if f <= f_middle else (middle, f_middle)
         if (theta < middle) == (f <= f_middle):

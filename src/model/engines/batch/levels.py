@@ -1,0 +1,201 @@
+"""Levels of events as sums of workspace lines, by symbolic tracing.
+
+Input: an event function. Output: a ``Level`` of each of its quantities, which the kernels of
+lane_events.py sum and bound. An event function is called once with symbols in place of numbers.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from model.compile.kernels import inlined_kernel
+from model.compile.vector_code import WIDTH
+from model.engines.batch.series import SYMBOLS, Constant, Sum, TaylorSeries, as_sum, given, sum_of
+from model.engines.batch.workspace import LINE
+from model.engines.batch.workspace import MODE as FIRST_OF_MODE
+from model.events.event_functions import ABSENT, ContactState, CornerPositions
+from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
+from model.events.table import FACE, FORCES, PLACES, SIDE, Source
+from model.physics.modes import CLOSED, Mode
+from model.physics.motion import Motion
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+
+Terms = tuple[tuple[int, Constant], ...]  # line of the workspace, and its factor
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """Quantity of an event: a constant, multiples of lines, and one of an absolute value.
+
+    Attributes:
+        constant: ABSENT for a quantity that the event lacks, or that no line holds.
+        terms: lines and their factors.
+        inside: the sum of which the absolute value is taken, if there is one.
+        outside: factor of the absolute value.
+        is_known: False for a quantity that no line holds, or that is not linear in the lines.
+    """
+
+    constant: Constant
+    terms: Terms = ()
+    inside: "Level | None" = None
+    outside: Constant = 0.0
+    is_known: bool = True
+
+
+# ------------------------------------------------------------------------------------------ kernels
+
+
+@inlined_kernel
+def constant_in(value, w, i):
+    """Return a constant of lane ``i``; see ``Constant``."""
+    if isinstance(value, float):
+        return value
+    how, of = value[0], value[1:]
+    if how == "given":
+        return w[of[0] * WIDTH + i]
+    one, other = constant_in(of[0], w, i), constant_in(of[1], w, i)
+    if how == "+":
+        return one + other
+    if how == "*":
+        return one * other
+    return 1.0 if one == other else 0.0
+
+
+@inlined_kernel
+def _sum_in(level, start, first, scale, w, i):
+    total = start
+    for line, factor in level.terms:
+        value = scale * w[(first + line) * WIDTH + i]
+        total = total + (value if factor == 1.0 else constant_in(factor, w, i) * value)
+    return total
+
+
+@inlined_kernel
+def level_in(level, first, w, i):
+    """Return a level of lane ``i``, from the lines after the ``first``."""
+    total = _sum_in(level, constant_in(level.constant, w, i), first, 1.0, w, i)
+    if level.inside is not None:
+        inside = abs(level_in(level.inside, first, w, i))
+        total = total + constant_in(level.outside, w, i) * inside
+    return total
+
+
+@inlined_kernel
+def coefficient_in(level, order, first, scale, sign, w, i):
+    """Return the coefficient of an order of a level's series, from the lines after the ``first``.
+
+    ``scale`` is the power of the step's length, and ``sign`` that of the absolute value's argument.
+    """
+    start = constant_in(level.constant, w, i) if order == 0 else 0.0
+    total = _sum_in(level, start, first, scale, w, i)
+    if level.inside is not None:
+        inside = coefficient_in(level.inside, order, first, scale, sign, w, i)
+        total = total + constant_in(level.outside, w, i) * (sign * inside)
+    return total
+
+
+@inlined_kernel
+def bound_in(level, first, scale, w, i):
+    """Return a bound of a level's distance from the line through samples, from those of lines."""
+    total = 0.0
+    for line, factor in level.terms:
+        total = total + abs(constant_in(factor, w, i)) * (scale * w[(first + line) * WIDTH + i])
+    if level.inside is not None:
+        inside = bound_in(level.inside, first, scale, w, i)
+        total = total + abs(constant_in(level.outside, w, i)) * inside
+    return total
+
+
+# ------------------------------------------------------------------------------------------ tracing
+
+_UNKNOWN = sum_of(TaylorSeries("unknown", ()))
+_MODE: Any = Mode(*(given(FIRST_OF_MODE + n) for n in range(len(Mode._fields))))
+
+
+def _line(name: str) -> Any:
+    return sum_of(TaylorSeries("line", (LINE[name],)))
+
+
+def _is(field: str, value: float) -> Any:
+    """Return 1 where a field of the mode has a value, else 0."""
+    place = getattr(_MODE, field).constant
+    return Sum(("==", place, float(value)), {})
+
+
+def _quantities(inserts: bool) -> dict[Source, Any]:
+    """Return the quantities of every source that the workspace holds, as sums of its lines.
+
+    The sources are the corner positions, the contacts of the edges and, if the scene ``inserts``,
+    of the corners with the walls. Without insertion the support is A1.
+    """
+    places = {name: _line(name) for name in CornerPositions._fields if not name.endswith("_rise")}
+    unknown = dict.fromkeys(CornerPositions._fields, _UNKNOWN)
+    forces: dict[str, Any] = dict.fromkeys(Motion._fields, _UNKNOWN)
+    sides = ("support", "face", "corner"), ("side", "side", "wall")
+    for place, edge, corner in sides:
+        friction = _line(f"{place}_friction")  # or the slip of a sliding contact
+        forces |= {f"{place}_slip": friction, f"{place}_friction": friction}
+        forces[f"{place}_load"] = _line(f"{edge}_load")
+        if inserts:
+            loads = (_is(each, CLOSED) * _line(f"{each}_load") for each in (edge, corner))
+            forces[f"{place}_load"] = sum(loads, as_sum(0.0))
+    along_face, along_axis = places["right_along_face"], places["right_along_axis"]
+    if inserts:
+        right, left = _is("edge", RIGHT_EDGE), _is("edge", LEFT_EDGE)
+        along_face = right * along_face + left * places["left_along_face"]
+        along_axis = right * along_axis + left * places["left_along_axis"]
+    p = SYMBOLS
+    sources = {
+        PLACES: CornerPositions(**(unknown | places)),
+        FACE: ContactState(p.half_height + along_axis, _line("face_load"), along_face),
+        SIDE: ContactState(
+            places["left_behind_side"], _line("side_load"), places["left_along_axis"]
+        ),
+        FORCES: Motion(**forces),
+    }
+    return sources if not inserts else sources | {
+        RIGHT_SIDE: ContactState(
+            p.half_width - places["right_along_face"], _line("face_load"),
+            places["right_along_axis"],
+        ),
+        RIGHT_WALL: ContactState(
+            places["right_corner_x"] - p.slot_half_width, _line("corner_load"),
+            places["right_corner_y"],
+        ),
+        LEFT_WALL: ContactState(
+            -places["left_corner_x"] - p.slot_half_width, _line("wall_load"),
+            places["left_corner_y"],
+        ),
+    }  # fmt: skip
+
+
+QUANTITIES = {inserts: _quantities(inserts) for inserts in (False, True)}
+
+
+def _level_of(total: Sum | float) -> Level:
+    """Return a sum as a ``Level``."""
+    found = as_sum(total)
+    lines = {each: factor for each, factor in found.terms.items() if each.rule == "line"}
+    others = {each: factor for each, factor in found.terms.items() if each.rule != "line"}
+    terms = tuple((each.operands[0], factor) for each, factor in lines.items())
+    if not others:
+        return Level(found.constant, terms)
+    ((other, outside),) = others.items() if len(others) == 1 else ((None, 0.0),)
+    if other is None or other.rule != "absolute":
+        return Level(ABSENT, is_known=False)
+    (inside,) = other.operands
+    inner = _level_of(Sum(inside.operands[0], dict(inside.operands[1])))
+    if not inner.is_known or inner.inside is not None:
+        return Level(ABSENT, is_known=False)
+    return Level(found.constant, terms, inner, outside)
+
+
+def levels_of(
+    source: Source, function: Callable[..., Any], inserts: bool
+) -> tuple[Level, ...] | None:
+    """Return the quantities of an event function; None if the workspace does not hold its source."""
+    if source not in QUANTITIES[inserts]:
+        return None
+    mode = _MODE if inserts else _MODE._replace(edge=RIGHT_EDGE)
+    found = function(QUANTITIES[inserts][source], SYMBOLS, mode)
+    return tuple(map(_level_of, found if isinstance(found, tuple) else (found,)))
