@@ -51,6 +51,7 @@ class Code:
 
     def __init__(self, contract: bool) -> None:
         self.contract = " contract" if contract else ""
+        self.group = ""  # of accesses to memory in a loop over lanes, as instructions take it
         self._count = 0
         self._variables: list[str] = []
         self._blocks: list[str] = []
@@ -114,11 +115,21 @@ class Code:
     def store(self, value: Value, places: Places) -> None:
         """Store a value of the variable's type."""
         for leaf, (kind, place) in zip(leaves(value), places, strict=True):
-            self.put(f"store {kind} {leaf.name}, ptr {place}")
+            self.put(f"store {kind} {leaf.name}, ptr {place}{self.group}")
 
     def load(self, type_: Type, places: Places) -> Value:
         """Load a variable of this type."""
-        return rebuilt(type_, iter([self.do(f"load {kind}, ptr {at}") for kind, at in places]))
+        names = [self.do(f"load {kind}, ptr {at}{self.group}") for kind, at in places]
+        return rebuilt(type_, iter(names))
+
+    def read(self, place: Array) -> Number:
+        """Load the number of a place, an array of no dimension."""
+        return Number(place.kind, self.do(f"load {place.kind}, ptr {place.pointer}{self.group}"))
+
+    def write(self, number: Value, place: Array) -> None:
+        """Store a number at a place."""
+        text = _typed(self.of_kind(number, place.kind))
+        self.put(f"store {text}, ptr {place.pointer}{self.group}")
 
     def address(self, array: Array, offset: Value) -> str:
         """Return the address of a number of an array, ``offset`` numbers after the first."""
@@ -210,7 +221,7 @@ class Code:
         """Call a function: a name of the module, or an address."""
         listed = ", ".join(_typed(leaf) for each in arguments for leaf in leaves(each))
         kinds = leaf_kinds(result)
-        text = f"call {aggregate(kinds)} {function}({listed})"
+        text = f"call {aggregate(kinds)} {function}({listed}){self.group}"
         if not kinds:
             self.put(text)
             return rebuilt(result, iter(()))

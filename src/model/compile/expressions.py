@@ -214,7 +214,7 @@ class Expressions:
         if isinstance(value, Array):
             found = self.part(value, indices)
             if isinstance(found, Array) and not found.lengths:
-                return Number(found.kind, self.code.do(f"load {found.kind}, ptr {found.pointer}"))
+                return self.code.read(found)
             return found
         (index,) = indices if len(indices) == 1 else (Group(None, tuple(indices)),)
         if isinstance(value, Static) and isinstance(index, Static):

@@ -29,7 +29,7 @@ from model.compile.values import (
     rebuilt,
     type_of,
 )
-from model.compile.vector_code import VectorFunction
+from model.compile.vector_code import WIDTH, VectorFunction
 
 _DECLARATIONS = """\
 declare double @llvm.fabs.f64(double)
@@ -83,6 +83,7 @@ class Module:
         self._functions: dict[Key, tuple[str, Type] | None] = {}
         self._arrays: dict[int, tuple[Array, Any]] = {}
         self._declared: dict[str, str] = {}
+        self._loops = 0
         if is_entry:
             function, self.result = self._translated(key, "@whole", "internal")
             self._texts.append(_entry(self.name, function, key[1], self.result))
@@ -158,6 +159,21 @@ class Module:
             found = Array(name, kind, known.shape, contiguous(known.shape))
             self._arrays[id(known)] = found, known
         return self._arrays[id(known)][0]
+
+    def vectorized(self) -> tuple[str, str]:
+        """Return metadata of accesses in a new loop over lanes, and of its jump back."""
+        group = 2 * self._loops
+        self._loops += 1
+        hints = (
+            '"llvm.loop.vectorize.enable", i1 true', f'"llvm.loop.vectorize.width", i32 {WIDTH}',
+            '"llvm.loop.interleave.count", i32 1', '"llvm.loop.unroll.disable"',
+            f'"llvm.loop.parallel_accesses", !{group}',
+        )  # fmt: skip
+        listed = ", ".join([f"!{group + 1}", *(f"!{{!{each}}}" for each in hints)])
+        self._declared[f"!{group}"] = (
+            f"!{group} = distinct !{{}}\n!{group + 1} = distinct !{{{listed}}}"
+        )
+        return f", !llvm.access.group !{group}", f", !llvm.loop !{group + 1}"
 
     def call_vectors(self, code: Code, function: VectorFunction, pointers: list[str]) -> None:
         """Call a function of vectors."""

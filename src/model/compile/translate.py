@@ -38,7 +38,7 @@ from model.compile.values import (
     rebuilt,
     type_of,
 )
-from model.compile.vector_code import VectorFunction
+from model.compile.vector_code import WIDTH, VectorFunction, each_lane
 
 
 class KernelError(Exception):
@@ -61,6 +61,9 @@ class Module(Protocol):
 
     def array(self, known: Any) -> Array:
         """Return an array of numpy as constants."""
+
+    def vectorized(self) -> tuple[str, str]:
+        """Return metadata of accesses in a new loop over lanes, and of its jump back."""
 
 
 class Source(NamedTuple):
@@ -119,10 +122,6 @@ def _assigned(tree: ast.AST) -> list[str]:
         for each in ast.walk(tree)
         if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
     ]
-
-
-def _is_range(value: Value) -> bool:
-    return isinstance(value, Static) and value.object is range
 
 
 class Variable(NamedTuple):
@@ -366,18 +365,28 @@ class Function:
         self._after(loop)
 
     def _for(self, node: ast.For) -> None:
-        over = node.iter
-        is_call = isinstance(over, ast.Call) and isinstance(over.func, ast.Name)
-        if is_call and _is_range(self.look_up(over.func.id)):  # type: ignore[attr-defined]
-            self._for_range(node, over.args)  # type: ignore[attr-defined]
+        called = self._called(node.iter)
+        if called is range:
+            self._for_range(node, [self._end_of_range(each) for each in node.iter.args])  # type: ignore[attr-defined]
+        elif called is each_lane:
+            outside, (self.code.group, loop) = self.code.group, self.module.vectorized()
+            self._for_range(node, [constant(WIDTH)], loop)
+            self.code.group = outside
         else:
-            self._for_each(node, self.expressions.items(self.expressions.evaluate(over)))
+            self._for_each(node, self.expressions.items(self.expressions.evaluate(node.iter)))
 
-    def _for_range(self, node: ast.For, ends: list[ast.expr]) -> None:
+    def _called(self, node: ast.expr) -> Any:
+        """Return the function that is called where it is a static object, else None."""
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            found = self.look_up(node.func.id)
+            return found.object if isinstance(found, Static) else None
+        return None
+
+    def _for_range(self, node: ast.For, ends: list[Number], metadata: str = "") -> None:
         """Translate a loop over a range, which counts at run time even if its ends are known."""
-        code, whole = self.code, [self._end_of_range(each) for each in ends]
-        first, last = (constant(0), whole[0]) if len(whole) == 1 else whole[:2]
-        step = whole[2] if len(whole) == 3 else constant(1)
+        code = self.code
+        first, last = (constant(0), ends[0]) if len(ends) == 1 else ends[:2]
+        step = ends[2] if len(ends) == 3 else constant(1)
         by = known_number(step)
         if not by:
             raise Refusal("a range whose step is 0 or not known", "give an int")
@@ -395,7 +404,7 @@ class Function:
         self._round(node, loop, before, n)
         code.begin(following)
         code.store(code.whole("add", n, step), counter)
-        code.jump(test)
+        code.leave(f"br label %{test}{metadata}")
         self._after(loop)
 
     def _end_of_range(self, node: ast.expr) -> Number:
@@ -515,8 +524,7 @@ class Function:
             self._assign(node.target.id, self.expressions.operate(type(node.op), old, by))
             return
         place = self._element(node.target)
-        old = Number(place.kind, self.code.do(f"load {place.kind}, ptr {place.pointer}"))
-        self._put(place, self.expressions.operate(type(node.op), old, by))
+        self._put(place, self.expressions.operate(type(node.op), self.code.read(place), by))
 
     def _store(self, target: ast.expr, value: Value, keep_static: bool = False) -> None:
         if isinstance(target, ast.Name):
@@ -547,10 +555,10 @@ class Function:
 
     def _put(self, place: Array, value: Value) -> None:
         """Store a number into an element, or into all elements of a part of an array."""
-        number = self.code.of_kind(value, place.kind)
         if not place.lengths:
-            self.code.put(f"store {place.kind} {number.name}, ptr {place.pointer}")
+            self.code.write(value, place)
             return
+        number = self.code.of_kind(value, place.kind)
         length, *lengths = place.lengths
         count = Static(length) if isinstance(length, int) else length
 

@@ -137,6 +137,14 @@ class VectorWriter:
         return values
 
 
+def each_lane() -> range:
+    """Return the numbers of the lanes of a vector; a loop over them becomes vector code.
+
+    A round of the loop must not read what another one writes.
+    """
+    return range(WIDTH)
+
+
 class VectorFunction:
     """A function of vectors: a kernel calls it with a block of memory and places of vectors in it.
 

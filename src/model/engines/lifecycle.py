@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.kernels import kernel
+from model.compile.kernels import kernel, separate_kernel
 from model.engines.rates import short_step
 from model.engines.record import (
     AT,
@@ -75,17 +75,17 @@ class Control(NamedTuple):
 class History(NamedTuple):
     """States and lowest levels in the last periods of runs, as ring buffers; see steady_state.py.
 
-    Shapes: states (runs, HISTORY, 6), lowest (runs, LONGEST_PERIOD, events).
+    Shapes: states (runs, HISTORY, 6), lowest (runs, LONGEST_PERIOD, MOST_EVENTS).
     """
 
     states: np.ndarray
     lowest: np.ndarray
 
 
-def new_history(count: int, events: int = MOST_EVENTS) -> History:
-    """Return an empty ``History`` of ``count`` runs, for a table of at most ``events``."""
+def new_history(count: int) -> History:
+    """Return an empty ``History`` of ``count`` runs."""
     states = np.zeros((count, HISTORY, STATE_SIZE))
-    return History(states, np.zeros((count, LONGEST_PERIOD, events)))
+    return History(states, np.zeros((count, LONGEST_PERIOD, MOST_EVENTS)))
 
 
 @kernel
@@ -148,7 +148,7 @@ def fail(scene, runs, i, reason):
     _end(scene, runs, i, OUTCOME.FAILED, reason)
 
 
-@kernel
+@separate_kernel
 def begin(row, tolerance, scene, control, runs, i):
     """Start the parameter set ``row``, shape (constants,), as run ``i``.
 
@@ -275,7 +275,7 @@ def skip_chatter(before, runs, i):
     runs[i, AT.time] = time + moment
 
 
-@kernel
+@separate_kernel
 def apply_event(which, length, step, scene, control, runs, i):
     """Apply the transition of the event ``which`` at the run's state: next mode, or end.
 
@@ -331,7 +331,7 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
             runs[i, CLOSEST + which], runs[i, MADE + which] = NEVER, 0.0
 
 
-@kernel
+@separate_kernel
 def end_period(scene, history, settling_noise, runs, i):
     """Count a completed period; end the run if it may settle and its motion is periodic."""
     periods = int(runs[i, AT.periods]) + 1

@@ -4,7 +4,7 @@ from math import isfinite
 
 import numpy as np
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.physics.motion import motion
 from model.physics.notation import State
 
@@ -27,7 +27,7 @@ def rates_of(time, q, p, mode):
     return State(q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt)
 
 
-@kernel
+@separate_kernel
 def rates_at(time, q, p, mode):
     """Return ``rates_of`` by a call: for code that runs once an event, so that it stays small."""
     return rates_of(time, q, p, mode)

@@ -1,6 +1,6 @@
 """Friction states at an instant, and removal of residual slip where contacts stick."""
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.physics.modes import STICKING, with_friction, with_slip_place
 from model.physics.motion import (
     forces_without_friction,
@@ -68,7 +68,7 @@ def _advanced(q, at):
     )
 
 
-@kernel
+@separate_kernel
 def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     """Return (mode, possible): the mode with consistent friction states, if there are any.
 
@@ -148,7 +148,7 @@ def without_slip(q, p, mode):
     )  # fmt: skip
 
 
-@kernel
+@separate_kernel
 def hold_sticking(q, p, mode):
     """Return ``without_slip`` by a call: for code that runs once a step, so that it stays small."""
     return without_slip(q, p, mode)

@@ -9,7 +9,7 @@ from functools import cache
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from model.compile.kernels import Symbol, inlined_kernel, kernel
+from model.compile.kernels import Symbol, inlined_kernel, kernel, separate_kernel
 from model.events import event_functions as functions
 from model.events.event_functions import NEVER, largest
 from model.events.scenes import Declared, Scene
@@ -145,7 +145,7 @@ def in_kernels(scene: Scene) -> SceneEvents:
 # ------------------------------------------------------------------------------------------ samples
 
 
-@kernel
+@separate_kernel
 def sample_into(events, time, q, p, mode, out):
     """Write the levels of all events, NEVER for those that do not apply.
 
@@ -178,7 +178,7 @@ def _level_at(each, at, p, mode):
     return largest(found)[0] if each.is_combined else found
 
 
-@kernel
+@separate_kernel
 def level(events, which, time, q, p, mode):
     """Return the level of the event ``which``, which applies."""
     for source, members in events.in_order:

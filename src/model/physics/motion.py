@@ -3,7 +3,7 @@
 from math import sqrt
 from typing import NamedTuple
 
-from model.compile.kernels import inlined_kernel, kernel, operation
+from model.compile.kernels import inlined_kernel, operation, separate_kernel
 from model.physics.contacts import (
     contact_load,
     corner_on_flat,
@@ -275,7 +275,7 @@ def motion(time, q, p, mode):
     return under_friction(forces_without_friction(time, q, p, mode), p, mode)
 
 
-@kernel
+@separate_kernel
 def motion_at(time, q, p, mode):
     """Return ``motion`` by a call: for code that runs once an event, so that it stays small."""
     return motion(time, q, p, mode)

@@ -17,7 +17,7 @@ as long as the edge sticks,
 from math import isfinite
 from typing import Literal, NamedTuple
 
-from model.compile.kernels import kernel
+from model.compile.kernels import kernel, separate_kernel
 from model.physics.forces import applied_forces, excitation
 from model.physics.geometry import edge_place
 from model.physics.notation import LEFT_EDGE, State
@@ -146,7 +146,7 @@ def _loaded(s, tilt, share, first, p):
     return s, tilt, False
 
 
-@kernel
+@separate_kernel
 def rest_under_press(p):
     """Return the ``Rest`` of a part that is pressed slowly, from x(0) and the tilt φ_st on.
 

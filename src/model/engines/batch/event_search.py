@@ -14,7 +14,13 @@ import numpy as np
 
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
-from model.engines.batch.lane_events import TERMS, enter_series, has_absolute, is_partial
+from model.engines.batch.lane_events import (
+    QUANTITIES,
+    TERMS,
+    enter_series,
+    has_absolute,
+    is_partial,
+)
 from model.engines.batch.series_layout import FRACTIONS, LINES, NODES, ORDER
 from model.engines.batch.step import TOO_FLAT_TO_TELL, one_stays_above, stays_above
 from model.engines.batch.workspace import (
@@ -34,7 +40,6 @@ from model.events.friction import REST_SLIP
 from model.events.kernels import MOST_SAMPLES, is_conditional, quantities
 from model.physics.notation import STATE_SIZE, State
 
-QUANTITIES = 4  # of a level
 _SUBINTERVAL = FRACTIONS[0]
 _FINEST = 2.0**-24  # smallest part of a step, which is not divided
 _MOST_PARTS = 64  # parts of a subinterval after which sixteenths of the step are not divided
@@ -289,7 +294,7 @@ def _crossing_of(lanes, which, sign, until, series, w, lane):
 def crossing(lanes, which, until, series, w, lane):
     """The first down-crossing of level ``which`` before ``until``, or NO_EVENT."""
     first = _crossing_of(lanes, which, 1.0, until, series, w, lane)
-    if has_absolute(lanes, which, constants_of_lane(w, lane), mode_of_lane(lanes, w, lane)):
+    if has_absolute(lanes, which, w, lane):
         other = _crossing_of(lanes, which, -1.0, min(until, first), series, w, lane)
         first = min(first, other)
     return first

@@ -1,9 +1,7 @@
 """Events in the lanes of the batch engine: which apply, their levels, and kernels that loop over them.
 
 Input: an event table. Output: its ``LaneEvents``, for step.py, event_search.py and scheduling.py.
-LLVM vectorizes a loop over lanes if every level is written out, with places that are known: the
-loops over events run when a kernel is compiled. Events that apply in no mode of the lanes are left
-out.
+Events that apply in no mode of the lanes are left out.
 """
 
 from collections.abc import Sequence
@@ -16,7 +14,7 @@ from numpy.typing import NDArray
 
 from model.compile.identity import identity_of
 from model.compile.kernels import inlined_kernel, kernel
-from model.compile.vector_code import WIDTH
+from model.compile.vector_code import WIDTH, each_lane
 from model.engines.batch.levels import Level, bound_in, coefficient_in, level_in, levels_of
 from model.engines.batch.mode_kinds import (
     MODES_OF_A_KIND,
@@ -31,6 +29,7 @@ from model.engines.batch.series import SYMBOLS, EventQuantities
 from model.engines.batch.series_kernels import Series
 from model.engines.batch.series_layout import FRACTIONS, LINES, NODES, ORDER, SINES
 from model.engines.batch.workspace import (
+    APPLICABLE,
     COEFFICIENTS,
     EVENT_LINES,
     LENGTH,
@@ -40,14 +39,16 @@ from model.engines.batch.workspace import (
     constants_of_lane,
     mode_of_lane,
 )
-from model.events.event_functions import NEVER
+from model.events.event_functions import NEVER, largest
 from model.events.kernels import Events, Numbered, events_of
-from model.events.table import Table
+from model.events.table import FORCES, Table
+from model.physics.motion import never_sticks
 
+QUANTITIES = 4  # of a combined event
 TERMS = ORDER + 1  # of the series of each quantity
 # The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
 CURVATURE = FRACTIONS[0] ** 2 / 8.0
-_LEAST_EVENTS = 8  # in a loop over lanes: the compiler unrolls short ones and leaves them scalar
+_BOUNDS = VALUES + NODES * SINES  # first line of the bounds of quantities
 _CORNERS = "corner_load", "wall_load"  # the last quantities, of the insertion scene
 
 # Constants with which every level applies that needs friction.
@@ -86,8 +87,8 @@ class LaneEvents:
     Attributes:
         events: the whole table.
         combined, singles: events of several quantities, and of one, that apply in lanes.
-        loops: the singles, as many as one loop over lanes takes, with the mask of their numbers.
-        masks: events that may apply, by kind of mode and number of the mode in its kind.
+        masks: masks of the events that apply, by kind of mode and number of the mode in its kind.
+        of_friction: mask of the events that need friction.
         kinds: numbers of the kinds of modes; see ``numbers_of``.
         varied: fields of ``Mode`` that lanes hold.
         series: functions that fill and sample the series of each kind of mode.
@@ -96,8 +97,8 @@ class LaneEvents:
     events: Events
     combined: tuple[LaneEvent, ...]
     singles: tuple[LaneEvent, ...]
-    loops: tuple[tuple[int, tuple[LaneEvent, ...]], ...]
     masks: NDArray[np.int64]
+    of_friction: int
     kinds: NDArray[np.int64]
     varied: tuple[int, ...]
     series: Series
@@ -123,9 +124,14 @@ class LaneEvents:
         return self.bounds + self.events.count
 
     @property
+    def quantities(self) -> int:
+        """First line of the quantities of combined events: of all, at each node, then bounds."""
+        return self.subintervals + self.events.count
+
+    @property
     def lines(self) -> int:
         """Number of lines of the workspace."""
-        return self.subintervals + self.events.count
+        return self.quantities + (NODES + 1) * QUANTITIES * self.events.combined
 
     @property
     def all(self) -> tuple[LaneEvent, ...]:
@@ -135,25 +141,21 @@ class LaneEvents:
 
 def _in_lanes(numbered: Numbered, events: Events) -> tuple[LaneEvent, set[tuple[int, int]]]:
     """Return an event as lanes have it, and the places of the modes in which it applies."""
-    cases, places, event = [], set(), numbered.event
+    cases, event, modes = [], numbered.event, lane_modes(events.inserts)
     for applies, function in event.function:
-        here = {place for mode, place in lane_modes(events.inserts) if applies(_ROUGH, mode)}
-        if not here:
-            continue
-        levels = levels_of(event.source, function, events.inserts)
-        if levels is None:
-            raise ValueError(f"{event.name}: lanes hold its modes, but not its quantities")
-        cases.append(Case(applies, levels))
-        places |= here
+        if any(applies(_ROUGH, mode) for mode, _ in modes):
+            levels = levels_of(event.source, function, events.inserts)
+            if levels is None:
+                raise ValueError(f"{event.name}: lanes hold its modes, but not its quantities")
+            cases.append(Case(applies, levels))
+    places: dict[bool, set[tuple[int, int]]] = {True: set(), False: set()}
+    for mode, place in modes:
+        places[any(case.applies(_ROUGH, mode) for case in cases)].add(place)
+    if places[True] & places[False]:
+        raise ValueError(f"{event.name}: applies in some modes of a kind and number, not in others")
     is_partial = any(not level.is_known for case in cases for level in case.levels)
     found = LaneEvent(numbered.number, tuple(cases), numbered.is_combined, is_partial)
-    return found, places
-
-
-def _loops(singles: Sequence[LaneEvent]) -> tuple[tuple[int, tuple[LaneEvent, ...]], ...]:
-    size = -(-len(singles) // max(1, len(singles) // _LEAST_EVENTS))
-    loops = (tuple(singles[n : n + size]) for n in range(0, len(singles), size))
-    return tuple((sum(1 << each.number for each in loop), loop) for loop in loops)
+    return found, places[True]
 
 
 @cache
@@ -161,7 +163,8 @@ def lane_events_of(table: Table) -> LaneEvents:
     """Return the events of a table as the kernels of lanes take them.
 
     Raises:
-        ValueError: an event applies in a mode that lanes hold, but they lack its quantities.
+        ValueError: an event applies in a mode that lanes hold, but they lack its quantities, or not
+            in all modes of its kind and number.
     """
     events = events_of(table)
     kinds = kinds_of(events.inserts)
@@ -171,25 +174,18 @@ def lane_events_of(table: Table) -> LaneEvents:
         for place in places:
             masks[place] |= 1 << each.number
         found += [each] if each.cases else []
-    singles = tuple(each for each in found if not each.is_combined)
     quantities = EventQuantities._fields
     count = len(quantities) - (0 if events.inserts else len(_CORNERS))
     return LaneEvents(
         events=events,
         combined=tuple(each for each in found if each.is_combined),
-        singles=singles,
-        loops=_loops(singles),
+        singles=tuple(each for each in found if not each.is_combined),
         masks=masks,
+        of_friction=sum(1 << each.number for each in events.all if each.event.source == FORCES),
         kinds=numbers_of(kinds),
         varied=VARIED_IN_SLOT if events.inserts else VARIED,
         series=Series(kinds, events.inserts, count),
     )
-
-
-def nodes_of(lanes: LaneEvents) -> list[tuple[int, int]]:
-    """Return for each node the first line of its quantities, and of its levels."""
-    count = lanes.events.count
-    return [(VALUES + n * SINES, lanes.samples + n * count) for n in range(NODES)]
 
 
 # ------------------------------------------------------------------------------------------ kernels
@@ -202,64 +198,98 @@ def kind_of(lanes, mode):
 
 
 @inlined_kernel
-def applicable_in(lanes, kind, mode):
-    """Return the mask of the events that may apply in a mode of this kind."""
-    return lanes.masks[kind, mode_in_kind(mode)]
+def applicable_in(lanes, kind, p, mode):
+    """Return the mask of the events that apply in a mode of this kind."""
+    found = lanes.masks[kind, mode_in_kind(mode)]
+    return found & ~lanes.of_friction if never_sticks(p) else found
 
 
 @inlined_kernel
-def _sample(lanes, loop, first, sample, w):
-    """Write levels of one quantity at a node, of the events of a ``loop``."""
-    for i in range(WIDTH):
-        p, mode = constants_of_lane(w, i), mode_of_lane(lanes, w, i)
-        for event in loop:
-            found = NEVER
-            for case in reversed(event.cases):
-                here = level_in(case.levels[0], first, w, i)
-                found = np.where(case.applies(p, mode), here, found)
-            w[(sample + event.number) * WIDTH + i] = found
+def sample_line(lanes, which, node):
+    """Return the line of the level of an event at a node."""
+    return lanes.samples + node * lanes.events.count + which
+
+
+@inlined_kernel
+def quantity_line(lanes, which, node, part):
+    """Return the line of a quantity of a combined event at a node; of its bound, at node NODES."""
+    return lanes.quantities + (node * lanes.events.combined + which) * QUANTITIES + part
+
+
+@inlined_kernel
+def _is_case(lanes, case, w, i):
+    """Return whether a case of an event that applies in lane ``i`` is the one."""
+    return case.applies(constants_of_lane(w, i), mode_of_lane(lanes, w, i))
+
+
+@inlined_kernel
+def _sample_single(lanes, event, node, w):
+    """Write the level at a node, NEVER in lanes where it does not apply."""
+    first = VALUES + node * SINES
+    for i in each_lane():
+        found = level_in(event.cases[-1].levels[0], first, w, i)
+        for case in event.cases[:-1]:
+            here = level_in(case.levels[0], first, w, i)
+            found = np.where(_is_case(lanes, case, w, i), here, found)
+        applies = int(w[APPLICABLE * WIDTH + i]) & (1 << event.number) != 0
+        w[sample_line(lanes, event.number, node) * WIDTH + i] = np.where(applies, found, NEVER)
+
+
+@inlined_kernel
+def _bound_single(lanes, event, w):
+    for i in each_lane():
+        found = bound_in(event.cases[-1].levels[0], _BOUNDS, CURVATURE, w, i)
+        for case in event.cases[:-1]:
+            here = bound_in(case.levels[0], _BOUNDS, CURVATURE, w, i)
+            found = np.where(_is_case(lanes, case, w, i), here, found)
+        w[(lanes.bounds + event.number) * WIDTH + i] = found
+
+
+@inlined_kernel
+def _sample_combined(lanes, event, node, w):
+    """Write the quantities at a node, and the largest of them as the level."""
+    for i in each_lane():
+        first, levels = VALUES + node * SINES, event.cases[0].levels
+        found = tuple(level_in(level, first, w, i) for level in levels)
+        for part, value in enumerate(found):
+            w[quantity_line(lanes, event.number, node, part) * WIDTH + i] = value
+        w[sample_line(lanes, event.number, node) * WIDTH + i] = largest(found)[0]
+
+
+@inlined_kernel
+def _bound_combined(lanes, event, w):
+    """Write the bounds of the quantities, and NEVER as the first level where it does not apply."""
+    for i in each_lane():
+        for part, level in enumerate(event.cases[0].levels):
+            bound = bound_in(level, _BOUNDS, CURVATURE, w, i)
+            w[quantity_line(lanes, event.number, NODES, part) * WIDTH + i] = bound
+        applies = int(w[APPLICABLE * WIDTH + i]) & (1 << event.number) != 0
+        place = sample_line(lanes, event.number, 0) * WIDTH + i
+        w[place] = np.where(applies, w[place], NEVER)
 
 
 @kernel
-def sample_lanes(lanes, applicable, w):
-    """Write the levels of one quantity at every node, of the events in the mask ``applicable``."""
-    for mask, loop in lanes.loops:
-        if applicable & mask != 0:
-            for first, sample in nodes_of(lanes):
-                _sample(lanes, loop, first, sample, w)
-
-
-@inlined_kernel
-def _enter_bounds(lanes, loop, w):
-    for i in range(WIDTH):
-        p, mode = constants_of_lane(w, i), mode_of_lane(lanes, w, i)
-        for event in loop:
-            found = 0.0
-            for case in reversed(event.cases):
-                here = bound_in(case.levels[0], VALUES + NODES * SINES, CURVATURE, w, i)
-                found = np.where(case.applies(p, mode), here, found)
-            w[(lanes.bounds + event.number) * WIDTH + i] = found
+def _sample_node(lanes, applicable, node, w):
+    """Write the levels at a node, of the events in the mask."""
+    for event in lanes.all:
+        if applicable & (1 << event.number) != 0:
+            if event.is_combined:
+                _sample_combined(lanes, event, node, w)
+            else:
+                _sample_single(lanes, event, node, w)
 
 
 @kernel
-def enter_bounds(lanes, applicable, w):
-    """Write the curvature bounds of the levels of one quantity, of the events in the mask."""
-    for mask, loop in lanes.loops:
-        if applicable & mask != 0:
-            _enter_bounds(lanes, loop, w)
-
-
-@inlined_kernel
-def quantities_in(event, first, w, i):
-    """Return the quantities of an event with several, from the lines of a node."""
-    return tuple(level_in(level, first, w, i) for level in event.cases[0].levels)
-
-
-@inlined_kernel
-def bounds_of(event, w, i):
-    """Return the curvature bounds of the quantities of an event with several."""
-    first = VALUES + NODES * SINES
-    return tuple(bound_in(level, first, CURVATURE, w, i) for level in event.cases[0].levels)
+def sample_levels(lanes, applicable, w):
+    """Write levels at every node and their curvature bounds, of the events in the mask."""
+    for node in range(NODES):
+        _sample_node(lanes, applicable, node, w)
+    for event in lanes.all:
+        if applicable & (1 << event.number) != 0:
+            if event.is_combined:
+                _bound_combined(lanes, event, w)
+            else:
+                _bound_single(lanes, event, w)
 
 
 @inlined_kernel
@@ -272,12 +302,12 @@ def is_partial(lanes, which):
 
 
 @inlined_kernel
-def has_absolute(lanes, which, p, mode):
-    """Return whether the level of the event ``which`` contains an absolute value."""
+def has_absolute(lanes, which, w, i):
+    """Return whether the level of the event ``which`` contains an absolute value in lane ``i``."""
     for event in lanes.singles:
         for case in event.cases:
             if case.levels[0].inside is not None:
-                if which == event.number and case.applies(p, mode):
+                if which == event.number and _is_case(lanes, case, w, i):
                     return True
     return False
 
@@ -299,11 +329,10 @@ def enter_series(lanes, which, sign, series, w, i):
 
     ``sign`` is that of the argument of its absolute value.
     """
-    p, mode = constants_of_lane(w, i), mode_of_lane(lanes, w, i)
     for event in lanes.all:
         if which == event.number:
             for case in event.cases[:-1]:
-                if case.applies(p, mode):
+                if _is_case(lanes, case, w, i):
                     _enter_case(case, sign, series, w, i)
                     return
             _enter_case(event.cases[-1], sign, series, w, i)

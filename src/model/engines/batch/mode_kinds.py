@@ -126,15 +126,15 @@ def kind_in(numbers, mode):
     return numbers[place, support, side]
 
 
-MODES_OF_A_KIND = 32  # numbers of ``mode_in_kind``
+MODES_OF_A_KIND = 64  # numbers of ``mode_in_kind``
 
 
 @inlined_kernel
 def mode_in_kind(mode):
-    """Return the number of a mode in its kind, from its released contacts and ``dropped``."""
+    """Return the number of a mode in its kind, by released contacts and the stage of its fall."""
     right = int(mode.face == RELEASED) + 2 * int(mode.corner == RELEASED)
     left = int(mode.side == RELEASED) + 2 * int(mode.wall == RELEASED)
-    return right + 4 * left + 16 * int(mode.dropped)
+    return right + 4 * left + 16 * int(mode.dropped) + 32 * int(mode.corners_inside)
 
 
 @cache
@@ -157,6 +157,7 @@ def lane_modes(inserts: bool) -> list[tuple[Mode, tuple[int, int]]]:
         for slip in _SLIPS[: 2 if CLOSED in (face, corner) else 1]
         for side_slip in _SLIPS[: 2 if CLOSED in (side, wall) else 1]
         for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
+        if edge == RIGHT_EDGE or not in_slot  # A1 and B1 are the right side of the slot
     ]  # fmt: skip
     numbers = numbers_of(kinds_of(inserts))
     places = ((int(kind_in(numbers, mode)), mode_in_kind(mode)) for mode in modes)

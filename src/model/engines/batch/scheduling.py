@@ -260,7 +260,7 @@ def new_batch_memory(lanes: LaneEvents, may_settle: bool = True) -> BatchMemory:
     kinds = len(lanes.series.fill)
     waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
     together = np.zeros(WIDTH, np.int64)
-    history = new_history(POOL if may_settle else 1, lanes.events.count)
+    history = new_history(POOL if may_settle else 1)
     return BatchMemory(
         w, np.zeros((POOL, SIZE)), history, work, new_search_memory(), waiting, together,
         np.zeros((0, TRACK_COLUMNS)), lanes.series.addresses,
@@ -330,7 +330,7 @@ def _step_together(lanes, kind, count, control, memory):
     for lane in range(WIDTH):  # lanes without a run repeat the last one
         i = memory.together[min(lane, count - 1)]
         _gather(lanes, runs, i, w, lane)
-        may_apply = applicable_in(lanes, kind, mode_of(runs, i))
+        may_apply = applicable_in(lanes, kind, constants_of(runs, i), mode_of(runs, i))
         w[workspace.APPLICABLE * WIDTH + lane] = float(may_apply)
         applicable |= may_apply
     step_all(lanes, kind, applicable, control, memory.addresses, w)

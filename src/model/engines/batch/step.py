@@ -14,14 +14,14 @@ from math import floor
 import numpy as np
 
 from model.compile.kernels import inlined_kernel, kernel
-from model.compile.vector_code import WIDTH
+from model.compile.vector_code import WIDTH, each_lane
 from model.engines.batch.lane_events import (
     CURVATURE,
-    bounds_of,
-    enter_bounds,
-    nodes_of,
-    quantities_in,
-    sample_lanes,
+    QUANTITIES,
+    is_partial,
+    quantity_line,
+    sample_levels,
+    sample_line,
 )
 from model.engines.batch.series_kernels import fill_errors, fill_series, sample_series
 from model.engines.batch.series_layout import LINES, NODES, ORDER, REMAINDER, SINES, TILT
@@ -41,11 +41,12 @@ from model.engines.batch.workspace import (
     VALUES,
     constants_of_lane,
     loads_of,
+    lowest_bit,
     mode_of_lane,
     state_in_lane,
     store_state_in_lane,
 )
-from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT, largest
+from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT
 from model.events.friction import REST_SLIP, without_slip
 from model.physics.modes import CLOSED
 from model.physics.trigonometry import sine_cosine
@@ -60,7 +61,7 @@ TOO_FLAT_TO_TELL = 10.0 * FLAT
 def _set_sines(w):
     """Write sine and cosine of the tilt and of the excitation's angle at the step's start."""
     first = COEFFICIENTS + SINES
-    for i in range(WIDTH):
+    for i in each_lane():
         p = constants_of_lane(w, i)
         s, c = sine_cosine(w[(COEFFICIENTS + TILT) * WIDTH + i])
         w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
@@ -103,7 +104,7 @@ def _step_of(order, admitted, w, i):
 @kernel
 def _set_lengths(w):
     """Set the steps at which the larger of the last two terms equals the admissible error."""
-    for i in range(WIDTH):
+    for i in each_lane():
         admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
         step = min(_step_of(ORDER, admitted, w, i), _step_of(ORDER - 1, admitted, w, i))
         step = min(step, w[LONGEST * WIDTH + i])
@@ -154,27 +155,64 @@ def _subintervals(first, second, third, fourth):
 
 
 @inlined_kernel
-def _samples_of(lanes, which, w, i):
-    """Return a level at each node."""
-    return tuple(w[(sample + which) * WIDTH + i] for _, sample in nodes_of(lanes))
+def _levels_of(lanes, which, w, i):
+    """Return the level of an event at each node."""
+    return tuple(w[sample_line(lanes, which, node) * WIDTH + i] for node in range(NODES))
 
 
 @inlined_kernel
-def _lowest_of(samples):
-    inner = min(min(samples[1], samples[2]), samples[3])
-    return min(min(samples[0], samples[4]), inner)
+def _quantities_at(lanes, which, node, w, i):
+    """Return the quantities of an event at a node; their bounds, at node NODES."""
+    lines = (quantity_line(lanes, which, node, part) for part in range(QUANTITIES))
+    return tuple(w[line * WIDTH + i] for line in lines)
 
 
 @inlined_kernel
-def _screen_singles(lanes, loop, w):
-    """Add the bits of the events whose levels, of one quantity, may reach zero."""
-    for i in range(WIDTH):
-        bits = 0.0
-        for event in loop:
-            lowest = _lowest_of(_samples_of(lanes, event.number, w, i))
-            above = lowest - w[(lanes.bounds + event.number) * WIDTH + i]
-            bits += 0.0 if above > 0.0 else float(1 << event.number)
-        w[CANDIDATES * WIDTH + i] += bits
+def _screen_single(lanes, which, w):
+    """Add the bit of an event in lanes where its level, of one quantity, may reach zero."""
+    bit = float(1 << which)
+    for i in each_lane():
+        above = min(_levels_of(lanes, which, w, i)) - w[(lanes.bounds + which) * WIDTH + i]
+        w[CANDIDATES * WIDTH + i] += 0.0 if above > 0.0 else bit
+
+
+@inlined_kernel
+def _is_clear(lanes, which, part, least, w, i):
+    """Return whether a quantity stays above its bound, and above ``least``, at every node."""
+    values = (w[quantity_line(lanes, which, n, part) * WIDTH + i] for n in range(NODES))
+    return min(values) > max(least, w[quantity_line(lanes, which, NODES, part) * WIDTH + i])
+
+
+@inlined_kernel
+def _screen_combined(lanes, which, w):
+    """Add the bit of an event in lanes where the largest of its quantities may reach zero.
+
+    It stays above zero if one of the quantities does.
+    """
+    bit, least = float(1 << which), TOO_FLAT_TO_TELL if is_partial(lanes, which) else 0.0
+    for i in each_lane():
+        is_clear = (
+            _is_clear(lanes, which, 0, least, w, i)
+            | _is_clear(lanes, which, 1, least, w, i)
+            | _is_clear(lanes, which, 2, least, w, i)
+            | _is_clear(lanes, which, 3, least, w, i)
+            | (w[sample_line(lanes, which, 0) * WIDTH + i] == NEVER)
+        )
+        w[CANDIDATES * WIDTH + i] += 0.0 if is_clear else bit
+
+
+@kernel
+def _screen(lanes, applicable, w):
+    """Write the candidates of each lane among the events that may apply."""
+    for i in each_lane():
+        w[CANDIDATES * WIDTH + i] = 0.0
+    while applicable != 0:
+        which = lowest_bit(applicable)
+        applicable &= applicable - 1
+        if which < lanes.events.combined:
+            _screen_combined(lanes, which, w)
+        else:
+            _screen_single(lanes, which, w)
 
 
 @inlined_kernel
@@ -186,9 +224,8 @@ def _set_subintervals(lanes, which, mask, w, i):
 @inlined_kernel
 def _find_single(lanes, which, w):
     """Write the subintervals that may contain a down-crossing of a level of one quantity."""
-    for i in range(WIDTH):
-        g = _samples_of(lanes, which, w, i)
-        bound = w[(lanes.bounds + which) * WIDTH + i]
+    for i in each_lane():
+        g, bound = _levels_of(lanes, which, w, i), w[(lanes.bounds + which) * WIDTH + i]
         mask = _subintervals(
             stays_above(g[0], g[1], bound), stays_above(g[1], g[2], bound),
             stays_above(g[2], g[3], bound), stays_above(g[3], g[4], bound),
@@ -197,64 +234,20 @@ def _find_single(lanes, which, w):
 
 
 @inlined_kernel
-def _quantities(lanes, event, w, i):
-    """Return the quantities of a level at each node."""
-    return tuple(quantities_in(event, first, w, i) for first, _ in nodes_of(lanes))
-
-
-@inlined_kernel
-def _screen_combined(lanes, event, w):
-    """Sample the largest of several quantities, and screen it.
-
-    It stays above zero if one of the quantities does.
-    """
-    least = TOO_FLAT_TO_TELL if event.is_partial else 0.0
-    for i in range(WIDTH):
-        applies = event.cases[0].applies(constants_of_lane(w, i), mode_of_lane(lanes, w, i))
-        bounds = bounds_of(event, w, i)
-        q0, q1, q2, q3, q4 = _quantities(lanes, event, w, i)
-        for (_, sample), q in zip(nodes_of(lanes), (q0, q1, q2, q3, q4)):
-            w[(sample + event.number) * WIDTH + i] = largest(q)[0]
-        first = (lanes.samples + event.number) * WIDTH + i
-        w[first] = w[first] if applies else NEVER
-        is_clear = (
-            (_lowest_of((q0[0], q1[0], q2[0], q3[0], q4[0])) > max(least, bounds[0]))
-            | (_lowest_of((q0[1], q1[1], q2[1], q3[1], q4[1])) > max(least, bounds[1]))
-            | (_lowest_of((q0[2], q1[2], q2[2], q3[2], q4[2])) > max(least, bounds[2]))
-            | (_lowest_of((q0[3], q1[3], q2[3], q3[3], q4[3])) > max(least, bounds[3]))
-        )
-        bit = 0.0 if is_clear else float(1 << event.number)
-        w[CANDIDATES * WIDTH + i] += bit if applies else 0.0
-
-
-@inlined_kernel
-def _find_combined(lanes, event, w):
+def _find_combined(lanes, which, w):
     """Write the subintervals that may contain a down-crossing of the largest of quantities."""
-    for i in range(WIDTH):
-        bounds = bounds_of(event, w, i)
-        q0, q1, q2, q3, q4 = _quantities(lanes, event, w, i)
+    partial = is_partial(lanes, which)
+    for i in each_lane():
+        bounds = _quantities_at(lanes, which, NODES, w, i)
+        q = tuple(_quantities_at(lanes, which, node, w, i) for node in range(NODES))
         mask = _subintervals(
-            one_stays_above(q0, q1, bounds), one_stays_above(q1, q2, bounds),
-            one_stays_above(q2, q3, bounds), one_stays_above(q3, q4, bounds),
+            one_stays_above(q[0], q[1], bounds), one_stays_above(q[1], q[2], bounds),
+            one_stays_above(q[2], q[3], bounds), one_stays_above(q[3], q[4], bounds),
         )  # fmt: skip
         # In a nearly flat part, a level at zero to rounding may already be negative.
-        g = _samples_of(lanes, event.number, w, i)
-        if event.is_partial:
-            mask = float(ALL_SUBINTERVALS) if _lowest_of(g) < TOO_FLAT_TO_TELL else mask
-        _set_subintervals(lanes, event.number, 0.0 if g[0] == NEVER else mask, w, i)
-
-
-@kernel
-def _screen(lanes, applicable, w):
-    """Write the candidates of each lane among the events that may apply."""
-    for i in range(WIDTH):
-        w[CANDIDATES * WIDTH + i] = 0.0
-    for mask, loop in lanes.loops:
-        if applicable & mask != 0:
-            _screen_singles(lanes, loop, w)
-    for event in lanes.combined:
-        if applicable & (1 << event.number) != 0:
-            _screen_combined(lanes, event, w)
+        g = _levels_of(lanes, which, w, i)
+        mask = float(ALL_SUBINTERVALS) if partial & (min(g) < TOO_FLAT_TO_TELL) else mask
+        _set_subintervals(lanes, which, 0.0 if g[0] == NEVER else mask, w, i)
 
 
 @kernel
@@ -264,12 +257,13 @@ def _find(lanes, w):
     for i in range(WIDTH):
         candidates |= int(w[CANDIDATES * WIDTH + i])
         w[CANDIDATES * WIDTH + i] = 0.0
-    for event in lanes.all:
-        if candidates & (1 << event.number) != 0:
-            if event.is_combined:
-                _find_combined(lanes, event, w)
-            else:
-                _find_single(lanes, event.number, w)
+    while candidates != 0:
+        which = lowest_bit(candidates)
+        candidates &= candidates - 1
+        if which < lanes.events.combined:
+            _find_combined(lanes, which, w)
+        else:
+            _find_single(lanes, which, w)
 
 
 @inlined_kernel
@@ -294,7 +288,7 @@ def _force_at_most(lanes, loads, w, i):
 @kernel
 def _set_largest(lanes, w):
     """Write upper bounds of |tilt| and of normal forces in the step."""
-    for i in range(WIDTH):
+    for i in each_lane():
         support, side = loads_of(mode_of_lane(lanes, w, i))
         w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
         forces = _force_at_most(lanes, support, w, i), _force_at_most(lanes, side, w, i)
@@ -304,7 +298,7 @@ def _set_largest(lanes, w):
 @kernel
 def _end_steps(lanes, w):
     """Write the state at the end of every step, with sticking contacts at rest."""
-    for i in range(WIDTH):
+    for i in each_lane():
         end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
         end = without_slip(end, constants_of_lane(w, i), mode_of_lane(lanes, w, i))
         store_state_in_lane(end, w, END, i)
@@ -320,15 +314,14 @@ def step_all(lanes, kind, applicable, control, addresses, w):
     """
     _set_sines(w)
     carries_error = control.carries_error != 0.0
-    for i in range(WIDTH):
+    for i in each_lane():
         w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
     fill_series(lanes, kind, addresses, w)
     if carries_error:
         fill_errors(lanes, kind, addresses, w)
     _set_lengths(w)
     sample_series(lanes, w)
-    sample_lanes(lanes, applicable, w)
-    enter_bounds(lanes, applicable, w)
+    sample_levels(lanes, applicable, w)
     _screen(lanes, applicable, w)
     _find(lanes, w)
     if control.alignment_only == 0.0:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.engines.lifecycle import (
     History,
     apply_event,
@@ -213,7 +213,7 @@ def note_closest(events, samples, last, runs, i):
             runs[i, CLOSEST + which] = lowest
 
 
-@kernel
+@separate_kernel
 def advance(scene, control, track, history, work, runs, i):
     """Advance run ``i`` by one step, or up to the first event in it."""
     time, p, mode = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
