@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from model.compile.identity import PACKAGE
-from model.compile.machine_code import processor
+from model.compile.machine_code import written_for
 from model.compile.outline import outline
 
 _CHECKSUM = 4  # bytes
@@ -37,7 +37,7 @@ def kernel_fingerprint() -> str:
         for layer in KERNEL_LAYERS
         for source in sorted((PACKAGE / layer).rglob("*.py"))
     }
-    versions = f"{processor()} {platform.python_version()}"
+    versions = f"{written_for()} {platform.python_version()}"
     contents = hashlib.sha256(f"{versions}{[*sources.items()]}".encode()).hexdigest()
     kept = _base() / "fingerprints" / contents
     with contextlib.suppress(OSError, UnicodeDecodeError):

@@ -5,8 +5,9 @@ which may then run at a higher clock; the loops of the batch engine gain more fr
 """
 
 import functools
+import os
 import threading
-from typing import Any
+from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
 
@@ -14,27 +15,36 @@ _LOADED: dict[str, tuple[int, Any]] = {}  # address and owner of the machine cod
 _LOADING = threading.Lock()
 
 
+class Processor(NamedTuple):
+    """The processor for which machine code is written, by LLVM's name and features."""
+
+    name: str
+    features: str
+
+
 @functools.cache
-def _features() -> str:
+def processor() -> Processor:
+    """Return this processor, or the one that ``VIBRALIGN_CPU`` names, with its least features."""
+    if name := os.environ.get("VIBRALIGN_CPU"):
+        return Processor(name, "")
     features = str(llvm.get_host_cpu_features().flatten())
     # Another processor may not know the preference.
-    return features + (",-prefer-256-bit" if "+avx512f" in features else "")
+    wide = ",-prefer-256-bit" if "+avx512f" in features else ""
+    return Processor(llvm.get_host_cpu_name(), features + wide)
 
 
-@functools.cache
-def processor() -> str:
+def written_for() -> str:
     """Return what machine code depends on besides its text."""
-    return f"LLVM {llvm.llvm_version_info}, {llvm.get_process_triple()}, {llvm.get_host_cpu_name()}, {_features()}"
+    return f"LLVM {llvm.llvm_version_info}, {llvm.get_process_triple()}, {processor()}"
 
 
 def _machine() -> Any:
-    """Return LLVM's target machine of this processor; each thread needs one of its own."""
+    """Return LLVM's target machine of the processor; each thread needs one of its own."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
-    return target.create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=_features(), opt=3, jit=True
-    )
+    name, features = processor()
+    return target.create_target_machine(cpu=name, features=features, opt=3, jit=True)
 
 
 def object_of(text: str, is_finished: bool) -> bytes:
@@ -48,9 +58,9 @@ def object_of(text: str, is_finished: bool) -> bytes:
     return written
 
 
-def optimised(text: str, machine: Any, is_finished: bool) -> Any:
+def optimised(text: str, machine: Any, is_finished: bool, context: Any = None) -> Any:
     """Return LLVM's module for a text, optimised for a target machine."""
-    module = llvm.parse_assembly(text, llvm.create_context())
+    module = llvm.parse_assembly(text, context or llvm.create_context())
     module.triple, module.data_layout = machine.triple, str(machine.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=3)
     options.loop_vectorization, options.slp_vectorization = True, False

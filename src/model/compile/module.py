@@ -54,7 +54,7 @@ class Module:
 
     Args:
         key: the kernel that is called from outside.
-        parts: modules made so far, shared by all that are linked; None to write everything into
+        parts: modules made so far, shared by all that are linked; None to write all kernels into
             this one.
         is_entry: True for a kernel that Python calls; see entries.py.
         contract: whether a product and a sum may become one operation.
@@ -177,11 +177,8 @@ class Module:
 
     def call_vectors(self, code: Code, function: VectorFunction, pointers: list[str]) -> None:
         """Call a function of vectors."""
-        if self._parts is None:
-            self._texts.append(function.text()) if function.name not in self._called else None
-        else:
-            listed = ", ".join(["ptr"] * len(pointers))
-            self._declared[function.name] = f"declare void @{function.name}({listed}) nounwind"
+        listed = ", ".join(["ptr"] * len(pointers))
+        self._declared[function.name] = f"declare void @{function.name}({listed}) nounwind"
         self._called[function.name] = function
         code.put(f"call void @{function.name}({', '.join(f'ptr {each}' for each in pointers)})")
 
