@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.compile.code import PYTHON_KINDS, Code
+from model.compile.indexing import length_of
 from model.compile.values import (
     BOOLEAN,
     DOUBLE,
@@ -16,8 +17,8 @@ from model.compile.values import (
     Array,
     Group,
     Number,
-    Refusal,
     Static,
+    SubsetError,
     Value,
     constant,
     in_words,
@@ -91,13 +92,12 @@ def _where(caller: Caller, condition: Value, yes: Value, no: Value) -> Value:
     return caller.code.select(caller.code.of_kind(condition, BOOLEAN), yes, no)
 
 
-def _len(caller: Caller, value: Value) -> Value:
+def _len(_caller: Caller, value: Value) -> Value:
     if isinstance(value, Group):
         return Static(len(value.items))
     if isinstance(value, Array):
-        length = value.lengths[0]
-        return Static(length) if isinstance(length, int) else length
-    raise Refusal(f"the length of {in_words(type_of(value))}", "give a tuple or an array")
+        return length_of(value.lengths[0])
+    raise SubsetError(f"the length of {in_words(type_of(value))}", "give a tuple or an array")
 
 
 def _tuple(caller: Caller, value: Value) -> Value:
@@ -107,7 +107,7 @@ def _tuple(caller: Caller, value: Value) -> Value:
 def _zip(caller: Caller, *values: Value) -> Value:
     lists = [caller.items(each) for each in values]
     if len({len(each) for each in lists}) > 1:
-        raise Refusal(
+        raise SubsetError(
             f"zip of {', '.join(str(len(each)) for each in lists)} items", "give the same number"
         )
     return Group(None, tuple(Group(None, each) for each in zip(*lists, strict=True)))
@@ -124,13 +124,13 @@ def _reversed(caller: Caller, value: Value) -> Value:
 
 def _getattr(caller: Caller, value: Value, name: Value) -> Value:
     if not isinstance(name, Static):
-        raise Refusal("a member that is chosen at run time", "choose it by an if")
+        raise SubsetError("a member that is chosen at run time", "choose it by an if")
     return caller.member(value, name.object)
 
 
 def _isinstance(_caller: Caller, value: Value, kind: Value) -> Value:
     if not isinstance(kind, Static):
-        raise Refusal("isinstance of a class that is not known", "name the class")
+        raise SubsetError("isinstance of a class that is not known", "name the class")
     if isinstance(value, Number):
         return Static(PYTHON_KINDS[value.kind] is kind.object)
     made_by = value.made_by or tuple if isinstance(value, Group) else np.ndarray
@@ -146,7 +146,7 @@ def fetch_add(numbers: NDArray[np.int64], by: int) -> int:
 
 def _fetch_add(caller: Caller, numbers: Value, by: Value) -> Value:
     if not (isinstance(numbers, Array) and numbers.kind == INTEGER):
-        raise Refusal(f"fetch_add to {in_words(type_of(numbers))}", "give an array of int64")
+        raise SubsetError(f"fetch_add to {in_words(type_of(numbers))}", "give an array of int64")
     number = caller.code.of_kind(by, INTEGER).name
     text = f"atomicrmw add ptr {numbers.pointer}, i64 {number} monotonic"
     return Number(INTEGER, caller.code.do(text))
@@ -180,7 +180,7 @@ _BUILTINS: dict[Any, Callable[..., Value]] = {
 
 
 def _refuse_range() -> Value:
-    raise Refusal("a range of run time here", "loop over it by a for statement")
+    raise SubsetError("a range of run time here", "loop over it by a for statement")
 
 
 def is_builtin(function: Any) -> bool:
@@ -197,5 +197,5 @@ def call_builtin(function: Any, arguments: list[Value], caller: Caller) -> Value
     try:
         signature(write).bind(caller, *arguments)
     except TypeError as error:
-        raise Refusal(f"{function.__name__}: {error}", "pass what it takes") from None
+        raise SubsetError(f"{function.__name__}: {error}", "pass what it takes") from None
     return write(caller, *arguments)

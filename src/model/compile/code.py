@@ -9,12 +9,10 @@ from model.compile.values import (
     BOOLEAN,
     DOUBLE,
     INTEGER,
-    POINTER,
     Array,
     Group,
     Number,
-    Refusal,
-    Static,
+    SubsetError,
     Type,
     Value,
     at_run_time,
@@ -144,7 +142,9 @@ class Code:
         """Return a value that must be a number."""
         found = at_run_time(value)
         if not isinstance(found, Number):
-            raise Refusal(f"{what} must be a number, and is {in_words(type_of(found))}", "pass one")
+            raise SubsetError(
+                f"{what} must be a number, and is {in_words(type_of(found))}", "pass one"
+            )
         return found
 
     def of_kind(self, value: Value, kind: str) -> Number:
@@ -187,7 +187,7 @@ class Code:
         a, b = self.number(one), self.number(other)
         if a.kind != BOOLEAN or b.kind != BOOLEAN or operation not in ("and", "or", "xor"):
             if DOUBLE in (a.kind, b.kind):
-                raise Refusal("bits of a float", "take int(...) of it, or view it as np.int64")
+                raise SubsetError("bits of a float", "take int(...) of it, or view it as np.int64")
             a, b = self.of_kind(a, INTEGER), self.of_kind(b, INTEGER)
         return Number(a.kind, self.do(f"{operation} {_typed(a)}, {b.name}"))
 
@@ -207,7 +207,7 @@ class Code:
         type_ = joined(type_of(yes), type_of(no))
         if type_ is None:
             found = f"{in_words(type_of(yes))} or {in_words(type_of(no))}"
-            raise Refusal(f"a value that is {found}", "give both the same type")
+            raise SubsetError(f"a value that is {found}", "give both the same type")
         pairs = zip(
             leaves(self.of_type(yes, type_)), leaves(self.of_type(no, type_)), strict=True
         )  # fmt: skip
@@ -228,7 +228,9 @@ class Code:
         found = self.do(text)
         if len(kinds) == 1:
             return rebuilt(result, iter([found]))
-        parts = [self.do(f"extractvalue {aggregate(kinds)} {found}, {n}") for n in range(len(kinds))]
+        parts = [
+            self.do(f"extractvalue {aggregate(kinds)} {found}, {n}") for n in range(len(kinds))
+        ]
         return rebuilt(result, iter(parts))
 
     def give_back(self, value: Value) -> None:
@@ -265,11 +267,10 @@ class Code:
 def _typed(value: Value) -> str:
     """Return a number with its kind, as instructions take it."""
     if not isinstance(value, Number):
-        raise Refusal("this must be a number", "pass one")
+        raise SubsetError("this must be a number", "pass one")
     return f"{value.kind} {value.name}"
 
 
 def aggregate(kinds: list[str]) -> str:
     """Return the type of a function's result with these leaves."""
     return "void" if not kinds else kinds[0] if len(kinds) == 1 else f"{{{', '.join(kinds)}}}"
-

@@ -184,7 +184,9 @@ def _made(module: Module | VectorFunction) -> list[_Stored]:
     kept = {each.name: cache.read(each.name) for each in modules}
     missing = [each for each in modules if kept[each.name] is None]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        objects = pool.map(lambda each: machine_code.object_of(each.text(), each.is_vector), missing)
+        objects = pool.map(
+            lambda each: machine_code.object_of(each.text(), each.is_vector), missing
+        )
         for each, code in zip(missing, objects, strict=True):
             header = {
                 "parts": [part.name for part in each.linked()][:-1],
@@ -194,3 +196,7 @@ def _made(module: Module | VectorFunction) -> list[_Stored]:
             kept[each.name] = header, code
             cache.write(each.name, header, code)
     return [_Stored(each.name, *kept[each.name]) for each in modules]  # type: ignore[misc]
+
+
+def _object_of(module: Module | VectorFunction) -> bytes:
+    return machine_code.object_of(module.text(), module.is_vector)

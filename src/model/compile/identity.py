@@ -80,4 +80,3 @@ def file_identity(file: str) -> str:
     if is_outside(file):
         return hashlib.sha256(path.read_bytes()).hexdigest()[:_DIGITS]
     return path.relative_to(PACKAGE).as_posix()
-

@@ -19,7 +19,7 @@ from model.compile.values import (
     INTEGER,
     POINTER,
     Array,
-    Refusal,
+    SubsetError,
     Type,
     Value,
     constant,
@@ -120,7 +120,7 @@ class Module:
         else:
             known = self._functions[key]
             if known is None:
-                raise Refusal(f"{python_of(function).__name__} calls itself", "write a loop")
+                raise SubsetError(f"{python_of(function).__name__} calls itself", "write a loop")
             name, result = known
         return code.call(name, result, arguments)
 
@@ -151,7 +151,7 @@ class Module:
         if id(known) not in self._arrays:
             kind = {"f": DOUBLE, "i": INTEGER}.get(known.dtype.kind)
             if kind is None:
-                raise Refusal(f"an array of {known.dtype}", "give one of floats or of int64")
+                raise SubsetError(f"an array of {known.dtype}", "give one of floats or of int64")
             name = f"@array{len(self._arrays)}"
             numbers = ", ".join(f"{kind} {constant(each).name}" for each in known.ravel().tolist())
             place = f"[{known.size} x {kind}]"

@@ -1,32 +1,24 @@
-"""Statements and functions: from the syntax tree of a kernel to the text of an LLVM function.
-
-A variable has one type wherever branches meet. Where an assignment would give it a wider one, the
-function is translated again with that type from the start. A name that is not assigned on every
-way to its use is an error.
-"""
+"""Statements and functions: from the syntax tree of a kernel to the text of an LLVM function."""
 
 import ast
 import builtins
-import inspect
-import linecache
-from collections import Counter
 from collections.abc import Callable
-from functools import cache
-from types import CodeType
 from typing import Any, ClassVar, NamedTuple, Protocol
 
-from model.compile.code import Code, Places, aggregate
+from model.compile.arithmetic import operate
+from model.compile.code import Code, aggregate
 from model.compile.expressions import Expressions
+from model.compile.indexing import part_of
 from model.compile.kernels import python_of
+from model.compile.source import KernelError, parameters_of, source_of
 from model.compile.values import (
     DOUBLE,
     INTEGER,
     Array,
     Group,
     Number,
-    Refusal,
     Static,
-    StaticType,
+    SubsetError,
     Type,
     Value,
     at_run_time,
@@ -38,14 +30,8 @@ from model.compile.values import (
     rebuilt,
     type_of,
 )
+from model.compile.variables import Names, Variables, WidenedError
 from model.compile.vector_code import WIDTH, VectorFunction, each_lane
-
-
-class KernelError(Exception):
-    """A kernel holds what the compiler cannot translate.
-
-    The message gives file and line, the kernel, the problem, and what to write instead.
-    """
 
 
 class Module(Protocol):
@@ -66,76 +52,6 @@ class Module(Protocol):
         """Return metadata of accesses in a new loop over lanes, and of its jump back."""
 
 
-class Source(NamedTuple):
-    """Source of a kernel: its syntax tree, and the names that are assigned at one place only."""
-
-    tree: ast.FunctionDef
-    unchanging: frozenset[str]
-
-
-@cache
-def _functions_in(file: str) -> dict[int, ast.FunctionDef]:
-    """Return the functions that a file defines, by the line on which each begins."""
-    tree = ast.parse("".join(linecache.getlines(file)), file)
-    functions = (each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef))
-    return {(each.decorator_list or [each])[0].lineno: each for each in functions}
-
-
-@cache
-def source_of(code: CodeType) -> Source:
-    """Return the source of a function, by its code: closures of the same function share it.
-
-    Raises:
-        KernelError: it has none, or it is no function of a ``def`` statement.
-    """
-    tree = _functions_in(code.co_filename).get(code.co_firstlineno)
-    if tree is None or tree.name != code.co_name:
-        raise KernelError(
-            f"{code.co_filename}:{code.co_firstlineno}: kernel {code.co_name!r} has no source; "
-            "define it by a def statement in a file"
-        )
-    return Source(tree, _assigned_once(tree))
-
-
-@cache
-def parameters_of(function: Callable[..., Any]) -> inspect.Signature:
-    """Return the parameters of a function of Python."""
-    return inspect.signature(function)
-
-
-def _assigned_once(tree: ast.FunctionDef) -> frozenset[str]:
-    """Return the names that are assigned at one place, which is translated once.
-
-    The body of a loop over items is translated for each of them.
-    """
-    counts = Counter(each.arg for each in ast.walk(tree.args) if isinstance(each, ast.arg))
-    counts.update(_assigned(tree))
-    for loop in ast.walk(tree):
-        if isinstance(loop, (ast.For, ast.comprehension)):
-            counts.update(_assigned(loop))
-    return frozenset(name for name, count in counts.items() if count == 1)
-
-
-def _assigned(tree: ast.AST) -> list[str]:
-    return [
-        each.id
-        for each in ast.walk(tree)
-        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
-    ]
-
-
-class Variable(NamedTuple):
-    """A variable: its type, and where it is on the stack or, if it never changes, its value."""
-
-    type: Type
-    places: Places
-    value: Value | None = None
-
-
-Names = dict[str, Variable]
-"""The names that are assigned at a point of the function."""
-
-
 class _Loop(NamedTuple):
     """A loop: where ``continue`` and ``break`` lead, and the names assigned at each."""
 
@@ -143,10 +59,6 @@ class _Loop(NamedTuple):
     end: str
     at_following: list[Names]
     at_end: list[Names]
-
-
-class _Restart(Exception):
-    """A variable or the result has turned out to be wider."""
 
 
 class Function:
@@ -168,7 +80,10 @@ class Function:
     ) -> None:
         self.module, self.name, self.linkage = module, name, linkage
         self.function, self.types = python_of(function), types
-        self.source, self.file = source_of(self.function.__code__), self.function.__code__.co_filename
+        self.source, self.file = (
+            source_of(self.function.__code__),
+            self.function.__code__.co_filename,
+        )
         self.at: ast.stmt = self.source.tree
         self._result: Type | None = None
         self._wider: dict[str, Type] = {}
@@ -176,10 +91,10 @@ class Function:
             try:
                 self._translate()
                 break
-            except _Restart:
+            except WidenedError:
                 pass
-            except Refusal as refusal:
-                raise self._error(refusal) from None
+            except SubsetError as error:
+                raise self._with_place(error) from None
 
     def text(self, attributes: str) -> str:
         """Return the function in LLVM's language, with further attributes."""
@@ -189,18 +104,16 @@ class Function:
         head = f"define {self.linkage} {result} {self.name}({listed}) nounwind{attributes}"
         return self.code.text(head)
 
-    def _error(self, refusal: Refusal) -> KernelError:
-        node: Any = getattr(refusal, "node", None) or self.at
-        where = f"{self.file}:{getattr(node, 'lineno', 1)}: in kernel {self.function.__name__!r}"
-        return KernelError(f"{where}: {refusal.problem}; {refusal.remedy}")
+    def _with_place(self, error: SubsetError) -> KernelError:
+        line = getattr(error.node or self.at, "lineno", self.at.lineno)
+        where = f"{self.file}:{line}: in kernel {self.function.__name__!r}"
+        return KernelError(f"{where}: {error.problem}; {error.remedy}")
 
     def _translate(self) -> None:
         self.code = Code(self.module.contract)
         self.expressions = Expressions(self)
-        self.names: Names = {}
-        self._places: dict[tuple[str, Type], Places] = {}
+        self.variables = Variables(self.code, self.source.unchanging, self._wider)
         self._loops: list[_Loop] = []
-        self._conflicts: dict[str, str] = {}
         self.code.begin("begin")
         kinds = [kind for each in self.types for kind in leaf_kinds(each)]
         leaf_names = iter([f"%a{n}" for n in range(len(kinds))])
@@ -208,9 +121,10 @@ class Function:
         parameters = self.source.tree.args
         plain = [each.arg for each in parameters.args]
         for name, value in zip(plain, values, strict=False):
-            self._assign(name, value)
+            self.variables.assign(name, value)
         if parameters.vararg:
-            self._assign(parameters.vararg.arg, Group(None, tuple(values[len(plain) :])))
+            rest = Group(None, tuple(values[len(plain) :]))
+            self.variables.assign(parameters.vararg.arg, rest)
         self._body(self.source.tree.body)
         if not self.code.closed:
             self._give_back(Group(None, ()))
@@ -219,25 +133,17 @@ class Function:
 
     def look_up(self, name: str) -> Value:
         """Return the value of a name: a variable, or an object outside the function."""
-        if name in self.names:
-            variable = self.names[name]
-            if variable.value is not None:
-                return variable.value
-            return self.code.load(variable.type, variable.places)
         code = self.function.__code__
-        if name in code.co_varnames or name in code.co_cellvars:
-            if name in self._conflicts:
-                raise Refusal(f"{name!r} is {self._conflicts[name]}", "use two names")
-            raise Refusal(
-                f"{name!r} is not assigned on every way to here", "assign it before the branch"
-            )
+        local = name in code.co_varnames or name in code.co_cellvars
+        if local or name in self.variables.assigned:
+            return self.variables.value(name)
         if name in code.co_freevars:
             cell = self.function.__closure__[code.co_freevars.index(name)]  # type: ignore[index]
             return Static(cell.cell_contents)
         for known in (self.function.__globals__, vars(builtins)):
             if name in known:
                 return Static(known[name])
-        raise Refusal(f"{name!r} is not defined", "define or import it")
+        raise SubsetError(f"{name!r} is not defined", "define or import it")
 
     def call_vectors(self, function: VectorFunction, pointers: list[str]) -> None:
         """Call a function of vectors."""
@@ -254,7 +160,7 @@ class Function:
             bound = parameters.bind(*arguments, **named)
         except TypeError as error:
             name = python_of(function).__name__
-            raise Refusal(f"{name}: {error}", f"call {name}{parameters}") from None
+            raise SubsetError(f"{name}: {error}", f"call {name}{parameters}") from None
         given: list[Value] = []
         for each in parameters.parameters.values():
             if each.kind is each.VAR_POSITIONAL:
@@ -267,52 +173,11 @@ class Function:
             error.add_note(f"called at {self.file}:{self.at.lineno}")
             raise
 
-    def _assign(self, name: str, value: Value, keep_static: bool = False) -> None:
-        if not keep_static:
-            value = at_run_time(value)
-        type_ = type_of(value)
-        if name in self.source.unchanging:
-            self.names[name] = Variable(type_, [], value)
-            return
-        if name in self._wider:
-            type_ = joined(self._wider[name], type_) or type_
-            value = self.code.of_type(value, type_)
-        if (name, type_) not in self._places:
-            self._places[name, type_] = self.code.variable(type_)
-        places = self._places[name, type_]
-        self.code.store(value, places)
-        self.names[name] = Variable(type_, places)
-
     def bind(self, target: ast.expr, value: Value) -> None:
         """Bind the target of a comprehension; static items stay static."""
         self._store(target, value, keep_static=True)
 
     # ----------------------------------------------------------------------------------- branches
-
-    def _meet(self, ways: list[Names]) -> Names:
-        """Return the names that are assigned on every way to a point where ways meet."""
-        first, *others = ways
-        found: Names = {}
-        for name, variable in first.items():
-            if not all(name in other for other in others):
-                continue
-            types = [variable.type, *(other[name].type for other in others)]
-            if all(each == variable.type for each in types):
-                found[name] = variable
-                continue
-            wider = None if any(isinstance(each, StaticType) for each in types) else types[0]
-            for each in types[1:]:
-                wider = None if wider is None else joined(wider, each)
-            if wider is None:
-                listed = " here and ".join(dict.fromkeys(map(in_words, types)))
-                self._conflicts[name] = f"{listed} there"
-                continue
-            self._widen(name, wider)
-        return found
-
-    def _widen(self, name: str, wider: Type) -> None:
-        self._wider[name] = wider
-        raise _Restart
 
     def _body(self, statements: list[ast.stmt]) -> None:
         for each in statements:
@@ -320,7 +185,7 @@ class Function:
                 return
             self.at = each
             if type(each) not in self._statements:
-                raise Refusal(
+                raise SubsetError(
                     f"`{type(each).__name__.lower()}` in a kernel",
                     "use the statements of the subset",
                 )
@@ -334,16 +199,16 @@ class Function:
         code = self.code
         yes, no, end = (code.label(each) for each in ("then", "else", "end"))
         code.branch(truth, yes, no)
-        before, ways = dict(self.names), []
+        before, ways = dict(self.variables.assigned), []
         for label, statements in ((yes, node.body), (no, node.orelse)):
-            self.names = dict(before)
+            self.variables.assigned = dict(before)
             code.begin(label)
             self._body(statements)
             if not code.closed:
-                ways.append(self.names)
+                ways.append(self.variables.assigned)
                 code.jump(end)
         if ways:
-            self.names = self._meet(ways)
+            self.variables.meet(ways)
             code.begin(end)
 
     def _while(self, node: ast.While) -> None:
@@ -351,7 +216,7 @@ class Function:
         test, body, end = (code.label(each) for each in ("while", "round", "end"))
         code.jump(test)
         code.begin(test)
-        before = dict(self.names)
+        before = dict(self.variables.assigned)
         truth = self.expressions.condition(node.test)
         loop = _Loop(test, end, [], [])
         if isinstance(truth, Number):
@@ -389,14 +254,14 @@ class Function:
         step = ends[2] if len(ends) == 3 else constant(1)
         by = known_number(step)
         if not by:
-            raise Refusal("a range whose step is 0 or not known", "give an int")
+            raise SubsetError("a range whose step is 0 or not known", "give an int")
         labels = (code.label(each) for each in ("for", "round", "following", "end"))
         test, body, following, end = labels
         counter = code.variable(INTEGER)
         code.store(first, counter)
         code.jump(test)
         code.begin(test)
-        before = dict(self.names)
+        before = dict(self.variables.assigned)
         n = code.number(code.load(INTEGER, counter))
         code.branch(code.compare("lt" if by > 0 else "gt", n, last), body, end)
         code.begin(body)
@@ -410,7 +275,7 @@ class Function:
     def _end_of_range(self, node: ast.expr) -> Number:
         number = self.code.number(self.expressions.evaluate(node), "an end of a range")
         if number.kind == DOUBLE:
-            raise Refusal("a float as an end of a range", "take int(...) of it")
+            raise SubsetError("a float as an end of a range", "take int(...) of it")
         return self.code.of_kind(number, INTEGER)
 
     def _round(
@@ -418,13 +283,13 @@ class Function:
     ) -> None:
         """Translate a round of a loop that is repeated at run time."""
         if node.orelse:
-            raise Refusal("`else` of a loop", "write an if after it")
-        self.names = dict(before)
+            raise SubsetError("`else` of a loop", "write an if after it")
+        self.variables.assigned = dict(before)
         if item is not None:
             self._store(node.target, item)  # type: ignore[union-attr]
         self._inside(loop, node.body)
         for names in loop.at_following:
-            self._repeats(before, names)
+            self.variables.check_round(before, names)
 
     def _inside(self, loop: _Loop, body: list[ast.stmt]) -> None:
         """Translate the body of a loop."""
@@ -436,32 +301,19 @@ class Function:
     def _lead(self, label: str, at_label: list[Names]) -> None:
         """Continue at a block of a loop, unless the present one has been left."""
         if not self.code.closed:
-            at_label.append(self.names)
+            at_label.append(self.variables.assigned)
             self.code.jump(label)
-
-    def _repeats(self, before: Names, after: Names) -> None:
-        """Check that the variables with which a round begins have the same types after it."""
-        for name, variable in before.items():
-            if name not in after:
-                raise Refusal(f"{name!r} is {self._conflicts[name]}", "use two names")
-            if after[name].type == variable.type:
-                continue
-            wider = joined(after[name].type, variable.type)
-            if wider is None:
-                words = " and ".join(map(in_words, (variable.type, after[name].type)))
-                raise Refusal(f"{name!r} is {words} after a round of the loop", "use two names")
-            self._widen(name, wider)
 
     def _after(self, loop: _Loop) -> None:
         """Go on after a loop, if anything leads there."""
         if loop.at_end:
-            self.names = self._meet(loop.at_end)
+            self.variables.meet(loop.at_end)
             self.code.begin(loop.end)
 
     def _for_each(self, node: ast.For, items: tuple[Value, ...]) -> None:
         """Translate a loop over items, each round by itself; static items stay static."""
         if node.orelse:
-            raise Refusal("`else` of a loop", "write an if after it")
+            raise SubsetError("`else` of a loop", "write an if after it")
         end, at_end = self.code.label("end"), list[Names]()
         for item in items:
             loop = _Loop(self.code.label("following"), end, [], at_end)
@@ -469,7 +321,7 @@ class Function:
             self._inside(loop, node.body)
             if not loop.at_following:
                 break
-            self.names = self._meet(loop.at_following)
+            self.variables.meet(loop.at_following)
             self.code.begin(loop.following)
         self._lead(end, at_end)
         self._after(_Loop("", end, [], at_end))
@@ -482,7 +334,7 @@ class Function:
         loop = self._loops[-1]
         self._lead(loop.following, loop.at_following)
 
-    # ----------------------------------------------------------------------------- assignments, ends
+    # ---------------------------------------------------------------------------- assignments, ends
 
     def _pass(self, _node: ast.Pass) -> None:
         pass
@@ -501,10 +353,10 @@ class Function:
         result = type_ if self._result is None else joined(self._result, type_)
         if result is None:
             words = " and ".join(map(in_words, (self._result, type_)))  # type: ignore[arg-type]
-            raise Refusal(f"the kernel returns {words}", "return values of one type")
+            raise SubsetError(f"the kernel returns {words}", "return values of one type")
         if self._result not in (None, result):
             self._result = result
-            raise _Restart
+            raise WidenedError
         self._result = self.result = result
         self.code.give_back(self.code.of_type(value, result))
 
@@ -521,18 +373,18 @@ class Function:
         by = self.expressions.evaluate(node.value)
         if isinstance(node.target, ast.Name):
             old = self.look_up(node.target.id)
-            self._assign(node.target.id, self.expressions.operate(type(node.op), old, by))
+            self.variables.assign(node.target.id, operate(self.code, type(node.op), old, by))
             return
         place = self._element(node.target)
-        self._put(place, self.expressions.operate(type(node.op), self.code.read(place), by))
+        self._put(place, operate(self.code, type(node.op), self.code.read(place), by))
 
     def _store(self, target: ast.expr, value: Value, keep_static: bool = False) -> None:
         if isinstance(target, ast.Name):
-            self._assign(target.id, value, keep_static)
+            self.variables.assign(target.id, value, keep_static)
         elif isinstance(target, (ast.Tuple, ast.List)):
             items = self.expressions.items(value)
             if len(items) != len(target.elts):
-                raise Refusal(
+                raise SubsetError(
                     f"{len(items)} values for {len(target.elts)} names", "give each name a value"
                 )
             for each, item in zip(target.elts, items, strict=True):
@@ -543,15 +395,15 @@ class Function:
     def _element(self, target: ast.expr) -> Array:
         """Return the elements of an array that are the target of an assignment."""
         if not isinstance(target, ast.Subscript):
-            raise Refusal(
+            raise SubsetError(
                 "an assignment to a member", "replace the tuple: value._replace(name=...)"
             )
         array = self.expressions.evaluate(target.value)
         if not isinstance(array, Array):
-            raise Refusal(
+            raise SubsetError(
                 f"an assignment into {in_words(type_of(array))}", "assign to elements of arrays"
             )
-        return self.expressions.part(array, self.expressions.indices(target.slice))
+        return part_of(self.code, array, self.expressions.indices(target.slice))
 
     def _put(self, place: Array, value: Value) -> None:
         """Store a number into an element, or into all elements of a part of an array."""
@@ -563,7 +415,7 @@ class Function:
         count = Static(length) if isinstance(length, int) else length
 
         def fill(n: Number) -> None:
-            offset = self.expressions.operate(ast.Mult, n, Static(place.strides[0]))
+            offset = operate(self.code, ast.Mult, n, Static(place.strides[0]))
             inner = place._replace(
                 pointer=self.code.address(place, offset), lengths=tuple(lengths),
                 strides=place.strides[1:],

@@ -6,6 +6,7 @@ objects are part of a type: a kernel is translated anew for each of them. Static
 unless a loop over static items or a comprehension produces them.
 """
 
+import ast
 import struct
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
@@ -17,12 +18,18 @@ _WIDER = (BOOLEAN, INTEGER, DOUBLE)  # a number becomes one of a kind further on
 _PYTHON_NUMBERS = (bool, int, float, np.bool_, np.integer, np.floating)
 
 
-class Refusal(Exception):
-    """What a kernel may not do, and what to write instead; the translator adds the place."""
+class SubsetError(Exception):
+    """What a kernel may not do, and what to write instead.
+
+    Attributes:
+        problem, remedy: both in words.
+        node: node of the syntax tree where it is done, if it is known.
+    """
 
     def __init__(self, problem: str, remedy: str) -> None:
         super().__init__(problem, remedy)
         self.problem, self.remedy = problem, remedy
+        self.node: ast.AST | None = None
 
 
 class Static:
@@ -114,7 +121,7 @@ def constant(known: Any) -> Number:
         return Number(BOOLEAN, "true" if known else "false")
     if isinstance(known, (int, np.integer)):
         if not -(2**63) <= known < 2**63:
-            raise Refusal(f"the integer {known} does not fit into 64 bits", "write a float")
+            raise SubsetError(f"the integer {known} does not fit into 64 bits", "write a float")
         return Number(INTEGER, str(int(known)))
     (bits,) = struct.unpack("<Q", struct.pack("<d", known))
     return Number(DOUBLE, f"0x{bits:016X}")

@@ -176,7 +176,7 @@ class VectorFunction:
         yield self
 
 
-def call_at(address: int, block: Any, places: Any) -> None:
+def call_at(_address: int, _block: Any, _places: Any) -> None:
     """Call the function of vectors at an address, from a kernel; see ``VectorFunction``.
 
     Raises:

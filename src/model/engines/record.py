@@ -45,7 +45,6 @@ MADE = CLOSEST + MOST_EVENTS  # 1 for events that happened in this period
 SIZE = MADE + MOST_EVENTS
 
 
-
 @inlined_kernel
 def constants_of(runs, i):
     """Return the ``Constants`` of run ``i``."""

@@ -4,7 +4,6 @@ Input: an event table. Output: its ``LaneEvents``, for step.py, event_search.py 
 Events that apply in no mode of the lanes are left out.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -18,7 +17,6 @@ from model.compile.vector_code import WIDTH, each_lane
 from model.engines.batch.levels import Level, bound_in, coefficient_in, level_in, levels_of
 from model.engines.batch.mode_kinds import (
     MODES_OF_A_KIND,
-    ModeKind,
     kind_in,
     kinds_of,
     lane_modes,

@@ -262,8 +262,15 @@ def new_batch_memory(lanes: LaneEvents, may_settle: bool = True) -> BatchMemory:
     together = np.zeros(WIDTH, np.int64)
     history = new_history(POOL if may_settle else 1)
     return BatchMemory(
-        w, np.zeros((POOL, SIZE)), history, work, new_search_memory(), waiting, together,
-        np.zeros((0, TRACK_COLUMNS)), lanes.series.addresses,
+        w,
+        np.zeros((POOL, SIZE)),
+        history,
+        work,
+        new_search_memory(),
+        waiting,
+        together,
+        np.zeros((0, TRACK_COLUMNS)),
+        lanes.series.addresses,
     )
 
 

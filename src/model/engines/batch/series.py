@@ -195,7 +195,10 @@ def _with_rates(contact: Contact) -> Contact:
     depth: Any = contact.depth
     along: Any = contact.along
     deep, far = (TaylorSeries("sum", (0.0, tuple(each.terms.items()))) for each in (depth, along))
-    closing_rate, slip = sum_of(TaylorSeries("rate", (deep,))), -sum_of(TaylorSeries("rate", (far,)))
+    closing_rate, slip = (
+        sum_of(TaylorSeries("rate", (deep,))),
+        -sum_of(TaylorSeries("rate", (far,))),
+    )
     depth = Sum(depth.constant, {deep: 1.0})
     return contact._replace(depth=depth, closing_rate=closing_rate, slip=slip)  # type: ignore
 

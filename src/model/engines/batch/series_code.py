@@ -9,7 +9,14 @@ from typing import Any
 
 from model.compile.vector_code import VectorWriter
 from model.engines.batch.series import STATES, Constant, Sum, TaylorSeries
-from model.engines.batch.series_layout import ERROR_ORDER, FURTHER_LINES, ORDERS, LINES, TILT, Layout
+from model.engines.batch.series_layout import (
+    ERROR_ORDER,
+    FURTHER_LINES,
+    LINES,
+    ORDERS,
+    TILT,
+    Layout,
+)
 
 _FIRST = "0"  # order
 _SUMS_PER_LOOP = 14  # sums in a loop
@@ -32,7 +39,9 @@ class SeriesWriter(VectorWriter):
         self.layout = layout
         self.known: dict[Constant, str] = {}
         totals = [
-            Sum(series.operands[0], dict(series.operands[1])) for series in layout.stage if series.rule == "sum"
+            Sum(series.operands[0], dict(series.operands[1]))
+            for series in layout.stage
+            if series.rule == "sum"
         ]
         for total in (*totals, *layout.recurrences.accelerations):
             for each in (total.constant, *total.terms.values()):
@@ -121,7 +130,9 @@ class SeriesWriter(VectorWriter):
                 if series.rule == "rate":
                     values[series] = self.do("fmul", self.ahead[series.operands[0]], self.number)
                 else:
-                    values[series] = self._total(series.operands[0], series.operands[1], order, values)
+                    values[series] = self._total(
+                        series.operands[0], series.operands[1], order, values
+                    )
                 if series in layout.place:
                     self._keep(values[series], series, order)
 
@@ -199,7 +210,9 @@ class SeriesWriter(VectorWriter):
                 total = self.fma(self._newest(one, order, values), self._at(other, _FIRST), total)
             if order != _FIRST:
                 total = self.fma(self._at(one, _FIRST), self._newest(other, order, values), total)
-            values[series] = self._finished(series, total, order) if series.rule == "quotient" else total
+            values[series] = (
+                self._finished(series, total, order) if series.rule == "quotient" else total
+            )
             if series in self.layout.place:
                 self._keep(values[series], series, order)
 

@@ -17,9 +17,9 @@ from model.engines.batch.series import recurrences
 from model.engines.batch.series_code import ErrorWriter, SeriesWriter
 from model.engines.batch.series_layout import (
     FRACTIONS,
+    LINES,
     NODES,
     ORDER,
-    LINES,
     SINES,
     STATE_LINES,
     SUMMED_ORDERS,

@@ -17,6 +17,7 @@ from model.engines.lifecycle import (
     note_step,
 )
 from model.engines.queue import next_in
+from model.engines.rates import are_finite, is_too_short, moved
 from model.engines.record import (
     AT,
     CLOSEST,
@@ -30,7 +31,6 @@ from model.engines.record import (
     store_state,
 )
 from model.engines.results import TRACK_VARIABLES
-from model.engines.rates import are_finite, is_too_short, moved
 from model.engines.scalar.location import NO_EVENT, NODE_PLACES, NODES, first_event, sample_step
 from model.engines.scalar.peaks import largest_in
 from model.engines.scalar.step import (
