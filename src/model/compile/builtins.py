@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from model.compile.arithmetic import both, truth_of
 from model.compile.code import PYTHON_KINDS, Code
 from model.compile.indexing import length_of
 from model.compile.values import (
@@ -137,6 +138,18 @@ def _isinstance(_caller: Caller, value: Value, kind: Value) -> Value:
     return Static(issubclass(made_by, kind.object))
 
 
+def _several(how: str) -> Callable[..., Value]:
+    """Make ``any`` or ``all``, which compute all their items."""
+
+    def call(caller: Caller, values: Value) -> Value:
+        found: Static | Number = Static(how == "and")
+        for each in caller.items(values):
+            found = both(caller.code, how, found, truth_of(caller.code, each))
+        return found
+
+    return call
+
+
 def fetch_add(numbers: NDArray[np.int64], by: int) -> int:
     """Add to the first of ``numbers`` and return what it was before; at once, between threads."""
     before = int(numbers[0])
@@ -154,6 +167,8 @@ def _fetch_add(caller: Caller, numbers: Value, by: Value) -> Value:
 
 _BUILTINS: dict[Any, Callable[..., Value]] = {
     abs: _abs,
+    any: _several("or"),
+    all: _several("and"),
     min: _extreme("lt"),
     max: _extreme("gt"),
     int: _converted(INTEGER),
@@ -191,8 +206,12 @@ def is_builtin(function: Any) -> bool:
         return False
 
 
-def call_builtin(function: Any, arguments: list[Value], caller: Caller) -> Value:
-    """Return the result of a function that ``is_builtin``."""
+def call_builtin(
+    function: Any, arguments: list[Value], named: dict[str, Value], caller: Caller
+) -> Value:
+    """Return the result of a function that ``is_builtin``; only ``zip`` has named arguments."""
+    if {*named} - ({"strict"} if function is zip else set()):
+        raise SubsetError(f"{function.__name__} with {', '.join(named)}", "pass values by position")
     write = _BUILTINS[function]
     try:
         signature(write).bind(caller, *arguments)

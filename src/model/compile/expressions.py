@@ -244,7 +244,7 @@ class Expressions:
         return found
 
     def _and_or(self, node: ast.BoolOp) -> Value:
-        """Translate ``and`` and ``or`` of conditions; a later one is computed only if it decides."""
+        """Translate ``and`` and ``or`` of conditions; a later one is computed if it decides."""
         stops = isinstance(node.op, ast.Or)  # the truth that decides
         end, places = "", []
         for n, each in enumerate(node.values):
@@ -318,8 +318,8 @@ class Expressions:
             return Group(None, ())
         if marks_of(function) is not None:
             return self.scope.call(function, arguments, named)
-        if is_builtin(function) and not named and _known(arguments) is None:
-            return call_builtin(function, arguments, self)
+        if is_builtin(function) and _known(arguments) is None:
+            return call_builtin(function, arguments, named, self)
         known = _known([*arguments, *named.values()])
         if known is not None and callable(function):
             names = known[len(arguments) :]

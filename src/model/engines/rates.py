@@ -42,7 +42,7 @@ def are_finite(rates):
 @inlined_kernel
 def moved(q, h, rates):
     """Return the state ``q`` + h ``rates``."""
-    return State(*(value + h * rate for value, rate in zip(q, rates)))
+    return State(*(value + h * rate for value, rate in zip(q, rates, strict=True)))
 
 
 @kernel

@@ -214,22 +214,19 @@ def start_is_impossible(events, q, p, mode):
     """Return whether a level that limits the start is below its limit."""
     for each in events.with_a("start"):
         for applies, _ in each.event.function:
-            if each.event.source.exists(p, mode) and applies(p, mode):
-                if level(events, each.number, 0.0, q, p, mode) < each.event.start:
-                    return True
+            exists = each.event.source.exists(p, mode) and applies(p, mode)
+            if exists and level(events, each.number, 0.0, q, p, mode) < each.event.start:
+                return True
     return False
 
 
-# ------------------------------------------------------------------------------ what single events do
+# ------------------------------------------------------------------------------ single events at work
 
 
 @inlined_kernel
 def is_conditional(events, which):
     """Return whether ``guard`` may refuse a down-crossing of the event ``which``."""
-    for each in events.with_a("guard"):
-        if which == each.number:
-            return True
-    return False
+    return any(which == each.number for each in events.with_a("guard"))
 
 
 @inlined_kernel

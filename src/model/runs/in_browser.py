@@ -81,7 +81,7 @@ def _run_many(scene: Scene) -> Any:
     return run_many
 
 
-# -------------------------------------------------------------------------------------- declarations
+# ------------------------------------------------------------------------------------- declarations
 
 _CONSTANTS, _RESULTS, _GIVEN = len(Constants._fields), len(RunResult._fields), len(PARAMETER_NAMES)
 

@@ -1,4 +1,4 @@
-"""Events in the lanes of the batch engine: which apply, their levels, and kernels that loop over them.
+"""Events in the lanes of the batch engine: which apply, their levels, and kernels on them.
 
 Input: an event table. Output: its ``LaneEvents``, for step.py, event_search.py and scheduling.py.
 Events that apply in no mode of the lanes are left out.
@@ -293,10 +293,7 @@ def sample_levels(lanes, applicable, w):
 @inlined_kernel
 def is_partial(lanes, which):
     """Return whether lanes lack a quantity of the event ``which``."""
-    for event in lanes.combined:
-        if event.is_partial and which == event.number:
-            return True
-    return False
+    return any(event.is_partial and which == event.number for event in lanes.combined)
 
 
 @inlined_kernel
@@ -304,9 +301,9 @@ def has_absolute(lanes, which, w, i):
     """Return whether the level of the event ``which`` contains an absolute value in lane ``i``."""
     for event in lanes.singles:
         for case in event.cases:
-            if case.levels[0].inside is not None:
-                if which == event.number and _is_case(lanes, case, w, i):
-                    return True
+            is_absolute = case.levels[0].inside is not None and which == event.number
+            if is_absolute and _is_case(lanes, case, w, i):
+                return True
     return False
 
 

@@ -193,7 +193,7 @@ def _level_of(total: Sum | float) -> Level:
 def levels_of(
     source: Source, function: Callable[..., Any], inserts: bool
 ) -> tuple[Level, ...] | None:
-    """Return the quantities of an event function; None if the workspace does not hold its source."""
+    """Return the quantities of an event; None if the workspace does not hold its source."""
     if source not in QUANTITIES[inserts]:
         return None
     mode = _MODE if inserts else _MODE._replace(edge=RIGHT_EDGE)

@@ -18,8 +18,11 @@ from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, START, ST
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 _STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
-# Stages of a fall: ``dropped``, ``in_slot`` and ``corners_inside``.
-_FALLS = (False, False, False), (True, False, False), (True, True, False), (True, True, True)
+# Stages of a fall: ``dropped``, ``in_slot`` and ``corners_inside``; the first two without insertion.
+_FALLS = (
+    (False, False, False), (True, False, False), (True, True, False), (True, False, True),
+    (True, True, True),
+)  # fmt: skip
 
 # Where the support is: A1 or A2 under the bottom face, or A1 and B1 on the right side of the slot.
 ON_RIGHT_EDGE, ON_LEFT_EDGE, BETWEEN_WALLS = range(3)

@@ -54,8 +54,8 @@ def _slopes(g):
 def _peak(line, sign, left, theta, right, w, lane):
     """Maximum of a line times ``sign`` between the fractions ``left`` and ``right`` of the step.
 
-    -inf unless the line rises at ``left`` and falls at ``right``. Newton's iteration for the zero of
-    the slope, from ``theta``; in place of a step that would leave the bracket, bisection.
+    -inf unless the line rises at ``left`` and falls at ``right``. Newton's iteration for the zero
+    of the slope, from ``theta``; in place of a step that would leave the bracket, bisection.
     """
     length = w[LENGTH * WIDTH + lane]
     low, time, high = left * length, theta * length, right * length

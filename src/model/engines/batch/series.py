@@ -2,10 +2,11 @@
 
 Input: a kind of mode (mode_kinds.py). Output: its ``Recurrences``, which series_layout.py places in
 memory and series_code.py writes as code. ``motion`` and the corner positions are called once with
-symbols in place of numbers. They return sums of Taylor series, each with a constant factor. The next coefficient of a series
-follows from the known ones: it is a state (by its rate), sine or cosine of an angle, a product, a
-quotient, a sum, or the rate of another series. Recurrences as in Moore, Interval Analysis (1966),
-ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005) 99-117.
+symbols in place of numbers. They return sums of Taylor series, each with a constant factor. The
+next coefficient of a series follows from the known ones: it is a state (by its rate), sine or
+cosine of an angle, a product, a quotient, a sum, or the rate of another series. Recurrences as in
+Moore, Interval Analysis (1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005)
+99-117.
 """
 
 from collections.abc import Callable

@@ -25,10 +25,10 @@ _SUMS_PER_LOOP = 14  # sums in a loop
 class SeriesWriter(VectorWriter):
     """Writes the function (coefficients, given, last) that fills coefficients of a kind of mode.
 
-    ``coefficients`` are LINES vectors for each order, the states and sines of the first order given,
-    ``given`` GIVEN constants and signs, and ``last`` is the last order of the states. Coefficients
-    in registers: ``ahead`` of series of positions alone, one order ahead, and ``value`` of all
-    others; ``terms`` holds the sums of ``_sum_known``.
+    ``coefficients`` are LINES vectors for each order, those of states and sines of the first order
+    known, ``given`` GIVEN constants and signs, and ``last`` is the last order of the states.
+    Coefficients in registers: ``ahead`` of series of positions alone, one order ahead, and
+    ``value`` of all others; ``terms`` holds the sums of ``_sum_known``.
     """
 
     places = "coefficients, given, last"
@@ -263,7 +263,7 @@ class ErrorWriter(SeriesWriter):
         return super()._total(0.0, tuple(each for each in terms if each[0] not in excitation), *at)
 
     def _pairs(self, series: TaylorSeries) -> tuple[tuple[TaylorSeries, TaylorSeries], ...]:
-        """Pairs (a, b): Σ_j (error of a)_j b_(k-j), summed over them, is the error of ``series``."""
+        """Pairs (a, b): Σ_j (error of a)_j b_(k-j), summed over them, is the error of a series."""
         sine, cosine = self.layout.sines[:2]
         if series in (sine, cosine):
             return ((STATES[TILT], cosine if series == sine else sine),)

@@ -219,7 +219,7 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
 
 
 @kernel
-def _passes_guard(events, which, theta, time, h, y, dense, p, mode):
+def _passes_guard(events, which, theta, h, y, dense, p, mode):
     """Return whether a zero of level ``which`` at θ is the event."""
     if not is_conditional(events, which):
         return True
@@ -239,7 +239,7 @@ def first_event(events, time, h, y, dense, p, mode, samples):
             theta = _down_crossing(events, i, which, time, h, y, dense, p, mode, samples)
             if theta == NO_EVENT:
                 continue
-            if _passes_guard(events, which, theta, time, h, y, dense, p, mode):
+            if _passes_guard(events, which, theta, h, y, dense, p, mode):
                 if theta < first:
                     first, which_first = theta, which
                 break
