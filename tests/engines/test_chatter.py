@@ -27,8 +27,8 @@ def standing(device):
 
     def make(at_once):
         settings = Settings(horizon=1.0)
-        scene, method, control = settings.for_kernels
-        runs = new_scalar_memory(method).runs
+        scene, control = settings.for_kernels
+        runs = new_scalar_memory().runs
         row = Batch.stack([device]).constants(Variants())[0]
         begin(row, settings.tolerance, scene, control, runs, 0)
         runs[0, AT.events_at_once] = at_once

@@ -11,20 +11,19 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model.compile.jit import entry_point
+from model.compile.entries import compiled
 from model.engines.scalar.location import NO_EVENT
 from model.engines.scalar.step import error_estimate
 from model.engines.scalar.tableaux import DOP853
 from model.events import friction
-from model.events.kernels import ALIGNMENT_EVENTS
 from model.events.table import EVENTS
 from model.events.transitions import CONTINUES
 from model.physics.geometry import resting_height
 from model.physics.modes import START, Mode
-from tests.engines.steps import Steps, interpolate, state_of
+from tests.engines.steps import ALIGNMENT_EVENTS, Steps, interpolate, level, state_of
 
 NAMES = [event.name.upper() for event in EVENTS]
-hold_sticking = entry_point(friction.hold_sticking)
+hold_sticking = compiled(friction.hold_sticking)
 
 
 class Met(NamedTuple):
@@ -40,7 +39,7 @@ class FixedSteps(Steps):
     """Runs with equal steps that are repeated up to each event."""
 
     def value(self, which, time, y, mode):
-        return ALIGNMENT_EVENTS.level(which, time, state_of(y), self.p, mode)
+        return level(ALIGNMENT_EVENTS, which, time, state_of(y), self.p, mode)
 
     def to_event(self, which, theta, time, h, y, mode):
         """(length, state): Newton's iteration on whole steps, slope from the dense output."""
@@ -187,7 +186,7 @@ def test_order_of_the_error_estimate(begun, stretch):
         row = []
         for h in sizes:
             steps.step(time, h, y, mode)
-            row.append(error_estimate(h, y, steps.end, DOP853.method, steps.k, 1.0))
+            row.append(error_estimate(h, y, steps.end, steps.k, 1.0))
         logs.append(np.log(row))
         y, _, met = FixedSteps(p).run(time, y, mode, time + ahead, 2)
         assert not met
