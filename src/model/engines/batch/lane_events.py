@@ -301,7 +301,7 @@ def has_absolute(lanes, which, w, i):
     """Return whether the level of the event ``which`` contains an absolute value in lane ``i``."""
     for event in lanes.singles:
         for case in event.cases:
-            is_absolute = case.levels[0].inside is not None and which == event.number
+            is_absolute = case.levels[0].has_absolute and which == event.number
             if is_absolute and _is_case(lanes, case, w, i):
                 return True
     return False

@@ -20,26 +20,34 @@ from model.physics.modes import CLOSED, Mode
 from model.physics.motion import Motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
-Terms = tuple[tuple[int, Constant], ...]  # line of the workspace, and its factor
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """Multiple of a line of the workspace, or of the absolute value ``inside``."""
+
+    factor: Constant
+    line: int
+    inside: "Level | None" = None
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """Quantity of an event: a constant, multiples of lines, and one of an absolute value.
+    """Quantity of an event: a constant and terms.
 
     Attributes:
         constant: ABSENT for a quantity that the event lacks, or that no line holds.
-        terms: lines and their factors.
-        inside: the sum of which the absolute value is taken, if there is one.
-        outside: factor of the absolute value.
+        terms: multiples of lines and of absolute values.
         is_known: False for a quantity that no line holds, or that is not linear in the lines.
     """
 
     constant: Constant
-    terms: Terms = ()
-    inside: "Level | None" = None
-    outside: Constant = 0.0
+    terms: tuple[Term, ...] = ()
     is_known: bool = True
+
+    @property
+    def has_absolute(self) -> bool:
+        """True if it contains an absolute value."""
+        return any(each.inside is not None for each in self.terms)
 
 
 # ------------------------------------------------------------------------------------------ kernels
@@ -62,21 +70,26 @@ def constant_in(value, w, i):
 
 
 @inlined_kernel
-def _sum_in(level, start, first, scale, w, i):
-    total = start
-    for line, factor in level.terms:
-        value = scale * w[(first + line) * WIDTH + i]
-        total = total + (value if factor == 1.0 else constant_in(factor, w, i) * value)
-    return total
+def _plus(total, term, value, w, i):
+    """Return ``total``, None for nothing, plus the term with this value."""
+    if term.factor == 1.0:
+        return value if total is None else total + value
+    if term.factor == -1.0:
+        return -value if total is None else total - value
+    product = constant_in(term.factor, w, i) * value
+    return product if total is None else total + product
 
 
 @inlined_kernel
 def level_in(level, first, w, i):
     """Return a level of lane ``i``, from the lines after the ``first``."""
-    total = _sum_in(level, constant_in(level.constant, w, i), first, 1.0, w, i)
-    if level.inside is not None:
-        inside = abs(level_in(level.inside, first, w, i))
-        total = total + constant_in(level.outside, w, i) * inside
+    total = None if level.constant == 0.0 else constant_in(level.constant, w, i)
+    for term in level.terms:
+        if term.inside is None:
+            value = w[(first + term.line) * WIDTH + i]
+        else:
+            value = abs(level_in(term.inside, first, w, i))
+        total = _plus(total, term, value, w, i)
     return total
 
 
@@ -86,11 +99,13 @@ def coefficient_in(level, order, first, scale, sign, w, i):
 
     ``scale`` is the power of the step's length, and ``sign`` that of the absolute value's argument.
     """
-    start = constant_in(level.constant, w, i) if order == 0 else 0.0
-    total = _sum_in(level, start, first, scale, w, i)
-    if level.inside is not None:
-        inside = coefficient_in(level.inside, order, first, scale, sign, w, i)
-        total = total + constant_in(level.outside, w, i) * (sign * inside)
+    total = constant_in(level.constant, w, i) if order == 0 else 0.0
+    for term in level.terms:
+        if term.inside is None:
+            value = scale * w[(first + term.line) * WIDTH + i]
+        else:
+            value = sign * coefficient_in(term.inside, order, first, scale, sign, w, i)
+        total = _plus(total, term, value, w, i)
     return total
 
 
@@ -98,11 +113,12 @@ def coefficient_in(level, order, first, scale, sign, w, i):
 def bound_in(level, first, scale, w, i):
     """Return a bound of a level's distance from the line through samples, from those of lines."""
     total = 0.0
-    for line, factor in level.terms:
-        total = total + abs(constant_in(factor, w, i)) * (scale * w[(first + line) * WIDTH + i])
-    if level.inside is not None:
-        inside = bound_in(level.inside, first, scale, w, i)
-        total = total + abs(constant_in(level.outside, w, i)) * inside
+    for term in level.terms:
+        if term.inside is None:
+            bound = scale * w[(first + term.line) * WIDTH + i]
+        else:
+            bound = bound_in(term.inside, first, scale, w, i)
+        total = total + abs(constant_in(term.factor, w, i)) * bound
     return total
 
 
@@ -175,19 +191,21 @@ QUANTITIES = {inserts: _quantities(inserts) for inserts in (False, True)}
 def _level_of(total: Sum | float) -> Level:
     """Return a sum as a ``Level``."""
     found = as_sum(total)
-    lines = {each: factor for each, factor in found.terms.items() if each.rule == "line"}
-    others = {each: factor for each, factor in found.terms.items() if each.rule != "line"}
-    terms = tuple((each.operands[0], factor) for each, factor in lines.items())
-    if not others:
-        return Level(found.constant, terms)
-    ((other, outside),) = others.items() if len(others) == 1 else ((None, 0.0),)
-    if other is None or other.rule != "absolute":
+    terms = [_term_of(series, factor) for series, factor in found.terms.items()]
+    if None in terms:
         return Level(ABSENT, is_known=False)
-    (inside,) = other.operands
-    inner = _level_of(Sum(inside.operands[0], dict(inside.operands[1])))
-    if not inner.is_known or inner.inside is not None:
-        return Level(ABSENT, is_known=False)
-    return Level(found.constant, terms, inner, outside)
+    return Level(found.constant, tuple(terms))  # type: ignore[arg-type]
+
+
+def _term_of(series: TaylorSeries, factor: Constant) -> Term | None:
+    """Return a term of a level; None unless it is a line, or the absolute value of such a sum."""
+    if series.rule == "line":
+        return Term(factor, series.operands[0])
+    if series.rule == "absolute":
+        (argument,) = series.operands
+        inside = _level_of(Sum(argument.operands[0], dict(argument.operands[1])))
+        return Term(factor, 0, inside) if inside.is_known and not inside.has_absolute else None
+    return None
 
 
 def levels_of(

@@ -18,7 +18,7 @@ from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, START, ST
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 _STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
-# Stages of a fall: ``dropped``, ``in_slot`` and ``corners_inside``; the first two without insertion.
+# Stages of a fall: ``dropped``, ``in_slot``, ``corners_inside``; without insertion, the first two.
 _FALLS = (
     (False, False, False), (True, False, False), (True, True, False), (True, False, True),
     (True, True, True),
