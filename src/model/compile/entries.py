@@ -21,6 +21,7 @@ from model.compile import cache, machine_code
 from model.compile.identity import file_identity
 from model.compile.kernels import Function
 from model.compile.module import Module, name_of
+from model.compile.source import KernelError
 from model.compile.values import (
     BOOLEAN,
     DOUBLE,
@@ -51,8 +52,8 @@ class Compiled:
     interpreter lock.
     """
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self.kernel = function
+    def __init__(self, function: Callable[..., Any], contract: bool = True) -> None:
+        self.kernel, self._contract = function, contract
         self._natives: dict[tuple[Type, ...], _Native] = {}
 
     def __call__(self, *arguments: Any) -> Any:
@@ -62,13 +63,19 @@ class Compiled:
         words: list[Any] = []
         types = tuple([flattened(each, words) for each in arguments])
         if types not in self._natives:
-            self._natives[types] = _native(self.kernel, types)
+            self._natives[types] = _native(self.kernel, types, self._contract)
         return self._natives[types](words)
 
 
-def compiled(function: Function) -> Function:
-    """Return a kernel as machine code, which is made or loaded at its first call."""
-    return Compiled(function)  # type: ignore[return-value]
+def compiled(function: Function, *, contract: bool = True) -> Function:
+    """Return a kernel as machine code, which is made or loaded at its first call.
+
+    Without ``contract``, no product and sum become one operation: results have Python's bits.
+
+    Raises:
+        KernelError: at the first call, if the kernel is not in the subset.
+    """
+    return Compiled(function, contract)  # type: ignore[return-value]
 
 
 def flattened(argument: Any, words: list[Any]) -> Type:
@@ -147,10 +154,16 @@ class _Stored(NamedTuple):
     code: bytes
 
 
-def _native(function: Callable[..., Any], types: tuple[Type, ...]) -> _Native:
+def _native(function: Callable[..., Any], types: tuple[Type, ...], contract: bool) -> _Native:
     with _COMPILING:
         key = function, types
-        stored = _all_stored(name_of(key, is_entry=True)) or _made(Module(key, {}, is_entry=True))
+        stored = _all_stored(name_of(key, is_entry=True, contract=contract))
+        if stored is None:
+            try:
+                module = Module(key, {}, is_entry=True, contract=contract)
+            except KernelError as error:
+                raise error.with_traceback(None) from None  # the compiler's own calls tell nothing
+            stored = _made(module)
         for each in stored:
             address = machine_code.load(each.name, each.code)
         result = pickle.loads(bytes.fromhex(stored[-1].header["result"]))  # noqa: S301 - from _made

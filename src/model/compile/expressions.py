@@ -226,7 +226,8 @@ class Expressions:
 
     def _compare(self, node: ast.Compare) -> Value:
         """Compare values; all operands of a chain are evaluated."""
-        left, found = self.evaluate(node.left), Static(True)
+        left: Value = self.evaluate(node.left)
+        found: Static | Number = Static(True)
         for how, right_node in zip(node.ops, node.comparators, strict=True):
             right = self.evaluate(right_node)
             if isinstance(how, (ast.In, ast.NotIn)):
@@ -386,8 +387,8 @@ def _refuse(_: Expressions, node: ast.expr) -> Value:
 
 def _made(made_by: type[Any], arguments: list[Value], named: dict[str, Value]) -> Value:
     """Return a named tuple of a class."""
-    fields = made_by._fields  # type: ignore[attr-defined]
-    defaults = made_by._field_defaults  # type: ignore[attr-defined]
+    fields = made_by._fields
+    defaults = made_by._field_defaults
     items = dict(zip(fields, arguments, strict=False)) | named
     missing = [each for each in fields if each not in items and each not in defaults]
     if missing or len(arguments) > len(fields) or {*named} - {*fields}:

@@ -51,7 +51,9 @@ def _functions_in(file: str) -> dict[int, ast.FunctionDef]:
     """Return the functions that a file defines, by the line on which each begins."""
     tree = ast.parse("".join(linecache.getlines(file)), file)
     functions = (each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef))
-    return {(each.decorator_list or [each])[0].lineno: each for each in functions}
+    return {
+        min([each.lineno, *(d.lineno for d in each.decorator_list)]): each for each in functions
+    }
 
 
 def _assigned_once(tree: ast.FunctionDef) -> frozenset[str]:
