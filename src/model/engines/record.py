@@ -6,7 +6,6 @@ has reached. Counts and flags are whole numbers stored as floats. The columns ar
 closest approach (lowest level) in this period and whether it happened.
 """
 
-from collections import namedtuple
 from math import isnan
 from typing import Any
 
@@ -16,6 +15,7 @@ from model.events.kernels import MOST_EVENTS
 from model.physics.modes import CLOSED, MODE_KINDS, OPEN, Mode
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
+from model.physics.tables import numbers
 
 _WORKING = (
     "next_step",  # length proposed by the error estimate
@@ -31,7 +31,7 @@ _WORKING = (
 )
 _COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)
 
-AT: Any = namedtuple("Columns", _COLUMNS)(*range(len(_COLUMNS)))
+AT: Any = numbers("Columns", _COLUMNS)(*range(len(_COLUMNS)))
 """The columns by name."""
 
 CONSTANTS = len(Constants._fields)  # the first columns

@@ -9,7 +9,6 @@ reference. To add a result, add a field here, and compute it in a kernel or with
 """
 
 import math
-from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from enum import IntEnum
@@ -30,7 +29,7 @@ from model.engines.tolerances import (
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.notation import State
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
-from model.physics.tables import entries, field_of
+from model.physics.tables import entries, field_of, numbers
 
 
 class Sensitivity(IntEnum):
@@ -226,7 +225,7 @@ _ENGINE_ONLY = (
 
 
 class RunResult(
-    namedtuple(  # type: ignore[misc]
+    numbers(  # type: ignore[misc]
         "RunResult", [*(name for name in RESULTS if not RESULTS[name].estimated), *_ENGINE_ONLY]
     )
 ):

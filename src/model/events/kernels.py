@@ -220,7 +220,7 @@ def start_is_impossible(events, q, p, mode):
     return False
 
 
-# ------------------------------------------------------------------------------ single events at work
+# --------------------------------------------------------------------------- single events at work
 
 
 @inlined_kernel

@@ -1,8 +1,9 @@
 """Outcomes of runs, their reasons, and their remedies."""
 
-from collections import namedtuple
 from enum import IntEnum
 from typing import Any
+
+from model.physics.tables import numbers
 
 
 class Outcome(IntEnum):
@@ -61,8 +62,8 @@ class Reason(IntEnum):
     ON_EDGE = 18
 
 
-OUTCOME: Any = namedtuple("OUTCOME", [*Outcome.__members__])(*map(int, Outcome))
-REASON: Any = namedtuple("REASON", [*Reason.__members__])(*map(int, Reason))
+OUTCOME: Any = numbers("OUTCOME", [*Outcome.__members__])(*map(int, Outcome))
+REASON: Any = numbers("REASON", [*Reason.__members__])(*map(int, Reason))
 """``Outcome`` and ``Reason`` as plain integers by name, for kernels."""
 
 OUTCOME_TEXT: dict[Outcome, str] = {

@@ -1,6 +1,6 @@
 """Modes: the state of every contact, and changes of several of its fields at once."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from model.compile.kernels import inlined_kernel
 from model.physics.notation import RIGHT_EDGE
@@ -57,7 +57,7 @@ class Mode(NamedTuple):
     corners_inside: bool = False
 
 
-MODE_KINDS = tuple(Mode.__annotations__.values())
+MODE_KINDS: tuple[Any, ...] = tuple(Mode.__annotations__.values())
 """Types of the fields of a mode: records hold them all as floats."""
 
 START = Mode(RIGHT_EDGE, CLOSED, OPEN, 0.0, False, STICKING, OPEN, STICKING, False)

@@ -9,7 +9,6 @@ import dataclasses
 import difflib
 import math
 import struct
-from collections import namedtuple
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass
 from typing import Any, Literal, TypeVar, dataclass_transform
@@ -31,7 +30,7 @@ from model.physics.quantities import (
     TILT_STIFFNESS,
     Quantity,
 )
-from model.physics.tables import described, entries, field_of
+from model.physics.tables import described, entries, field_of, numbers
 from model.physics.variants import VARIANT_NAMES, Variants
 
 Bound = Literal["", "> 0", ">= 0"]
@@ -222,7 +221,7 @@ _CONSTANTS = (
 )
 
 
-class Constants(namedtuple("Constants", _CONSTANTS)):  # type: ignore[misc]
+class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
     """Numbers that kernels compute with: defaults resolved, variants as 0.0 or 1.0.
 
     Parameters keep their names, but ``slot_half_width`` replaces ``clearance``. Added are
@@ -232,7 +231,7 @@ class Constants(namedtuple("Constants", _CONSTANTS)):  # type: ignore[misc]
     __slots__ = ()
 
 
-class Given(namedtuple("Given", PARAMETER_NAMES)):  # type: ignore[misc]
+class Given(numbers("Given", PARAMETER_NAMES)):  # type: ignore[misc]
     """The parameters as numbers, NaN for None."""
 
     __slots__ = ()

@@ -201,7 +201,7 @@ def _with_rates(contact: Contact) -> Contact:
         -sum_of(TaylorSeries("rate", (far,))),
     )
     depth = Sum(depth.constant, {deep: 1.0})
-    return contact._replace(depth=depth, closing_rate=closing_rate, slip=slip)  # type: ignore
+    return contact._replace(depth=depth, closing_rate=closing_rate, slip=slip)
 
 
 def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:

@@ -103,12 +103,11 @@ VARIED_IN_SLOT = tuple(n for n, name in enumerate(Mode._fields) if name != "corn
 @inlined_kernel
 def mode_of_lane(lanes, w, i):
     """Return the ``Mode`` of lane ``i``; ``lanes.varied`` are the fields that differ."""
-    return Mode(
-        *(
-            kind(w[(MODE + n) * WIDTH + i]) if n in lanes.varied else START[n]
-            for n, kind in enumerate(MODE_KINDS)
-        )
+    fields = (
+        kind(w[(MODE + n) * WIDTH + i]) if n in lanes.varied else START[n]
+        for n, kind in enumerate(MODE_KINDS)
     )
+    return Mode(*fields)
 
 
 @inlined_kernel
