@@ -244,8 +244,9 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
         _note_end_of_period(runs, i)
     if printed_criterion == is_inside and isnan(runs[i, AT.tau_align]):
         runs[i, AT.tau_align], runs[i, AT.tilt_at_alignment] = time, tilt
-    ends = is_inside or (control.alignment_only != 0.0 and not printed_criterion)
-    return ends and not inserts
+    if control.alignment_only != 0.0 and not printed_criterion:
+        return True
+    return is_inside and not inserts
 
 
 @kernel
@@ -283,7 +284,7 @@ def apply_event(which, length, step, scene, control, runs, i):
     """
     time, p, before = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
     runs[i, AT.events] += 1.0
-    runs[i, MADE + which] = 1.0
+    runs[i, MADE + which], runs[i, AT.last_event] = 1.0, which + 1.0
     at_once = length <= 1e-13 * max(1.0, time)
     runs[i, AT.events_at_once] = runs[i, AT.events_at_once] + 1.0 if at_once else 0.0
     # If no time passes, the step was too long for the accuracy of its dense output (for instance

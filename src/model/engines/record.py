@@ -27,6 +27,7 @@ _WORKING = (
     "sticking_time",
     "events_at_once",  # number of events without time passing between them
     "number_in_batch",
+    "last_event",  # number of the latest event, from 1
     *(f"error_{name}" for name in State._fields),  # that the run carries
 )
 _COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)

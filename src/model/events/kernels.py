@@ -13,7 +13,7 @@ from model.compile.kernels import Symbol, inlined_kernel, kernel, separate_kerne
 from model.events import event_functions as functions
 from model.events.event_functions import NEVER, largest
 from model.events.scenes import Declared, Scene
-from model.events.table import LENGTH, PLACES_OF_FORCES, Event, Source, Table
+from model.events.table import OF_LENGTH, PLACES_OF_FORCES, Event, Source, Table
 from model.physics.modes import START
 from model.physics.parameters import Constants
 
@@ -263,4 +263,4 @@ def kind_of(events, which):
     for each in events.all:
         if which == each.number:
             return each.event.kind
-    return LENGTH
+    return OF_LENGTH

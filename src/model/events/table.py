@@ -19,7 +19,7 @@ from model.physics.motion import is_beside, is_supported, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 Kernel = Callable[..., Any]
-LENGTH, LOAD, FRICTION = range(3)  # how a level depends on the state
+OF_LENGTH, OF_LOAD, OF_FRICTION = range(3)  # how a level depends on the state
 START_TOLERANCE = 1e-9  # of levels at the start, which may be zero to rounding
 PLACES_OF_FORCES = "support", "side", "right"  # under the part, left side, right side
 
@@ -51,7 +51,8 @@ class Event:
         reset: (q, p, mode) -> initial state of the next mode; the state at the event by default.
         guard: (``CornerPositions``, p, mode) -> True if a down-crossing is the event; always by
             default.
-        kind: how the level depends on the state: LENGTH (also for a velocity), LOAD or FRICTION.
+        kind: how the level depends on the state: OF_LENGTH (also for a velocity), OF_LOAD or
+            OF_FRICTION.
         force_on: one of ``PLACES_OF_FORCES`` if the level is the normal force there.
         start: level below which a start is impossible.
     """
@@ -62,7 +63,7 @@ class Event:
     transition: Kernel
     reset: Kernel | None = None
     guard: Kernel | None = None
-    kind: int = LENGTH
+    kind: int = OF_LENGTH
     force_on: str | None = None
     start: float | None = None
 
@@ -203,13 +204,13 @@ def of_contact(
     presses, is_released = (state_is(field, state, in_slot) for state in (CLOSED, RELEASED))
     return (
         Event(
-            f"{name}_load", source, ((presses, functions.load),), transition.unloaded, kind=LOAD,
+            f"{name}_load", source, ((presses, functions.load),), transition.unloaded, kind=OF_LOAD,
             force_on=force_on,
         ),
         Event(f"{name}_gap", source, ((is_released, functions.depth),), transition.opens),
         Event(
             f"{name}_reload", source, ((is_released, functions.missing_load),), transition.reloaded,
-            kind=LOAD,
+            kind=OF_LOAD,
         ),
     )  # fmt: skip
 
@@ -280,12 +281,12 @@ CONTACTS: Table = (
     Event(
         "support_slip", FORCES,
         ((_support_sticks, functions.support_reserve), (_support_slides, functions.support_slip)),
-        transitions.support_turns, reset=friction.at_rest_on_support, kind=FRICTION,
+        transitions.support_turns, reset=friction.at_rest_on_support, kind=OF_FRICTION,
     ),
     Event(
         "side_slip", FORCES,
         ((_side_sticks, functions.side_reserve), (_side_slides, functions.side_slip)),
-        transitions.side_turns, reset=friction.at_rest_on_side, kind=FRICTION,
+        transitions.side_turns, reset=friction.at_rest_on_side, kind=OF_FRICTION,
     ),
     Event(
         "overturned", PLACES, ((functions.always, functions.upright),), transitions.overturned,

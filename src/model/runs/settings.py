@@ -86,10 +86,6 @@ class Settings:
             raise ValueError(
                 f"insertion_depth = {depth!r}: a run ends at alignment; use the insertion scene"
             )
-        if self.alignment_only and self.success is Outcome.INSERTED:
-            raise ValueError(
-                "alignment_only: ends a run before the part is inserted; use the alignment scene"
-            )
         if not (self.horizon > 0.0 and math.isfinite(self.horizon)):
             raise ValueError(f"horizon = {self.horizon!r}: must be a finite number > 0")
         if not 1e-14 <= self.tolerance <= 1e-2:
@@ -99,8 +95,11 @@ class Settings:
 
     @property
     def success(self) -> Outcome:
-        """Outcome of a run that ends well: INSERTED in the insertion scene, else ALIGNED."""
-        inserts = self.scene.name == INSERTION.name
+        """Outcome of a run that ends well: INSERTED in the insertion scene, else ALIGNED.
+
+        A run of any scene that is ``alignment_only`` ends ALIGNED.
+        """
+        inserts = self.scene.name == INSERTION.name and not self.alignment_only
         return Outcome.INSERTED if inserts else Outcome.ALIGNED
 
     @property

@@ -7,11 +7,10 @@ import numpy as np
 from model.compile.entries import compiled
 from model.compile.kernels import inlined_kernel, kernel
 from model.engines.lifecycle import begin
-from model.engines.record import AT, MADE, constants_of, mode_of, store_result
+from model.engines.record import AT, constants_of, mode_of, store_result
 from model.engines.results import TRACK_VARIABLES, RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, track_run
 from model.engines.scalar.step import state_of
-from model.events.kernels import MOST_EVENTS
 from model.events.transitions import CONTINUES
 from model.physics.modes import Mode
 from model.physics.motion import Motion, motion
@@ -52,23 +51,6 @@ def _note_modes(mode, event, track, first, end, p):
 
 
 @kernel
-def _mark_events(runs, i):
-    """Set ``MADE`` to 2 for the events so far, so that the next event is the only 1."""
-    for which in range(MOST_EVENTS):
-        if runs[i, MADE + which] != 0.0:
-            runs[i, MADE + which] = 2.0
-
-
-@kernel
-def _next_event(runs, i):
-    """Return the number of the event since ``_mark_events``, counted from 1."""
-    for which in range(MOST_EVENTS):
-        if runs[i, MADE + which] == 1.0:
-            return which + 1.0
-    return 0.0
-
-
-@kernel
 def integrate_trace(constants, tolerance, scene, control, track, results, memory):
     """Integrate as ``integrate`` does, with event, mode and forces in the track; see ``COLUMNS``.
 
@@ -82,12 +64,11 @@ def integrate_trace(constants, tolerance, scene, control, track, results, memory
     _note_modes(mode_of(runs, i), 0.0, track, 0, 1, p)
     while runs[i, AT.outcome] == CONTINUES:
         first, events, before = int(runs[i, AT.tracked]), runs[i, AT.events], mode_of(runs, i)
-        _mark_events(runs, i)
         advance(scene, control, track, history, work, runs, i)
         end = int(runs[i, AT.tracked])
         if runs[i, AT.events] != events:
             end -= 1
-            _note_modes(mode_of(runs, i), _next_event(runs, i), track, end, end + 1, p)
+            _note_modes(mode_of(runs, i), runs[i, AT.last_event], track, end, end + 1, p)
         _note_modes(before, 0.0, track, first, end, p)
     store_result(runs, i, results, 0)
 

@@ -17,7 +17,6 @@ from model.compile.kernels import kernel
 from model.engines.record import constants_in
 from model.engines.results import RunResult
 from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
-from model.events.scenes import ALIGNMENT
 from model.physics.parameters import Batch, Parameters
 from model.physics.rest import rest_under_press
 from model.physics.variants import Variants
@@ -50,9 +49,9 @@ def unvibrated(
     still = np.zeros(len(batch))
     controls = Batch({**batch.values, "frequency": still, "phase": still})
     rows, which = np.unique(controls.constants(settings.readings), axis=0, return_inverse=True)
-    scene = ALIGNMENT if settings.success is Outcome.INSERTED else settings.scene
-    changes: dict[str, Any] = {"insertion_depth": None, "alignment_only": True}
-    settings = replace(settings, scene=scene, start="simultaneous", **changes)
+    settings = replace(
+        settings, start="simultaneous", insertion_depth=None, alignment_only=True
+    )  # fmt: skip
     run = engine_for(settings, engine, cores)
     found = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     rests = (found.outcome == Outcome.SETTLED) & (found.end_on_edge == 1.0) & (found.end_tilt > 0.0)

@@ -20,7 +20,7 @@ from model.engines.rates import STILL, moved, rates_at
 from model.engines.record import AT, ERROR, constants_of, mode_of, state_in, store_state_in
 from model.events.friction import hold_sticking
 from model.events.kernels import kind_of, level
-from model.events.table import LENGTH
+from model.events.table import OF_LENGTH
 from model.physics.modes import STICKING
 from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
@@ -84,7 +84,7 @@ def _is_continuous(kind, before, after):
     They are where a load passes zero, and where friction reaches its limit.
     """
     return (
-        kind != LENGTH
+        kind != OF_LENGTH
         and _keeps_friction(
             is_supported(before), before.support_slip, is_supported(after), after.support_slip
         )

@@ -26,7 +26,7 @@ from model.engines.batch.step import TOO_FLAT_TO_TELL, one_stays_above, stays_ab
 from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
-    LENGTH,
+    STEP_LENGTH,
     constants_of_lane,
     lowest_bit,
     mode_of_lane,
@@ -74,7 +74,7 @@ def line_at(line, theta, w, lane):
 
     Even and odd orders are summed separately, which doubles instruction-level parallelism.
     """
-    time = theta * w[LENGTH * WIDTH + lane]
+    time = theta * w[STEP_LENGTH * WIDTH + lane]
     square, odd = time * time, 0.0
     even = w[(COEFFICIENTS + ORDER * LINES + line) * WIDTH + lane]
     for order in range(ORDER - 2, -2, -2):
@@ -303,7 +303,7 @@ def crossing(lanes, which, until, series, w, lane):
 @kernel
 def _search_dense_output(events, w, lane, runs, search, i):
     """(which, θ) of the first event, by the reference engine's location on the dense output."""
-    time, h = runs[i, AT.time], w[LENGTH * WIDTH + lane]
+    time, h = runs[i, AT.time], w[STEP_LENGTH * WIDTH + lane]
     p, mode = constants_of(runs, i), mode_of(runs, i)
     for n in range(STATE_SIZE):
         search.y[n] = runs[i, STATE + n]

@@ -30,7 +30,7 @@ from model.engines.batch.workspace import (
     APPLICABLE,
     COEFFICIENTS,
     EVENT_LINES,
-    LENGTH,
+    STEP_LENGTH,
     VALUES,
     VARIED,
     VARIED_IN_SLOT,
@@ -309,7 +309,7 @@ def has_absolute(lanes, which, w, i):
 
 @inlined_kernel
 def _enter_case(case, sign, series, w, i):
-    length, scale = w[LENGTH * WIDTH + i], 1.0
+    length, scale = w[STEP_LENGTH * WIDTH + i], 1.0
     for order in range(TERMS):
         first = COEFFICIENTS + order * LINES
         for n, level in enumerate(case.levels):

@@ -11,8 +11,7 @@ from typing import Any
 from model.compile.kernels import inlined_kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch.series import SYMBOLS, Constant, Sum, TaylorSeries, as_sum, given, sum_of
-from model.engines.batch.workspace import LINE
-from model.engines.batch.workspace import MODE as FIRST_OF_MODE
+from model.engines.batch.workspace import LINE, MODE_LINE
 from model.events.event_functions import ABSENT, ContactState, CornerPositions
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
@@ -125,7 +124,7 @@ def bound_in(level, first, scale, w, i):
 # ------------------------------------------------------------------------------------------ tracing
 
 _UNKNOWN = sum_of(TaylorSeries("unknown", ()))
-_MODE: Any = Mode(*(given(FIRST_OF_MODE + n) for n in range(len(Mode._fields))))
+_MODE_SYMBOLS: Any = Mode(*(given(MODE_LINE + n) for n in range(len(Mode._fields))))
 
 
 def _line(name: str) -> Any:
@@ -134,7 +133,7 @@ def _line(name: str) -> Any:
 
 def _is(field: str, value: float) -> Any:
     """Return 1 where a field of the mode has a value, else 0."""
-    place = getattr(_MODE, field).constant
+    place = getattr(_MODE_SYMBOLS, field).constant
     return Sum(("==", place, float(value)), {})
 
 
@@ -214,6 +213,6 @@ def levels_of(
     """Return the quantities of an event; None if the workspace does not hold its source."""
     if source not in QUANTITIES[inserts]:
         return None
-    mode = _MODE if inserts else _MODE._replace(edge=RIGHT_EDGE)
+    mode = _MODE_SYMBOLS if inserts else _MODE_SYMBOLS._replace(edge=RIGHT_EDGE)
     found = function(QUANTITIES[inserts][source], SYMBOLS, mode)
     return tuple(map(_level_of, found if isinstance(found, tuple) else (found,)))

@@ -13,8 +13,8 @@ from model.engines.batch.series_layout import FRACTIONS, LINES, NODES, ORDER, SI
 from model.engines.batch.step import curvature_bound
 from model.engines.batch.workspace import (
     COEFFICIENTS,
-    LENGTH,
     STEP_FORCE,
+    STEP_LENGTH,
     STEP_TILT,
     VALUES,
     loads_of,
@@ -57,7 +57,7 @@ def _peak(line, sign, left, theta, right, w, lane):
     -inf unless the line rises at ``left`` and falls at ``right``. Newton's iteration for the zero
     of the slope, from ``theta``; in place of a step that would leave the bracket, bisection.
     """
-    length = w[LENGTH * WIDTH + lane]
+    length = w[STEP_LENGTH * WIDTH + lane]
     low, time, high = left * length, theta * length, right * length
     if not (
         _with_slope(line, sign, low, w, lane)[1] > 0.0 > _with_slope(line, sign, high, w, lane)[1]

@@ -122,7 +122,7 @@ def _record_periods(scene, lanes, until, history, control, w, lane, runs, i):
     The run may end with one of them. Closest approaches of a step that lies in two periods count in
     both.
     """
-    start, length = runs[i, AT.time], w[workspace.LENGTH * WIDTH + lane]
+    start, length = runs[i, AT.time], w[workspace.STEP_LENGTH * WIDTH + lane]
     p, mode = constants_of_lane(w, lane), mode_of_lane(lanes, w, lane)
     while (
         runs[i, AT.outcome] == CONTINUES
@@ -147,7 +147,7 @@ def _carries_error(scene, control, runs, i):
 @inlined_kernel
 def _advance(scene, lanes, until, history, control, w, lane, runs, i):
     """Advance by a step, or its fraction ``until`` an event; return whether the run continues."""
-    length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, AT.time]
+    length, start = w[workspace.STEP_LENGTH * WIDTH + lane], runs[i, AT.time]
     if is_watched(runs, i):
         _note_closest(lanes, until, w, lane, runs, i)
     _record_periods(scene, lanes, until, history, control, w, lane, runs, i)
@@ -190,7 +190,7 @@ def _advance_to_event(which, theta, scene, lanes, history, control, w, lane, run
         carries = _carries_error(scene, control, runs, i)
         had_aligned = not isnan(runs[i, AT.tau_align])
         store_state(q, runs, i)
-        step = w[workspace.LENGTH * WIDTH + lane]
+        step = w[workspace.STEP_LENGTH * WIDTH + lane]
         apply_event(which, theta * step, step, scene, control, runs, i)
         if carries:
             aligns = not (had_aligned or isnan(runs[i, AT.tau_align]))
@@ -208,7 +208,7 @@ def _continue(scene, lanes, control, memory, lane, i):
     """Continue run ``i`` after the step of its lane."""
     w, runs, history = memory.w, memory.runs, memory.history
     runs[i, AT.rhs_evaluations] += ORDER
-    length = w[workspace.LENGTH * WIDTH + lane]
+    length = w[workspace.STEP_LENGTH * WIDTH + lane]
     if scene.events.inserts and isnan(length):  # shares of loads that begin at zero: 0 / 0
         runs[i, AT.largest_error] = nan  # the reference engine does not carry it
         advance(scene, control, memory.track, history, memory.work, runs, i)

@@ -26,7 +26,7 @@ from model.engines.batch.series_layout import (
     TILT,
     Layout,
 )
-from model.engines.batch.workspace import COEFFICIENTS, ERROR, LAST_ORDER, LENGTH, VALUES
+from model.engines.batch.workspace import COEFFICIENTS, ERROR, LAST_ORDER, STEP_LENGTH, VALUES
 
 
 class _SamplesWriter(VectorWriter):
@@ -172,4 +172,4 @@ def fill_errors(lanes, kind, addresses, w):
 @inlined_kernel
 def sample_series(lanes, w):
     """Sum the tilt and the event quantities at the nodes of steps; see ``_SamplesWriter``."""
-    lanes.series.sample(w, (COEFFICIENTS, LENGTH, VALUES))
+    lanes.series.sample(w, (COEFFICIENTS, STEP_LENGTH, VALUES))

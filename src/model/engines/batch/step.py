@@ -32,9 +32,9 @@ from model.engines.batch.workspace import (
     DEADLINE,
     END,
     LAST_ORDER,
-    LENGTH,
     LONGEST,
     STEP_FORCE,
+    STEP_LENGTH,
     STEP_TILT,
     TIME,
     TOLERANCE,
@@ -109,7 +109,7 @@ def _set_lengths(w):
         step = min(_step_of(ORDER, admitted, w, i), _step_of(ORDER - 1, admitted, w, i))
         step = min(step, w[LONGEST * WIDTH + i])
         time, deadline = w[TIME * WIDTH + i], w[DEADLINE * WIDTH + i]
-        w[LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
+        w[STEP_LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
 
 
 @inlined_kernel

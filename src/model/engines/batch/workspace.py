@@ -10,6 +10,8 @@ in the insertion scene also those on A2, and those in the slot (mode_kinds.py li
 Other modes, and printed variants of the equations, are left to the reference engine.
 """
 
+from typing import Any
+
 import numpy as np
 
 from model.compile.kernels import inlined_kernel
@@ -22,19 +24,19 @@ from model.physics.notation import STATE_SIZE, State
 from model.physics.parameters import Constants
 
 # Lines: constants and signs of the slips, the mode, then numbers of the lanes and of their step.
-MODE = GIVEN  # in the order of ``Mode``
+MODE_LINE = GIVEN  # in the order of ``Mode``
 (
     TIME,
     DEADLINE,
     TOLERANCE,
     LONGEST,  # step
-    LENGTH,
+    STEP_LENGTH,
     APPLICABLE,  # mask of the events that may apply in the mode
     CANDIDATES,  # mask of the events that may happen in the step
     STEP_TILT,  # upper bound of |tilt| in the step
     STEP_FORCE,  # upper bound of the normal forces in the step
     LAST_ORDER,  # of the states' series
-) = range(MODE + len(Mode._fields), MODE + len(Mode._fields) + 10)
+) = range(MODE_LINE + len(Mode._fields), MODE_LINE + len(Mode._fields) + 10)
 END = LAST_ORDER + 1
 ERROR = END + STATE_SIZE  # series of the error that a run carries, in the layout of COEFFICIENTS
 # The tilt and the event quantities at each node, and their curvature bounds.
@@ -103,8 +105,8 @@ VARIED_IN_SLOT = tuple(n for n, name in enumerate(Mode._fields) if name != "corn
 @inlined_kernel
 def mode_of_lane(lanes, w, i):
     """Return the ``Mode`` of lane ``i``; ``lanes.varied`` are the fields that differ."""
-    fields = (
-        kind(w[(MODE + n) * WIDTH + i]) if n in lanes.varied else START[n]
+    fields: Any = (
+        kind(w[(MODE_LINE + n) * WIDTH + i]) if n in lanes.varied else START[n]
         for n, kind in enumerate(MODE_KINDS)
     )
     return Mode(*fields)
@@ -114,7 +116,7 @@ def mode_of_lane(lanes, w, i):
 def copy_mode(lanes, runs, i, first, w, lane):
     """Copy the mode of run ``i``, which begins at column ``first``, into a lane."""
     for n in lanes.varied:
-        w[(MODE + n) * WIDTH + lane] = runs[i, first + n]
+        w[(MODE_LINE + n) * WIDTH + lane] = runs[i, first + n]
 
 
 @inlined_kernel
