@@ -5,14 +5,18 @@ import pytest
 from numpy.polynomial.polynomial import polyval
 
 from model import Settings
+from model.compile.entries import compiled
 from model.compile.vector_code import WIDTH
-from model.engines.batch import workspace
-from model.engines.batch.event_kernels import TERMS, in_vector_kernels
-from model.engines.batch.event_search import (
+from model.engines.batch import event_search, lane_events, peaks, series_kernels, step, workspace
+from model.engines.batch.event_search import first_crossing
+from model.engines.batch.lane_events import (
     QUANTITIES,
-    crossing,
-    first_crossing,
+    TERMS,
+    applicable_in,
+    is_partial,
+    lane_events_of,
 )
+from model.engines.batch.lane_events import kind_of as kind_of_mode
 from model.engines.batch.mode_kinds import (
     ALIGNMENT_KINDS,
     BETWEEN_WALLS,
@@ -25,26 +29,18 @@ from model.engines.batch.mode_kinds import (
     STICKS,
     ModeKind,
 )
-from model.engines.batch.peaks import largest_until
-from model.engines.batch.series import (
-    GIVEN,
-    LANE_CONSTANTS,
-    EventQuantities,
-)
-from model.engines.batch.series_code import SeriesWriter
-from model.engines.batch.series_kernels import filler
+from model.engines.batch.series import GIVEN, LANE_CONSTANTS, EventQuantities
 from model.engines.batch.series_layout import (
     ERROR_ORDER,
     FRACTIONS,
+    LINES,
     NODES,
     ORDER,
     ORDERS,
-    LINES,
     SINES,
     SUMMED_ORDERS,
     TILT,
 )
-from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
 from model.events.event_functions import NEVER, CornerPositions, corner_positions
 from model.events.insertion import INSERTION
@@ -52,12 +48,12 @@ from model.events.scenes import ALIGNMENT
 from model.events.table import number_of
 from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side
 from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
-from model.physics.motion import motion
+from model.physics.motion import motion_at
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 
 FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP = (
-    workspace.MODE + Mode._fields.index(name)
+    workspace.MODE_LINE + Mode._fields.index(name)
     for name in ("face", "support_slip", "side", "side_slip")
 )
 KINDS = FREE, SLIDES, STICKS
@@ -70,7 +66,14 @@ each_kind = pytest.mark.parametrize(
 NORMAL = {FREE: OPEN, SLIDES: CLOSED, STICKS: CLOSED}
 
 
-EVENTS = in_vector_kernels(ALIGNMENT).events
+LANES = lane_events_of(ALIGNMENT.events)
+crossing, enter_series, fill_series, largest_until, motion, step_all = map(
+    compiled,
+    (
+        event_search.crossing, lane_events.enter_series, series_kernels.fill_series,
+        peaks.largest_until, motion_at, step.step_all,
+    ),
+)  # fmt: skip
 
 
 def kind_of(support: int, side: int) -> int:
@@ -78,7 +81,7 @@ def kind_of(support: int, side: int) -> int:
     return ALIGNMENT_KINDS.index(ModeKind(ON_RIGHT_EDGE, support, side))
 
 
-WATCHED = [k for k in range(EVENTS.count) if f"enter_{k}" in EVENTS.members]
+WATCHED = [each.number for each in LANES.all]
 PLACES = [name for name in EventQuantities._fields if name in CornerPositions._fields]
 
 
@@ -94,8 +97,8 @@ class Step:
         displacement: float | np.ndarray = 0.0,
     ) -> None:
         rng = np.random.default_rng(8 * support + side)
-        flat = new_workspace(EVENTS.rows)
-        self.w = flat.reshape(EVENTS.rows, WIDTH)
+        flat = new_workspace(LANES.lines)
+        self.w = flat.reshape(LANES.lines, WIDTH)
         self.w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
         named = dict(
             zip(np.array(Constants._fields)[LANE_CONSTANTS].tolist(), self.w, strict=False)
@@ -113,8 +116,11 @@ class Step:
         self.w[workspace.ERROR : workspace.ERROR + 6] = displacement
         control = Settings().control._replace(carries_error=1.0)
         kind = kind_of(support, side)
-        self.applicable = EVENTS.applicable(kind, self.mode(0))
-        step_all(EVENTS, kind, self.applicable, control, flat)
+        self.applicable = int(applicable_in(LANES, kind, self.constants(0), self.mode(0)))
+        self.w[workspace.APPLICABLE] = self.applicable
+        for number in (kind, len(ALIGNMENT_KINDS) + kind):
+            LANES.series.load(number)
+        step_all(LANES, kind, self.applicable, control, LANES.series.addresses, flat)
         coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * LINES]
         self.further = coefficients.reshape(ORDERS, LINES, WIDTH)
         self.series = self.further[: ORDER + 1]
@@ -126,13 +132,13 @@ class Step:
 
     def mode(self, lane: int) -> Mode:
         face, slip, side, side_slip = (
-            int(self.w[row, lane]) for row in (FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP)
+            int(self.w[line, lane]) for line in (FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP)
         )
         return Mode(RIGHT_EDGE, face, OPEN, 0.0, False, slip, side, side_slip, False)
 
     def applies(self, which: int, lane: int) -> bool:
         """Whether an event applies in the mode of a lane."""
-        applies = self.w[EVENTS.samples + which, lane] != NEVER
+        applies = self.w[LANES.samples + which, lane] != NEVER
         return bool(applies and self.applicable & 1 << which)
 
     def at(self, time: float | np.ndarray, lane: int) -> np.ndarray:
@@ -162,7 +168,7 @@ def test_a_carried_error_is_the_derivative_of_the_series(support, side):
     # some hundred displacements.
     error = 1e-8 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
     more, less = (Step(support, side, 0.1, displacement=each) for each in (error, -error))
-    errors = more.w[workspace.ERROR : workspace.ERROR + ORDERS * LINES].reshape(ORDERS, LINES, WIDTH)
+    errors = more.w[workspace.ERROR :][: ORDERS * LINES].reshape(ORDERS, LINES, WIDTH)
     found = errors[: ERROR_ORDER + 1, :6]
     expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
     size = np.abs(expected).max(axis=1, keepdims=True)
@@ -202,40 +208,41 @@ def mode_of(kind: ModeKind, signs: np.ndarray) -> Mode:
 
 
 def test_a_mode_has_the_number_of_its_kind():
-    kind_of_mode = in_vector_kernels(INSERTION).events.kind_of
+    inserting = lane_events_of(INSERTION.events)
     for number, kind in enumerate(INSERTION_KINDS):
-        assert kind_of_mode(mode_of(kind, np.array([-1, 1]))) == number
-        assert EVENTS.kind_of(mode_of(kind, np.array([1, 1]))) == (
+        assert kind_of_mode(inserting, mode_of(kind, np.array([-1, 1]))) == number
+        assert kind_of_mode(LANES, mode_of(kind, np.array([1, 1]))) == (
             number if kind in ALIGNMENT_KINDS else -1
         )
     on_flat = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
-    assert kind_of_mode(on_flat) == EVENTS.kind_of(on_flat) == -1
+    assert kind_of_mode(inserting, on_flat) == kind_of_mode(LANES, on_flat) == -1
 
 
 @pytest.mark.parametrize("kind", INSERTION_KINDS)
 def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
     rng = np.random.default_rng(kind)
-    fill = filler("fill_series", SeriesWriter, INSERTION_KINDS, True)
     flat = new_workspace(workspace.EVENT_LINES)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
-    row = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
-    w[row["contact_stiffness"]], w[row["friction"]] = 50.0, 0.3
+    line = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
+    w[line["contact_stiffness"]], w[line["friction"]] = 50.0, 0.3
     signs = rng.choice([-1.0, 1.0], (2, WIDTH))
     w[GIVEN - 2 : GIVEN] = signs
     state = rng.uniform(-0.02, 0.02, (6, WIDTH))
     # B1 is a tenth behind the wall, and so is A1 behind the face, but for the small tilt; likewise
     # B2 and A2 where both press.
-    a, b = w[row["half_width"]], w[row["half_height"]]
-    state[0] = w[row["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
+    a, b = w[line["half_width"]], w[line["half_height"]]
+    state[0] = w[line["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
     if SIDE_CONTACTS[kind.side].edge and SIDE_CONTACTS[kind.side].corner:
-        state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[row["slot_half_width"]] - 0.1
+        state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[line["slot_half_width"]] - 0.1
     w[COEFFICIENTS : COEFFICIENTS + 6] = state
-    angle = w[row["frequency"]] * 0.3 + w[row["phase"]]
+    angle = w[line["frequency"]] * 0.3 + w[line["phase"]]
     sines = np.sin(state[2]), np.cos(state[2]), np.sin(angle), np.cos(angle)
     w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
     w[LAST_ORDER] = ORDER
-    fill(INSERTION_KINDS.index(kind), flat, COEFFICIENTS, 0, LAST_ORDER)
+    lanes, number = lane_events_of(INSERTION.events), INSERTION_KINDS.index(kind)
+    lanes.series.load(number)
+    fill_series(lanes, number, lanes.series.addresses, flat)
     series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * LINES].reshape(ORDER + 1, LINES, WIDTH)
     time, orders = 1e-3, np.arange(1, ORDER + 1)
     for lane in range(WIDTH):
@@ -254,8 +261,8 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
             edges[0] = edge_on_face(mode.edge, q, p)
         loads = [contact_load(each.depth, each.closing_rate, q, p) for each in (*edges, *corners)]
         loads[2] *= mode.in_slot
-        rows = [workspace.ROW[f"{each}_load"] for each in ("face", "side", "corner", "wall")]
-        assert found[rows] == pytest.approx(loads, rel=1e-9)
+        lines = [workspace.LINE[f"{each}_load"] for each in ("face", "side", "corner", "wall")]
+        assert found[lines] == pytest.approx(loads, rel=1e-9)
         slips = [
             (corners[0] if mode.slip_at_corner else edges[0]).slip,
             (corners[1] if mode.slip_at_wall else edges[1]).slip,
@@ -264,7 +271,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
             slips[0] = at.support_friction
         if SIDE_CONTACTS[kind.side].sticks:
             slips[1] = at.side_friction
-        frictions = [workspace.ROW[f"{each}_friction"] for each in ("support", "side")]
+        frictions = [workspace.LINE[f"{each}_friction"] for each in ("support", "side")]
         assert found[frictions] == pytest.approx(slips, rel=1e-9)
 
 
@@ -293,18 +300,18 @@ def test_event_quantities_equal_the_scalar_functions(support: int, side: int) ->
             )
 
 
-SAMPLED_ROWS = [TILT, *range(6, SINES - 2)]  # rows that are sampled at every node
+SAMPLED_LINES = [TILT, *range(6, SINES - 2)]  # lines that are sampled at every node
 
 
 @each_kind
 def test_curvature_bounds_bound_the_distance_from_a_line(support: int, side: int) -> None:
     step = Step(support, side, 0.05, tolerance=1e-6)
     for lane in range(WIDTH):
-        length = step.w[workspace.LENGTH, lane]
-        bends = step.w[workspace.VALUES + NODES * SINES :][SAMPLED_ROWS, lane]
+        length = step.w[workspace.STEP_LENGTH, lane]
+        bends = step.w[workspace.VALUES + NODES * SINES :][SAMPLED_LINES, lane]
         for start in (0.0, 0.25, 0.5, 0.75):
             left, middle, right = (
-                step.at((start + part) * length, lane)[SAMPLED_ROWS] for part in (0.0, 0.125, 0.25)
+                step.at((start + part) * length, lane)[SAMPLED_LINES] for part in (0.0, 0.125, 0.25)
             )
             off = np.abs(middle - 0.5 * (left + right))
             assert (off <= 0.25**2 / 8.0 * bends * (1.0 + 1e-9) + 1e-12).all()
@@ -314,9 +321,9 @@ def sampled(
     which: int, places: np.ndarray, series: np.ndarray, w: np.ndarray, lane: int, last: int = ORDER
 ) -> np.ndarray:
     """A level from the series of its quantities, of either sign, to the last order."""
-    functions, count = [], QUANTITIES if which < EVENTS.combined else 1
+    functions, count = [], QUANTITIES if which < LANES.events.combined else 1
     for sign in (1.0, -1.0):
-        EVENTS.enter_series(which, sign, series, w, lane)
+        enter_series(LANES, which, sign, series, w, lane)
         series.reshape(QUANTITIES, TERMS)[:, last + 1 :] = 0.0
         functions.append(polyval(places, series.reshape(QUANTITIES, TERMS)[:count].T).max(axis=0))
     return np.min(functions, axis=0)
@@ -326,12 +333,12 @@ def sampled(
 def test_series_of_levels_are_those_of_the_levels(support: int, side: int) -> None:
     step, compared = Step(support, side, 0.4, tolerance=1e-6), 0
     series = np.zeros(QUANTITIES * TERMS)
-    assert (step.w[workspace.LENGTH] > 0.03).all()
+    assert (step.w[workspace.STEP_LENGTH] > 0.03).all()
     nodes, orders = (0.0, *FRACTIONS), (ORDER, *SUMMED_ORDERS)
-    rows = EVENTS.samples + EVENTS.count * np.arange(NODES)
+    lines = LANES.samples + LANES.events.count * np.arange(NODES)
     for lane in range(WIDTH):
         for which in WATCHED:
-            expected = step.w[rows + which, lane]
+            expected = step.w[lines + which, lane]
             if step.applies(which, lane):
                 flat = step.w.reshape(-1)
                 found = np.concatenate([
@@ -346,14 +353,14 @@ def test_series_of_levels_are_those_of_the_levels(support: int, side: int) -> No
 @each_kind
 def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> None:
     step = Step(support, side, 0.4, tolerance=1e-6)
-    assert (step.w[workspace.LENGTH] > 0.03).all()
+    assert (step.w[workspace.STEP_LENGTH] > 0.03).all()
     for lane in range(WIDTH):
-        length = step.w[workspace.LENGTH, lane]
+        length = step.w[workspace.STEP_LENGTH, lane]
         for until in (1.0, 0.6, 0.1):
             course = step.at(np.linspace(0, until, 3001) * length, lane)
-            presses = [step.w[row, lane] == CLOSED for row in (FACE, SIDE)]
+            presses = [step.w[line, lane] == CLOSED for line in (FACE, SIDE)]
             forces = course[:, [CONTACTS_AT, CONTACTS_AT + 2]] * presses
-            tilt, force = largest_until(EVENTS, 0.0, 0.0, until, step.w.reshape(-1), lane)
+            tilt, force = largest_until(LANES, 0.0, 0.0, until, step.w.reshape(-1), lane)
             assert tilt == pytest.approx(np.abs(course[:, TILT]).max(), rel=1e-6)
             assert force == pytest.approx(max(forces.max(), 0.0), rel=1e-6)
 
@@ -368,17 +375,17 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
             flat = step.w.reshape(-1)
             for lane in range(WIDTH):
                 for which in WATCHED:
-                    if not step.applies(which, lane) or EVENTS.is_partial(which):
+                    if not step.applies(which, lane) or is_partial(LANES, which):
                         continue
                     values = sampled(which, places, series, flat, lane)
                     if values[0] <= 1e-6:
                         continue
                     below = np.flatnonzero(values < 0.0)
-                    quarters = int(step.w[EVENTS.subintervals + which, lane])
+                    quarters = int(step.w[LANES.subintervals + which, lane])
                     if below.size == 0:
                         continue
                     assert quarters & 1 << min(int(4.0 * places[below[0] - 1]), 3)
-                    theta = crossing(EVENTS, which, 1.0, series, flat, lane)
+                    theta = crossing(LANES, which, 1.0, series, flat, lane)
                     fell += 1
                     assert places[below[0] - 1] <= theta <= places[below[0]]
                     nodes = values[:: (places.size - 1) // 4]
@@ -394,5 +401,5 @@ def test_a_fall_soon_after_a_level_has_left_zero_is_found() -> None:
     series[:, 0] = -1.0
     series[0, :3] = 0.0, 0.05, -1.0
     series[1, :2] = -0.06, 1.0
-    theta = first_crossing(EVENTS, number_of("right_edge_enters"), 1, 1.0, series.reshape(-1))
+    theta = first_crossing(LANES, number_of("right_edge_enters"), 1, 1.0, series.reshape(-1))
     assert theta == pytest.approx(0.05)
