@@ -127,10 +127,16 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
 
 
 @inlined_kernel
+def sticking(mode):
+    """Return whether the support sticks, and whether the side does."""
+    support_sticks = is_supported(mode) and mode.support_slip == STICKING
+    return support_sticks, is_beside(mode) and mode.side_slip == STICKING
+
+
+@inlined_kernel
 def without_slip(q, p, mode):
     """Return ``q`` with the slip of sticking contacts removed by friction impulses."""
-    support_sticks = is_supported(mode) and mode.support_slip == STICKING
-    side_sticks = is_beside(mode) and mode.side_slip == STICKING
+    support_sticks, side_sticks = sticking(mode)
     if not (support_sticks or side_sticks):
         return q
     support, side = support_contact(q, p, mode), side_contact(q, p, mode)
@@ -149,9 +155,15 @@ def without_slip(q, p, mode):
 
 
 @separate_kernel
-def hold_sticking(q, p, mode):
-    """Return ``without_slip`` by a call: for code that runs once a step, so that it stays small."""
+def _without_slip_at(q, p, mode):
     return without_slip(q, p, mode)
+
+
+@inlined_kernel
+def hold_sticking(q, p, mode):
+    """Return ``without_slip``, by a call if a contact sticks: for code that runs once a step."""
+    support_sticks, side_sticks = sticking(mode)
+    return _without_slip_at(q, p, mode) if support_sticks or side_sticks else q
 
 
 @inlined_kernel
