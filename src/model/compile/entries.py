@@ -7,6 +7,7 @@ same entries (webassembly.py). The arrays of one call must not overlap.
 """
 
 import ctypes
+import functools
 import os
 import pickle
 import struct
@@ -60,11 +61,16 @@ class Compiled:
         """Run the kernel."""
         if not COMPILES:
             return self.kernel(*arguments)
+        native, words = self.prepared(arguments)
+        return native.run(*native.memory(words))
+
+    def prepared(self, arguments: tuple[Any, ...]) -> "tuple[_Native, list[Any]]":
+        """Return machine code for these arguments, and their words."""
         words: list[Any] = []
         types = tuple([flattened(each, words) for each in arguments])
         if types not in self._natives:
             self._natives[types] = _native(self.kernel, types, self._contract)
-        return self._natives[types](words)
+        return self._natives[types], words
 
 
 def compiled(function: Function, *, contract: bool = True) -> Function:
@@ -76,6 +82,23 @@ def compiled(function: Function, *, contract: bool = True) -> Function:
         KernelError: at the first call, if the kernel is not in the subset.
     """
     return Compiled(function, contract)  # type: ignore[return-value]
+
+
+def bound(function: Any, *arguments: Any) -> Callable[[], Any]:
+    """Return a ``compiled`` kernel with its arguments: a call takes a tenth of the time.
+
+    Numbers keep their values; arrays are read, and written, anew at each call. Only one thread may
+    call it at a time.
+    """
+    if not COMPILES:
+        return functools.partial(function, *arguments)
+    native, words = function.prepared(arguments)
+    memory = native.memory(words)
+
+    def call(_held: tuple[Any, ...] = arguments) -> Any:
+        return native.run(*memory)
+
+    return call
 
 
 def flattened(argument: Any, words: list[Any]) -> Type:
@@ -117,9 +140,13 @@ class _Native:
         self._words = _packing(types)
         self._result, self._numbers = result, _packing((result,))
 
-    def __call__(self, words: list[Any]) -> Any:
-        written = ctypes.create_string_buffer(self._numbers.size)
-        self._call(self._words.pack(*words), written)
+    def memory(self, words: list[Any]) -> tuple[bytes, Any]:
+        """Return the words and room for the result as machine code reads and writes them."""
+        return self._words.pack(*words), ctypes.create_string_buffer(self._numbers.size)
+
+    def run(self, packed: bytes, written: Any) -> Any:
+        """Run the machine code and return its result."""
+        self._call(packed, written)
         return _rebuilt(self._result, iter(self._numbers.unpack(written)))
 
 
