@@ -19,10 +19,12 @@ import numpy as np
 
 from benchmarks.methods.base import Method
 from benchmarks.problems import Problem, Solution, Verdict
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.entries import compiled
+from model.compile.kernels import inlined_kernel, kernel
 from model.engines.lifecycle import start
+from model.engines.rates import moved
 from model.engines.record import constants_in
-from model.engines.scalar.step import moved, state_of, store_in
+from model.engines.scalar.step import state_of, store_in
 from model.events.event_functions import (
     FLAT,
     LARGEST_TILT,
@@ -122,6 +124,7 @@ def euler_step(h, q, k1):
     return State(x, y, tilt, x_rate, y_rate, tilt_rate)
 
 
+@compiled
 @kernel
 def run_each(rows, euler, h, horizon, most_steps, out):
     """Run all rows of constants; write (fallen in, finished, steps, time, state) into ``out``.
@@ -143,16 +146,21 @@ def run_each(rows, euler, h, horizon, most_steps, out):
         store_in(q, out[row, 4:])
 
 
+@compiled
 @kernel
-def write_rates(time, y, row, out):
-    """Write ``rates`` with the constants in ``row`` into ``out``; ``y`` and ``out``: shape (6,)."""
-    store_in(rates(time, state_of(y), constants_in(row)), out)
+def write_rates(at, row, out):
+    """Write ``rates`` with the constants in ``row`` into ``out``, shape (6,).
+
+    ``at`` holds time and state, shape (7,).
+    """
+    store_in(rates(at[0], state_of(at[1:]), constants_in(row)), out)
 
 
+@compiled
 @kernel
-def outside_of(y, row):
-    """Return ``outside`` with the constants in ``row``."""
-    return outside(state_of(y), constants_in(row))
+def outside_of(at, row):
+    """Return ``outside`` at time and state in ``at``, with the constants in ``row``."""
+    return outside(state_of(at[1:]), constants_in(row))
 
 
 Scheme = Literal["rk4", "semi_implicit_euler"]
