@@ -266,16 +266,19 @@ def test_tables_of_several_devices_are_judged_one_by_one() -> None:
         assert repr(judge(Tables(together.at(row).alone()))) == expected
 
 
-def test_of_sensitive_runs_alone_there_is_nothing_to_measure() -> None:
+@pytest.mark.parametrize("claim", CHECKED)
+def test_sensitive_runs_alone_show_nothing(claim: str) -> None:
+    datasets = {
+        name: dataset.assign(sensitive=xr.ones_like(dataset["outcome"]))
+        for name, dataset in CASES[claim][0].items()
+    }
+    assert found(claim, datasets).verdict == "contradicted"
+
+
+def test_a_curve_of_sensitive_runs_counts_against_what_is_said_of_it() -> None:
     curves = runs("fig06", falling)
     curves["fig06"]["sensitive"].values[1] = 1
     assert found("F6d", curves).seen == "k_φ = 5: -1; k_φ = 7: nothing to measure"
-    datasets = Course().datasets
-    datasets["fig05"]["sensitive"].values[...] = 1
-    for name in ("F5a", "F5c", "F5d", "F5e", "M9"):
-        judgement = found(name, datasets)
-        assert (judgement.verdict, judgement.margin) == ("contradicted", -1.0), name
-        assert judgement.seen.endswith("nothing to measure")
 
 
 # --- The ledger on disk -------------------------------------------------------------------------

@@ -101,6 +101,7 @@ class Tables:
     def __init__(self, frames: Mapping[str, pd.DataFrame]) -> None:
         self.frames = frames
         self._columns: dict[tuple[str, ...], _Columns] = {}
+        self._devices: dict[tuple[str, ...], dict[int, Rows]] = {}
         self._rows: dict[tuple[object, ...], dict[float, Rows]] = {}
         self._device = 0
 
@@ -152,14 +153,23 @@ class Tables:
         """
         key = self._device, names, where, each
         if key not in self._rows:
-            kept = self.column(names, "device") == self._device
-            rows = np.flatnonzero(kept & self.column(names, where) if where else kept)
+            rows = self._of_device(names)
+            rows = rows[self.column(names, where)[rows]] if where else rows
             if not rows.size:
                 raise MissingDataError(f"{', '.join(names)} has no run with {where}")
             by = self.column(names, each)[rows] if each else np.zeros(rows.size)
             known = self.column(names, "sensitive")[rows] == 0
             self._rows[key] = {value: rows[known & (by == value)] for value in np.unique(by)}
         return self._rows[key]
+
+    def _of_device(self, names: tuple[str, ...]) -> Rows:
+        device = self.column(names, "device")
+        if names not in self._devices:
+            order = np.argsort(device, kind="stable")
+            devices, starts = np.unique(device[order], return_index=True)
+            split = np.split(order, starts[1:])
+            self._devices[names] = dict(zip(devices.tolist(), split, strict=True))
+        return self._devices[names].get(self._device, np.empty(0, dtype=np.intp))
 
     def values(self, name: str, text: str) -> Column:
         """Return an expression of columns on the device's rows of a dataset, shape (rows,)."""

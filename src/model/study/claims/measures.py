@@ -289,14 +289,19 @@ def spread_beside(of: Array, over: Array, beside: Flags) -> float:
     return ratio(spread(of[~beside]), spread(of[same]))
 
 
+def _largest(of: Array) -> float:
+    return float(of.max()) if of.size else NAN
+
+
 def farthest_beside(of: Array, beside: Flags) -> float:
     """Return the largest value over the usual one beside."""
-    return ratio(float(of[~beside].max()), median(of[beside]))
+    return ratio(_largest(of[~beside]), median(of[beside]))
 
 
 def decades_beside(of: Array, beside: Flags) -> float:
     """Return the decades between the largest value and that beside; less than 1e-12 is none."""
-    return float(np.log10(max(of[~beside].max(), NO_WAY) / max(of[beside].max(), NO_WAY)))
+    here, there = (np.maximum(_largest(of[rows]), NO_WAY) for rows in (~beside, beside))
+    return float(np.log10(here / there))
 
 
 def distance_in_shape(of: Array, over: Array, by: Array, beside: Flags) -> float:
@@ -349,7 +354,7 @@ def share_of_largest_area(of: Flags, over: Array, by: Array) -> float:
 def safe_share(of: Flags, over: Array, by: Array, within: float) -> float:
     """Return the share of the cells around which all align, ``within`` a share of both axes."""
     cells, _, _ = _cells(of, over, by)
-    return float(_safe(cells, within).mean())
+    return share(_safe(cells, within))
 
 
 def rows_with_safe_cells(of: Flags, over: Array, by: Array, within: float, until: float) -> float:
