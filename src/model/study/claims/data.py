@@ -135,8 +135,10 @@ class Tables:
         if names not in self._columns:
             if missing := [name for name in names if name not in self.frames]:
                 raise MissingDataError(f"there is no dataset {missing[0]}")
-            tables = [self.frames[name].assign(figure=row) for row, name in enumerate(names)]
-            self._columns[names] = _Columns(pd.concat(tables) if len(tables) > 1 else tables[0])
+            tables = [self.frames[name] for name in names]
+            if len(tables) > 1:
+                tables = [pd.concat([t.assign(figure=row) for row, t in enumerate(tables)])]
+            self._columns[names] = _Columns(tables[0])
         try:
             return self._columns[names][text]
         except (KeyError, NameError) as error:
