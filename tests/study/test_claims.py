@@ -13,7 +13,7 @@ from model.study.claims import CLAIMS, VERDICTS, Judgement, Tables, judge, tally
 from model.study.claims.claims import ClaimsError, claims_of, limit_of
 from model.study.claims.data import table_of
 from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
-from model.study.claims.measures import explained, trend
+from model.study.claims.statistics import explained, trend
 from model.study.config import FIGURES, load_study, study_path
 from model.study.sweep import TRACK_QUANTITIES, merge, run, sweep_of
 from tests.study.claims_data import (

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from model.physics.parameters import FIELDS
-from model.study.claims.data import NAN, Column, MissingDataError, Rows, Tables
-from model.study.claims.measures import MEASURES, median, ratio
+from model.study.claims.data import Column, MissingDataError, Rows, Tables
+from model.study.claims.measures import MEASURES
+from model.study.claims.statistics import NAN, median, ratio
 
 Parts = Mapping[str, float]
 

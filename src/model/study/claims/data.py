@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 Column = NDArray[Any]
 Rows = NDArray[np.intp]
 
-NAN = float("nan")
-
 
 class MissingDataError(LookupError):
     """A dataset that a claim needs, or a value in it, is missing."""

@@ -9,8 +9,8 @@ import numpy as np
 
 from model.events.outcomes import Unvibrated
 from model.study.claims.claims import CLAIMS
-from model.study.claims.data import NAN, Tables
-from model.study.claims.measures import share
+from model.study.claims.data import Tables
+from model.study.claims.statistics import NAN, share
 
 _CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
 

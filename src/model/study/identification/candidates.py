@@ -23,8 +23,8 @@ from model.runs.unvibrated import unvibrated
 from model.study.claims.claims import CLAIMS
 from model.study.claims.data import Tables, table_of, with_columns
 from model.study.claims.ledger import Judgement, judge_claim
-from model.study.claims.measures import share
 from model.study.claims.regime import regime_of
+from model.study.claims.statistics import share
 from model.study.config.identification import Aims, Grid, Problem
 from model.study.devices.batches import rows_of
 from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
