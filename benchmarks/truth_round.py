@@ -31,6 +31,11 @@ WEDGES, _TIME_STEP = 128, 1e-4  # of MuJoCo's hole; in units of 1/p
 _OUTER, _DEEP = 2.5, 1.0  # radius and depth of the block around the hole, in radii of the peg
 _IMPEDANCE, _NO_CREEP = 0.001, 1e4  # as in benchmarks.truth
 
+COLUMNS = (
+    "device", "outcome", "time_ms", "settled_ms", "tip_n", "plane_n", "forces_settled_n",
+    "mujoco_ms", "first_ms", "second_ms", "third_ms", "softer_ms",
+)  # fmt: skip
+
 Quantities = Mapping[str, Any]
 
 
@@ -175,39 +180,40 @@ def by_mujoco(q: Quantities, start: float, wedges: int = WEDGES) -> float:
     return math.nan
 
 
-def write(rows: Sequence[tuple[Quantities, Truth]], path: Path) -> None:
-    """Write points and truths into a CSV file."""
-    names = [n for n in rows[0][0] if n not in {"device", "horizon", "smoothing"}]
-    head = ["device", "outcome", "time_ms", "settled_ms", "tip_n", "plane_n", "forces_settled_n",
-            "mujoco_ms", "first_ms", "second_ms", "third_ms", "softer_ms"]  # fmt: skip
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*head, "horizon", *names])
-        for q, truth in rows:
-            found = [f"{value:.5g}" for value in (*truth[1:-1], *truth.times)]
-            given = [repr(q[name]) for name in ("horizon", *names)]
-            writer.writerow([q["device"], truth.outcome, *found, *given])
+def row_of(q: Quantities, truth: Truth) -> list[str]:
+    """Return a row of the table: what was found, then the quantities."""
+    found = [f"{value:.5g}" for value in (*truth[1:-1], *truth.times)]
+    return [q["device"], truth.outcome, *found, *(repr(q[name]) for name in names_of(q))]
+
+
+def names_of(q: Quantities) -> list[str]:
+    """Return the names of the quantities that stand in the table."""
+    return [name for name in q if name not in {"device", "smoothing"}]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the points, one after the other; print and write the table."""
+    """Run the points, one after the other; print them and write them into the table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.truth_round", description=__doc__)
-    parser.add_argument("--points", type=int, nargs="*", help="numbers of points, from 0; all")
+    parser.add_argument("--points", type=int, nargs="*", help="run these anew, counted from 0")
     given = parser.parse_args(arguments)
-    every = points()
-    chosen = range(len(every)) if given.points is None else given.points
-    rows = []
-    for number in chosen:
+    every, table = points(), FOLDER / "truth.csv"
+    rows = [[""]] * len(every)
+    if given.points is not None:
+        with table.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))[1:]
+    for number in given.points or range(len(every)):
         q = every[number]
         truth = settle(q)
         if truth.outcome == "aligns":
             start = float(simulate(q, epsilon=1.0, horizon=1e-9).track[0, 2])
             truth = truth._replace(mujoco=by_mujoco(q, start))
-        rows.append((q, truth))
+        rows[number] = row_of(q, truth)
         sys.stdout.write(f"{number} {q['device']} {truth}\n")
         sys.stdout.flush()
-    if given.points is None:
-        write(rows, FOLDER / "truth.csv")
+    with table.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([*COLUMNS, *names_of(every[0])])
+        writer.writerows(rows)
     return 0
 
 
