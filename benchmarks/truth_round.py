@@ -1,11 +1,11 @@
 """Truth for a round peg, in three dimensions: ``python -m benchmarks.truth_round``.
 
 Every point of verification/round/points.yaml is run by the reference of ``verification.round`` at
-three smoothings of friction, each half of the last. The time without smoothing is extrapolated from
-the last two. Their difference is what it has settled to, plus what the base leaves open: the places
-of contact of the reference shift in proportion to the depth, so the middle run is repeated on bases
-four times softer and stiffer, of the same restitution. MuJoCo is given a cylinder and a hole of
-convex wedges; it is no judge where the peg tilts by more than some 0.08 rad (see ``by_mujoco``).
+three smoothings of friction, each half of the last, from which the time without smoothing is
+extrapolated. The places of contact of the reference shift in proportion to the depth, so the middle
+run is repeated on bases four times softer and stiffer, of the same restitution. MuJoCo is given a
+cylinder and a hole of convex wedges; it is no judge where the peg tilts by more than some 0.08 rad
+(see ``by_mujoco``).
 
 The table is verification/round/truth.csv.
 """
@@ -27,6 +27,7 @@ FOLDER = Path(__file__).parents[1] / "verification" / "round"
 BASES = 4.0  # ratio of the stiffnesses of the softer and stiffer base
 _CREEP = 0.6  # ratio of the creep at two smoothings below which it is friction's smoothing alone
 _FLAT = 1e-5  # tilt in rad of a peg that stands flat
+_LARGEST_RATIO = 0.8  # of differences that may be extrapolated by their ratio
 _LATE = 0.6  # share of the horizon after which creep is measured
 WEDGES, _TIME_STEP = 128, 1e-4  # of MuJoCo's hole; in units of 1/p
 _OUTER, _DEEP = 2.5, 1.0  # radius and depth of the block around the hole, in radii of the peg
@@ -76,22 +77,33 @@ def creep(found: Run, horizon: float) -> float:
 
 
 def settle(q: Quantities) -> Truth:
-    """Return what the reference finds, and to what it has settled.
-
-    An error in proportion to 1/k is a third of the change to k/4, and 4/3 of that to 4 k.
-    """
+    """Return what the reference finds, and to what it has settled."""
     first, before, last = (run(q, each) for each in q["smoothing"])
     softer, stiffer = (run(q, q["smoothing"][1], each) for each in (1.0 / BASES, BASES))
     runs = (first, before, last, softer, stiffer)
     times = tuple(1e3 * each.time if each.code == ALIGNED else math.nan for each in runs)
-    forces = abs(last.tip - before.tip)
-    if last.code != ALIGNED:
+    time = settled = math.nan
+    outcome = "aligns"
+    if last.code == ALIGNED:
+        time, settled = extrapolated(times)
+    else:
         outcome = outcome_of(before, last, q["horizon"])
-        return Truth(outcome, math.nan, math.nan, last.tip, last.plane, forces, math.nan, times)
-    _, middle, fine, soft, hard = times
+    forces = abs(last.tip - before.tip)
+    return Truth(outcome, time, settled, last.tip, last.plane, forces, math.nan, times)
+
+
+def extrapolated(times: Sequence[float]) -> tuple[float, float]:
+    """Return the time without smoothing, and what friction and base leave open.
+
+    ``times`` are those at three smoothings and, at the middle one, on a softer and a stiffer base.
+    The rest of a sequence whose differences fall by the ratio r is r/(1 - r) of the last difference
+    (Aitken). An error in proportion to 1/k is a third of the change to k/4, and 4/3 of that to 4 k.
+    """
+    coarse, middle, fine, soft, hard = times
+    ratio = (fine - middle) / (middle - coarse) if middle != coarse else 0.5
+    rest = (fine - middle) * (ratio / (1.0 - ratio) if 0.0 < ratio < _LARGEST_RATIO else 1.0)
     base = max(abs(soft - middle) / (BASES - 1.0), abs(hard - middle) * BASES / (BASES - 1.0))
-    time, settled = 2.0 * fine - middle, abs(fine - middle) + base
-    return Truth("aligns", time, settled, last.tip, last.plane, forces, math.nan, times)
+    return fine + rest, abs(rest) + base
 
 
 def outcome_of(before: Run, last: Run, horizon: float) -> str:

@@ -6,7 +6,16 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from benchmarks.truth_round import COLUMNS, Truth, names_of, outcome_of, points, row_of, scene
+from benchmarks.truth_round import (
+    COLUMNS,
+    Truth,
+    extrapolated,
+    names_of,
+    outcome_of,
+    points,
+    row_of,
+    scene,
+)
 from verification.round.motion import ALIGNED, RUNS_ON, Run
 
 HORIZON = 0.5
@@ -30,6 +39,14 @@ def run(speed, tilt=0.01, code=RUNS_ON):
 )
 def test_a_peg_sticks_where_its_creep_vanishes_with_the_smoothing(before, last, outcome):
     assert outcome_of(before, last, HORIZON) == outcome
+
+
+def test_the_time_without_smoothing_is_extrapolated_and_the_base_leaves_it_open():
+    # 10 - 2^-n at n = 1, 2, 3: the limit is 10
+    assert extrapolated((9.5, 9.75, 9.875, 9.75, 9.75)) == pytest.approx((10.0, 0.125))
+    # 1/k: 9.75 is 10 - 0.25, so 9 at k/4
+    assert extrapolated((9.75, 9.75, 9.75, 9.0, 9.9375))[1] == pytest.approx(0.25)
+    assert extrapolated((9.75, 9.75, 9.75, 9.75, 10.5))[1] == pytest.approx(1.0)
 
 
 def test_the_polygon_of_the_hole_lies_between_the_circles_inside_and_around_it():

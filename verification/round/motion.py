@@ -45,7 +45,7 @@ class Run(NamedTuple):
 
     code: int  # RUNS_ON, ALIGNED or OUT_OF_RANGE
     time: float  # of its end, s
-    tip: float  # normal force on one side of the plane of symmetry, N
+    tip: float  # normal force at one tip, or where there is no tip at one place, N
     plane: float  # resultant of the normal forces in that plane, N
     track: Floats  # rows: time, centre of mass (3), rotation vector (3), energy, normal force
 
@@ -74,12 +74,12 @@ def rotation_vector(r):
 
 @kernel
 def press(c, r, v, w, shape, device, epsilon, found, force, torque):
-    """Add the contact forces; return (at a tip, in the plane, in all, potential energy).
+    """Add the contact forces; return (at one place, in the plane, in all, potential energy).
 
-    The first three are the larger sum of normal forces on one side of the plane z = 0, the length
-    of their resultant in that plane, and their sum.
+    The first three are the largest normal force at one place (at a tip that of both rims), the
+    length of the resultant of all in the plane z = 0, and their sum.
     """
-    left = right = across = up = total = energy = 0.0
+    one = across = up = total = energy = 0.0
     for i in range(places(c, r, shape, found)):
         at, normal, depth, share = found[i, 0:3], found[i, 3:6], found[i, 6], found[i, 7]
         arm = at - c
@@ -97,9 +97,8 @@ def press(c, r, v, w, shape, device, epsilon, found, force, torque):
         total += load
         across += load * normal[0]
         up += load * normal[1]
-        left += load if at[2] >= -1e-9 else 0.0
-        right += load if at[2] <= 1e-9 else 0.0
-    return max(left, right), math.sqrt(across * across + up * up), total, energy
+        one = max(one, load if share == 1.0 else 2.0 * load)
+    return one, math.sqrt(across * across + up * up), total, energy
 
 
 @kernel
