@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-import round_drawings
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+from docs import round_drawings
 from model import load_device
 from model.show.schematics import DRAWINGS
 from model.show.style import write

@@ -1,6 +1,6 @@
 """Drawings of the page on round parts: the crescent from above, the lever over misalignment.
 
-``python docs/extensions/round_drawings.py docs/peg.yaml build/drawings`` writes both.
+``python docs/round_drawings.py docs/peg.yaml build/drawings`` writes both.
 """
 
 import sys
