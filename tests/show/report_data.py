@@ -14,7 +14,7 @@ from benchmarks.work_precision import table_of as settings_table
 from model.show.report import page as report_page
 from model.show.report.figures import HEAD
 from model.show.report.section import Results
-from model.study.claims import judge
+from model.study.claims import Tables, judge
 from model.study.claims.ledger import ledger_text, lines_of
 from model.study.io import write_dataset
 from model.study.sweep import merge, run, sweep_of
@@ -90,7 +90,7 @@ def datasets(study):
 
 @pytest.fixture(scope="module")
 def lines(datasets):
-    return lines_of(judge(datasets))
+    return lines_of(judge(Tables.of(datasets)))
 
 
 @pytest.fixture(scope="module")
